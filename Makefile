@@ -1,0 +1,41 @@
+# One-time set-up is a dependency of every job: a fresh clone needs Python >= 3.11 and make, nothing else.
+PYTHON ?= python3
+VENV ?= .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/ready
+
+.PHONY: demo test slow check bench docs pins clean
+
+demo: $(READY)  ## the published campaign of three rate gyros, end to end
+	$(BIN)/inertialcal demo
+
+test: $(READY)  ## the default suite
+	$(BIN)/python -m pytest -m "not slow" --durations=20
+
+slow: $(READY)  ## long coverage runs
+	$(BIN)/python -m pytest -m slow --durations=20
+
+check: $(READY)  ## format, lint, types, manual
+	$(BIN)/ruff format --check src tests
+	$(BIN)/ruff check src tests
+	$(BIN)/mypy
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
+
+bench: $(READY)  ## speed as ratios against named peers
+	$(BIN)/python -m pytest --benchmark-only -q tests
+
+docs: $(READY)
+	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
+
+$(READY): requirements.txt pyproject.toml
+	$(PYTHON) -c 'import sys; sys.exit("inertialcal needs Python 3.11 or newer; this is " + sys.version.split()[0] + ". Try: make PYTHON=python3.11") if sys.version_info < (3, 11) else None'
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --require-hashes -r requirements.txt
+	$(BIN)/python -m pip install --quiet --no-deps --no-build-isolation -e .
+	touch $(READY)
+
+pins:  ## needs uv; writes no address of an index
+	uv pip compile --quiet --universal --generate-hashes --no-header --no-emit-index-url --all-extras --python-version 3.11 pyproject.toml -o requirements.txt
+
+clean:
+	rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis

@@ -1,0 +1,1 @@
+"""inertialcal: from raw counts to a calibration that can be trusted."""

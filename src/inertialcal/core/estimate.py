@@ -1,0 +1,178 @@
+"""Estimate: named values with a full covariance that remembers where it comes from.
+
+The covariance is a sum of components (JCGM 100, 5.1 and 5.2): each is one source of uncertainty, of
+Type A (scatter that was observed) or Type B (a standard's certificate, a mounting tolerance), with its
+own degrees of freedom. The degrees of freedom of a value follow from those of its components by
+Welch-Satterthwaite (JCGM 100, G.4), so a budget is no separate piece of book-keeping: it is the
+estimate itself.
+
+An Estimate has no operators: propagate a function of it with ``statistics.propagate``.
+
+References
+----------
+.. [1] JCGM 100:2008, Evaluation of measurement data - Guide to the expression of uncertainty in
+   measurement (GUM), clauses 4.2, 4.3, 5.1, 5.2, G.4.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import DataError
+from .frames import frame
+
+Array = NDArray[np.float64]
+
+SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Component:
+    """One source of uncertainty of all values at once.
+
+    Parameters
+    ----------
+    source : str
+        What it is: ``"scatter between power-up runs"``, ``"table rate"``.
+    kind : {"A", "B"}
+        Observed scatter (A) or other knowledge (B).
+    covariance : ndarray, shape (k, k)
+        Contribution to the covariance of the values [unit_i unit_j].
+    dof : ndarray, shape (k,), or float
+        Degrees of freedom, per value or for all; infinite where the size is taken as known.
+    distribution : str
+        Of the underlying quantity: ``"normal"``, ``"rectangular"``, ``"t"``.
+    """
+
+    source: str
+    kind: Literal["A", "B"]
+    covariance: Array
+    dof: Array | float = np.inf
+    distribution: str = "normal"
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainty that this source alone gives, shape (k,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Named values with covariance, degrees of freedom and units.
+
+    Parameters
+    ----------
+    names : tuple of str
+        One a value: ``"scale_factor_error_x"``.
+    values : ndarray, shape (k,)
+        In ``units``.
+    units : tuple of str
+        One a value, as ``core.units`` prints them.
+    components : tuple of Component
+        Sources of uncertainty; their covariances add.
+
+    Raises
+    ------
+    DataError
+        If shapes disagree, a name appears twice, or a covariance is not symmetric with a
+        non-negative diagonal.
+    """
+
+    names: tuple[str, ...]
+    values: Array
+    units: tuple[str, ...]
+    components: tuple[Component, ...]
+
+    def __post_init__(self) -> None:
+        k = len(self.names)
+        if np.shape(self.values) != (k,) or len(self.units) != k:
+            raise DataError(f"{k} names, values of shape {np.shape(self.values)}, {len(self.units)} units")
+        if len(set(self.names)) != k:
+            raise DataError(f"a name appears twice in {self.names}")
+        for component in self.components:
+            _check_covariance(component, k)
+
+    @property
+    def covariance(self) -> Array:
+        """Sum of the components, shape (k, k)."""
+        k = len(self.names)
+        total = np.zeros((k, k))
+        for component in self.components:
+            total = total + component.covariance
+        return total
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties, shape (k,)."""
+        return np.sqrt(np.diag(self.covariance))
+
+    @property
+    def dof(self) -> Array:
+        """Degrees of freedom by Welch-Satterthwaite, shape (k,); infinite where all sources are known."""
+        variance = np.diag(self.covariance)
+        spent = np.zeros(len(self.names))
+        for component in self.components:
+            dof = np.broadcast_to(np.asarray(component.dof, dtype=float), variance.shape)
+            spent = spent + np.where(np.isinf(dof), 0.0, np.diag(component.covariance) ** 2 / dof)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            dof = np.where(spent > 0.0, variance**2 / spent, np.inf)
+        return np.asarray(dof, dtype=float)
+
+    def index(self, name: str) -> int:
+        """Position of a value.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name; the message lists those there are.
+        """
+        try:
+            return self.names.index(name)
+        except ValueError:
+            raise DataError(f"no value {name!r}", do=f"There are: {', '.join(self.names)}") from None
+
+    def value(self, name: str) -> float:
+        """One value, in its unit."""
+        return float(self.values[self.index(name)])
+
+    def select(self, names: Sequence[str]) -> Estimate:
+        """Return the estimate of some of the values, in the order given."""
+        at = [self.index(name) for name in names]
+        grid = np.ix_(at, at)
+        components = tuple(
+            Component(c.source, c.kind, c.covariance[grid], _take(c.dof, at), c.distribution)
+            for c in self.components
+        )
+        return Estimate(tuple(names), self.values[at], tuple(self.units[i] for i in at), components)
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame: a row a value, with ``value``, ``u``, ``unit`` and ``dof``."""
+        return frame(
+            {"value": self.values, "u": self.u, "unit": list(self.units), "dof": self.dof},
+            index=list(self.names),
+        )
+
+    def __str__(self) -> str:
+        """Return a table with a row a value."""
+        rows = zip(self.names, self.values, self.u, self.units, self.dof, strict=True)
+        return "\n".join(f"{n:<28} {v: .9g} ± {u:.2g} {unit} (dof {d:.3g})" for n, v, u, unit, d in rows)
+
+
+def _take(dof: Array | float, at: list[int]) -> Array | float:
+    return dof[at] if isinstance(dof, np.ndarray) else dof
+
+
+def _check_covariance(component: Component, k: int) -> None:
+    c = component.covariance
+    if c.shape != (k, k):
+        raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
+    if not np.all(np.isfinite(c)):
+        raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
+    scale = np.sqrt(np.outer(np.abs(np.diag(c)), np.abs(np.diag(c))))
+    if np.any(np.diag(c) < 0.0) or np.any(np.abs(c - c.T) > SYMMETRY * scale + np.finfo(float).tiny):
+        raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")

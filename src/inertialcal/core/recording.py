@@ -1,0 +1,177 @@
+"""Recording: one clock, any number of channels.
+
+Time is int64 nanoseconds, UTC (since 1970-01-01) or elapsed since an origin that the source names. A
+stamp means the middle of its averaging window. The sample interval and the averaging time are both kept,
+because they differ where there is dead time: 1 s averages saved every 2 s. Channels of different clocks
+are different Recordings. Channels keep the type they were stored in: counts stay integers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import DataError
+from .estimate import Array
+from .remarks import Remark
+
+Times = NDArray[np.int64]
+SECOND = 1_000_000_000  # [ns]
+
+
+@dataclass(frozen=True, eq=False)
+class Channel:
+    """One column of a recording.
+
+    Parameters
+    ----------
+    name : str
+        As the file has it.
+    data : ndarray, shape (n,)
+        In the type of the file; floats may hold NaN where a cell was empty.
+    unit : str or None
+        As ``core.units`` prints it; None when nobody said.
+    unit_from : str
+        Where the unit comes from: ``"flag"``, ``"header"``, ``"format"``, ``"campaign"`` or ``""``.
+    axis : str
+        ``"x"``, ``"y"``, ``"z"``, or ``""``.
+    quantity : str
+        What it measures as far as the header tells: ``"gyro"``, ``"acc"``, ``"temperature"``, ... or ``""``.
+    """
+
+    name: str
+    data: NDArray[Any]
+    unit: str | None = None
+    unit_from: str = ""
+    axis: str = ""
+    quantity: str = ""
+
+
+@dataclass(frozen=True)
+class Source:
+    """Where a recording was read from: path as given, SHA-256 of its bytes, format."""
+
+    path: str = ""
+    sha256: str = ""
+    format: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Recording:
+    """Channels on one clock.
+
+    Parameters
+    ----------
+    channels : tuple of Channel
+        All of one length n.
+    time_ns : ndarray of int64, shape (n,), or None
+        Middle of each averaging window [ns]; None where the file has no time.
+    sample_interval : float or None
+        Nominal time from sample to sample [s].
+    averaging_time : float or None
+        Length of the window that a sample is the mean of [s]; None when nobody said.
+    epoch : {"utc", "elapsed"}
+        What time zero is.
+    interval_from : str
+        Where the sample interval comes from: ``"time column 't'"``, ``"flag"``, ``"header"`` or ``""``.
+    source : Source
+        File, hash, format.
+    remarks : tuple of Remark
+        What reading it brought up.
+    first_row : int
+        Row of the source (counted from 1) of sample 0, for messages; 0 when rows have no meaning.
+
+    Raises
+    ------
+    DataError
+        If channels differ in length, share a name, or the time does not fit.
+    """
+
+    channels: tuple[Channel, ...]
+    time_ns: Times | None = None
+    sample_interval: float | None = None
+    averaging_time: float | None = None
+    epoch: Literal["utc", "elapsed"] = "elapsed"
+    interval_from: str = ""
+    source: Source = field(default_factory=Source)
+    remarks: tuple[Remark, ...] = ()
+    first_row: int = 0
+
+    def __post_init__(self) -> None:
+        names = [channel.name for channel in self.channels]
+        if len(set(names)) != len(names):
+            twice = sorted({name for name in names if names.count(name) > 1})
+            raise DataError(f"channel {', '.join(twice)} appears twice", where=self.source.path)
+        lengths = {channel.data.shape for channel in self.channels}
+        if self.time_ns is not None:
+            lengths.add(self.time_ns.shape)
+        if len(lengths) > 1:
+            raise DataError(f"channels of different length: {sorted(lengths)}", where=self.source.path)
+
+    def __len__(self) -> int:
+        """Return the number of samples."""
+        return int(self.channels[0].data.shape[0]) if self.channels else 0
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the channels, in order."""
+        return tuple(channel.name for channel in self.channels)
+
+    def channel(self, name: str) -> Channel:
+        """One channel by name.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name; the message lists those there are.
+        """
+        for channel in self.channels:
+            if channel.name == name:
+                return channel
+        raise DataError(
+            f"no column {name!r}",
+            where=self.source.path,
+            do=f"The file has: {', '.join(self.names) or 'none'}",
+            code="wrong_column",
+        )
+
+    def array(self, names: Sequence[str] | None = None) -> Array:
+        """Channels stacked time-first, as float64.
+
+        Parameters
+        ----------
+        names : sequence of str, optional
+            Which; all by default.
+
+        Returns
+        -------
+        ndarray, shape (n, channels)
+            In the unit of each channel.
+        """
+        chosen = self.channels if names is None else tuple(self.channel(name) for name in names)
+        return np.column_stack([channel.data.astype(np.float64) for channel in chosen])
+
+    @property
+    def seconds(self) -> Array | None:
+        """Time since the first sample [s], shape (n,); None where the file has no time."""
+        if self.time_ns is None or not len(self.time_ns):
+            return None
+        elapsed: Array = (self.time_ns - self.time_ns[0]).astype(np.float64) / SECOND
+        return elapsed
+
+    @property
+    def sample_rate(self) -> float | None:
+        """Nominal sampling frequency [Hz]."""
+        return 1.0 / self.sample_interval if self.sample_interval else None
+
+    def with_unit(self, names: Sequence[str], unit: str, unit_from: str) -> Recording:
+        """Return the recording with a unit said for some channels (their numbers stay as they are)."""
+        wanted = {self.channel(name).name for name in names}
+        channels = tuple(
+            replace(c, unit=unit, unit_from=unit_from) if c.name in wanted else c for c in self.channels
+        )
+        return replace(self, channels=channels)
