@@ -1,1 +1,48 @@
-"""inertialcal: from raw counts to a calibration that can be trusted."""
+"""inertialcal: from raw counts to a calibration that can be trusted.
+
+>>> import inertialcal as ic
+>>> recording = ic.read("imu.csv")  # doctest: +SKIP
+>>> ic.rate_table("table10.csv", axis="x").rows  # doctest: +SKIP
+>>> ic.run("campaign/").verdict  # doctest: +SKIP
+
+Names are loaded when first used, so that importing the package costs nothing.
+"""
+
+from __future__ import annotations
+
+from importlib import import_module
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from .campaign.run import check, run
+    from .campaign.single import rate_table
+    from .files import read
+    from .files.survey import survey as info
+    from .files.table import read_table
+
+__all__ = ["check", "info", "rate_table", "read", "read_table", "run"]
+
+_HOMES = {
+    "check": ("campaign.run", "check"),
+    "info": ("files.survey", "survey"),
+    "rate_table": ("campaign.single", "rate_table"),
+    "read": ("files", "read"),
+    "read_table": ("files.table", "read_table"),
+    "run": ("campaign.run", "run"),
+}
+
+
+def __getattr__(name: str) -> Any:
+    """Load a public name on first use (PEP 562)."""
+    if name == "__version__":
+        from importlib.metadata import version
+
+        return version("inertialcal")
+    if name not in _HOMES:
+        raise AttributeError(f"module 'inertialcal' has no attribute {name!r}")
+    module, attribute = _HOMES[name]
+    return getattr(import_module(f".{module}", __name__), attribute)
+
+
+def __dir__() -> list[str]:
+    return sorted([*globals(), *__all__])

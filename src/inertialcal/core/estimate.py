@@ -79,8 +79,8 @@ class Estimate:
     Raises
     ------
     DataError
-        If shapes disagree, a name appears twice, or a covariance is not symmetric with a
-        non-negative diagonal.
+        If shapes disagree, a name appears twice, a covariance is not symmetric with a non-negative
+        diagonal, or degrees of freedom are not positive.
     """
 
     names: tuple[str, ...]
@@ -115,13 +115,12 @@ class Estimate:
     def dof(self) -> Array:
         """Degrees of freedom by Welch-Satterthwaite, shape (k,); infinite where all sources are known."""
         variance = np.diag(self.covariance)
-        spent = np.zeros(len(self.names))
+        known = np.where(variance > 0.0, variance, 1.0)
+        spent = np.zeros(len(self.names))  # sum of (share of the variance)^2 / dof
         for component in self.components:
-            dof = np.broadcast_to(np.asarray(component.dof, dtype=float), variance.shape)
-            spent = spent + np.where(np.isinf(dof), 0.0, np.diag(component.covariance) ** 2 / dof)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            dof = np.where(spent > 0.0, variance**2 / spent, np.inf)
-        return np.asarray(dof, dtype=float)
+            spent = spent + (np.diag(component.covariance) / known) ** 2 / np.asarray(component.dof, dtype=float)
+        with np.errstate(divide="ignore"):
+            return np.asarray(1.0 / spent, dtype=float)
 
     def index(self, name: str) -> int:
         """Position of a value.
@@ -145,8 +144,7 @@ class Estimate:
         at = [self.index(name) for name in names]
         grid = np.ix_(at, at)
         components = tuple(
-            Component(c.source, c.kind, c.covariance[grid], _take(c.dof, at), c.distribution)
-            for c in self.components
+            Component(c.source, c.kind, c.covariance[grid], _take(c.dof, at), c.distribution) for c in self.components
         )
         return Estimate(tuple(names), self.values[at], tuple(self.units[i] for i in at), components)
 
@@ -176,3 +174,8 @@ def _check_covariance(component: Component, k: int) -> None:
     scale = np.sqrt(np.outer(np.abs(np.diag(c)), np.abs(np.diag(c))))
     if np.any(np.diag(c) < 0.0) or np.any(np.abs(c - c.T) > SYMMETRY * scale + np.finfo(float).tiny):
         raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
+    dof = np.asarray(component.dof, dtype=float)
+    if dof.shape not in {(), (k,)} or not np.all(dof > 0.0):
+        raise DataError(
+            f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
+        )

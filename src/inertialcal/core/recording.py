@@ -109,12 +109,18 @@ class Recording:
         lengths = {channel.data.shape for channel in self.channels}
         if self.time_ns is not None:
             lengths.add(self.time_ns.shape)
+            if self.time_ns.dtype != np.int64:
+                raise DataError(f"time of type {self.time_ns.dtype}, need int64 ns", where=self.source.path)
         if len(lengths) > 1:
             raise DataError(f"channels of different length: {sorted(lengths)}", where=self.source.path)
+        if any(len(shape) != 1 for shape in lengths):
+            raise DataError(f"channels of shape {lengths.pop()}, need (n,)", where=self.source.path)
 
     def __len__(self) -> int:
         """Return the number of samples."""
-        return int(self.channels[0].data.shape[0]) if self.channels else 0
+        if self.time_ns is not None:
+            return len(self.time_ns)
+        return len(self.channels[0].data) if self.channels else 0
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -151,9 +157,21 @@ class Recording:
         -------
         ndarray, shape (n, channels)
             In the unit of each channel.
+
+        Raises
+        ------
+        DataError
+            If a name is not there, or a channel holds text.
         """
         chosen = self.channels if names is None else tuple(self.channel(name) for name in names)
-        return np.column_stack([channel.data.astype(np.float64) for channel in chosen])
+        stacked = np.empty((len(self), len(chosen)))
+        for column, channel in enumerate(chosen):
+            try:
+                stacked[:, column] = channel.data
+            except ValueError:
+                what = f"column {channel.name!r} holds {channel.data.dtype} that are not all numbers"
+                raise DataError(what, where=self.source.path, code="wrong_column") from None
+        return stacked
 
     @property
     def seconds(self) -> Array | None:
@@ -171,7 +189,5 @@ class Recording:
     def with_unit(self, names: Sequence[str], unit: str, unit_from: str) -> Recording:
         """Return the recording with a unit said for some channels (their numbers stay as they are)."""
         wanted = {self.channel(name).name for name in names}
-        channels = tuple(
-            replace(c, unit=unit, unit_from=unit_from) if c.name in wanted else c for c in self.channels
-        )
+        channels = tuple(replace(c, unit=unit, unit_from=unit_from) if c.name in wanted else c for c in self.channels)
         return replace(self, channels=channels)

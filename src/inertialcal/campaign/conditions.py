@@ -1,0 +1,97 @@
+"""The ``where`` of a requirement: a small stated grammar, never eval.
+
+::
+
+    condition  = comparison { ("and" | "or") comparison }     "and" binds stronger than "or"
+    comparison = [ "abs(" ] name [ ")" ] operator quantity
+    operator   = ">=" | ">" | "<=" | "<"
+    quantity   = "number unit", as everywhere
+
+An empty text holds always.
+"""
+
+from __future__ import annotations
+
+import operator
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from ..core.errors import DataError
+from ..core.units import kind, parse_quantity, si_unit
+
+LONGEST = 400  # characters
+NAMES = {"rate": "angular_rate"}  # what may be compared, and which kind of quantity it is
+OPERATORS: dict[str, Callable[[float, float], bool]] = {
+    ">=": operator.ge,
+    ">": operator.gt,
+    "<=": operator.le,
+    "<": operator.lt,
+}
+COMPARISON = re.compile(r"\s*(?:abs\(\s*(?P<sized>\w+)\s*\)|(?P<plain>\w+))\s*(?P<op>>=|<=|>|<)\s*(?P<value>.+?)\s*")
+ROUNDING = 1e-9  # relative: 0.1 deg/s in a table and in a condition are the same rate
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """One comparison of a named quantity with a number, SI."""
+
+    name: str
+    size: bool
+    op: str
+    value: float
+
+    def holds(self, values: Mapping[str, float]) -> bool:
+        """Return True where it holds; equal up to rounding counts as equal."""
+        x = abs(values[self.name]) if self.size else values[self.name]
+        if abs(x - self.value) <= ROUNDING * abs(self.value):
+            return "=" in self.op
+        return OPERATORS[self.op](x, self.value)
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Alternatives, each a list of comparisons that must all hold."""
+
+    alternatives: tuple[tuple[Comparison, ...], ...]
+
+    def holds(self, values: Mapping[str, float]) -> bool:
+        """Return True where it holds for the values, SI."""
+        return any(all(one.holds(values) for one in every) for every in self.alternatives)
+
+
+def parse_condition(text: str) -> Condition:
+    """Read a condition.
+
+    Raises
+    ------
+    DataError
+        If it does not follow the grammar, names something unknown, or has a quantity that cannot be read.
+    """
+    if not text.strip():
+        return Condition(((),))
+    if len(text) > LONGEST:
+        raise DataError(f"where is {len(text)} characters long, at most {LONGEST}")
+    return Condition(
+        tuple(
+            tuple(_comparison(part) for part in re.split(r"\band\b", alternative))
+            for alternative in re.split(r"\bor\b", text)
+        )
+    )
+
+
+def _comparison(text: str) -> Comparison:
+    match = COMPARISON.fullmatch(text)
+    if match is None:
+        raise DataError(
+            f"where = {text.strip()!r} is no comparison", do='Write: "abs(rate) >= 0.1 deg/s and rate < 5 deg/s"'
+        )
+    name = match["sized"] or match["plain"]
+    if name not in NAMES:
+        raise DataError(f"where: {name!r} is not known", do=f"There are: {', '.join(NAMES)}")
+    given = parse_quantity(match["value"])
+    if kind(given.unit) != NAMES[name]:
+        raise DataError(
+            f"where: {name} cannot be compared with {match['value']!r}", do='Write: "abs(rate) >= 0.1 deg/s"'
+        )
+    return Comparison(name, match["sized"] is not None, match["op"], given.to(si_unit(given.unit)))

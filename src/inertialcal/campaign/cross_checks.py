@@ -1,0 +1,174 @@
+"""What one key of a campaign file says about another: names that lead somewhere, files that are there."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+from ..core.errors import DataError, Problem
+from ..core.units import kind, normalise, parse_quantity
+from ..procedures import PROCEDURES
+from .conditions import parse_condition
+from .plans import plan_values
+from .schema import CampaignFile, RecordingEntry, Sensor, Test
+
+At = Callable[..., str]
+
+
+def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
+    """Return everything that does not fit together.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the campaign.
+    file : CampaignFile
+        Valid by itself.
+    at : callable
+        Place of a key path, for messages.
+    """
+    return [
+        *(p for name, sensor in file.sensors.items() for p in _sensor(name, sensor, at)),
+        *(p for name, entry in file.recordings.items() for p in _recording(folder, file, name, entry, at)),
+        *(p for number, test in enumerate(file.tests) for p in _test(file, number, test, at)),
+        *_duplicates("tests", [test.id for test in file.tests], at),
+        *_duplicates("requirements", [one.id for one in file.requirements], at),
+        *_held_out_apart(file, at),
+        *_requirements(file, at),
+    ]
+
+
+def _sensor(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
+    for key, unit in (("range", sensor.unit), ("scale_factor", f"V/({sensor.unit})")):
+        given = sensor.range if key == "range" else [sensor.chain.scale_factor] if sensor.chain.scale_factor else None
+        where = at("sensors", name, *(("range",) if key == "range" else ("chain", "scale_factor")))
+        for text in given or []:
+            try:
+                parse_quantity(text).to(unit)
+            except DataError as error:
+                yield Problem(f"sensors.{name}.{key}: {error.problems[0].what}", where, code="wrong_value")
+    if sensor.chain.kind == "adc" and sensor.chain.scale_factor is None:
+        yield Problem(f"sensors.{name}.chain: kind = 'adc' needs scale_factor", at("sensors", name, "chain"))
+
+
+def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:
+    if entry.sensor not in file.sensors:
+        do = f"There are: {', '.join(file.sensors)}"
+        where = at("recordings", name, "sensor")
+        yield Problem(f"recordings.{name}: no sensor {entry.sensor!r}", where, do=do, code="unknown_name")
+    yield from _file(folder, name, entry.file, at("recordings", name, "file"))
+    sensor = file.sensors.get(entry.sensor)
+    if sensor is not None:
+        yield from _row_units(name, entry, sensor, at)
+
+
+def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
+    try:
+        root = folder.resolve()
+        path = (root / given).resolve()
+        exists = path.is_file()
+    except (OSError, ValueError, RuntimeError):
+        yield Problem(f"recordings.{name}: {given!r} is no file name", where, code="missing_file")
+        return
+    if not path.is_relative_to(root):
+        why = "a campaign must be complete in its folder"
+        do = "Copy the file into the campaign folder"
+        yield Problem(f"recordings.{name}: {given!r} lies outside the campaign folder", where, why, do, "outside")
+    elif not exists:
+        yield Problem(f"recordings.{name}: file {given!r} does not exist", where, code="missing_file")
+
+
+def _row_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> Iterator[Problem]:
+    rows = entry.rows
+    wanted = kind(sensor.unit)
+    where = at("recordings", name, "rows")
+    applied = rows.applied_unit or (sensor.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)
+    if kind(applied) != wanted:
+        yield Problem(f"recordings.{name}: applied in {applied!r}, need a unit of {wanted}", where, code="wrong_value")
+    if kind(rows.unit) == "count" and sensor.chain.kind != "adc":
+        yield Problem(f"recordings.{name}: counts, but the sensor's chain has no converter", where, code="wrong_value")
+    elif kind(rows.unit) == "voltage" and sensor.chain.scale_factor is None:
+        what = f"recordings.{name}: volts, but the sensor's chain has no scale_factor"
+        yield Problem(what, where, code="wrong_value")
+    elif kind(rows.unit) not in {"count", "voltage", wanted}:
+        yield Problem(f"recordings.{name}: unit {rows.unit!r}, need a unit of {wanted}", where, code="wrong_value")
+    for axis in [*(rows.reading if isinstance(rows.reading, dict) else ())]:
+        if axis not in sensor.axes:
+            yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
+
+
+def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    where = at("tests", number, "procedure")
+    if test.procedure not in PROCEDURES:
+        do = f"There are: {', '.join(PROCEDURES)}"
+        yield Problem(f"test {test.id!r}: no procedure {test.procedure!r}", where, do=do, code="unknown_name")
+        return
+    for name in test.recordings:
+        if name not in file.recordings:
+            do = f"There are: {', '.join(file.recordings)}"
+            what = f"test {test.id!r}: no recording {name!r}"
+            yield Problem(what, at("tests", number, "recordings"), do=do, code="unknown_name")
+    if len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1:
+        yield Problem(f"test {test.id!r}: recordings of different sensors", at("tests", number, "recordings"))
+    values, problems = plan_values(test.procedure, test.plan, at("tests", number, "plan"))
+    yield from problems
+    axis = values.get("axis")
+    sensors = [file.sensors[file.recordings[n].sensor] for n in test.recordings if n in file.recordings
+               and file.recordings[n].sensor in file.sensors]  # fmt: skip
+    if axis and sensors and axis not in sensors[0].axes:
+        what = f"test {test.id!r}: plan.axis = {axis!r}, the sensor has {', '.join(sensors[0].axes)}"
+        yield Problem(what, at("tests", number, "plan", "axis"), code="unknown_name")
+
+
+def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
+    for number, one in enumerate(ids):
+        if one in ids[:number]:
+            what = f"duplicate id {one!r} in {table}: used before"
+            why = "results could not be told apart"
+            yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
+
+
+def _held_out_apart(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find readings that the model is fitted on and judged by."""
+    for number, judge in enumerate(file.tests):
+        if judge.use != "hold_out":
+            continue
+        for fitted in file.tests:
+            if fitted.use == "fit" and set(fitted.recordings) & set(judge.recordings) and _share(fitted, judge):
+                what = f"test {judge.id!r} (hold_out) and {fitted.id!r} (fit) use the same readings"
+                do = "Give them different recordings, groups or windows"
+                yield Problem(what, at("tests", number), "a model must be judged on data held out", do, "overlap")
+
+
+def _share(one: Test, other: Test) -> bool:
+    if one.groups and other.groups and not set(one.groups) & set(other.groups):
+        return False
+    if one.windows and other.windows:
+        return any(a < d and c < b for a, b in one.windows for c, d in other.windows)
+    return True
+
+
+def _requirements(file: CampaignFile, at: At) -> Iterator[Problem]:
+    ids = {test.id for test in file.tests}
+    for number, one in enumerate(file.requirements):
+        for name in one.tests or []:
+            if name not in ids:
+                do = f"There are: {', '.join(sorted(ids))}"
+                what = f"requirement {one.id!r}: no test {name!r}"
+                yield Problem(what, at("requirements", number, "tests"), do=do, code="unknown_name")
+        for key in ("limit", "lower", "upper"):
+            text = getattr(one, key)
+            if text is not None:
+                yield from _limit(one.id, text, at("requirements", number, key))
+        try:
+            parse_condition(one.where)
+        except DataError as error:
+            yield Problem(f"requirement {one.id!r}: {error.problems[0].what}", at("requirements", number, "where"),
+                          do=error.problems[0].do, code="wrong_value")  # fmt: skip
+
+
+def _limit(name: str, text: str, where: str) -> Iterator[Problem]:
+    try:
+        normalise(parse_quantity(text).unit)
+    except DataError as error:
+        yield Problem(f"requirement {name!r}: {error.problems[0].what}", where, code="wrong_value")

@@ -1,0 +1,56 @@
+"""From SI to the units that the campaign speaks: those of its sensor, percent for relative errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..core.results import Interval, Row
+from ..core.units import factor, kind
+
+PERCENT = ("scale_factor_error", "scale_factor_asymmetry", "cross_axis_sensitivity")
+
+
+def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
+    """Return the unit that a figure is shown in.
+
+    Parameters
+    ----------
+    quantity : str
+        The field's word.
+    unit : str
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    """
+    if quantity in PERCENT and unit == "1":
+        return "%"
+    if kind(unit) == kind(sensor_unit):
+        return sensor_unit
+    return f"V/({sensor_unit})" if unit in {"V/(rad/s)", "V/(m/s^2)"} else unit
+
+
+def displayed(row: Row, sensor_unit: str) -> Row:
+    """Return the row in the units of the campaign."""
+    unit = display_unit(row.quantity, row.unit, sensor_unit)
+    if unit == row.unit:
+        return row
+    scale = factor(row.unit, unit)
+    return replace(
+        row,
+        value=scaled(row.value, scale),
+        u=scaled(row.u, scale),
+        interval=scaled_interval(row.interval, scale),
+        unit=unit,
+    )
+
+
+def scaled(number: float | None, scale: float) -> float | None:
+    """Return the number times a factor; absent stays absent."""
+    return None if number is None else number * scale
+
+
+def scaled_interval(interval: Interval | None, scale: float) -> Interval | None:
+    """Return the interval times a factor; open sides stay open."""
+    if interval is None:
+        return None
+    return Interval(scaled(interval.lo, scale), scaled(interval.hi, scale), interval.p)

@@ -1,0 +1,55 @@
+"""Quantities of a campaign file: text "number unit", read into SI floats of the kind that the key needs."""
+
+from __future__ import annotations
+
+from typing import Annotated, Any
+
+from pydantic import BeforeValidator
+
+from ..core.errors import DataError
+from ..core.units import normalise, parse_quantity
+
+
+def quantity(si_unit: str) -> Any:
+    """Return a pydantic type: text like ``"-36.4 deg"``, read into a float in ``si_unit``.
+
+    Parameters
+    ----------
+    si_unit : str
+        Unit inside; anything that converts to it is accepted.
+    """
+
+    def read(given: object) -> float:
+        if isinstance(given, bool) or not isinstance(given, str):
+            raise ValueError(f'{given!r} is not a quantity: write "number unit", like "1 {si_unit}", in quotes')
+        try:
+            return parse_quantity(given).to(si_unit)
+        except DataError as error:
+            raise ValueError(_text(error)) from None
+
+    return Annotated[float, BeforeValidator(read)]
+
+
+def read_unit(given: object) -> str:
+    """Read the name of a unit, for pydantic; the canonical spelling comes out."""
+    if not isinstance(given, str):
+        raise ValueError(f"{given!r} is not a unit: write its name in quotes")
+    try:
+        return normalise(given)
+    except DataError as error:
+        raise ValueError(_text(error)) from None
+
+
+def _text(error: DataError) -> str:
+    problem = error.problems[0]
+    return f"{problem.what}. {problem.do}" if problem.do else problem.what
+
+
+Unit = Annotated[str, BeforeValidator(read_unit)]
+Angle = quantity("rad")
+AngularRate = quantity("rad/s")
+Acceleration = quantity("m/s^2")
+Length = quantity("m")
+Relative = quantity("1")
+Voltage = quantity("V")
+Duration = quantity("s")

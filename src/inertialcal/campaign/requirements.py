@@ -1,0 +1,230 @@
+"""Requirements: which result each one asks about, and what the decision rule says.
+
+The rule (JCGM 106, and DESIGN): PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else
+INCONCLUSIVE. A requirement on ``rate_error`` is judged at every rate that its condition takes in, each verdict
+standing for itself. A requirement that no test speaks to is OPEN and counts as INCONCLUSIVE.
+
+References
+----------
+.. [1] JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty in conformity
+   assessment, clauses 7 and 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.results import Interval, Row, not_estimated
+from ..core.units import parse_quantity
+from ..procedures import rate_table
+from ..statistics.decision import decide
+from .conditions import parse_condition
+from .schema import Requirement, Test
+
+RULE = "PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else INCONCLUSIVE"
+OPEN = "OPEN"
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A requirement judged at one place.
+
+    Parameters
+    ----------
+    requirement, test, axis : str
+        Which.
+    at : float or None
+        Rate [rad/s] that it is judged at; None where it is about a single figure.
+    of : str
+        What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure.
+    value, u : float or None
+        In ``unit``.
+    lower, upper : float or None
+        Limits in ``unit``.
+    verdict : {"PASS", "FAIL", "INCONCLUSIVE", "OPEN"}
+        By the rule.
+    reason : str
+        Why not PASS or FAIL.
+    """
+
+    requirement: str
+    test: str
+    axis: str
+    at: float | None
+    of: str
+    value: float | None
+    u: float | None
+    unit: str
+    interval: Interval | None
+    lower: float | None
+    upper: float | None
+    verdict: str
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Tested:
+    """A test that was run: its entry, its result and its rows, SI."""
+
+    test: Test
+    result: Any
+    rows: Sequence[Row]
+
+
+def judge(requirement: Requirement, tested: Sequence[Tested]) -> tuple[list[Verdict], list[Row]]:
+    """Return the verdicts of a requirement, and rows that follow from it (the resolution).
+
+    Parameters
+    ----------
+    requirement : Requirement
+        As the campaign states it.
+    tested : sequence of Tested
+        All tests that were run; those that the requirement is about are chosen here.
+    """
+    about = [one for one in tested if _is_about(requirement, one)]
+    if requirement.quantity == "rate_error":
+        verdicts, rows = _rate_errors(requirement, about)
+    else:
+        verdicts, rows = list(_figures(requirement, about)), []
+    return (verdicts or [_open(requirement)]), rows
+
+
+def worst(verdicts: Sequence[Verdict]) -> str:
+    """Return FAIL before INCONCLUSIVE before PASS; OPEN counts as INCONCLUSIVE."""
+    found = {one.verdict for one in verdicts}
+    if "FAIL" in found:
+        return "FAIL"
+    return "PASS" if found == {"PASS"} else "INCONCLUSIVE"
+
+
+def _is_about(requirement: Requirement, one: Tested) -> bool:
+    if requirement.tests is not None and one.test.id not in requirement.tests:
+        return False
+    if requirement.condition is not None and one.test.condition != requirement.condition:
+        return False
+    plan = getattr(one.result, "plan", None)
+    wanted = requirement.zero_reference
+    return wanted is None or getattr(plan, "zero_reference", None) == wanted
+
+
+def _open(requirement: Requirement) -> Verdict:
+    limits = _limits(requirement, "1") if requirement.quantity == "rate_error" else (None, None)
+    return Verdict(
+        requirement.id,
+        "",
+        requirement.axis or "",
+        None,
+        "",
+        None,
+        None,
+        "",
+        None,
+        *limits,
+        OPEN,
+        "no test speaks to it",
+    )
+
+
+def _limits(requirement: Requirement, unit: str) -> tuple[float | None, float | None]:
+    if requirement.limit is not None:
+        size = abs(parse_quantity(requirement.limit).to(unit))
+        return -size, size
+    lower = None if requirement.lower is None else parse_quantity(requirement.lower).to(unit)
+    upper = None if requirement.upper is None else parse_quantity(requirement.upper).to(unit)
+    return lower, upper
+
+
+def _rate_errors(requirement: Requirement, about: Sequence[Tested]) -> tuple[list[Verdict], list[Row]]:
+    condition = parse_condition(requirement.where)
+    verdicts: list[Verdict] = []
+    rows: list[Row] = []
+    for one in about:
+        if not isinstance(one.result, rate_table.Result):
+            continue
+        for sensor, line in one.result.lines.items():
+            if requirement.axis in (None, sensor) and sensor in line.axes:
+                errors = rate_table.rate_errors(one.result.plan, one.result.readings, line, requirement.of)
+                judged = [_rate_verdict(requirement, one.test.id, error) for error in errors]
+                verdicts += [v for v in judged if v.at is not None and condition.holds({"rate": v.at})]
+                rows += _resolution_rows(requirement, one.test, sensor, errors, judged)
+    return verdicts, rows
+
+
+def _rate_verdict(requirement: Requirement, test: str, error: rate_table.RateError) -> Verdict:
+    lower, upper = _limits(requirement, "1")
+    found = decide(_nan(error.error), _nan(error.u), error.dof, lower, upper)
+    return Verdict(
+        requirement.id, test, error.sensor, error.applied, requirement.of, error.error, error.u, "1", found.interval,
+        lower, upper, found.status, error.reason or found.reason,
+    )  # fmt: skip
+
+
+def _nan(number: float | None) -> float:
+    return np.nan if number is None else number
+
+
+def _resolution_rows(
+    requirement: Requirement,
+    test: Test,
+    sensor: str,
+    errors: Sequence[rate_table.RateError],
+    judged: Sequence[Verdict],
+) -> Iterator[Row]:
+    """Lowest rate from which the requirement holds: by verdict, and as published by every dwell being inside."""
+    rates = np.array([error.applied for error in errors])
+    known = np.array([error.dwells > 0 for error in errors])
+    lower, upper = _limits(requirement, "1")
+    size = max(abs(limit) for limit in (lower, upper) if limit is not None)
+    ways = {
+        f"{requirement.id}": np.array([verdict.verdict == "PASS" for verdict in judged]),
+        "as_published": np.array([error.largest <= size for error in errors]),
+    }
+    for condition, holds in ways.items():
+        keep = known if condition != "as_published" else np.ones_like(known)
+        found = rate_table.resolution(rates[keep], holds[keep])
+        row = _resolution_row(found, sensor, condition, requirement)
+        yield Row(**{**row.__dict__, "test": test.id})
+
+
+def _resolution_row(found: rate_table.Resolution, sensor: str, condition: str, requirement: Requirement) -> Row:
+    text = f"lowest rate tested from which {requirement.id} holds ({requirement.limit or 'its limits'})"
+    if found.value is None:
+        return not_estimated("resolution", sensor, "rad/s", f"{text}: it does not hold at the highest rate", condition)
+    if found.below is None:
+        interval = Interval(0.0, found.value)
+        reason = f"{text}: it holds at the lowest rate tested"
+        return Row(
+            "resolution", sensor, found.value, None, "rad/s", None, interval, "upper_limit", reason, "", condition
+        )
+    interval = Interval(found.below, found.value)
+    return Row("resolution", sensor, found.value, found.u, "rad/s", None, interval, reason=text, condition=condition)
+
+
+def _figures(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:
+    for one in about:
+        for row in one.rows:
+            if row.quantity != requirement.quantity or row.condition or requirement.axis not in (None, row.axis):
+                continue
+            yield _figure(requirement, one.test.id, row)
+
+
+def _figure(requirement: Requirement, test: str, row: Row) -> Verdict:
+    try:
+        lower, upper = _limits(requirement, row.unit)
+    except DataError as error:
+        reason = error.problems[0].what
+        return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, None, None,
+                       "INCONCLUSIVE", reason)  # fmt: skip
+    if row.status != "estimated":
+        return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
+                       "INCONCLUSIVE", row.reason)  # fmt: skip
+    found = decide(_nan(row.value), _nan(row.u), np.inf if row.dof is None else row.dof, lower, upper)
+    return Verdict(
+        requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, found.interval, lower, upper,
+        found.status, found.reason,
+    )  # fmt: skip

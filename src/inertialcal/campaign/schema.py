@@ -1,0 +1,246 @@
+"""campaign.toml: what may stand in it, and in which unit it is read.
+
+All quantities are text "number unit" and are SI here. Unknown keys are refused: a misspelt key would be a
+setting that silently does nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
+
+from ..core.influence import Influence
+from ..core.units import kind, parse_quantity
+from .clock_text import read_instant
+from .quantities import Acceleration, Angle, Length, Unit, Voltage
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=64)]
+Text = Annotated[str, Field(max_length=2000)]
+Axis = Literal["x", "y", "z"]
+
+# Influences that may stand under [standards.NAME], with the unit that they are read into.
+STANDARDS: dict[str, dict[str, str]] = {
+    "rate_table": {"rate": "1", "mounting": "rad"},
+    "converter": {"reference": "1"},
+}
+
+
+class Strict(BaseModel):
+    """Unknown keys are refused; nothing changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class CampaignHead(Strict):
+    """[campaign]."""
+
+    id: Name
+    title: Text = ""
+    source: Text = ""
+
+
+class Item(Strict):
+    """[item]: what is tested."""
+
+    maker: Text = ""
+    part: Text = ""
+    serial: Text = ""
+
+
+class Site(Strict):
+    """[site]: where."""
+
+    latitude: Angle | None = None
+    height: Length | None = None
+    gravity: Acceleration | None = None
+
+
+class StandardEntry(Strict):
+    """Uncertainty of a standard: one of ``u``, ``expanded`` with ``k``, or ``half_width``."""
+
+    u: str | None = None
+    expanded: str | None = None
+    k: float | None = Field(default=None, gt=0)
+    half_width: str | None = None
+    dof: float | None = Field(default=None, gt=0)
+    certificate: Text = ""
+
+    @model_validator(mode="after")
+    def _one_form(self) -> StandardEntry:
+        given = [name for name in ("u", "expanded", "half_width") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"needs one of u, expanded (with k) or half_width; given: {', '.join(given) or 'none'}")
+        if (self.expanded is None) != (self.k is None):
+            raise ValueError("expanded and k go together: U = k u")
+        return self
+
+    def influence(self, unit: str) -> Influence:
+        """Return the standard uncertainty in ``unit``.
+
+        Raises
+        ------
+        DataError
+            If the text is no quantity of that kind, or not positive.
+        """
+        text, divisor = (self.u, 1.0) if self.u is not None else (self.expanded, self.k or 1.0)
+        if self.half_width is not None:
+            text, divisor = self.half_width, math.sqrt(3.0)
+        u = parse_quantity(text or "").to(unit) / divisor
+        if not (u >= 0.0 and math.isfinite(u)):
+            raise ValueError(f"{text!r}: an uncertainty is positive and finite")
+        shape = "rectangular" if self.half_width is not None else "normal"
+        return Influence(u, unit, math.inf if self.dof is None else self.dof, shape, self.certificate)
+
+
+class Chain(Strict):
+    """chain = {...}: from counts to the unit of the sensor."""
+
+    kind: Literal["none", "adc"]
+    lsb: Voltage | None = None
+    counts: tuple[int, int] | None = None
+    reference: Voltage | None = None
+    scale_factor: str | None = None
+
+    @field_validator("counts", mode="before")
+    @classmethod
+    def _pair(cls, given: object) -> object:
+        return tuple(given) if isinstance(given, list) else given
+
+    @model_validator(mode="after")
+    def _complete(self) -> Chain:
+        if self.kind == "adc" and (self.lsb is None or self.counts is None):
+            raise ValueError('kind = "adc" needs lsb and counts')
+        if self.counts is not None and self.counts[0] >= self.counts[1]:
+            raise ValueError(f"counts = {list(self.counts)}: the first must be the smaller")
+        return self
+
+
+class Sensor(Strict):
+    """[sensors.NAME]: a triad, or part of one."""
+
+    kind: Literal["gyro", "accelerometer"]
+    axes: list[Axis] = Field(min_length=1, max_length=3)
+    unit: Unit
+    range: list[str] | None = Field(default=None, min_length=2, max_length=2)
+    chain: Chain = Chain(kind="none")
+
+    @model_validator(mode="after")
+    def _fits(self) -> Sensor:
+        if len(set(self.axes)) != len(self.axes):
+            raise ValueError(f"axes = {self.axes}: an axis appears twice")
+        wanted = "angular_rate" if self.kind == "gyro" else "acceleration"
+        if kind(self.unit) != wanted:
+            raise ValueError(f"unit = {self.unit!r} is no unit of {wanted.replace('_', ' ')}")
+        return self
+
+
+Columns = Text | dict[Axis, Text]
+
+
+class Rows(Strict):
+    """rows = {...}: which column of a reduced table is what; a row is a dwell."""
+
+    applied: Text
+    reading: Columns
+    unit: Unit
+    applied_unit: Unit | None = None
+    scatter: Columns | None = None
+    samples: Text | None = None
+    axis: Text | None = None
+    group: Text | None = None
+    run: Text | None = None
+    time: Text | None = None
+
+
+class RecordingEntry(Strict):
+    """[recordings.NAME]."""
+
+    sensor: Name
+    file: Text
+    rows: Rows
+    source: Text = ""
+
+
+Window = tuple[int, int]
+
+
+class Test(Strict):
+    """[[tests]]."""
+
+    __test__ = False  # not a test class of pytest
+
+    id: Name
+    procedure: Name
+    recordings: list[Name] = Field(min_length=1)
+    use: Literal["fit", "hold_out", "report_only"] = "fit"
+    groups: list[Text] | None = Field(default=None, min_length=1)
+    windows: list[Window] | None = Field(default=None, min_length=1)
+    condition: Text = ""
+    source: Text = ""
+    plan: dict[str, Any] = {}
+
+    @field_validator("windows", mode="before")
+    @classmethod
+    def _instants(cls, given: object) -> object:
+        if not isinstance(given, list):
+            return given
+        return [_window(pair) for pair in given]
+
+    @model_validator(mode="after")
+    def _apart(self) -> Test:
+        windows = sorted(self.windows or [])
+        for one, other in pairwise(windows):
+            if other[0] < one[1]:
+                raise ValueError("two windows overlap: a reading would count twice")
+        return self
+
+
+def _window(pair: object) -> Window:
+    if not isinstance(pair, list) or len(pair) != 2:
+        raise ValueError(f"window {pair!r}: needs a start and a stop")
+    start, stop = read_instant(pair[0]), read_instant(pair[1])
+    if stop <= start:
+        raise ValueError(f"window {pair!r}: stop is not after start")
+    return start, stop
+
+
+class Requirement(Strict):
+    """[[requirements]]: what is asked of which quantity, under which conditions."""
+
+    id: Name
+    text: Text = ""
+    quantity: Name
+    axis: Text | None = None
+    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"
+    limit: str | None = None
+    lower: str | None = None
+    upper: str | None = None
+    where: Text = ""
+    zero_reference: bool | None = None
+    condition: Text | None = None
+    tests: list[Name] | None = Field(default=None, min_length=1)
+
+    @model_validator(mode="after")
+    def _limits(self) -> Requirement:
+        if self.limit is not None and (self.lower is not None or self.upper is not None):
+            raise ValueError("limit stands for both sides: give limit, or lower and upper")
+        if self.limit is None and self.lower is None and self.upper is None:
+            raise ValueError("needs limit, lower or upper")
+        return self
+
+
+class CampaignFile(Strict):
+    """The whole campaign.toml."""
+
+    schema_version: Literal[1] = Field(alias="schema")
+    campaign: CampaignHead
+    item: Item = Item()
+    site: Site = Site()
+    standards: dict[str, dict[str, StandardEntry]] = {}
+    sensors: dict[Name, Sensor] = Field(min_length=1)
+    recordings: dict[Name, RecordingEntry] = Field(min_length=1)
+    tests: list[Test] = Field(min_length=1)
+    requirements: list[Requirement] = []

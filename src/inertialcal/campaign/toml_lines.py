@@ -1,0 +1,181 @@
+"""Line of every key of a TOML text, which the standard parser does not tell.
+
+The text has been parsed by ``tomllib`` before, so it is valid: this scanner only follows headers, keys, strings
+and brackets to say on which line each path stands.
+"""
+
+from __future__ import annotations
+
+from bisect import bisect_left
+from collections.abc import Iterator
+
+Path = tuple[str | int, ...]
+
+
+def key_lines(text: str) -> dict[Path, int]:
+    r"""Return the line (from 1) of each table, array element and key.
+
+    Parameters
+    ----------
+    text : str
+        Valid TOML.
+
+    Returns
+    -------
+    dict of tuple to int
+        Paths as in the parsed document: ``("tests", 0, "plan", "axis")``.
+
+    Examples
+    --------
+    >>> key_lines("[a]\nb = 1\n[[c]]\nd = {e = 2}\n")[("c", 0, "d", "e")]
+    4
+    """
+    return _Scanner(text).scan()
+
+
+def nearest_line(lines: dict[Path, int], path: Path) -> int | None:
+    """Return the line of the path, or of its nearest ancestor that has one."""
+    for length in range(len(path), 0, -1):
+        if path[:length] in lines:
+            return lines[path[:length]]
+    return None
+
+
+class _Scanner:
+    def __init__(self, text: str):
+        self.text = text
+        self.at = 0
+        self.lines: dict[Path, int] = {}
+        self.counts: dict[Path, int] = {}
+        self.ends = [i for i, character in enumerate(text) if character == "\n"]
+
+    def scan(self) -> dict[Path, int]:
+        table: Path = ()
+        while self._skip_blank():
+            if self.text.startswith("[[", self.at):
+                table = self._header(2)
+            elif self.text[self.at] == "[":
+                table = self._header(1)
+            else:
+                self._key_value(table)
+        return self.lines
+
+    def _line(self) -> int:
+        return bisect_left(self.ends, self.at) + 1
+
+    def _skip_blank(self) -> bool:
+        """Go past white space and comments; False at the end."""
+        while self.at < len(self.text):
+            if self.text[self.at] == "#":
+                self.at = (self.text.find("\n", self.at) + 1) or len(self.text)
+            elif self.text[self.at] in " \t\r\n":
+                self.at += 1
+            else:
+                return True
+        return False
+
+    def _header(self, brackets: int) -> Path:
+        line = self._line()
+        self.at += brackets
+        names = self._key()
+        self.at += brackets
+        path: Path = ()
+        for name in names[:-1]:
+            path = self._inside((*path, name))
+        path = (*path, names[-1])
+        if brackets == 2:
+            number = self.counts.get(path, 0)
+            self.counts[path] = number + 1
+            self.lines.setdefault(path, line)
+            path = (*path, number)
+        self.lines.setdefault(path, line)
+        return path
+
+    def _inside(self, path: Path) -> Path:
+        """Path of the last element where the path names an array of tables."""
+        return (*path, self.counts[path] - 1) if path in self.counts else path
+
+    def _key(self) -> list[str]:
+        """Read a dotted key; stops at '=' or ']'."""
+        names: list[str] = []
+        while self.at < len(self.text):
+            character = self.text[self.at]
+            if character in "=]":
+                break
+            if character in ". \t":
+                self.at += 1
+            elif character in "\"'":
+                start = self.at
+                self._string()
+                names.append(self.text[start + 1 : self.at - 1])
+            else:
+                start = self.at
+                while self.at < len(self.text) and self.text[self.at] not in ".=] \t\r\n":
+                    self.at += 1
+                names.append(self.text[start : self.at])
+                if start == self.at:  # not TOML: cannot happen after tomllib, but never loop
+                    self.at = len(self.text)
+        return names
+
+    def _key_value(self, table: Path) -> None:
+        line = self._line()
+        names = self._key()
+        path = table
+        for name in names:
+            path = (*path, name)
+            self.lines.setdefault(path, line)
+        self.at += 1  # the '='
+        self._value(path)
+
+    def _value(self, path: Path) -> None:
+        self._skip_blank()
+        character = self.text[self.at : self.at + 1]
+        if character in {'"', "'"}:
+            self._string()
+        elif character == "[":
+            self._elements(path, "]")
+        elif character == "{":
+            self._elements(path, "}")
+        else:
+            while self.at < len(self.text) and self.text[self.at] not in ",]}#\r\n":
+                self.at += 1
+
+    def _elements(self, path: Path, end: str) -> None:
+        """Read an array or an inline table."""
+        self.at += 1
+        for number in _count():
+            if not self._skip_blank() or self.text[self.at] == end:
+                break
+            if end == "]":
+                self.lines.setdefault((*path, number), self._line())
+                self._value((*path, number))
+            else:
+                self._key_value(path)
+            self._skip_blank()
+            if self.text[self.at : self.at + 1] == ",":
+                self.at += 1
+        self.at += 1
+
+    def _string(self) -> None:
+        quote = self.text[self.at]
+        triple = quote * 3
+        if self.text.startswith(triple, self.at):
+            self.at += 3
+            self._until(triple, quote == '"')
+            while self.text[self.at : self.at + 1] == quote:  # up to two more quotes belong to the string
+                self.at += 1
+        else:
+            self.at += 1
+            self._until(quote, quote == '"')
+
+    def _until(self, end: str, escapes: bool) -> None:
+        while self.at < len(self.text) and not self.text.startswith(end, self.at):
+            self.at += 2 if escapes and self.text[self.at] == "\\" else 1
+        self.at += len(end)
+
+
+def _count() -> Iterator[int]:
+    number = 0
+    while True:
+        yield number
+        number += 1

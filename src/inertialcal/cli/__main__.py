@@ -1,0 +1,71 @@
+"""Entry point: exit status and messages for everything that can happen."""
+
+from __future__ import annotations
+
+import os
+import sys
+import tempfile
+import traceback
+from collections.abc import Sequence
+
+from ..core.errors import InertialcalError, Problem, UsageError
+from .output import errors_out
+
+
+def main(arguments: Sequence[str] | None = None) -> None:
+    """Run the command line and leave with its exit status.
+
+    0 done; 1 a requirement FAILs; 2 wrong usage; 3 input refused; 4 INCONCLUSIVE; 70 internal error; 130
+    interrupted. No input ends in a traceback.
+    """
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    status = _run(given)
+    try:
+        sys.stdout.flush()
+    except BrokenPipeError:  # the reader has seen enough
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(status)
+
+
+def _run(given: list[str]) -> int:
+    as_json = "--json" in given
+    try:
+        from typer.main import get_command
+
+        from .app import app
+
+        status = get_command(app).main(args=given, prog_name="inertialcal", standalone_mode=False)
+        return int(status or 0)
+    except InertialcalError as error:
+        return errors_out(given, list(error.problems), error.exit_status, as_json)
+    except BrokenPipeError:
+        return 0
+    except KeyboardInterrupt:
+        print("interrupted", file=sys.stderr)
+        return 130
+    except Exception as error:
+        return _other(given, error, as_json)
+
+
+def _other(given: list[str], error: Exception, as_json: bool) -> int:
+    """Wrong usage as the parser tells it, interruption, or a fault of ours."""
+    name = type(error).__name__
+    if name == "Abort":
+        return 130
+    if hasattr(error, "format_message"):
+        return errors_out(given, [Problem(error.format_message(), do=_help(error))], UsageError.exit_status, as_json)
+    if isinstance(error, MemoryError):
+        return errors_out(given, [Problem("not enough memory for this input", code="too_large")], 3, as_json)
+    with tempfile.NamedTemporaryFile("w", prefix="inertialcal-", suffix=".log", delete=False) as log:
+        traceback.print_exc(file=log)
+    what = f"internal error ({name}): this is a fault of inertialcal, not of your input"
+    return errors_out(given, [Problem(what, do=f"Please report it with {log.name}", code="internal")], 70, as_json)
+
+
+def _help(error: Exception) -> str:
+    context = getattr(error, "ctx", None)
+    return f"Try: {context.command_path} --help" if context is not None else "Try: inertialcal --help"
+
+
+if __name__ == "__main__":
+    main()

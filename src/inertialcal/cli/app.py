@@ -1,0 +1,42 @@
+"""The commands."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from . import campaigns, recordings
+from .output import package_version
+
+app = typer.Typer(
+    name="inertialcal",
+    help="From raw counts to a calibration that can be trusted: low-g accelerometers and rate gyros.\n\n"
+    "Start with: inertialcal info FILE, or inertialcal demo.",
+    no_args_is_help=True,
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+)
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        typer.echo(f"inertialcal {package_version()}")
+        raise typer.Exit
+
+
+@app.callback()
+def _root(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Print the version and leave.")
+    ] = False,
+) -> None:
+    """Options of all commands."""
+
+
+app.command("info")(recordings.info)
+app.command("rate-table")(recordings.rate_table)
+app.command("init")(campaigns.init)
+app.command("check")(campaigns.check)
+app.command("run")(campaigns.run)
+app.command("demo")(campaigns.demo)

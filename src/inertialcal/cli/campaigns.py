@@ -1,0 +1,113 @@
+"""init, check, run, demo: commands that work on a campaign."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .options import Folder, Json, Quiet
+from .output import clean, json_out, wrapped
+from .progress import progress
+
+
+def run(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
+    """Run a campaign: every test, every requirement, results into DIR/out/."""
+    from ..campaign.run import run as run_campaign
+
+    with progress(quiet or as_json) as tell:
+        outcome = run_campaign(folder, tell)
+    if as_json:
+        _json("run", outcome)
+    elif not quiet:
+        _print_outcome(outcome)
+    return outcome.exit_status
+
+
+def _json(command: str, outcome: Any) -> None:
+    inputs = [{"path": path, "sha256": digest} for path, digest in sorted(outcome.inputs.items())]
+    json_out(command, {"inputs": inputs} | outcome.results | {"changed": outcome.changed}, outcome.exit_status)
+
+
+def _print_outcome(outcome: Any) -> None:
+    from .summary import remarks_text, results_text, verdicts_text
+
+    results = outcome.results
+    print(results_text(results))
+    if results["remarks"]:
+        print("\nremarks")
+        for text in remarks_text(results["remarks"]):
+            print(f"  {text}")
+    if results["verdicts"]:
+        print(f"\nrequirements ({results['decision_rule']})")
+        print(verdicts_text(results))
+        print(f"overall: {outcome.verdict}")
+    if outcome.changed:
+        print(f"\nchanged since the last run: {len(outcome.changed)}")
+        for line in outcome.changed[:20]:
+            print(f"  {clean(line)}")
+    print(f"\nresults in {outcome.campaign.folder / 'out'}")
+
+
+def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
+    """Judge the inputs of a campaign: the campaign file and every recording it names."""
+    from ..campaign.run import check as check_campaign
+
+    campaign, inputs, remarks = check_campaign(folder)
+    if as_json:
+        listed = [{"path": path, "sha256": digest} for path, digest in sorted(inputs.items())]
+        json_out("check", {"inputs": listed, "remarks": [remark.to_dict() for remark in remarks]})
+    elif not quiet:
+        for remark in remarks:
+            print(wrapped(str(remark), "    "))
+        tests = len(campaign.file.tests)
+        print(
+            f"ok: {tests} test{'s' if tests != 1 else ''}, {len(inputs) - 1} recordings. Next: inertialcal run {folder}"
+        )
+    return 0
+
+
+def init(
+    folder: Annotated[Path, typer.Argument(help="Folder with recordings.", show_default=False)],
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Write a campaign.toml for the recordings found in a folder; fill in its marked lines."""
+    from ..campaign.starter import start
+
+    path, marked, remarks = start(folder)
+    if as_json:
+        json_out(
+            "init", {"results": [], "written": str(path), "to_fill": marked, "remarks": [r.to_dict() for r in remarks]}
+        )
+    elif not quiet:
+        for remark in remarks:
+            print(wrapped(str(remark), "    "))
+        print(f"written: {path}")
+        print(f"fill in the {len(marked)} lines marked FILL IN, then: inertialcal check {folder}")
+    return 0
+
+
+def demo(
+    target: Annotated[Path, typer.Argument(help="Where to put the example.", show_default=True)] = Path(
+        "inertialcal-demo"
+    ),
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Copy the published campaign of a satellite's three rate gyros here, and run it."""
+    from ..campaign.example import copy_example
+    from ..campaign.run import run as run_campaign
+
+    folder = copy_example("npsat2011", target)
+    if not as_json and not quiet:
+        print(f"the rate transfer test of Badescu (NPS, 2011), Tables 9-11, in {folder}", file=sys.stderr)
+    with progress(quiet or as_json) as tell:
+        outcome = run_campaign(folder, tell)
+    if as_json:
+        _json("demo", outcome)
+    elif not quiet:
+        _print_outcome(outcome)
+    return 0

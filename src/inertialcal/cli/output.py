@@ -1,0 +1,102 @@
+"""What a command prints: one JSON object alone on standard output, or text for people."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import textwrap
+from collections.abc import Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from ..core.errors import Problem
+
+PARTS = ("results", "curves", "remarks", "verdicts", "errors")
+WIDTH = 110  # of wrapped text where there is no terminal
+
+
+def package_version() -> str:
+    """Return the version of inertialcal."""
+    try:
+        return version("inertialcal")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def json_out(command: str, content: Mapping[str, Any], status: int = 0) -> None:
+    """Print the one object of ``--json``: the same keys for every command, also when refused.
+
+    Parameters
+    ----------
+    command : str
+        Word that was typed.
+    content : mapping
+        ``inputs``, ``results``, ``curves``, ``remarks``, ``verdicts``, ``errors``, and what else it gives.
+    status : int
+        Exit status.
+    """
+    whole: dict[str, Any] = {"command": command, "version": package_version(), "inputs": []}
+    whole |= {name: [] for name in PARTS} | dict(content) | {"exit": status}
+    print(json.dumps(whole, ensure_ascii=False, allow_nan=False))
+
+
+def errors_out(given: Sequence[str], problems: Sequence[Problem], status: int, as_json: bool) -> int:
+    """Print what is wrong, as text or as the JSON object; return the exit status."""
+    command = next((word for word in given if not word.startswith("-")), "")
+    if as_json:
+        json_out(command, {"errors": [problem.to_dict() for problem in problems]}, status)
+        return status
+    for problem in problems:
+        print(problem_text(problem), file=sys.stderr)
+    if len(problems) > 1:
+        print(f"{len(problems)} problems", file=sys.stderr)
+    return status
+
+
+def problem_text(problem: Problem) -> str:
+    """Return a problem for people: what and where first, why and the way out indented below."""
+    head = f"{problem.where}: {problem.what}" if problem.where else problem.what
+    below = [part for part in (problem.why, problem.do) if part]
+    return "\n".join([f"error: {clean(head)}", *(f"       {clean(part)}" for part in below)])
+
+
+def clean(text: str) -> str:
+    """Return text without control characters: names from files must not steer a terminal."""
+    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def width() -> int:
+    """Return the width of the terminal, or a fixed one elsewhere."""
+    try:
+        return os.get_terminal_size(sys.stdout.fileno()).columns
+    except (OSError, ValueError):
+        return WIDTH
+
+
+def table(rows: Sequence[Sequence[str]], heads: Sequence[str] | None = None, right: Sequence[int] = ()) -> str:
+    """Return rows as aligned columns.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of str
+        Cells.
+    heads : sequence of str, optional
+        Column heads.
+    right : sequence of int
+        Columns set to the right.
+    """
+    cells = [[clean(cell) for cell in row] for row in ([list(heads)] if heads else []) + [list(row) for row in rows]]
+    if not cells:
+        return ""
+    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
+    lines = [
+        "  ".join(c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
+        for row in cells
+    ]
+    return "\n".join(line.rstrip() for line in lines)
+
+
+def wrapped(text: str, indent: str = "  ") -> str:
+    """Return text folded to the width, the first line flush and the rest indented."""
+    return textwrap.fill(clean(text), width(), subsequent_indent=indent)

@@ -1,0 +1,25 @@
+"""Progress of long work: a bar on a terminal, plain lines elsewhere; always on standard error."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+Tell = Callable[[int, int, str], None]
+
+
+@contextmanager
+def progress(quiet: bool) -> Iterator[Tell]:
+    """Yield a function of (done, in all, what comes next)."""
+    if quiet:
+        yield lambda done, total, what: None
+    elif not sys.stderr.isatty():
+        yield lambda done, total, what: print(f"{done}/{total} {what}", file=sys.stderr)
+    else:
+        from rich.console import Console
+        from rich.progress import Progress
+
+        with Progress(console=Console(stderr=True), transient=True) as bar:
+            task = bar.add_task("")
+            yield lambda done, total, what: bar.update(task, completed=done, total=total, description=what)

@@ -1,0 +1,129 @@
+"""info, rate-table: commands that work on files."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .options import Json, Quiet, Units
+from .output import clean, json_out, wrapped
+
+Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
+
+
+def info(
+    files: Files,
+    unit: Units = [],  # noqa: B006 - typer copies it
+    sample_rate: Annotated[
+        float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time.")
+    ] = None,
+    time_column: Annotated[
+        str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
+    ] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
+    from ..core.errors import InertialcalError
+    from ..files.survey import survey
+    from .info_text import survey_text
+
+    units = _units(unit)
+    found, errors = [], []
+    for path in files:
+        try:
+            found.append(
+                survey(path, units=units, sample_rate=sample_rate, time_column=time_column, commands=_commands())
+            )
+        except InertialcalError as error:
+            errors += list(error.problems)
+    if as_json:
+        content = {
+            "inputs": [{"path": one.path, "sha256": one.sha256} for one in found],
+            "results": [one.to_dict() for one in found],
+            "errors": [problem.to_dict() for problem in errors],
+        }
+        json_out("info", content, 3 if errors else 0)
+        return 3 if errors else 0
+    if not quiet:
+        print("\n\n".join(survey_text(one) for one in found))
+    if errors:
+        raise InertialcalError(errors)
+    return 0
+
+
+def _units(given: list[str]) -> dict[str, str]:
+    from ..core.errors import UsageError
+
+    units = {}
+    for text in given:
+        name, equals, unit = text.partition("=")
+        if not equals or not name or not unit:
+            raise UsageError(f"--unit {text!r}: write NAME=UNIT, like gyro=deg/s")
+        units[name.strip()] = unit.strip()
+    return units
+
+
+def _commands() -> tuple[str, ...]:
+    from .app import app
+
+    return tuple(command.name or "" for command in app.registered_commands)
+
+
+def rate_table(
+    file: Annotated[Path, typer.Argument(help="Table, a row a dwell.", show_default=False)],
+    applied: Annotated[str | None, typer.Option(help="Column with the rate of the table.")] = None,
+    reading: Annotated[
+        list[str] | None, typer.Option(help="Column with the reading, or AXIS=COLUMN; may be repeated.")
+    ] = None,
+    axis: Annotated[str | None, typer.Option(help="Axis that was turned: x, y or z.")] = None,
+    unit: Annotated[
+        str | None, typer.Option(help="Unit of rate and reading, where the header does not say it.")
+    ] = None,
+    scatter: Annotated[str | None, typer.Option(help="Column with the scatter within the dwell.")] = None,
+    run: Annotated[str | None, typer.Option(help="Column with the power-up run.")] = None,
+    scale_factor: Annotated[str | None, typer.Option(help='Ideal scale factor: "0.5 V/(deg/s)".')] = None,
+    input_range: Annotated[str | None, typer.Option("--range", help='Largest rate: "5 deg/s".')] = None,
+    zero_reference: Annotated[bool, typer.Option(help="The reading at rest was subtracted.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Scale factor, bias, asymmetry and misalignment from a table of dwells at known rates."""
+    from ..campaign.single import rate_table as reduce_file
+
+    found = reduce_file(
+        file, applied=applied, reading=_readings(reading), axis=axis, unit=unit, scatter=scatter, run=run,
+        scale_factor=scale_factor, input_range=input_range, zero_reference=zero_reference,
+    )  # fmt: skip
+    rows = [row.to_dict() for row in found.rows]
+    remarks = [remark.to_dict() for remark in found.result.remarks]
+    if as_json:
+        inputs = [{"path": str(file), "sha256": found.sha256}]
+        json_out("rate-table", {"inputs": inputs, "results": rows, "remarks": remarks, "columns": found.columns})
+    elif not quiet:
+        _print(found.columns, rows, remarks)
+    return 0
+
+
+def _readings(given: list[str] | None) -> str | dict[str, str] | None:
+    if not given:
+        return None
+    if len(given) == 1 and given[0][1:2] != "=":
+        return given[0]
+    from ..core.errors import UsageError
+
+    pairs = [text.partition("=") for text in given]
+    if any(name not in {"x", "y", "z"} or not column for name, _, column in pairs):
+        raise UsageError(f"--reading {' --reading '.join(given)}: write AXIS=COLUMN, like x=x_dps")
+    return {name: column for name, _, column in pairs}
+
+
+def _print(columns: dict[str, Any], rows: list[dict[str, Any]], remarks: list[dict[str, Any]]) -> None:
+    from .summary import remarks_text, results_text
+
+    print(wrapped("columns: " + ", ".join(f"{what} = {clean(str(name))}" for what, name in columns.items())))
+    print(results_text({"results": rows}))
+    for text in remarks_text(remarks):
+        print(text)

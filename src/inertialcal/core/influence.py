@@ -1,0 +1,44 @@
+"""Influence: a standard's uncertainty (Type B), as its certificate states it.
+
+The name says which quantity of which standard: ``"rate_table.rate"`` (relative), ``"rate_table.mounting"``
+(angle). An influence is one unknown value for a whole test: it is fully correlated across dwells, so more
+dwells do not shrink it.
+
+References
+----------
+.. [1] JCGM 100:2008 (GUM), clause 4.3, and G.4.2 for the degrees of freedom of a Type B uncertainty.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True)
+class Influence:
+    """Standard uncertainty of one quantity of a standard.
+
+    Parameters
+    ----------
+    u : float
+        Standard uncertainty, SI (relative quantities: 1).
+    unit : str
+        Unit of ``u``.
+    dof : float
+        Degrees of freedom; infinite where the certificate gives none.
+    distribution : {"normal", "rectangular"}
+        Of the unknown value.
+    certificate : str
+        Where ``u`` comes from.
+    """
+
+    u: float
+    unit: str = "1"
+    dof: float = math.inf
+    distribution: str = "normal"
+    certificate: str = ""
+
+
+Standards = Mapping[str, Influence]

@@ -1,0 +1,328 @@
+"""Units: what people write, one spelling that is printed, factors between them.
+
+The only place with factors, together with its parts: ``unit_atoms`` (the list of units), ``unit_text``
+(reading), ``unit_spelling`` (printing). pint carries the values; it sees only units that were read here,
+because it takes ``mgal`` for a milligallon and ``mg`` for a mass. In this field ``g``, ``mg``, ``ug`` and
+``ng`` are accelerations.
+
+Angles and counts have dimensions of their own, so that ``deg/s`` is no frequency. A temperature alone is a
+point on its scale (degC, degF and K differ by an offset); inside a product, as in ``V/degC``, it is a
+difference.
+
+>>> normalise("µg/√Hz"), normalise("m s-2"), normalise("mdps/LSB")
+('ug/sqrt(Hz)', 'm/s^2', 'mdeg/s/count')
+>>> factor("deg/s/sqrt(Hz)", "deg/sqrt(h)")
+60.0
+>>> parse_quantity("10 V / 2^16").to("uV")
+152.587890625
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from fractions import Fraction
+from functools import cache, lru_cache
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from .errors import DataError
+from .estimate import Array
+from .unit_atoms import by_symbol, definitions, kind_of, registry_name
+from .unit_powers import NONE, Powers, product, quotient, raised
+from .unit_spelling import spell
+from .unit_text import read_quantity, read_unit
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+_REMEMBERED = 4096  # texts
+_OFFSET = ("degC", "degF")
+
+_KINDS: tuple[tuple[str, dict[str, int]], ...] = (
+    ("dimensionless", {}),
+    ("angular_rate", {"[angle]": 1, "[time]": -1}),
+    ("acceleration", {"[length]": 1, "[time]": -2}),
+    ("angle", {"[angle]": 1}),
+    ("voltage", {"[mass]": 1, "[length]": 2, "[time]": -3, "[current]": -1}),
+    ("temperature", {"[temperature]": 1}),
+    ("time", {"[time]": 1}),
+    ("frequency", {"[time]": -1}),
+    ("count", {"[count]": 1}),
+    ("pressure", {"[mass]": 1, "[length]": -1, "[time]": -2}),
+    ("length", {"[length]": 1}),
+    ("mass", {"[mass]": 1}),
+)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """A number with its unit.
+
+    Parameters
+    ----------
+    value : float
+        In ``unit``.
+    unit : str
+        As ``normalise`` prints it.
+    """
+
+    value: float
+    unit: str
+
+    def to(self, unit: str, difference: bool = False) -> float:
+        """Return the number in another unit of the same dimension.
+
+        Parameters
+        ----------
+        unit : str
+            Of the same dimension.
+        difference : bool
+            Whether a temperature is a difference (an uncertainty, a step), not a point on its scale:
+            0.1 K is then 0.1 degC.
+
+        Raises
+        ------
+        DataError
+            If the dimensions differ.
+        """
+        if difference:
+            return self.value * factor(self.unit, unit, difference=True)
+        return float(convert(self.value, self.unit, unit))
+
+    def __str__(self) -> str:
+        """Return number and unit, as ``parse_quantity`` reads them."""
+        number = repr(float(self.value)).removesuffix(".0")
+        return number if self.unit == "1" else f"{number} {self.unit}"
+
+
+@lru_cache(_REMEMBERED)
+def normalise(text: str) -> str:
+    """Return the spelling of a unit that is printed everywhere.
+
+    Parameters
+    ----------
+    text : str
+        As people write it: ``"m s-2"``, ``"°/s"``, ``"µg/√Hz"``, ``"LSB"``; nothing is dimensionless.
+
+    Returns
+    -------
+    str
+        Plain ASCII, unchanged by a second pass: ``"m/s^2"``, ``"deg/s"``, ``"ug/sqrt(Hz)"``, ``"count"``.
+
+    Raises
+    ------
+    DataError
+        With code ``unknown_unit``, if it is not known or has two readings; the message names the nearest
+        known spellings, or the two readings.
+    """
+    return spell(read_unit(text))
+
+
+def known_units() -> tuple[str, ...]:
+    """Return the printed symbol of every unit that others are made of, prefixed ones included."""
+    return tuple(by_symbol())
+
+
+def parse_quantity(text: str) -> Quantity:
+    """Return the quantity that a text gives, number first.
+
+    Parameters
+    ----------
+    text : str
+        ``"0.05 %"``, ``"-36.4 deg"``, ``"0.5 V/(deg/s)"``, ``"5 V / 4095"``; a bare number has unit 1.
+
+    Raises
+    ------
+    DataError
+        With code ``unknown_quantity``, if it cannot be read or is not finite.
+    """
+    value, unit = read_quantity(text)
+    return Quantity(value, spell(unit))
+
+
+@lru_cache(_REMEMBERED)
+def factor(from_unit: str, to_unit: str, difference: bool = False) -> float:
+    """Return the number that a value in one unit is multiplied by to be in another.
+
+    Parameters
+    ----------
+    from_unit, to_unit : str
+        Of one dimension.
+    difference : bool
+        Whether temperatures are differences (uncertainties, steps), not points on their scales.
+
+    Raises
+    ------
+    DataError
+        With code ``unit_mismatch``, if the dimensions differ, or if no number does it because the zero of
+        the scales differs (degC and K); ``unknown_unit`` if one is not known.
+    """
+    source, target = read_unit(from_unit), read_unit(to_unit)
+    if source == target:
+        return 1.0
+    _require_same_dimension(source, target, from_unit, to_unit)
+    if not difference and (_has_offset(source) or _has_offset(target)):
+        raise DataError(
+            f"no factor from {from_unit!r} to {to_unit!r}: the zero points differ",
+            do="Use convert for temperatures, factor(..., difference=True) for differences of them",
+            code="unit_mismatch",
+        )
+    number = _registry().convert(1.0, _container(source, True), _container(target, True))
+    return _finite(float(number), from_unit, to_unit)
+
+
+def convert(values: ArrayLike, from_unit: str, to_unit: str) -> Array:
+    """Return values in another unit of the same dimension, temperatures with the offset of their scales.
+
+    Parameters
+    ----------
+    values : array_like
+        In ``from_unit``.
+    from_unit, to_unit : str
+        Of one dimension.
+
+    Returns
+    -------
+    ndarray
+        As float64, of the shape of ``values``; the same memory where nothing is to be done.
+
+    Raises
+    ------
+    DataError
+        With code ``unit_mismatch``, if the dimensions differ.
+    """
+    numbers: Array = np.asarray(values, dtype=np.float64)
+    source, target = read_unit(from_unit), read_unit(to_unit)
+    if source == target:
+        return numbers
+    if _is_temperature(source) and _is_temperature(target):
+        points = _container(source, False), _container(target, False)
+        return np.asarray(_registry().convert(numbers, *points), dtype=np.float64)
+    return np.asarray(numbers * factor(from_unit, to_unit), dtype=np.float64)
+
+
+@lru_cache(_REMEMBERED)
+def kind(unit: str) -> str:
+    """Return what a unit measures: ``"angular_rate"``, ``"acceleration"``, ..., else ``"other"``."""
+    dimension = _dimension(read_unit(unit))
+    return next((name for name, known in _KINDS if known == dimension), "other")
+
+
+def same_dimension(a: str, b: str) -> bool:
+    """Return whether values in one unit can be expressed in the other."""
+    return _dimension(read_unit(a)) == _dimension(read_unit(b))
+
+
+@lru_cache(_REMEMBERED)
+def si_unit(unit: str) -> str:
+    """Return the unit of that dimension used inside the project: SI, radians, degC.
+
+    Each factor is replaced by its own: ``"mV/(deg/s)"`` gives ``"V/(rad/s)"``, ``"ug/sqrt(Hz)"`` gives
+    ``"m/s^2/sqrt(Hz)"``.
+    """
+    return _algebra(lambda: _inside(read_unit(unit)), f"the SI unit of {unit!r}")
+
+
+def multiply(a: str, b: str) -> str:
+    """Return the unit of a product of values in units ``a`` and ``b``."""
+    return _algebra(lambda: product(read_unit(a), read_unit(b)), f"{a!r} times {b!r}")
+
+
+def divide(a: str, b: str) -> str:
+    """Return the unit of a quotient: ``divide("V", "deg/s")`` is ``"V/(deg/s)"``."""
+    return _algebra(lambda: quotient(read_unit(a), read_unit(b)), f"{a!r} divided by {b!r}")
+
+
+def power(unit: str, exponent: float | Fraction) -> str:
+    """Return the unit of a power: ``power("h", -0.5)`` is ``"1/sqrt(h)"``.
+
+    Raises
+    ------
+    DataError
+        With code ``unknown_unit``, if an exponent of the result is no multiple of 1/4 within ±12.
+    """
+    return _algebra(lambda: raised(read_unit(unit), _simple(exponent)), f"{unit!r} to the power {exponent}")
+
+
+def _simple(exponent: float | Fraction) -> Fraction:
+    """Nearest simple fraction: 1/3 as a float is meant as 1/3."""
+    if not np.isfinite(float(exponent)):
+        raise ValueError("the exponent is not finite")
+    simple = Fraction(exponent).limit_denominator(12)
+    if abs(float(simple - Fraction(exponent))) > 1e-12:
+        raise ValueError("the exponent is no simple fraction")
+    return simple
+
+
+def _algebra(operation: Callable[[], Powers], what: str) -> str:
+    try:
+        return spell(operation())
+    except ValueError as error:
+        raise DataError(f"{what} is no unit: {error}", code="unknown_unit") from None
+
+
+def _inside(unit: Powers) -> Powers:
+    result = NONE
+    for symbol, exponent in unit:
+        result = product(result, raised(read_unit(by_symbol()[symbol][0].si), exponent))
+    return result
+
+
+@cache
+def _registry() -> UnitRegistry[Any]:
+    """Build the one registry on first use: importing pint takes a quarter of a second."""
+    import pint  # noqa: PLC0415 - see above
+
+    registry: UnitRegistry[Any] = pint.UnitRegistry(None)
+    registry.load_definitions(definitions())
+    return registry
+
+
+def _container(unit: Powers, difference: bool) -> Any:
+    """Return the unit as pint has it; a temperature inside a product is always a difference."""
+    from pint.util import UnitsContainer  # noqa: PLC0415 - heavy
+
+    delta = "delta_" if difference or not _is_temperature(unit) else ""
+    names = {symbol: (delta if symbol in _OFFSET else "") + registry_name(symbol) for symbol, _ in unit}
+    return UnitsContainer({names[symbol]: float(exponent) for symbol, exponent in unit})
+
+
+@lru_cache(_REMEMBERED)
+def _dimension(unit: Powers) -> dict[str, float]:
+    dimension: Mapping[str, Any] = _registry().get_dimensionality(_container(unit, True))
+    return {name: float(exponent) for name, exponent in dimension.items()}
+
+
+def _is_temperature(unit: Powers) -> bool:
+    return len(unit) == 1 and unit[0][1] == 1 and kind_of(unit[0][0]) == "temperature"
+
+
+def _has_offset(unit: Powers) -> bool:
+    return _is_temperature(unit) and unit[0][0] in _OFFSET
+
+
+def _require_same_dimension(source: Powers, target: Powers, from_unit: str, to_unit: str) -> None:
+    if _dimension(source) != _dimension(target):
+        raise DataError(
+            f"{from_unit!r} cannot be expressed in {to_unit!r}",
+            why=f"one is {_in_words(from_unit)}, the other {_in_words(to_unit)}",
+            do=f"Give a unit like {si_unit(to_unit)}",
+            code="unit_mismatch",
+        )
+
+
+def _in_words(unit: str) -> str:
+    known = kind(unit)
+    return f"measured in {si_unit(unit)}" if known == "other" else f"of kind {known}"
+
+
+def _finite(number: float, from_unit: str, to_unit: str) -> float:
+    if not (np.isfinite(number) and number > 0.0):
+        raise DataError(
+            f"the factor from {from_unit!r} to {to_unit!r} is beyond what a number can hold",
+            code="unit_mismatch",
+        )
+    return number

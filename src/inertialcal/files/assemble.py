@@ -1,0 +1,161 @@
+"""From columns to a Recording: units, clock, channels, remarks."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import DataError, UsageError
+from ..core.recording import Channel, Recording, Source
+from ..core.remarks import Remark, gather
+from ..signals.time_axis import analyse
+from .axis_remarks import axis_remarks, rate_remark
+from .clock import Clock, find_clock
+from .columns import Content
+from .describe import Described, describe, find_column
+from .missing import missing_remarks, nan_in_required
+from .unfilled import without_unfilled_end
+
+SHOWN = 5  # texts of a label column in its remark
+
+
+def assemble(
+    content: Content,
+    source: Source,
+    *,
+    units: Mapping[str, str] | None = None,
+    sample_rate: float | None = None,
+    time_column: str | None = None,
+    required: Sequence[str] = (),
+) -> Recording:
+    """Return the recording that the columns of a file make.
+
+    Parameters
+    ----------
+    content : Content
+        As a reader hands it over.
+    source : Source
+        File, hash, format.
+    units, sample_rate, time_column, required
+        As ``files.read`` takes them.
+
+    Raises
+    ------
+    DataError, UsageError
+        As ``files.read`` says.
+    """
+    path = source.path
+    if sample_rate is not None and not (math.isfinite(sample_rate) and sample_rate > 0.0):
+        raise UsageError(f"a sample rate of {sample_rate:g} Hz", do="Give one above zero", code="sample_rate")
+    content = without_unfilled_end(content, path)
+    described, unit_remarks = describe(content.columns, units or {}, path)
+    clock = find_clock(described, content, path, time_column)
+    channels = _channels(described, clock, path)
+    _require(described, required, content, path)
+    timed = _timed(clock, content, described, sample_rate, path)
+    remarks = (
+        *content.remarks,
+        *unit_remarks,
+        *_missing(described, content, path),
+        *_texts(described, clock, path),
+        *clock.remarks,
+        *timed.remarks,
+    )
+    return replace(
+        timed,
+        channels=channels,
+        source=source,
+        remarks=gather(remarks),
+        first_row=int(content.rows[0]) if content.rows is not None and len(content) else 0,
+    )
+
+
+def _channels(described: Sequence[Described], clock: Clock, path: str) -> tuple[Channel, ...]:
+    """All columns of numbers but the time."""
+    chosen = [d for i, d in enumerate(described) if i != clock.column and d.column.is_number]
+    if not chosen:
+        names = ", ".join(d.name for d in described) or "none"
+        raise DataError(
+            "no column of numbers besides time",
+            where=path,
+            do=f"The file has: {names}. Check separator and decimal sign",
+            code="no_channel",
+        )
+    return tuple(
+        Channel(d.name, _data(d.column.values), d.unit, d.unit_from, d.axis, d.quantity) for d in chosen
+    )
+
+
+def _data(values: NDArray[np.generic]) -> NDArray[np.generic]:
+    """Return a read-only view, so that a frozen recording stays as it was read."""
+    view = values.view()
+    view.flags.writeable = False
+    return view
+
+
+def _require(described: Sequence[Described], required: Sequence[str], content: Content, path: str) -> None:
+    """Refuse literal NaN, and text, in the columns that must hold numbers."""
+    for name in required:
+        column = described[find_column(described, name, path)].column
+        if not column.is_number and column.values.dtype.kind != "M":
+            raise DataError(
+                f"text {str(column.values[0])!r} in number column {column.name!r}",
+                where=content.place(path, 0),
+                code="text_in_numbers",
+            )
+        if len(column.not_a_number):
+            first = int(column.not_a_number[0])
+            raise nan_in_required(column.name, "NaN", len(column.not_a_number), content.place(path, first))
+
+
+def _timed(
+    clock: Clock,
+    content: Content,
+    described: Sequence[Described],
+    sample_rate: float | None,
+    path: str,
+) -> Recording:
+    """Recording without channels: time, interval and where it comes from."""
+    interval, source = None, ""
+    if sample_rate is not None:
+        interval, source = 1.0 / sample_rate, "flag"
+    elif content.sample_rate is not None:
+        interval, source = 1.0 / content.sample_rate, "header"
+    if clock.time_ns is None or clock.column is None or len(clock.time_ns) < 2:
+        return Recording((), clock.time_ns, interval, None, clock.epoch, source)
+    axis = analyse(clock.time_ns)
+    remarks = axis_remarks(axis, lambda index: content.place(path, index))
+    if interval is None:
+        interval, source = axis.interval, f"time column {described[clock.column].name!r}"
+    else:
+        remarks += rate_remark(axis, interval, path)
+    return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks)
+
+
+def _missing(described: Sequence[Described], content: Content, path: str) -> list[Remark]:
+    """Remarks on empty cells and literal NaN."""
+    return [
+        remark
+        for d in described
+        if d.column.values.dtype.kind != "O"
+        for remark in missing_remarks(
+            d.name, d.column.empty, d.column.not_a_number, lambda index: content.place(path, index)
+        )
+    ]
+
+
+def _texts(described: Sequence[Described], clock: Clock, path: str) -> list[Remark]:
+    """Remarks on columns that are no channel because they hold text or dates."""
+    remarks = []
+    for i, d in enumerate(described):
+        if i == clock.column or d.column.is_number:
+            continue
+        texts = list(dict.fromkeys(str(text) for text in d.column.values))
+        some = ", ".join(texts[:SHOWN]) + (", ..." if len(texts) > SHOWN else "")
+        what = f"column {d.name!r} is text ({len(texts)} different: {some[:80]}): no channel"
+        remarks.append(Remark("text_column", "info", what, where=path))
+    return remarks

@@ -1,0 +1,57 @@
+"""MATLAB files of versions 4 to 7, by scipy: matrices and structures of matrices.
+
+Version 7.3 is HDF5; an ASCII ``.mat`` is text.
+"""
+
+from __future__ import annotations
+
+import io
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal
+
+import numpy as np
+
+from .arrays import NamedArray, columns_of
+from .columns import Content
+from .foreign import translated
+from .source import Loaded, check_size
+
+DEEPEST = 8  # structures within structures
+BYTES = {"double": 8, "single": 4, "int64": 8, "uint64": 8, "int32": 4, "uint32": 4}  # others: 2 or fewer
+
+
+def read_matlab(
+    loaded: Loaded, kind: Literal["mat4", "mat5"], variables: Sequence[str] | None = None
+) -> Content:
+    """Return the columns of the matrices of one length.
+
+    Raises
+    ------
+    DataError
+        If it is damaged, or larger than the limits of ``files.source``.
+    """
+    from scipy import io as scipy_io  # noqa: PLC0415 - heavy import
+
+    version = "4" if kind == "mat4" else "5 to 7"
+    with translated(loaded.path, f"a MATLAB file of version {version}"):
+        listed = scipy_io.whosmat(io.BytesIO(loaded.data))
+        size = sum(math.prod(shape) * BYTES.get(type_name, 2) for _, shape, type_name in listed)
+        check_size(loaded.path, size, len(loaded.data))
+        # mat_dtype: doubles that MATLAB packed as bytes come back as doubles; counts stay whole numbers.
+        content = scipy_io.loadmat(io.BytesIO(loaded.data), mat_dtype=True)
+        found = [item for name, value in content.items() if name[:2] != "__" for item in _flat(name, value)]
+    arrays = [NamedArray(name, value) for name, value in found if value is not None]
+    skipped = [name for name, value in found if value is None]
+    return columns_of(arrays, f"MATLAB {version}", loaded.path, variables=variables, skipped=skipped)
+
+
+def _flat(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
+    """Each matrix with its full name; None for what is none (text, cells, sparse, arrays of structures)."""
+    if not isinstance(value, np.ndarray):
+        yield name, None
+    elif value.dtype.names is not None and value.size == 1 and depth < DEEPEST:
+        for field in value.dtype.names:
+            yield from _flat(f"{name}.{field}", value.reshape(-1)[0][field], depth + 1)
+    else:
+        yield name, value if value.dtype.kind in "biuf" else None

@@ -1,0 +1,1 @@
+"""The world that a sensor is in: earth rate, gravity, attraction, motion."""

@@ -1,0 +1,12 @@
+"""Tests that turn readings into results: the one dict name -> module.
+
+Each module has ``Plan``, ``Readings``, ``Result`` and a pure ``reduce(plan, readings)``.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from . import rate_table
+
+PROCEDURES: dict[str, ModuleType] = {"rate_table": rate_table}

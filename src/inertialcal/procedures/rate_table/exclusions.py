@@ -1,0 +1,118 @@
+"""Which dwells are left out, by which stated rule.
+
+Two rules, both on what a dwell shows by itself, never on how well it fits the line:
+
+rail
+    The rate or the reading lies within ``rail_scatters`` scatters of the end of the range: part of the
+    samples is clipped, so the mean reads too little and the scatter is too small.
+scatter
+    The scatter within the dwell is more than ``scatter_ratio`` times, or less than 1 / ``scatter_ratio`` of
+    the median of its neighbours in rate: the table was not settled, or the sensor saturated or hung.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from .plan import Plan, Readings
+
+Mask = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Exclusions:
+    """Rules by which dwells of one sensor are left out, shape (n,) each; and the remarks."""
+
+    rail: Mask
+    scatter: Mask
+    remarks: tuple[Remark, ...]
+
+    @property
+    def any(self) -> Mask:
+        """Dwells left out by any rule."""
+        return self.rail | self.scatter
+
+
+def exclusions(plan: Plan, readings: Readings, sensor: str) -> Exclusions:
+    """Find the dwells of a sensor that are not to be used."""
+    scatter = readings.scatters.get(sensor)
+    output = readings.outputs[sensor]
+    read = np.isfinite(output)
+    none = np.zeros(len(readings), dtype=bool)
+    rail = (
+        none if plan.input_range is None else at_rail(plan, readings.applied, output, readings.axis == sensor, scatter)
+    )
+    odd = none if scatter is None else odd_scatter(plan, readings, scatter)
+    rail, odd = rail & read, odd & read & ~rail
+    return Exclusions(rail, odd, tuple(_remarks(plan, readings, sensor, rail, odd)))
+
+
+def at_rail(plan: Plan, applied: Array, output: Array, own: Mask, scatter: Array | None) -> Mask:
+    """Return True where the rate about the sensor's own axis, or its reading, is at the end of the range."""
+    assert plan.input_range is not None  # noqa: S101 - for the type checker
+    low, high = plan.input_range
+    margin = plan.rail_scatters * (np.zeros_like(applied) if scatter is None else np.nan_to_num(scatter))
+    beyond = (output + margin >= high) | (output - margin <= low)
+    turned = own & ((applied + margin >= high) | (applied - margin <= low))
+    return np.asarray(beyond | turned)
+
+
+def odd_scatter(plan: Plan, readings: Readings, scatter: Array) -> Mask:
+    """Return True where a scatter is far from that of the neighbours in rate about the same axis."""
+    odd = np.zeros(len(readings), dtype=bool)
+    for axis in np.unique(readings.axis):
+        at = np.flatnonzero((readings.axis == axis) & np.isfinite(scatter))
+        if at.size <= plan.neighbours:
+            continue  # too few to say what is usual
+        distance = np.abs(np.abs(readings.applied[at])[:, None] - np.abs(readings.applied[at])[None, :])
+        np.fill_diagonal(distance, np.inf)
+        near = np.argsort(distance, axis=1, kind="stable")[:, : plan.neighbours]
+        usual = np.median(scatter[at][near], axis=1)
+        own = scatter[at]
+        odd[at] = (own > plan.scatter_ratio * usual) | (own * plan.scatter_ratio < usual)
+    return odd
+
+
+def _remarks(plan: Plan, readings: Readings, sensor: str, rail: Mask, odd: Mask) -> list[Remark]:
+    found = []
+    scatter = readings.scatters.get(sensor)
+    if rail.any():
+        rates = _rates(readings, rail)
+        what = f"{sensor} sensor: readings at the end of the range left out ({rates})"
+        found.append(
+            Remark("at_rail", "warning", what, _place(readings, rail), int(rail.sum()), "Both results are given")
+        )
+    if odd.any() and scatter is not None:
+        usual = float(np.nanmedian(scatter))
+        far = scatter[odd][np.argmax(np.abs(np.log(np.maximum(scatter[odd], 1e-300) / max(usual, 1e-300))))]
+        what = (
+            f"{sensor} sensor: scatter more than {plan.scatter_ratio:g} times, or less than"
+            f" 1/{plan.scatter_ratio:g} of, that of the neighbouring rates: left out ({_rates(readings, odd)}; farthest: {far / usual:.3g} times the"
+            " median of all)"
+        )
+        found.append(
+            Remark(
+                "odd_scatter",
+                "warning",
+                what,
+                _place(readings, odd),
+                int(odd.sum()),
+                "Both results are given",
+            )
+        )
+    return found
+
+
+def _rates(readings: Readings, mask: Mask) -> str:
+    rates = sorted({round(float(rate), 12) for rate in np.degrees(readings.applied[mask])})
+    return ", ".join(f"{rate:+g}" for rate in rates) + " deg/s"
+
+
+def _place(readings: Readings, mask: Mask) -> str:
+    places = [readings.where[i] for i in np.flatnonzero(mask)] if readings.where else []
+    return ", ".join(places[:4]) + (", ..." if len(places) > 4 else "")

@@ -1,0 +1,124 @@
+"""What a rate-table test is told (Plan) and what it works on (Readings)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.influence import Influence, Standards
+from ...core.remarks import Remark
+
+Labels = NDArray[Any]
+
+# Influences that a rate table test is subject to, and what each would change.
+INFLUENCES = {
+    "rate_table.rate": "scale factors and all matrix entries in proportion",
+    "rate_table.mounting": "cross-axis entries: the axis that turns is not quite the one that is named",
+    "converter.reference": "scale factors in volts in proportion",
+}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How the test was made and how it is to be reduced.
+
+    Parameters
+    ----------
+    axis : str
+        Axis that is turned, where the readings do not say it dwell by dwell.
+    zero_reference : bool
+        The reading at rest was subtracted from every reading: its bias is then that of the subtraction.
+    asymmetry : bool
+        Fit a scale factor of its own for each sense of rotation.
+    run_level : {"power_up", "recording"}
+        What the runs are: separate power-ups, or merely separate recordings.
+    scatter_ratio : float
+        A dwell whose scatter is this many times more, or less, than that of its neighbours is left out.
+    neighbours : int
+        How many dwells, nearest in rate, a scatter is compared with.
+    rail_scatters : float
+        A dwell whose rate or reading is this many scatters or less from the end of the range is left out.
+    input_range : (float, float), optional
+        Ends of the range [rad/s]; from the campaign's sensor.
+    scale_factor : float, optional
+        Ideal scale factor [V/(rad/s)]; from the campaign's sensor.
+    standards : mapping of Influence
+        Uncertainties of the standards; from the campaign.
+    """
+
+    axis: str = ""
+    zero_reference: bool = False
+    asymmetry: bool = True
+    run_level: Literal["power_up", "recording"] = "power_up"
+    scatter_ratio: float = field(default=3.0, metadata={"above": 1.0})
+    neighbours: int = field(default=8, metadata={"above": 1})
+    rail_scatters: float = field(default=3.0, metadata={"above": 0.0})
+    input_range: tuple[float, float] | None = field(default=None, metadata={"from": "sensor"})
+    scale_factor: float | None = field(default=None, metadata={"from": "sensor"})
+    standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Dwells, a row each.
+
+    Parameters
+    ----------
+    applied : ndarray, shape (n,)
+        Rate of the table [rad/s].
+    axis : ndarray of str, shape (n,)
+        Axis that was turned.
+    outputs : mapping of str to ndarray, shape (n,)
+        Mean reading of each sensor [rad/s]; NaN where it was not read.
+    scatters : mapping of str to ndarray, shape (n,)
+        Standard deviation of the samples within the dwell [rad/s]; NaN or absent where not given.
+    samples : ndarray, shape (n,), optional
+        Number of samples of a dwell.
+    group, run : ndarray of str, shape (n,)
+        Sample set and run; empty where not given.
+    where : tuple of str
+        Place of each row, for messages.
+    sensors : tuple of str
+        Axes of all sensors of the unit, read or not.
+    remarks : tuple of Remark
+        What reading them brought up.
+    """
+
+    applied: Array
+    axis: Labels
+    outputs: Mapping[str, Array]
+    scatters: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    samples: Array | None = None
+    group: Labels | None = None
+    run: Labels | None = None
+    where: tuple[str, ...] = ()
+    sensors: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of dwells."""
+        return len(self.applied)
+
+    def take(self, keep: NDArray[np.bool_]) -> Readings:
+        """Return the dwells for which ``keep`` holds."""
+        return replace(
+            self,
+            applied=self.applied[keep],
+            axis=self.axis[keep],
+            outputs={name: y[keep] for name, y in self.outputs.items()},
+            scatters={name: s[keep] for name, s in self.scatters.items()},
+            samples=None if self.samples is None else self.samples[keep],
+            group=None if self.group is None else self.group[keep],
+            run=None if self.run is None else self.run[keep],
+            where=tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else (),
+        )
+
+    @property
+    def runs(self) -> int:
+        """Number of runs that can be told apart; 0 where none is given."""
+        return 0 if self.run is None or np.any(self.run == "") else len(np.unique(self.run))

@@ -1,0 +1,164 @@
+"""From the coefficients of the lines to the field's quantities, with Type A and Type B parts.
+
+Signs and words (DESIGN of the sensor equation; IEEE 528, 1431): ``bias`` is K0, the reading at no rate;
+``scale_factor_error_x`` is M_xx - 1, positive when the sensor reads too much; ``misalignment_xz`` is
+M_xz / M_xx: the row is the sensor that reads, the column the axis that turns; ``scale_factor_asymmetry`` is
+K1' = 2 c / M, the difference of the scale factors of the two senses of rotation over their mean.
+
+Type B (one unknown value for the whole test, so dwells do not average it):
+
+table rate
+    a relative error r of every rate changes all matrix entries by -r in proportion.
+mounting
+    the axis turned is off the one named by two small angles, each with the stated uncertainty u, anew for
+    each axis that is mounted: a misalignment takes u, a scale factor the second-order term 1 - cos, whose
+    root mean square is sqrt(2) u^2.
+converter reference
+    a relative error changes all scale factors in proportion (and the bias, by its own size times that).
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.estimate import Array, Component, Estimate
+from .plan import Plan
+from .regression import Line
+
+
+def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
+    """Return bias, scale factor error, asymmetry, cross-axis sensitivity and misalignment of all sensors.
+
+    The Type A parts of different sensors are taken as independent. Sensors whose scatter was not repeated at
+    any level are left out.
+
+    Returns
+    -------
+    Estimate or None
+        Names like ``bias_x`` [rad/s], ``scale_factor_error_x`` [1], ``scale_factor_asymmetry_x`` [1],
+        ``cross_axis_sensitivity_zx`` [1], ``misalignment_zx`` [rad]; None where nothing can be estimated.
+    """
+    usable = [one for one in lines.values() if one.covariance is not None]
+    if not usable:
+        return None
+    parts = [_quantities(one) for one in usable]
+    names = tuple(name for part in parts for name in part[0])
+    values = np.concatenate([part[1] for part in parts])
+    units = tuple(_unit(name) for name in names)
+    components = [_type_a(parts, usable, len(names)), *_type_b(plan, names, values)]
+    return Estimate(names, values, units, tuple(components))
+
+
+def _quantities(one: Line) -> tuple[list[str], Array, Array, list[int]]:
+    """Names, values, Jacobian to the coefficients, and the coefficient that each is mainly about."""
+    s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
+    unit = np.eye(k)
+    names, values, jacobian, about = [f"bias_{s}"], [theta[0]], [unit[0]], [0]
+    own = one.names.index(f"M_{s}{s}") if s in one.axes else None
+    if own is not None:
+        names.append(f"scale_factor_error_{s}")
+        values.append(theta[own] - 1.0)
+        jacobian.append(unit[own])
+        about.append(own)
+    if one.asymmetry and own is not None:
+        names.append(f"scale_factor_asymmetry_{s}")
+        values.append(2.0 * theta[-1] / theta[own])
+        jacobian.append(_ratio(unit, -1, own, theta, 2.0))
+        about.append(k - 1)
+    for axis in one.axes:
+        if axis == s:
+            continue
+        at = one.names.index(f"M_{s}{axis}")
+        names.append(f"cross_axis_sensitivity_{s}{axis}")
+        values.append(theta[at])
+        jacobian.append(unit[at])
+        about.append(at)
+        if own is not None:
+            names.append(f"misalignment_{s}{axis}")
+            values.append(theta[at] / theta[own])
+            jacobian.append(_ratio(unit, at, own, theta, 1.0))
+            about.append(at)
+    return names, np.array(values), np.array(jacobian), about
+
+
+def _ratio(unit: Array, top: int, bottom: int, theta: Array, scale: float) -> Array:
+    gradient: Array = scale * (unit[top] / theta[bottom] - unit[bottom] * theta[top] / theta[bottom] ** 2)
+    return gradient
+
+
+def _unit(name: str) -> str:
+    if name.startswith("bias"):
+        return "rad/s"
+    return "rad" if name.startswith("misalignment") else "1"
+
+
+SOURCES = {
+    "run": "scatter between runs",
+    "dwell": "scatter between dwells",
+    "sample": "scatter between samples",
+}
+
+
+def _type_a(parts: list[tuple[list[str], Array, Array, list[int]]], lines: list[Line], k: int) -> Component:
+    covariance, dof, start = np.zeros((k, k)), np.empty(k), 0
+    for (names, _, jacobian, about), one in zip(parts, lines, strict=True):
+        block = slice(start, start + len(names))
+        assert one.covariance is not None  # noqa: S101 - for the type checker
+        own = jacobian @ one.covariance @ jacobian.T
+        covariance[block, block] = 0.5 * (own + own.T)
+        dof[block] = one.dof[about]
+        start += len(names)
+    levels = {one.level for one in lines}
+    source = SOURCES[levels.pop()] if len(levels) == 1 else "scatter at the highest level repeated"
+    return Component(source, "A", covariance, dof, "t")
+
+
+def _type_b(plan: Plan, names: tuple[str, ...], values: Array) -> list[Component]:
+    proportional = np.array([_proportional(name, value) for name, value in zip(names, values, strict=True)])
+    found = []
+    rate = plan.standards.get("rate_table.rate")
+    if rate is not None:
+        found.append(
+            Component(
+                "table rate",
+                "B",
+                rate.u**2 * np.outer(proportional, proportional),
+                rate.dof,
+                rate.distribution,
+            )
+        )
+    mounting = plan.standards.get("rate_table.mounting")
+    if mounting is not None:
+        covariance = _mounting(names, mounting.u)
+        found.append(Component("mounting on the table", "B", covariance, mounting.dof, mounting.distribution))
+    reference = plan.standards.get("converter.reference")
+    if reference is not None:
+        gain = proportional + np.array(
+            [value if name.startswith("bias") else 0.0 for name, value in zip(names, values, strict=True)]
+        )
+        covariance = reference.u**2 * np.outer(gain, gain)
+        found.append(Component("converter reference", "B", covariance, reference.dof, reference.distribution))
+    return found
+
+
+def _proportional(name: str, value: float) -> float:
+    """Change of a quantity for a relative change of every rate."""
+    if name.startswith("scale_factor_error"):
+        return 1.0 + value
+    return value if name.startswith("cross_axis") else 0.0
+
+
+def _mounting(names: tuple[str, ...], u: float) -> Array:
+    """Covariance of the mounting angles: entries ``sa`` and ``ta`` of one axis a are different angles."""
+    covariance = np.zeros((len(names), len(names)))
+    for i, one in enumerate(names):
+        for j, other in enumerate(names):
+            if one.startswith("scale_factor_error") and one == other:
+                covariance[i, j] = 2.0 * u**4
+            elif {_kind(one), _kind(other)} <= {"cross_axis", "misalignment"} and one[-2:] == other[-2:]:
+                covariance[i, j] = u**2
+    return covariance
+
+
+def _kind(name: str) -> str:
+    return "cross_axis" if name.startswith("cross_axis") else name.split("_", maxsplit=1)[0]

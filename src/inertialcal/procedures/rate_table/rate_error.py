@@ -1,0 +1,185 @@
+"""Error of rate: how far a reading is from the true rate, in percent of it, rate by rate.
+
+At each signed rate of a sensor's own axis, ``error = (reading - applied) / applied``, positive when the sensor
+reads too much (the NPS thesis prints the opposite sign). Three things can be asked for, and they are not the
+same:
+
+expected
+    the mean error at that rate: uncertainty from the scatter over the number of runs (or dwells) there;
+dwell_mean
+    the error of the mean over one new dwell in a new run: that scatter once more;
+reading
+    the error of a single sample: the scatter within a dwell once more.
+
+Scatter comes pooled from all rates (it is a scatter of readings, not of percentages); Type B terms of the
+table rate and the converter reference enter in full.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from .plan import Plan, Readings
+from .regression import Line, dwell_variance
+
+Of = Literal["expected", "dwell_mean", "reading"]
+
+
+@dataclass(frozen=True)
+class RateError:
+    """Error at one signed rate.
+
+    Parameters
+    ----------
+    sensor : str
+        Axis of the sensor.
+    applied : float
+        Rate of the table [rad/s].
+    error : float or None
+        Relative error (1); None where every dwell at this rate was left out.
+    u : float or None
+        Standard uncertainty of it (1).
+    dof : float
+        Degrees of freedom of ``u``.
+    dwells, runs : int
+        Behind the mean.
+    largest : float
+        Largest absolute error of a single dwell at this rate, left out or not (1).
+    reason : str
+        Why there is no error, or no uncertainty.
+    """
+
+    sensor: str
+    applied: float
+    error: float | None
+    u: float | None
+    dof: float
+    dwells: int
+    runs: int
+    largest: float
+    reason: str = ""
+
+
+def rate_errors(plan: Plan, everything: Readings, one: Line, of: Of = "dwell_mean") -> tuple[RateError, ...]:
+    """Return the error of one sensor at each rate of its own axis, rest left out, by rising rate.
+
+    Raises
+    ------
+    DataError
+        If ``of`` is not one of the three.
+    """
+    if of not in ("expected", "dwell_mean", "reading"):
+        raise DataError(f"of = {of!r}", do="There are: expected, dwell_mean, reading")
+    s = one.sensor
+    read = everything.take((everything.axis == s) & np.isfinite(everything.outputs[s]) & (everything.applied != 0.0))
+    used = one.readings
+    spread = _spread(one, of)
+    found = []
+    for rate in np.unique(read.applied):
+        all_errors = np.abs(read.outputs[s][read.applied == rate] / rate - 1.0)
+        at = (used.axis == s) & (used.applied == rate)
+        found.append(_at_rate(plan, s, float(rate), used.take(at), spread, float(all_errors.max())))
+    return tuple(found)
+
+
+def _spread(one: Line, of: Of) -> Callable[[int, int], tuple[float, float] | None]:
+    """Variance of the error of a reading [(rad/s)^2] with its degrees of freedom, by numbers of runs and dwells."""
+    readings = one.readings
+    per_run = len(readings) / readings.runs if readings.runs else 1.0
+    total = dwell_variance(one.levels, per_run)
+    sample = next(level for level in one.levels if level.name == "sample")
+
+    def spread(runs: int, dwells: int) -> tuple[float, float] | None:
+        if total is None:
+            return None
+        variance, dof = total
+        independent = runs if runs else dwells
+        scale = 1.0 / independent + (0.0 if of == "expected" else 1.0)
+        if of != "reading":
+            return variance * scale, dof
+        if sample.std is None:
+            return None
+        known = sample.dof if np.isfinite(sample.dof) else np.inf
+        parts = ((variance * scale, dof), (sample.std**2, known))
+        whole = sum(part for part, _ in parts)
+        return whole, whole**2 / sum(part**2 / d for part, d in parts)
+
+    return spread
+
+
+def _at_rate(
+    plan: Plan,
+    sensor: str,
+    rate: float,
+    here: Readings,
+    spread: Callable[[int, int], tuple[float, float] | None],
+    largest: float,
+) -> RateError:
+    if not len(here):
+        return RateError(sensor, rate, None, None, np.nan, 0, 0, largest, "every dwell at this rate was left out")
+    error = float(np.mean(here.outputs[sensor]) / rate - 1.0)
+    runs = here.runs
+    found = spread(runs, len(here))
+    if found is None:
+        reason = "no level of scatter that this needs was repeated or given"
+        return RateError(sensor, rate, error, None, np.nan, len(here), runs, largest, reason)
+    type_a, dof = found[0] / rate**2, found[1]
+    type_b = _type_b(plan, 1.0 + error)
+    variance = type_a + type_b
+    return RateError(
+        sensor, rate, error, float(np.sqrt(variance)), dof * variance**2 / type_a**2, len(here), runs, largest
+    )
+
+
+def _type_b(plan: Plan, gain: float) -> float:
+    """Variance of the relative error from the standards (1)."""
+    known = (plan.standards.get(name) for name in ("rate_table.rate", "converter.reference"))
+    return float(sum((gain * influence.u) ** 2 for influence in known if influence is not None))
+
+
+@dataclass(frozen=True)
+class Resolution:
+    """Lowest rate from which a requirement on the error holds.
+
+    Parameters
+    ----------
+    value : float or None
+        That rate [rad/s]; None where it does not hold at the highest rate either.
+    below : float or None
+        Next lower rate tested, where it does not hold; None where ``value`` is the lowest tested.
+    """
+
+    value: float | None
+    below: float | None
+
+    @property
+    def u(self) -> float | None:
+        """Standard uncertainty [rad/s]: the limit lies anywhere between the two rates (rectangular)."""
+        if self.value is None or self.below is None:
+            return None
+        return (self.value - self.below) / float(np.sqrt(12.0))
+
+
+def resolution(rates: Array, holds: Array) -> Resolution:
+    """Find the lowest rate from which on upward the requirement holds at every rate, both senses.
+
+    Parameters
+    ----------
+    rates : ndarray, shape (n,)
+        Signed rates [rad/s].
+    holds : ndarray of bool, shape (n,)
+        Whether the requirement holds there.
+    """
+    sizes = np.unique(np.round(np.abs(rates), 15))
+    good = [bool(np.all(np.asarray(holds, dtype=bool)[np.isclose(np.abs(rates), size, rtol=1e-9)])) for size in sizes]
+    first = len(good)
+    while first > 0 and good[first - 1]:
+        first -= 1
+    value = float(sizes[first]) if first < len(good) else None
+    return Resolution(value, float(sizes[first - 1]) if first > 0 else None)

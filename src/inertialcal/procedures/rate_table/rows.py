@@ -1,0 +1,165 @@
+"""Rows of a rate-table result: every quantity with its uncertainty, or the reason why there is none."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...core.estimate import Estimate
+from ...core.results import Interval, Row, not_estimated
+from ...statistics.intervals import chi_square_interval, t_interval
+from .linearity import linearity_row
+from .plan import INFLUENCES
+from .published import published_rows
+from .regression import Level
+
+if TYPE_CHECKING:
+    from . import Result
+
+ALL_READINGS = "all_readings"
+LEVELS = ("sample", "dwell", "run")
+
+
+def rows(result: Result) -> list[Row]:
+    """Return all rows, sensor by sensor, SI."""
+    found: list[Row] = []
+    for sensor in _sensors(result):
+        found += _of_sensor(result, sensor, result.estimate, "")
+        if sensor in result.lines:
+            found.append(linearity_row(_straight(result, sensor), sensor))
+            found += _scatter_rows(result, sensor)
+            found += _all_readings_rows(result, sensor)
+            if np.any(result.readings.axis == sensor):
+                found += published_rows(result.plan, result.readings, sensor)
+    return found
+
+
+def _sensors(result: Result) -> list[str]:
+    return list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs]))
+
+
+def _straight(result: Result, sensor: str) -> object:
+    return result.straight[sensor] if sensor in result.straight[sensor].axes else None
+
+
+def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, condition: str) -> list[Row]:
+    """Rows of the quantities that a rate table gives for one sensor, estimated or not."""
+    found = []
+    for quantity, axis, unit in _wanted(result, sensor):
+        name = f"{quantity}_{axis}"
+        if quantity == "scale_factor":
+            found.append(_scale_factor_row(result, sensor, estimate, condition))
+        elif estimate is not None and name in estimate.names:
+            found.append(_row(result, estimate, name, quantity, axis, condition))
+        else:
+            found.append(not_estimated(quantity, axis, unit, _why_not(result, sensor, quantity), condition))
+    return found
+
+
+def _wanted(result: Result, sensor: str) -> list[tuple[str, str, str]]:
+    wanted = []
+    if sensor in result.readings.outputs or np.any(result.readings.axis == sensor):
+        wanted.append(("bias", sensor, "rad/s"))
+        if result.plan.scale_factor is not None:
+            wanted.append(("scale_factor", sensor, "V/(rad/s)"))
+        wanted += [("scale_factor_error", sensor, "1"), ("scale_factor_asymmetry", sensor, "1")]
+    for axis in np.unique(result.readings.axis):
+        if axis != sensor:
+            wanted += [
+                ("cross_axis_sensitivity", f"{sensor}{axis}", "1"),
+                ("misalignment", f"{sensor}{axis}", "rad"),
+            ]
+    return wanted
+
+
+def _row(result: Result, estimate: Estimate, name: str, quantity: str, axis: str, condition: str) -> Row:
+    i = estimate.index(name)
+    value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
+    unit = estimate.units[i]
+    interval = t_interval(value, u, dof)
+    return Row(quantity, axis, value, u, unit, _dof(dof), interval, reason=_limits(result), condition=condition)
+
+
+def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, condition: str) -> Row:
+    """Return the scale factor in volts: the ideal one times (1 + scale factor error)."""
+    ideal, name = result.plan.scale_factor, f"scale_factor_error_{sensor}"
+    if ideal is None or estimate is None or name not in estimate.names:
+        return not_estimated(
+            "scale_factor", sensor, "V/(rad/s)", _why_not(result, sensor, "scale_factor_error"), condition
+        )
+    i = estimate.index(name)
+    value, u, dof = (
+        ideal * (1.0 + float(estimate.values[i])),
+        ideal * float(estimate.u[i]),
+        float(estimate.dof[i]),
+    )
+    interval = t_interval(value, u, dof)
+    return Row(
+        "scale_factor",
+        sensor,
+        value,
+        u,
+        "V/(rad/s)",
+        _dof(dof),
+        interval,
+        reason=_limits(result),
+        condition=condition,
+    )
+
+
+def _limits(result: Result) -> str:
+    missing = [name for name in INFLUENCES if name not in result.plan.standards]
+    return "relative to the fixture" if missing else ""
+
+
+def _why_not(result: Result, sensor: str, quantity: str) -> str:
+    readings = result.readings
+    if sensor not in readings.outputs:
+        turned = ", ".join(str(axis) for axis in np.unique(readings.axis))
+        return f"no readings of the {sensor} sensor while {turned} is turned"
+    if sensor in result.reasons:
+        return result.reasons[sensor]
+    if sensor not in result.lines[sensor].axes:
+        return f"the unit was not turned about {sensor} in this test"
+    if quantity == "scale_factor_asymmetry":
+        if not result.plan.asymmetry:
+            return "the plan leaves asymmetry out"
+        return "needs both senses of rotation and three rates or more"
+    return "no level of scatter was repeated or given"
+
+
+def _scatter_rows(result: Result, sensor: str) -> list[Row]:
+    recordings = result.plan.run_level == "recording"
+    found = []
+    for level in result.lines[sensor].levels:
+        name = "recording" if level.name == "run" and recordings else level.name
+        found.append(_scatter_row(sensor, name, level))
+    if recordings:
+        reason = "the runs of this table are recordings: it does not say which began with a power-up"
+        found.append(not_estimated("scatter_run", sensor, "rad/s", reason))
+    return found
+
+
+def _scatter_row(sensor: str, name: str, level: Level) -> Row:
+    if level.std is None:
+        return not_estimated(f"scatter_{name}", sensor, "rad/s", level.reason)
+    if not np.isfinite(level.dof):
+        reason = f"no uncertainty: {level.reason}"
+        return Row(f"scatter_{name}", sensor, level.std, None, "rad/s", status="not_estimated", reason=reason)
+    u = level.std / np.sqrt(2.0 * level.dof)
+    interval = chi_square_interval(level.std, level.dof)
+    return Row(f"scatter_{name}", sensor, level.std, float(u), "rad/s", level.dof, interval)
+
+
+def _all_readings_rows(result: Result, sensor: str) -> list[Row]:
+    if result.all_readings is None:
+        return []
+    return _of_sensor(result, sensor, result.all_readings, ALL_READINGS)
+
+
+def _dof(dof: float) -> float | None:
+    return float(dof) if np.isfinite(dof) else None
+
+
+__all__ = ["ALL_READINGS", "LEVELS", "Interval", "rows"]

@@ -1,0 +1,156 @@
+"""From readings to the true input: the inverse of the sensor equation, and the first-order form beside it.
+
+The inverse goes back through the equation in the order in which it was built: subtract K0 and G f, invert the
+curve of each sensor, multiply by M^-1. It is refused where two inputs would give one reading inside the validity
+range of the model. Readings that no input can give (beyond the end of the rising branch of a curved sensor) come
+back as NaN; ``outside`` counts them, and those beyond the validity range.
+
+The first-order form ``x = r - (b + (M - I) r)`` is that of published flight software [1]_; it differs from the
+inverse by the square of the errors.
+
+References
+----------
+.. [1] Badescu, NPS thesis, 2011, equation (2) and Table 15.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import Unpack
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+from ..core.remarks import Remark
+from ._kernels import affine_3
+from .equation import Columns, Conditions, condition_columns, curve, dot, felt, matrix_at, offset, rows
+from .model import SensorModel
+from .nonlinearity import inverse
+from .uniqueness import check_unique
+
+CHUNK = 16_384  # rows that stay in the cache from step to step
+KERNEL_ROWS = 1_000_000  # from here on the compiled loop is worth its compilation
+
+
+def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditions]) -> Array:
+    """Return the true inputs of readings: the inverse of `predict`.
+
+    Parameters
+    ----------
+    readings : ndarray, shape (n, k)
+        r = v / S0 [input unit]; see ``model.to_readings`` for outputs in volts or pulses a second.
+    **conditions
+        See `equation.Conditions`.
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        x [input unit]. NaN where a reading or a condition is NaN, or where no input gives that reading.
+
+    Raises
+    ------
+    DataError
+        If a shape does not fit, a condition is missing that a term needs (``missing_condition``), or the inverse
+        is not unique (``not_invertible``, ``not_unique``, ``no_validity_range``).
+    """
+    r = rows(model, readings, "readings")
+    columns = condition_columns(model, len(r), conditions)
+    check_unique(model, columns)
+    out = np.empty(r.shape)
+    if model.linear and len(model.axes) == 3 and len(r) >= KERNEL_ROWS and _constant(columns):
+        affine_3(np.linalg.inv(matrix_at(model, columns)[0]), offset(model, columns)[0], r, out)
+        return out
+    for part, here in pieces(columns, len(r)):
+        out[part] = _inverse(model, r[part], here)
+    return out
+
+
+def first_order(model: SensorModel, readings: Array, **conditions: Unpack[Conditions]) -> Array:
+    """Return ``r - (b + (M - I) r)``, shape (n, k): the published first-order form, b = K0 + G f.
+
+    Curves are left out, as there. Arguments and Raises as for `compensate`.
+    """
+    r = rows(model, readings, "readings")
+    columns = condition_columns(model, len(r), conditions)
+    errors = matrix_at(model, columns) - np.eye(len(model.axes))
+    return r - (offset(model, columns) + felt(errors, r))
+
+
+def outside(
+    model: SensorModel, compensated: Array, readings: Array, **conditions: Unpack[Conditions]
+) -> tuple[Remark, ...]:
+    """Count what lies beyond the validity range of a model.
+
+    Parameters
+    ----------
+    compensated, readings : ndarray, shape (n, k)
+        Out of and into `compensate` [input unit].
+
+    Returns
+    -------
+    tuple of Remark
+        ``no_inverse``, ``outside_input_range``, ``outside_temperature_range``, ``outside_pressure_range``; only
+        those with a count above zero.
+    """
+    x = rows(model, compensated, "compensated")
+    r = rows(model, readings, "readings")
+    columns = condition_columns(model, len(x), conditions)
+    remarks = []
+    lost = np.isnan(x) & np.isfinite(r)
+    if np.any(lost):
+        remarks.append(_remark("no_inverse", "reading(s) that no input gives are left empty", lost, ""))
+    if model.input_range is not None:
+        over = (x < model.input_range[:, 0]) | (x > model.input_range[:, 1])
+        ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
+        remarks.append(_remark("outside_input_range", f"beyond the input range ({ends} {model.unit})", over))
+    for name, ends_of, unit in (
+        ("temperature", model.temperature_range, "degC"),
+        ("pressure", model.pressure_range, "Pa"),
+    ):
+        if ends_of is not None and name in columns:
+            over = np.broadcast_to((columns[name] < ends_of[0]) | (columns[name] > ends_of[1]), x.shape)
+            text = f"beyond the {name} range ({ends_of[0]:g} to {ends_of[1]:g} {unit})"
+            remarks.append(_remark(f"outside_{name}_range", text, over))
+    return tuple(remark for remark in remarks if remark.count)
+
+
+def _remark(code: str, text: str, where: Array, do: str = "The model extrapolates there") -> Remark:
+    count = int(np.count_nonzero(where.any(axis=1)))
+    first = f"row {int(np.argmax(where.any(axis=1)))}" if count else ""
+    return Remark(code, "warning", f"{count} of {len(where)} row(s): {text}", first, count, do)
+
+
+def _constant(columns: Columns) -> bool:
+    return all(len(column) == 1 for column in columns.values())
+
+
+def pieces(columns: Columns, n: int) -> Iterator[tuple[slice, dict[str, Array]]]:
+    """Rows in chunks, and the conditions of each."""
+    for start in range(0, n, CHUNK):
+        part = slice(start, min(start + CHUNK, n))
+        yield part, {name: column if len(column) == 1 else column[part] for name, column in columns.items()}
+
+
+def _inverse(model: SensorModel, r: Array, columns: Columns) -> Array:
+    u = r - offset(model, columns)
+    if not model.linear:
+        u = inverse(curve(model), u)
+    return unmixed(matrix_at(model, columns), u)
+
+
+def unmixed(matrix: Array, u: Array) -> Array:
+    """Return x with M x = u, shape (n, k).
+
+    Raises
+    ------
+    DataError
+        If M(T) is singular at a temperature outside the range that was checked.
+    """
+    try:
+        if len(matrix) == 1:
+            return dot(np.linalg.inv(matrix[0]), u)
+        x: Array = np.linalg.solve(matrix, u[:, :, np.newaxis])[:, :, 0]
+    except np.linalg.LinAlgError:
+        raise DataError("the matrix is singular at a temperature of the data", code="not_invertible") from None
+    return x

@@ -1,0 +1,342 @@
+"""Where the level or the scatter of a signal changes: the numerics under ``segments``.
+
+Levels are compared in two windows of ``w`` samples, left and right of every sample (moving sums, [1]_),
+for ``w`` = 1, 2, 4, ... from fine to coarse [2]_; what a fine scale has found, a coarse one does not look
+across. A change is called where the two means differ by more than a quantile of Student's t, whose tail is
+shared among all samples, scales and channels (Bonferroni): on white Gaussian noise the stated false-alarm
+probability is an upper bound.
+
+In noise that is not white, window means scatter more than white noise lets them. Each scale widens its
+threshold by the ratio that it finds between its changes, so coloured noise is not taken for motion, and a
+drift much slower than the longest window is not either.
+
+Arrays are time-first, (n, channels), finite; column-major order is fastest.
+
+References
+----------
+.. [1] Eichinger and Kirch, Bernoulli 24 (2018) 526-564: moving sums for several change points.
+.. [2] Messer et al., Annals of Applied Statistics 8 (2014) 2027-2067: windows of several widths, the finest
+   first.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import signal as scipy_signal
+from scipy import stats
+
+from ..core.estimate import Array
+from .noise_scale import Noise
+
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+HALF_NORMAL = float(stats.norm.ppf(0.75))  # median of |x| for unit normal x
+WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
+ROUNDS = 10
+PROBES = 4_000  # places at which the usual scatter of a statistic is measured
+FEWEST = 16  # places from which it can be
+RAMP = 3  # samples at each end of a stretch that may still belong to the ramp
+EDGE = 3.5  # standard deviations at which they do
+BESIDE = 8  # samples after the ramp that give the level there
+SHORTEST = RAMP + BESIDE + 1  # samples that a stretch needs
+
+
+def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
+    """Return the samples that stand alone: far from two neighbours that agree with each other.
+
+    Outliers nearer to each other than ``apart`` samples are no outliers but motion or noise, and stay.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    factor : float
+        In units of standard deviations.
+    apart : int
+        Least distance between two of them [samples].
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True where any channel has an outlier.
+    """
+    alone = np.zeros(len(y), dtype=bool)
+    calm = np.ones(len(y) - 2, dtype=bool)
+    far = np.zeros(len(y) - 2, dtype=bool)
+    for k in range(y.shape[1]):
+        before, here, after = y[:-2, k], y[1:-1, k], y[2:, k]
+        sigma = factor * noise.scale[k]
+        feigned = noise.feigned[k]
+        calm &= np.abs(after - before) <= np.sqrt(2.0) * sigma + feigned
+        far |= np.abs(here - 0.5 * (before + after)) > np.sqrt(1.5) * sigma + feigned
+    at = np.flatnonzero(far & calm) + 1
+    if at.size:
+        distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
+        alone[at[(distance[:-1] >= apart) & (distance[1:] >= apart)]] = True
+    return alone
+
+
+def level_changes(
+    y: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
+) -> tuple[Indices, Array]:
+    """Return where the level changes.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    scales : tuple of int
+        Widths of the windows, ascending [samples].
+    quantile : ndarray, shape (channels,)
+        Threshold for the difference of two window means, in units of its standard deviation.
+    cuts : ndarray of int, shape (k,)
+        Changes that are known beforehand: 0, gaps, n.
+
+    Returns
+    -------
+    changes : ndarray of int
+        First sample after each change, with 0 and n, ascending.
+    widening : ndarray, shape (channels,)
+        By how much more than white noise the means of the widest windows scatter.
+    """
+    total = np.zeros((len(y) + 1, y.shape[1]), order="F")
+    np.cumsum(y, axis=0, out=total[1:])
+    room = np.empty_like(total)
+    widening = np.ones(y.shape[1])
+    for w in scales:
+        if len(y) < 2 * w:
+            break
+        jumps = _fill_jumps(total, w, room)
+        cuts, widening = _changes_at_scale(jumps, noise, w, quantile, cuts, widening)
+    return cuts, widening
+
+
+def _fill_jumps(total: Array, w: int, room: Array) -> Array:
+    """Absolute difference of the means of w samples after and before samples w .. n - w, in ``room``."""
+    jumps = room[: len(total) - 2 * w]
+    for k in range(total.shape[1]):
+        jump, running = jumps[:, k], total[:, k]
+        np.subtract(running[2 * w :], running[w:-w], out=jump)
+        jump -= running[w:-w]
+        jump += running[: -2 * w]
+        np.abs(jump, out=jump)
+        jump /= w
+    return jumps
+
+
+def _changes_at_scale(
+    jumps: Array, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array
+) -> tuple[Indices, Array]:
+    """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own."""
+    white = noise.scale * np.sqrt(2.0 / w)
+    found, wide = cuts, np.ones(len(white))
+    for _ in range(ROUNDS):
+        found = _exceedances(jumps, np.maximum(quantile * white * wide, noise.feigned), w, cuts)
+        measured = _measured_widening(jumps, white, w, found)
+        if measured is None:
+            limit = np.maximum(quantile * white * np.maximum(wide, widening), noise.feigned)
+            return _exceedances(jumps, limit, w, cuts), widening
+        if np.all(measured <= WIDEN * wide):
+            break
+        wide = np.maximum(wide, measured)
+    return found, wide
+
+
+def _exceedances(jumps: Array, limit: Array, w: int, cuts: Indices) -> Indices:
+    """Cuts with those added where a jump exceeds its limit and is the largest for w samples around."""
+    over = np.zeros(len(jumps), dtype=bool)
+    for k, bound in enumerate(limit):
+        over |= jumps[:, k] > bound
+    hits = np.flatnonzero(over) + w
+    if w == 1:
+        return _joined(cuts, hits)
+    for _ in range(ROUNDS):
+        hits = hits[_clear(hits, w, cuts)]
+        if not len(hits):
+            break
+        score = (jumps[hits - w] / np.where(limit > 0.0, limit, np.finfo(float).tiny)).max(axis=1)
+        cuts = _joined(cuts, hits[_highest(hits, score, w)])
+    return cuts
+
+
+def _highest(at: Indices, score: Array, w: int) -> Indices:
+    """Which of the places ``at`` are the highest for w samples around; empty stretches are left short."""
+    place = 1 + np.cumsum(np.minimum(np.diff(at, prepend=at[0]), w + 1))
+    dense = np.zeros(place[-1] + 2)  # a zero at each end: find_peaks sees no peak at an end
+    dense[place] = score
+    peaks, _found = scipy_signal.find_peaks(dense, distance=w)
+    which: Indices = np.minimum(np.searchsorted(place, peaks), len(at) - 1)
+    return which
+
+
+def _joined(cuts: Indices, new: Indices) -> Indices:
+    """Both, ascending, each once."""
+    every = np.sort(np.concatenate((cuts, new)))
+    return every[np.diff(every, prepend=-1) > 0]
+
+
+def _clear(at: Indices, w: int, cuts: Indices) -> Flags:
+    """Which of the indices are w samples or more from the nearest cut, shape of ``at``."""
+    after = np.minimum(np.searchsorted(cuts, at), len(cuts) - 1)
+    before = np.maximum(after - 1, 0)
+    far: Flags = (np.abs(cuts[after] - at) >= w) & (np.abs(at - cuts[before]) >= w)
+    return far
+
+
+def _measured_widening(jumps: Array, white: Array, w: int, cuts: Indices) -> Array | None:
+    """Ratio of the scatter of jumps between changes to that of white noise; None from too few."""
+    every = np.arange(0, len(jumps), max(1, w // 2, len(jumps) // PROBES))
+    free = every[_clear(every + w, w, cuts)]
+    if len(free) < FEWEST:
+        return None
+    median = np.median(jumps[free], axis=0)
+    ratio: Array = np.divide(median, HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
+    return ratio
+
+
+def covered(start: Indices, stop: Indices, n: int) -> Flags:
+    """Return which of n samples lie in one of the stretches [start, stop), both ascending, shape (n,)."""
+    start, stop = np.clip(start, 0, n), np.clip(stop, 0, n)
+    flags = np.zeros(n + 1, dtype=np.int8)
+    if len(start):
+        apart = start[1:] > stop[:-1]
+        flags[start[np.r_[True, apart]]] += 1
+        flags[stop[np.r_[apart, True]]] -= 1
+    inside: Flags = np.cumsum(flags[:n], dtype=np.int8) > 0
+    return inside
+
+
+def loud(y: Array, noise: Noise, w: int, tail: float, cuts: Indices) -> Flags:
+    """Return the samples in windows that scatter more than noise does.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    w : int
+        Width of the window [samples].
+    tail : float
+        False-alarm probability of one window.
+    cuts : ndarray of int
+        Changes of level, with 0 and n; windows lie between them.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True for all samples of a window in which any channel exceeds its limit.
+    """
+    size = max(0, len(y) - w + 1)
+    within = cuts[(cuts > 0) & (cuts < len(y))]
+    whole = ~covered(within - w + 1, within, size)
+    hot = np.zeros(size, dtype=bool)
+    if not whole.any():
+        return np.zeros(len(y), dtype=bool)
+    probes = np.flatnonzero(whole)
+    probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
+    for k in range(y.shape[1]):
+        variance = _window_variance(y[:, k], cuts, w)
+        usual = np.median(variance[probes]) / stats.chi2.ppf(0.5, w - 1) * (w - 1)
+        ratio = stats.f.isf(tail, w - 1, noise.dof[k])
+        hot |= variance > ratio * max(noise.scale[k] ** 2, usual)
+    at = np.flatnonzero(hot & whole)
+    return covered(at, at + w, len(y))
+
+
+def _window_variance(y: Array, cuts: Indices, w: int) -> Array:
+    """Variance (w - 1) of samples i .. i + w, shape (n - w + 1,); levels are taken off to keep digits."""
+    size = np.diff(cuts)
+    level = np.add.reduceat(y, cuts[:-1]) / size
+    residual = y - np.repeat(level, size)
+    first = _window_sum(residual, w)
+    second = _window_sum(residual * residual, w)
+    variance: Array = np.maximum(second - first * first / w, 0.0) / (w - 1)
+    return variance
+
+
+def _window_sum(x: Array, w: int) -> Array:
+    total = np.cumsum(x)
+    total[w:] -= total[:-w].copy()
+    return total[w - 1 :]
+
+
+def settled_ends(y: Array, noise: Noise, start: Indices, stop: Indices) -> tuple[Indices, Indices]:
+    """Return stretches without the samples at their ends that still belong to a ramp.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    start, stop : ndarray of int, shape (k,)
+        Stretches of at least ``SHORTEST`` samples.
+
+    Returns
+    -------
+    start, stop : ndarray of int, shape (k,)
+        At most three samples further in; the two ends of the record stay.
+    """
+    total = np.concatenate((np.zeros((1, y.shape[1])), np.cumsum(y, axis=0)))
+    limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / BESIDE)
+    first = (total[start + RAMP + BESIDE] - total[start + RAMP]) / BESIDE
+    last = (total[stop - RAMP] - total[stop - RAMP - BESIDE]) / BESIDE
+    into, back = np.zeros_like(start), np.zeros_like(stop)
+    for k in range(RAMP):
+        into[(np.abs(y[start + k] - first) > limit).any(axis=1)] = k + 1
+        back[(np.abs(y[stop - 1 - k] - last) > limit).any(axis=1)] = k + 1
+    return np.where(start > 0, start + into, start), np.where(stop < len(y), stop - back, stop)
+
+
+def sloping(y: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
+    """Return which stretches have two halves at different levels, shape (k,).
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    quantile : ndarray, shape (channels,)
+        Threshold in standard deviations of the difference.
+    start, stop : ndarray of int, shape (k,)
+        Stretches of two samples or more.
+    """
+    total = np.concatenate((np.zeros((1, y.shape[1])), np.cumsum(y, axis=0)))
+    half = (stop - start) // 2
+    before = total[start + half] - total[start]
+    after = total[stop] - total[stop - half]
+    limit = np.maximum(quantile * noise.scale * np.sqrt(2.0 / half)[:, None], noise.feigned)
+    steep: Flags = (np.abs(after - before) / half[:, None] > limit).any(axis=1)
+    return steep
+
+
+def stretches(start: Indices, stop: Indices, keep: Flags) -> tuple[Indices, Indices]:
+    """Return the parts of ascending, disjoint stretches in which every sample is kept.
+
+    Parameters
+    ----------
+    start, stop : ndarray of int, shape (k,)
+        Half-open.
+    keep : ndarray of bool, shape (n,)
+        Samples to keep.
+
+    Returns
+    -------
+    start, stop : ndarray of int
+        Half-open, ascending.
+    """
+    kept = covered(start, stop, len(keep)) & keep
+    begins = np.flatnonzero(kept & ~np.concatenate(([False], kept[:-1])))
+    inner = start[kept[start]] if len(start) else start
+    first = _joined(begins, inner)
+    ends = np.flatnonzero(kept & ~np.concatenate((kept[1:], [False]))) + 1
+    outer = stop[kept[stop - 1]] if len(stop) else stop
+    return first, _joined(ends, outer)

@@ -1,0 +1,149 @@
+"""Codes of a channel: its resolution step, values that pile up at a rail, values that are stuck.
+
+All judgements are against what the channel itself does elsewhere; no converter is assumed.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.estimate import Array
+
+REPEATS = 2.0  # a step is looked for where values occur at least this often on average
+LEVELS = 2**24  # most levels that a converter has
+OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
+DIVIDERS = 10  # a gap between neighbouring levels may be this many steps
+PILE = 5  # fewest samples at an extreme that are called a pile ...
+PILE_RATIO = 3.0  # ... and how much more than at the next level
+FEW_LEVELS = 10  # with fewer levels (a switch, a flag) the extremes are no rails
+RAIL_CODES = frozenset(
+    {0, *(2**bits - 1 for bits in (8, 10, 12, 14, 16, 24, 32))}
+    | {code for bits in (8, 10, 12, 14, 16, 24, 32) for code in (-(2 ** (bits - 1)), 2 ** (bits - 1) - 1)}
+)  # ends of the usual converters, unsigned and two's complement
+STUCK_CHANCE = 1e-6  # chance of a run so long, were neighbours independent
+STUCK_RUN = 10  # shortest run that is called stuck ...
+STUCK_RATIO = 5.0  # ... and how much longer than 95 % of the other runs
+CONSTANT_IN_COUNTS = 2  # a rail of a known converter shows from so many samples
+
+
+@dataclass(frozen=True)
+class Run:
+    """Equal neighbouring values: index of the first, how many, and their value."""
+
+    start: int
+    length: int
+    value: float
+
+
+@dataclass(frozen=True)
+class Rail:
+    """Samples at an extreme: its value, how many, and whether it is the end of a usual converter."""
+
+    value: float
+    count: int
+    is_code: bool
+
+
+def resolution(values: NDArray[np.generic]) -> float | None:
+    """Return the step of which all differences are whole multiples, or None where there is none.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Finite, in any unit.
+    """
+    levels = np.unique(values.astype(np.float64))
+    if len(levels) < 2 or len(values) < REPEATS * len(levels):
+        return None
+    apart = np.diff(levels)
+    rounding = 4.0 * np.spacing(np.abs(levels).max())
+    apart = apart[apart > rounding]
+    if not len(apart):
+        return None
+    for divider in range(1, DIVIDERS + 1):
+        step = _refined(apart, float(apart.min()) / divider)
+        if step is not None and (levels[-1] - levels[0]) / step <= LEVELS:
+            return step
+    return None
+
+
+def _refined(apart: Array, step: float) -> float | None:
+    """Mean step, where (nearly) every distance is a whole number of steps."""
+    # Near levels first: their whole numbers are certain and give the step with which to count the far ones.
+    near = apart[apart < 8.0 * step]
+    step = float(near.sum() / np.rint(near / step).sum())
+    whole = np.rint(apart / step)
+    off = np.abs(apart / step - whole) > OFF_STEP * np.maximum(whole, 1.0) ** 0.5
+    return float(apart.sum() / whole.sum()) if not off.any() else None
+
+
+def rails(values: NDArray[np.generic]) -> tuple[Rail, ...]:
+    """Return the extremes at which values pile up: clipped samples.
+
+    An extreme counts if at least five samples lie on it, three times as many as on the level beside it; or,
+    for whole numbers, if two samples lie on the last code of a usual converter.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Finite, in any unit.
+    """
+    levels, counts = np.unique(values.astype(np.float64), return_counts=True)
+    if len(levels) < FEW_LEVELS:
+        return ()
+    whole = bool(np.all(levels == np.rint(levels)))
+    found = []
+    for end, beside in ((0, 1), (-1, -2)):
+        count, is_code = int(counts[end]), whole and int(levels[end]) in RAIL_CODES
+        piled = count >= PILE and count > PILE_RATIO * counts[beside]
+        # Zero is the end of an unsigned converter only for channels that live far above it.
+        at_code = is_code and count >= CONSTANT_IN_COUNTS and levels[end] != 0.0
+        if piled or at_code:
+            found.append(Rail(float(levels[end]), count, is_code))
+    return tuple(found)
+
+
+def longest_run(values: NDArray[np.generic]) -> Run:
+    """Return the longest stretch of equal neighbouring values.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,), n >= 1
+        In any unit.
+    """
+    starts, lengths = _runs(values)
+    at = int(np.argmax(lengths))
+    return Run(int(starts[at]), int(lengths[at]), float(values[starts[at]]))
+
+
+def is_stuck(values: NDArray[np.generic]) -> bool:
+    """Whether the longest run of equal values is far longer than the channel's other runs explain.
+
+    With p the share of equal neighbours outside that run, n samples hold about n p**(k-1) runs of k; the
+    run is stuck where this is below 1e-6, and it is also five times longer than 95 % of all runs (slow
+    channels repeat their codes).
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,), n >= 1
+        In any unit. A constant channel is stuck.
+    """
+    _, lengths = _runs(values)
+    longest = int(lengths.max())
+    if longest == len(values):
+        return longest >= STUCK_RUN
+    others = np.delete(lengths, int(np.argmax(lengths)))
+    equal = (others - 1).sum() / max(others.sum() - 1, 1)
+    log_chance = np.log(len(values)) + (longest - 1) * np.log(max(equal, 1.0 / len(values)))
+    long = longest >= max(STUCK_RUN, STUCK_RATIO * float(np.quantile(others, 0.95)))
+    return bool(long and log_chance < np.log(STUCK_CHANCE))
+
+
+def _runs(values: NDArray[np.generic]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
+    """Start and length of each stretch of equal values."""
+    changes = np.flatnonzero(values[1:] != values[:-1]) + 1
+    starts = np.concatenate([[0], changes])
+    return starts, np.diff(np.concatenate([starts, [len(values)]]))

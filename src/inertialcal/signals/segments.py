@@ -1,0 +1,484 @@
+"""Still and moving stretches of a signal: one detector, and three selections from what it finds.
+
+*Still* means that the level is constant within the noise and the scatter is that of the noise: a table that
+turns at a constant rate is still for a rate sensor, so is a sensor lying in any attitude for an
+accelerometer. *Moving* is all that is not shown to be still: ramps, hands, shaking, stretches too short to
+judge, samples that are missing for too long.
+
+The detector measures the noise (``noise_scale``), sets single outliers aside, cuts where the level changes
+(``change_points``), and calls a piece still if it is long enough, does not slope and is not louder than the
+noise. What it cannot do: tell a drift slower than its longest window from a constant level; find a step
+smaller than the noise of two window means (0.006 deg/s at a noise of 0.004 deg/s in a dwell of 30 samples,
+say); take a stretch for still whose noise is twice that of the quietest. Where a reference or a schedule
+exists, cut by that (``dwells.dwells_by_reference``, ``dwells.dwells_by_windows``).
+
+Selections: ``dwells`` (every still stretch long enough), ``static_intervals`` (one for each placement of a
+sensor set down by hand), ``quiet_windows`` (equally long windows inside still stretches). All give Dwells.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import stats
+
+from ..core.errors import DataError, PlanError
+from ..core.estimate import Array
+from ..core.recording import Times
+from ..core.remarks import Remark
+from .change_points import (
+    PROBES,
+    SHORTEST,
+    covered,
+    level_changes,
+    loud,
+    settled_ends,
+    single_outliers,
+    sloping,
+    stretches,
+)
+from .dwells import LONGEST_GAP, Dwell, Flags, Samples, dwell_of, samples_of
+from .noise_scale import BLOCK, Noise, noise_scale
+
+Indices = NDArray[np.int64]
+Kind = Literal["still", "moving"]
+
+
+@dataclass(frozen=True)
+class Detection:
+    """How still and moving are told apart.
+
+    Parameters
+    ----------
+    false_alarm : float
+        Probability that a record of white noise at a constant level is found to move at all.
+    shortest : int
+        Samples of the shortest still stretch, 12 or more.
+    longest_window : int
+        Samples of the widest window in which a level is averaged; a change spread over more than twice this
+        counts as drift.
+    longest_gap : float
+        Longest stretch without good samples that a still stretch may hold [sample intervals].
+
+    Raises
+    ------
+    PlanError
+        If a value is out of range.
+    """
+
+    false_alarm: float = 0.01
+    shortest: int = SHORTEST
+    longest_window: int = 32
+    longest_gap: float = LONGEST_GAP
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.false_alarm < 1.0:
+            raise PlanError(f"false_alarm {self.false_alarm:g}, need a probability between 0 and 1")
+        if self.shortest < SHORTEST:
+            raise PlanError(f"shortest {self.shortest} samples, need {SHORTEST} or more")
+        if self.longest_window < 1:
+            raise PlanError(f"longest_window {self.longest_window} samples, need 1 or more")
+        if not self.longest_gap >= 1.0:
+            raise PlanError(f"longest_gap {self.longest_gap:g} sample intervals, need 1 or more")
+
+    @property
+    def scales(self) -> tuple[int, ...]:
+        """Widths of the windows: 1, 2, 4, ... up to the widest [samples]."""
+        return tuple(2**k for k in range(self.longest_window.bit_length()))
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """One stretch: samples [start, stop), its kind, and level and scatter of each channel in it."""
+
+    start: int
+    stop: int
+    kind: Kind
+    level: Array
+    scatter: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Segmentation:
+    """A record cut into still and moving stretches that together hold every sample once.
+
+    Parameters
+    ----------
+    start, stop : ndarray of int, shape (k,)
+        Stretches in order, half-open; ``stop[i] == start[i + 1]``.
+    still : ndarray of bool, shape (k,)
+        Still or moving.
+    level, scatter : ndarray, shape (k, channels)
+        Mean and standard deviation (n - 1) of the good samples; NaN where there are none, or one.
+    noise : Noise
+        Scatter of a sample where nothing happens.
+    samples : Samples
+        The signal with its single outliers marked.
+    stuck : ndarray of bool, shape (k,)
+        Still stretches in which a channel that is noisy elsewhere does not vary at all.
+    plan : Detection
+        What it was found with.
+    """
+
+    start: Indices
+    stop: Indices
+    still: Flags
+    level: Array
+    scatter: Array
+    noise: Noise
+    samples: Samples
+    stuck: Flags
+    plan: Detection = field(default_factory=Detection)
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """The stretches one by one."""
+        kinds: tuple[Kind, Kind] = ("moving", "still")
+        return tuple(
+            Interval(int(self.start[i]), int(self.stop[i]), kinds[int(self.still[i])], level, scatter)
+            for i, (level, scatter) in enumerate(zip(self.level, self.scatter, strict=True))
+        )
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Samples that are missing, outliers set aside, stretches in which a channel is stuck."""
+        missing = int(np.count_nonzero(~self.samples.finite))
+        outliers, stuck = int(np.count_nonzero(self.samples.outlier)), int(np.count_nonzero(self.stuck))
+        found = []
+        if missing:
+            found.append(Remark("missing_samples", "info", "sample without a value, left out", count=missing))
+        if outliers:
+            found.append(Remark("outliers", "warning", "single outlier, left out", count=outliers))
+        if stuck:
+            where = f"sample {self.start[np.flatnonzero(self.stuck)[0]]}"
+            text = "a channel repeats one value for a whole stretch"
+            found.append(Remark("stuck", "warning", text, where, stuck, "Check for saturation"))
+        return tuple(found)
+
+
+def detect(
+    signal: NDArray[Any],
+    time_ns: Times | None = None,
+    sample_interval: float | None = None,
+    plan: Detection | None = None,
+) -> Segmentation:
+    """Cut a signal into still and moving stretches.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (n,) or (n, channels)
+        In any unit; a sample with a value that is not finite is left out. A stretch is still if every
+        channel is.
+    time_ns : ndarray of int64, shape (n,), optional
+        Stamps, not descending [ns]; without them neighbouring samples count as one sample interval apart.
+    sample_interval : float, optional
+        Nominal time from sample to sample [s]; from the stamps by default.
+    plan : Detection, optional
+        Default settings if absent.
+
+    Returns
+    -------
+    Segmentation
+        Every sample in one stretch.
+
+    Raises
+    ------
+    DataError
+        If a channel has no values, fewer than 16 good samples are left, or the time does not fit.
+    """
+    plan = plan or Detection()
+    samples = samples_of(signal, time_ns, sample_interval)
+    rows = _good_rows(samples)
+    y = samples.values if len(rows) == len(samples.values) else samples.values[rows]
+    y = np.asfortranarray(y - np.median(y[:: max(1, len(y) // PROBES)], axis=0))
+    noise = noise_scale(y)
+    outlier = _set_outliers_aside(y, noise, plan)
+    start, stop = _still_stretches(y, noise, plan, _gap_cuts(samples.ticks[rows], plan))
+    flags = np.zeros(len(samples.values), dtype=bool)
+    flags[rows] = outlier & covered(start, stop, len(y))
+    return _segmentation(replace(samples, outlier=flags), rows[start], rows[stop - 1] + 1, noise, plan)
+
+
+def _good_rows(samples: Samples) -> Indices:
+    rows = np.flatnonzero(samples.finite)
+    n, channels = samples.values.shape
+    if not len(rows) and n:
+        dead = [str(k) for k in range(channels) if not np.isfinite(samples.values[:, k]).any()]
+        if dead:
+            raise DataError(
+                f"channel {', '.join(dead)} of {channels} holds no value",
+                why="a stretch is still only where every channel is",
+                do="Leave the channel out",
+                code="no_values",
+            )
+    if len(rows) < 2 * BLOCK:
+        raise DataError(
+            f"{len(rows)} good sample(s) of {n}, need {2 * BLOCK} or more",
+            why="the noise cannot be measured",
+            code="too_short",
+        )
+    return rows
+
+
+def _tails(n: int, channels: int, plan: Detection) -> tuple[float, float]:
+    """Two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk."""
+    shared = 0.5 * plan.false_alarm / (n * channels)
+    return shared / (2.0 * (len(plan.scales) + 1)), shared
+
+
+def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
+    """Put the mean of the neighbours in place of single outliers in ``y``; tell which."""
+    tail, _ = _tails(*y.shape, plan)
+    quantile = float(stats.t.isf(tail, noise.dof).max())
+    outlier = single_outliers(y, noise, quantile, plan.shortest)
+    at = np.flatnonzero(outlier)
+    y[at] = 0.5 * (y[at - 1] + y[at + 1])
+    return outlier
+
+
+def _gap_cuts(ticks: Array, plan: Detection) -> Indices:
+    """First good sample after each long gap, with 0 and n."""
+    return np.r_[0, np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, len(ticks)]
+
+
+def _still_stretches(y: Array, noise: Noise, plan: Detection, gaps: Indices) -> tuple[Indices, Indices]:
+    """Good samples [start, stop) of each still stretch."""
+    tail, variance_tail = _tails(*y.shape, plan)
+    quantile = stats.t.isf(tail, noise.dof)
+    first, _ = level_changes(y, noise, plan.scales[:1], quantile, gaps)
+    kept, first = _without_short_pieces(first, plan.shortest)
+    if not len(kept):
+        return kept, kept
+    y = y if len(kept) == len(y) else np.asfortranarray(y[kept])
+    cuts, widening = level_changes(y, noise, plan.scales[1:], quantile, first)
+    start, stop = _long(cuts[:-1], cuts[1:], plan.shortest)
+    start, stop = _long(*settled_ends(y, noise, start, stop), plan.shortest)
+    short = stop - start < 2 * plan.longest_window
+    slope = np.zeros(len(start), dtype=bool)
+    slope[short] = sloping(y, noise, quantile * np.maximum(widening, 1.0), start[short], stop[short])
+    noisy = loud(y, noise, plan.shortest, variance_tail, cuts)
+    start, stop = _long(*stretches(start[~slope], stop[~slope], ~noisy), plan.shortest)
+    return kept[start], kept[stop - 1] + 1
+
+
+def _without_short_pieces(cuts: Indices, shortest: int) -> tuple[Indices, Indices]:
+    """Samples of the pieces that can be still, and the cuts between those, counted in these samples."""
+    size = np.diff(cuts)
+    enough = size >= shortest
+    kept = np.flatnonzero(np.repeat(enough, size))
+    return kept, np.concatenate(([0], np.cumsum(size[enough])))
+
+
+def _long(start: Indices, stop: Indices, shortest: int) -> tuple[Indices, Indices]:
+    enough = stop - start >= shortest
+    return start[enough], stop[enough]
+
+
+def _segmentation(
+    samples: Samples, still_start: Indices, still_stop: Indices, noise: Noise, plan: Detection
+) -> Segmentation:
+    """Fill what lies between the still stretches with moving ones, and measure them all."""
+    n = len(samples.values)
+    edges = np.unique(np.concatenate(([0, n], still_start, still_stop)))
+    start, stop = edges[:-1], edges[1:]
+    still = np.isin(start, still_start)
+    count, level, scatter = _measure(samples, edges)
+    frozen = (scatter == 0.0) & noise.live
+    stuck: Flags = still & frozen.any(axis=1) & (count > 1)
+    return Segmentation(start, stop, still, level, scatter, noise, samples, stuck, plan)
+
+
+def _measure(samples: Samples, edges: Indices) -> tuple[Indices, Array, Array]:
+    """Number, mean and standard deviation of the good samples of each stretch."""
+    good = samples.finite & ~samples.outlier
+    number = np.concatenate(([0], np.cumsum(good)))
+    count = np.diff(number[edges])
+    filled = count > 0
+    at, size = number[edges[:-1]][filled], count[filled]
+    level = np.full((len(count), samples.values.shape[1]), np.nan)
+    scatter = np.full_like(level, np.nan)
+    for k in range(level.shape[1]):
+        x = samples.values[good, k]
+        mean = np.add.reduceat(x, at) / size
+        x -= np.repeat(mean, size)
+        level[filled, k] = mean
+        with np.errstate(invalid="ignore"):
+            scatter[filled, k] = np.sqrt(np.add.reduceat(x * x, at) / (size - 1.0))
+    return count, level, scatter
+
+
+def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Samples:
+    """Samples of a signal of the same clock; those of the segmented one where it is absent."""
+    own = segmentation.samples
+    if signal is None:
+        return own
+    other = samples_of(signal)
+    if len(other.values) != len(own.values):
+        raise DataError(f"{len(other.values)} samples, the segmented signal has {len(own.values)}")
+    return replace(own, values=other.values, finite=other.finite)
+
+
+def dwells(
+    segmentation: Segmentation,
+    signal: NDArray[Any] | None = None,
+    *,
+    min_samples: int | None = None,
+    min_duration: float | None = None,
+    drop_edge: int = 1,
+) -> tuple[Dwell, ...]:
+    """Reduce every still stretch that is long enough.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        From ``detect``.
+    signal : ndarray, shape (n,) or (n, channels), optional
+        What to reduce, on the same clock; the segmented signal by default.
+    min_samples, min_duration : int, float [s]
+        Shortest stretch, before its edges are dropped; every still stretch by default.
+    drop_edge : int
+        Good samples to drop at each end, one by default.
+
+    Returns
+    -------
+    tuple of Dwell
+        In order of time; ``dwells.tally`` tells where the other samples went.
+
+    Raises
+    ------
+    DataError
+        If the signal has another length.
+    PlanError
+        If a duration is given and no sample interval is known.
+    """
+    samples = _samples_like(segmentation, signal)
+    shortest = samples.duration(min_samples, min_duration, segmentation.plan.shortest)
+    chosen = segmentation.still & (segmentation.stop - segmentation.start >= shortest)
+    return _reduced(samples, segmentation.start[chosen], segmentation.stop[chosen], drop_edge)
+
+
+def _reduced(samples: Samples, start: Indices, stop: Indices, drop_edge: int) -> tuple[Dwell, ...]:
+    every = (dwell_of(samples, int(a), int(b), drop_edge) for a, b in zip(start, stop, strict=True))
+    return tuple(dwell for dwell in every if dwell is not None)
+
+
+def static_intervals(
+    segmentation: Segmentation,
+    signal: NDArray[Any] | None = None,
+    *,
+    min_samples: int | None = None,
+    min_duration: float | None = None,
+    longest_disturbance: float = 0.5,
+    same_level: float = 5.0,
+    drop_edge: int = 1,
+) -> tuple[Dwell, ...]:
+    """Reduce one still stretch for each placement of a sensor.
+
+    A sensor set down by hand settles and is jogged: one placement can show several still stretches at nearly
+    one level. Of each placement the longest is taken; the rest of it is counted as disturbed.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        From ``detect``.
+    signal : ndarray, shape (n,) or (n, channels), optional
+        What to reduce, on the same clock; the segmented signal by default.
+    min_samples, min_duration : int, float [s]
+        Shortest stretch, before its edges are dropped; one second by default.
+    longest_disturbance : float
+        Longest moving stretch inside a placement, as a part of the shortest static interval.
+    same_level : float
+        Largest difference of level inside a placement, in standard deviations of the noise.
+    drop_edge : int
+        Good samples to drop at each end, one by default.
+
+    Returns
+    -------
+    tuple of Dwell
+        In order of time.
+
+    Raises
+    ------
+    DataError
+        If the signal has another length.
+    PlanError
+        If the length is in seconds and no sample interval is known.
+    """
+    samples = _samples_like(segmentation, signal)
+    if min_samples is None and min_duration is None:
+        min_duration = 1.0
+    shortest = samples.duration(min_samples, min_duration, segmentation.plan.shortest)
+    found = []
+    for group in _placements(segmentation, longest_disturbance * shortest, same_level):
+        length = segmentation.stop[group] - segmentation.start[group]
+        best = group[int(np.argmax(length))]
+        a, b = int(segmentation.start[best]), int(segmentation.stop[best])
+        whole = int(segmentation.stop[group[-1]] - segmentation.start[group[0]])
+        dwell = dwell_of(samples, a, b, drop_edge, whole - (b - a)) if b - a >= shortest else None
+        if dwell is not None:
+            found.append(dwell)
+    return tuple(found)
+
+
+def _placements(segmentation: Segmentation, longest: float, same_level: float) -> list[Indices]:
+    """Still stretches, grouped where only a short disturbance parts them and the level stays."""
+    at = np.flatnonzero(segmentation.still)
+    if not len(at):
+        return []
+    apart = segmentation.start[at[1:]] - segmentation.stop[at[:-1]]
+    step = np.abs(np.diff(segmentation.level[at], axis=0)) - same_level * segmentation.noise.scale
+    new = (apart > longest) | (step > 0.0).any(axis=1)
+    return np.split(at, np.flatnonzero(new) + 1)
+
+
+def quiet_windows(
+    segmentation: Segmentation,
+    signal: NDArray[Any] | None = None,
+    *,
+    samples: int | None = None,
+    duration: float | None = None,
+    settle: int = 0,
+) -> tuple[Dwell, ...]:
+    """Reduce equally long windows, laid end to end into every still stretch.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        From ``detect``.
+    signal : ndarray, shape (n,) or (n, channels), optional
+        What to reduce, on the same clock; the segmented signal by default.
+    samples, duration : int, float [s]
+        Length of each window; one of the two.
+    settle : int
+        Samples to leave out at the start of each still stretch.
+
+    Returns
+    -------
+    tuple of Dwell
+        In order of time.
+
+    Raises
+    ------
+    DataError
+        If the signal has another length.
+    PlanError
+        If neither or both lengths are given, or seconds where no sample interval is known.
+    """
+    cut = _samples_like(segmentation, signal)
+    if samples is None and duration is None:
+        raise PlanError("no length of the quiet windows", do="Give samples or duration")
+    length = cut.duration(samples, duration, 0)
+    still = segmentation.still
+    start = [
+        first
+        for a, b in zip(segmentation.start[still] + settle, segmentation.stop[still], strict=True)
+        for first in range(int(a), int(b) - length + 1, length)
+    ]
+    at = np.array(start, dtype=np.int64)
+    return _reduced(cut, at, at + length, 0)

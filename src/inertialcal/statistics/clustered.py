@@ -1,0 +1,146 @@
+"""Covariance of fitted coefficients from the scatter between clusters: power-up runs, dwells, days.
+
+Readings of one run share its errors, so their number says little about the uncertainty; the number of runs
+does. The cluster-robust covariance CR2 takes what the runs disagree about as it is, without a model of it.
+With the least-squares weights W, the hat matrix H of the whitened design X and residuals e::
+
+    V = M { sum_g  X_g' A_g e_g e_g' A_g X_g } M        M = (X'X)^-1,  A_g = (I - H_gg)^(-1/2)
+
+A_g makes V unbiased if the weights are right and the errors independent (the working model: identity), also
+for few and unequal clusters [1]_. The degrees of freedom of each variance are Satterthwaite's under the same
+working model [1]_ [2]_: they fall towards 1 for a coefficient that one cluster decides nearly alone. Where
+every cluster has the same design, V is the sample covariance of the coefficients fitted to each cluster over
+their number R, with R - 1 degrees of freedom, exactly.
+
+Where a coefficient rests on something that only one cluster shows (I - H_gg is singular there), the others
+cannot confirm it: part of its variance is not seen. Its ``dof`` is then 0, as everywhere here for "not
+estimated", and its variance in V is only the part that was seen.
+
+References
+----------
+.. [1] Bell and McCaffrey, Survey Methodology 28 (2002) 169-181.
+.. [2] Pustejovsky and Tipton, J. Business and Economic Statistics 36 (2018) 672-683.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+from .least_squares import Fit
+
+ALONE = 1e-9  # 1 - share of a direction that one cluster decides, below which it decides it alone
+UNSEEN = 1e-6  # part of a variance that may be unseen before its dof is called 0
+
+
+def clustered_covariance(fit: Fit, clusters: NDArray[Any]) -> tuple[Array, Array]:
+    """Return the CR2 covariance of the coefficients and the degrees of freedom of each.
+
+    Parameters
+    ----------
+    fit : Fit
+        Made by ``least_squares.fit``.
+    clusters : ndarray, shape (n,)
+        Label of the cluster of each reading.
+
+    Returns
+    -------
+    covariance : ndarray, shape (p, p)
+        In the units of the coefficients.
+    dof : ndarray, shape (p,)
+        1 or more; 0 where the variance is not estimated, because one cluster alone decides.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than two clusters, labels do not fit, or the fit was made with a given
+        covariance.
+    """
+    return clustered_contrasts(fit, clusters, np.eye(fit.coefficients.size))
+
+
+def clustered_contrasts(fit: Fit, clusters: NDArray[Any], contrasts: Array) -> tuple[Array, Array]:
+    """Return the CR2 covariance of linear combinations of the coefficients, and the dof of each.
+
+    Parameters
+    ----------
+    fit : Fit
+        Made by ``least_squares.fit``.
+    clusters : ndarray, shape (n,)
+        Label of the cluster of each reading.
+    contrasts : ndarray, shape (m, p)
+        Row = combination: the row of a design gives the fitted value there.
+
+    Returns
+    -------
+    covariance : ndarray, shape (m, m)
+        Of ``contrasts @ coefficients``.
+    dof : ndarray, shape (m,)
+        1 or more; 0 where not estimated.
+
+    Raises
+    ------
+    DataError
+        As `clustered_covariance`.
+    """
+    order, starts = _clusters(fit, clusters)
+    Q = fit.basis[order]
+    root = 1.0 if fit.weights is None else np.sqrt(fit.weights)
+    e = (fit.residuals * root)[order]
+    gram = np.add.reduceat(Q[:, :, None] * Q[:, None, :], starts)  # Q_g' Q_g, (R, p, p)
+    adjust = _inverse_root(gram)  # A_g Q_g = Q_g F_g
+    score = np.einsum("gij,gj->gi", adjust, np.add.reduceat(Q * e[:, None], starts))
+    to_contrast = contrasts @ fit.transform
+    spread = to_contrast @ score.T
+    return spread @ spread.T, _satterthwaite(gram, adjust, to_contrast)
+
+
+def _clusters(fit: Fit, clusters: NDArray[Any]) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+    """Order that brings the readings of a cluster together, and where each cluster starts."""
+    labels = np.asarray(clusters)
+    if fit.given:
+        raise DataError("clusters of a fit with given covariance", do="Fit with weights instead")
+    if labels.shape != fit.residuals.shape:
+        raise DataError(f"labels of shape {labels.shape} for {fit.residuals.size} readings")
+    numbers = np.unique(labels, return_inverse=True)[1]
+    order = np.argsort(numbers, kind="stable")
+    starts = np.flatnonzero(np.diff(numbers[order], prepend=-1))
+    if starts.size < 2:
+        raise DataError(
+            f"{starts.size} cluster(s), need 2 or more for a scatter between clusters",
+            do="Repeat the test (another power-up run), or state the scatter of the level below",
+            code="few_clusters",
+        )
+    return order, starts
+
+
+def _inverse_root(gram: Array) -> Array:
+    """Pseudo-inverse square roots of I - gram, shape (R, p, p)."""
+    share, vectors = np.linalg.eigh(gram)
+    left = 1.0 - share
+    factor = np.where(left > ALONE, 1.0 / np.sqrt(np.maximum(left, ALONE)), 0.0)
+    return np.asarray((vectors * factor[:, None, :]) @ vectors.transpose(0, 2, 1), dtype=float)
+
+
+def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
+    """Degrees of freedom of each variance, shape (m,).
+
+    Under the working model the variance is a quadratic form in independent errors, with the matrix
+    ``B_gh = z_g' (I - H)_gh z_h`` between clusters, ``z_g = A_g X_g M c``; dof = (tr B)² / tr(B²).
+    """
+    z = np.einsum("gij,mj->mgi", adjust, to_contrast)  # z_g = Q_g z
+    shared = np.einsum("gij,mgj->mgi", gram, z)  # Q_g' Q_g z
+    own = np.einsum("mgi,mgi->mg", z, shared)
+    B = -shared @ shared.transpose(0, 2, 1)
+    at = np.arange(own.shape[1])
+    B[:, at, at] += own
+    trace = np.einsum("mgg->m", B)
+    wanted = np.sum(to_contrast**2, axis=1)
+    seen = trace > (1.0 - UNSEEN) * wanted
+    dof = np.zeros(trace.size)
+    dof[seen] = trace[seen] ** 2 / np.sum(B[seen] ** 2, axis=(1, 2))
+    return dof

@@ -1,0 +1,246 @@
+"""Intervals with a stated probability: for a value, a standard deviation, a hit rate, a whole curve.
+
+Values are taken as ``value + u * t`` with Student's t of ``dof`` degrees of freedom, normal where they are
+infinite (JCGM 100, G.3). Degrees of freedom need not be whole numbers: Welch-Satterthwaite and
+Satterthwaite give any positive number [1]_. Zero or NaN degrees of freedom mean that no scatter was
+estimated, and no interval is made of them.
+
+References
+----------
+.. [1] JCGM 100:2008, annex G.
+.. [2] Clopper and Pearson, Biometrika 26 (1934) 404-413.
+.. [3] Sidak, J. Am. Stat. Assoc. 62 (1967) 626-633; Scheffe, Biometrika 40 (1953) 87-104.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Literal
+
+from scipy import special
+
+from ..core.errors import DataError, PlanError
+from ..core.results import Interval
+
+
+def t_quantile(dof: float, p: float) -> float:
+    """Return the value that Student's t stays below with probability ``p`` (one-sided).
+
+    Parameters
+    ----------
+    dof : float
+        Degrees of freedom; infinite gives the normal distribution.
+    p : float
+        Probability, between 0 and 1.
+
+    Raises
+    ------
+    DataError
+        If the degrees of freedom are zero, negative or NaN.
+    PlanError
+        If ``p`` is not between 0 and 1.
+    """
+    _check_probability(p)
+    _check_dof(dof)
+    return float(special.ndtri(p) if math.isinf(dof) else special.stdtrit(dof, p))
+
+
+def coverage_factor(dof: float, p: float = 0.95) -> float:
+    """Return k: ``value ± k u`` is the two-sided interval of probability ``p`` (JCGM 100, G.3.2).
+
+    Raises
+    ------
+    DataError
+        If the degrees of freedom are zero, negative or NaN.
+    PlanError
+        If ``p`` is not between 0 and 1.
+    """
+    _check_probability(p)
+    return t_quantile(dof, 0.5 * (1.0 + p))
+
+
+def t_interval(value: float, u: float, dof: float, p: float = 0.95) -> Interval:
+    """Return the two-sided interval of a value, in its unit.
+
+    Parameters
+    ----------
+    value, u : float
+        Estimate and its standard uncertainty, in one unit.
+    dof : float
+        Degrees of freedom of ``u``; infinite where it is known.
+    p : float
+        Probability of the interval.
+
+    Raises
+    ------
+    DataError
+        If the value is not finite, ``u`` is negative or not finite, or there are no degrees of freedom.
+    PlanError
+        If ``p`` is not between 0 and 1.
+    """
+    _check_value(value, u)
+    half = coverage_factor(dof, p) * u
+    return Interval(value - half, value + half, p)
+
+
+def upper_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:
+    """Return the bound that the true value stays below with probability ``p`` (one-sided).
+
+    Raises
+    ------
+    DataError, PlanError
+        As `t_interval`.
+    """
+    _check_value(value, u)
+    return value + t_quantile(dof, p) * u
+
+
+def lower_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:
+    """Return the bound that the true value stays above with probability ``p`` (one-sided).
+
+    Raises
+    ------
+    DataError, PlanError
+        As `t_interval`.
+    """
+    _check_value(value, u)
+    return value - t_quantile(dof, p) * u
+
+
+def ends(interval: Interval) -> tuple[float, float]:
+    """Return both ends of an interval as numbers; an open side is infinite."""
+    lo = -math.inf if interval.lo is None else interval.lo
+    return lo, math.inf if interval.hi is None else interval.hi
+
+
+def contains(interval: Interval, value: float) -> bool:
+    """Say whether a value lies in an interval, its ends included."""
+    lo, hi = ends(interval)
+    return lo <= value <= hi
+
+
+def chi_square_interval(std: float, dof: float, p: float = 0.95) -> Interval:
+    """Return the two-sided interval of a standard deviation of normal readings, equal tails.
+
+    Parameters
+    ----------
+    std : float
+        Standard deviation found.
+    dof : float
+        Degrees of freedom behind it; infinite gives the point itself.
+    p : float
+        Probability of the interval.
+
+    Raises
+    ------
+    DataError
+        If the standard deviation is negative or not finite, or there are no degrees of freedom.
+    PlanError
+        If ``p`` is not between 0 and 1.
+    """
+    _check_probability(p)
+    _check_dof(dof)
+    _check_value(std, std, name="standard deviation")
+    if math.isinf(dof):
+        return Interval(std, std, p)
+    tail = 0.5 * (1.0 - p)
+    largest, smallest = special.chdtri(dof, tail), special.chdtri(dof, 1.0 - tail)
+    return Interval(std * math.sqrt(dof / largest), std * math.sqrt(dof / smallest), p)
+
+
+def binomial_interval(hits: int, n: int, p: float = 0.999) -> tuple[float, float]:
+    """Return the exact two-sided interval of a hit rate (Clopper and Pearson [2]_).
+
+    Parameters
+    ----------
+    hits, n : int
+        Successes, and trials.
+    p : float
+        Probability that the interval holds the true rate: at least this much, for every true rate.
+
+    Raises
+    ------
+    DataError
+        If there is no trial, or more hits than trials.
+    PlanError
+        If ``p`` is not between 0 and 1.
+    """
+    _check_probability(p)
+    if n < 1 or not 0 <= hits <= n:
+        raise DataError(f"{hits} hits in {n} trials", do="Need one trial or more, and 0 <= hits <= trials")
+    tail = 0.5 * (1.0 - p)
+    low = special.betaincinv(hits, n - hits + 1, tail) if hits > 0 else 0.0
+    high = special.betaincinv(hits + 1, n - hits, 1.0 - tail) if hits < n else 1.0
+    return float(low), float(high)
+
+
+def covers(hits: int, n: int, low: float = 0.93, high: float = 0.97, p: float = 0.999) -> bool:
+    """Say whether a stated 95 % interval keeps its promise: the house's rule for coverage.
+
+    True when the exact binomial interval (probability ``p``) of the hit rate overlaps ``low`` to ``high``.
+    A true coverage inside them fails the rule in at most ``1 - p`` of all such runs.
+
+    Raises
+    ------
+    DataError, PlanError
+        As `binomial_interval`.
+    """
+    lowest, highest = binomial_interval(hits, n, p)
+    return lowest <= high and highest >= low
+
+
+def band_factor(k: int, dof: float, p: float = 0.95, method: Literal["sidak", "scheffe"] = "sidak") -> float:
+    """Return the factor of u that makes intervals hold for all of several values at once.
+
+    Parameters
+    ----------
+    k : int
+        ``"sidak"``: number of values judged. ``"scheffe"``: number of coefficients of the curve, whose
+        every point is then held at once.
+    dof : float
+        Degrees of freedom of the common scatter; infinite where it is known.
+    p : float
+        Probability that all intervals hold.
+    method : {"sidak", "scheffe"}
+        Exact for independent values with known u, and never too narrow for correlated ones [3]_; or
+        exact for all linear combinations of k coefficients together.
+
+    Raises
+    ------
+    DataError
+        If the degrees of freedom are zero, negative or NaN.
+    PlanError
+        If ``k`` is below 1 or ``p`` is not between 0 and 1.
+    """
+    _check_probability(p)
+    _check_dof(dof)
+    if k < 1:
+        raise PlanError(f"simultaneous interval of {k} values", do="Need 1 or more")
+    if method == "sidak":
+        return coverage_factor(dof, p ** (1.0 / k))
+    square = special.chdtri(k, 1.0 - p) if math.isinf(dof) else k * special.fdtri(k, dof, p)
+    return math.sqrt(square)
+
+
+def _check_probability(p: float) -> None:
+    if not 0.0 < p < 1.0:
+        raise PlanError(f"probability {p}", do="Need more than 0 and less than 1, such as 0.95")
+
+
+def _check_dof(dof: float) -> None:
+    if not dof > 0.0:
+        raise DataError(
+            f"{dof:g} degrees of freedom",
+            why="no scatter was estimated, so no interval can be stated",
+            do="Repeat the measurement, at the level that was not repeated",
+            code="no_dof",
+        )
+
+
+def _check_value(value: float, u: float, name: str = "value") -> None:
+    if not (math.isfinite(value) and math.isfinite(u) and u >= 0.0):
+        raise DataError(
+            f"{name} {value:g} with standard uncertainty {u:g}",
+            do="Need finite numbers and an uncertainty that is not negative",
+            code="no_uncertainty",
+        )

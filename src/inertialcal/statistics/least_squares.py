@@ -1,0 +1,333 @@
+"""Linear least squares that says what it cannot tell apart.
+
+``readings = design @ coefficients + error``. Columns are scaled to unit length and the fit is made by
+singular values, so that columns of very different size (a bias and a cube of a rate) do no harm.
+
+Degrees of freedom belong to the covariance: ``n - p`` where the size of the errors comes from the
+residuals (`fit`), infinite where the covariance of the readings was given (`fit_correlated`). With as many
+coefficients as readings there is nothing to judge the scatter by: ``dof == 0`` and no covariance.
+
+References
+----------
+.. [1] Golub and Van Loan, Matrix Computations, 4th ed., 2013, 5.3 and 5.5.
+.. [2] Belsley, Kuh and Welsch, Regression Diagnostics, Wiley, 1980, ch. 2 (leverage, deletion residuals).
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import linalg
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+
+NEGLIGIBLE = 1e-7  # share of a (unit length) column in a combination below which it is not named
+
+
+@dataclass(frozen=True, eq=False)
+class Fit:
+    """Coefficients with what is needed to judge them.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (p,)
+        In unit of reading over unit of column.
+    covariance : ndarray, shape (p, p), or None
+        Of the coefficients; None with no degrees of freedom.
+    dof : float
+        Degrees of freedom of the covariance.
+    residuals : ndarray, shape (n,)
+        Reading less fitted value [unit of the readings].
+    leverage : ndarray, shape (n,)
+        Change of the fitted value with its own reading; 1 where a reading alone decides.
+    mean_square : float or None
+        Weighted sum of squared residuals over n - p; None when n is p. Near 1 expected where the
+        covariance of the readings was given.
+    design : ndarray, shape (n, p)
+        As given.
+    weights : ndarray, shape (n,), or None
+        As given.
+    names : tuple of str
+        Of the coefficients.
+    condition : float
+        Largest over smallest singular value of the scaled design.
+    basis : ndarray, shape (n, p)
+        Orthonormal basis of the whitened design.
+    transform : ndarray, shape (p, p)
+        ``coefficients = transform @ basis.T @ whitened readings``.
+    given : bool
+        The covariance of the readings was given.
+    """
+
+    coefficients: Array
+    covariance: Array | None
+    dof: float
+    residuals: Array
+    leverage: Array
+    mean_square: float | None
+    design: Array
+    weights: Array | None
+    names: tuple[str, ...]
+    condition: float
+    basis: Array
+    transform: Array
+    given: bool = False
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainties of the coefficients, shape (p,).
+
+        Raises
+        ------
+        DataError
+            If there are no degrees of freedom.
+        """
+        return np.sqrt(np.diag(self.need_covariance()))
+
+    @property
+    def scatter(self) -> float:
+        """Standard deviation of a reading of weight 1 about the fit [unit of the readings].
+
+        Raises
+        ------
+        DataError
+            If there are no degrees of freedom.
+        """
+        if self.mean_square is None:
+            raise self._unjudged()
+        return math.sqrt(self.mean_square)
+
+    def need_covariance(self) -> Array:
+        """Return the covariance of the coefficients, shape (p, p), or refuse.
+
+        Raises
+        ------
+        DataError
+            If there are no degrees of freedom.
+        """
+        if self.covariance is None:
+            raise self._unjudged()
+        return self.covariance
+
+    def _unjudged(self) -> DataError:
+        n, p = self.design.shape
+        return DataError(
+            f"{n} readings for {p} coefficients leave no scatter to judge them by",
+            do="Take more readings, or fit fewer coefficients",
+            code="no_dof",
+        )
+
+
+def fit(design: Array, readings: Array, weights: Array | None = None, names: Sequence[str] | None = None) -> Fit:
+    """Return the least-squares fit of readings.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        A column a coefficient.
+    readings : ndarray, shape (n,)
+        In one unit.
+    weights : ndarray, shape (n,), optional
+        Relative: 1/variance up to a common factor, which the residuals decide. Equal by default.
+    names : sequence of str, optional
+        Of the columns, for messages.
+
+    Raises
+    ------
+    DataError
+        If shapes disagree, a number is not finite, a weight is not positive, there are fewer readings
+        than coefficients (code ``too_few_readings``), or the data cannot tell some coefficients apart
+        (code ``rank_deficient``; the message gives the combination of columns that vanishes).
+
+    Examples
+    --------
+    >>> line = fit(np.array([[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]]), np.array([1.0, 3.0, 5.0]))
+    >>> line.coefficients.round(12)
+    array([1., 2.])
+    """
+    design, readings, labels = _checked(design, readings, names)
+    root = np.sqrt(_checked_weights(weights, readings.size)) if weights is not None else None
+    white = design if root is None else design * root[:, None]
+    basis, transform, condition = _decompose(white, labels)
+    coefficients = transform @ (basis.T @ (readings if root is None else readings * root))
+    residuals = readings - design @ coefficients
+    dof = readings.size - len(labels)
+    mean_square = float(np.sum((residuals if root is None else residuals * root) ** 2)) / dof if dof else None
+    return Fit(
+        coefficients=coefficients,
+        covariance=None if mean_square is None else mean_square * transform @ transform.T,
+        dof=float(dof),
+        residuals=residuals,
+        leverage=np.sum(basis**2, axis=1),
+        mean_square=mean_square,
+        design=design,
+        weights=None if weights is None else np.asarray(weights, dtype=float),
+        names=labels,
+        condition=condition,
+        basis=basis,
+        transform=transform,
+    )
+
+
+def fit_correlated(design: Array, readings: Array, covariance: Array, names: Sequence[str] | None = None) -> Fit:
+    """Return the generalised least-squares fit of readings whose covariance is known.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        A column a coefficient.
+    readings : ndarray, shape (n,)
+        In one unit.
+    covariance : ndarray, shape (n, n)
+        Of the readings, in their unit squared; taken as known, so that ``dof`` is infinite.
+        ``mean_square`` is chi-square over n - p.
+    names : sequence of str, optional
+        Of the columns, for messages.
+
+    Raises
+    ------
+    DataError
+        As `fit`; and if the covariance does not fit or is not positive definite.
+    """
+    design, readings, labels = _checked(design, readings, names)
+    root = _cholesky(covariance, readings.size)
+    white = linalg.solve_triangular(root, np.column_stack([design, readings]), lower=True)
+    basis, transform, condition = _decompose(white[:, :-1], labels)
+    coefficients = transform @ (basis.T @ white[:, -1])
+    free = readings.size - len(labels)
+    chi_square = float(np.sum((white[:, -1] - white[:, :-1] @ coefficients) ** 2))
+    pull = linalg.solve_triangular(root, basis, lower=True, trans="T")  # rows of V^-1/2' Q
+    return Fit(
+        coefficients=coefficients,
+        covariance=transform @ transform.T,
+        dof=np.inf,
+        residuals=readings - design @ coefficients,
+        leverage=np.sum((design @ transform) * pull, axis=1),
+        mean_square=chi_square / free if free else None,
+        design=design,
+        weights=None,
+        names=labels,
+        condition=condition,
+        basis=basis,
+        transform=transform,
+        given=True,
+    )
+
+
+def deletion_residuals(fit: Fit) -> Array:
+    """Return each residual over the standard deviation it would have by a fit without it.
+
+    Student's t with ``dof - 1`` degrees of freedom for a reading that is like the others (Belsley, Kuh and
+    Welsch [2]_, 2.1). NaN where a reading alone decides a coefficient (leverage 1): it cannot be checked.
+
+    Parameters
+    ----------
+    fit : Fit
+        Made by `fit`.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        Without unit.
+
+    Raises
+    ------
+    DataError
+        If the covariance of the readings was given, or there are fewer than two degrees of freedom.
+    """
+    if fit.given or fit.mean_square is None or fit.dof < 2.0:
+        raise DataError(
+            f"deletion residuals of a fit with {fit.dof:g} degrees of freedom",
+            do="Need two or more, and a scatter that comes from the residuals",
+        )
+    free = 1.0 - fit.leverage
+    free = np.where(free > fit.design.shape[0] * np.finfo(float).eps, free, np.nan)
+    square = fit.residuals**2 * (1.0 if fit.weights is None else fit.weights) / free
+    without = np.maximum(fit.dof * fit.mean_square - square, 0.0) / (fit.dof - 1.0)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray(np.sign(fit.residuals) * np.sqrt(square / without), dtype=float)
+
+
+def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:
+    X, y = np.asarray(design, dtype=float), np.asarray(readings, dtype=float)
+    if X.ndim != 2 or y.shape != X.shape[:1]:
+        raise DataError(f"design of shape {X.shape} for readings of shape {y.shape}")
+    n, p = X.shape
+    labels = tuple(names) if names is not None else tuple(f"column {i}" for i in range(p))
+    if len(labels) != p or p == 0:
+        raise DataError(f"{len(labels)} names for {p} columns of the design")
+    bad = np.flatnonzero(~(np.isfinite(X).all(axis=1) & np.isfinite(y)))
+    if bad.size:
+        raise DataError(
+            f"{bad.size} readings or rows of the design are not finite, the first is number {bad[0] + 1}",
+            do="Leave out what is missing, and count it",
+            code="not_finite",
+        )
+    if n < p:
+        raise DataError(
+            f"{n} readings for {p} coefficients ({', '.join(labels)})",
+            do=f"Need {p} readings, and more than {p} for an uncertainty",
+            code="too_few_readings",
+        )
+    return X, y, labels
+
+
+def _checked_weights(weights: Array, n: int) -> Array:
+    w = np.asarray(weights, dtype=float)
+    if w.shape != (n,):
+        raise DataError(f"weights of shape {w.shape} for {n} readings")
+    bad = np.flatnonzero(~((w > 0.0) & np.isfinite(w)))
+    if bad.size:
+        raise DataError(
+            f"weight {w[bad[0]]:g} of reading {bad[0] + 1}",
+            do="Need positive numbers: leave out a reading that shall not count",
+        )
+    return w
+
+
+def _cholesky(covariance: Array, n: int) -> Array:
+    V = np.asarray(covariance, dtype=float)
+    if V.shape != (n, n) or not np.all(np.isfinite(V)):
+        raise DataError(f"covariance of shape {V.shape}, need finite numbers of shape ({n}, {n})")
+    try:
+        return np.asarray(np.linalg.cholesky(V), dtype=float)
+    except np.linalg.LinAlgError:
+        raise DataError(
+            f"covariance of the {n} readings is not positive definite",
+            why="some combination of them would be known exactly",
+            do="Add the part of the uncertainty that each reading has of its own",
+        ) from None
+
+
+def _decompose(white: Array, names: tuple[str, ...]) -> tuple[Array, Array, float]:
+    """Orthonormal basis of the whitened design, the way back to coefficients, and the condition."""
+    length = np.sqrt(np.sum(white**2, axis=0))
+    scale = np.where(length > 0.0, length, 1.0)
+    basis, s, rows = np.linalg.svd(white / scale, full_matrices=False)
+    lost = s <= s[0] * max(white.shape) * np.finfo(float).eps
+    if lost.any():
+        raise _rank_deficient(rows[lost].T, length, names)
+    return basis, rows.T / s / scale[:, None], float(s[0] / s[-1])
+
+
+def _rank_deficient(null: Array, length: Array, names: tuple[str, ...]) -> DataError:
+    """Error that gives each vanishing combination of columns, with as few columns in it as can be."""
+    pivots = linalg.qr(null.T, mode="r", pivoting=True)[1][: null.shape[1]]
+    simple = null @ np.linalg.inv(null[pivots])
+    texts = []
+    for vector in simple.T:
+        named = np.flatnonzero(np.abs(vector) > NEGLIGIBLE)
+        factors = vector[named] / np.where(length[named] > 0.0, length[named], 1.0)
+        factors = factors / factors[0]
+        terms = [f"{f:+.6g} * {names[i]}" for f, i in zip(factors, named, strict=True)]
+        texts.append(" ".join(terms).removeprefix("+").replace("1 * ", "", 1) + " = 0")
+    return DataError(
+        f"the data cannot tell {len(names)} coefficients apart: their columns obey {' and '.join(texts)}",
+        why="any amount of this combination fits as well",
+        do="Add readings in which this is not zero, or leave one of these coefficients out",
+        code="rank_deficient",
+    )

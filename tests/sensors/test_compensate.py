@@ -1,0 +1,285 @@
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from random_models import conditions, inputs, random_model
+
+from inertialcal.core.errors import DataError
+from inertialcal.sensors import compensate as module
+from inertialcal.sensors.compensate import compensate, first_order, outside
+from inertialcal.sensors.equation import predict
+from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.uniqueness import felt_range
+
+IDENTITY = 1e-12  # of full scale
+SEEDS = st.integers(0, 2**32 - 1)
+
+
+def plain(**terms: object) -> SensorModel:
+    """Two gyros without errors, but for the terms given."""
+    base = SensorModel("gyro", ("x", "y"), np.ones(2), "rad/s", np.eye(2), np.zeros(2))
+    return replace(base, **terms)  # type: ignore[arg-type]
+
+
+@settings(max_examples=200, deadline=None)
+@given(SEEDS)
+def test_forward_then_inverse_is_identity_over_the_validity_range(seed: int) -> None:
+    model = random_model(seed)
+    x, given_ = inputs(model, seed), conditions(model, seed)
+    assert model.input_range is not None
+    full_scale = float(np.max(model.input_range))
+    back = compensate(model, predict(model, x, **given_), **given_)
+    assert np.max(np.abs(back - x)) <= IDENTITY * full_scale
+
+
+@settings(max_examples=50, deadline=None)
+@given(SEEDS)
+def test_inverse_then_forward_is_identity_on_readings(seed: int) -> None:
+    model = random_model(seed)
+    given_ = conditions(model, seed)
+    r = predict(model, inputs(model, seed), **given_) * 0.9
+    again = predict(model, compensate(model, r, **given_), **given_)
+    np.testing.assert_allclose(again, r, atol=1e-12 * np.max(np.abs(r)))
+
+
+@settings(max_examples=50, deadline=None)
+@given(SEEDS)
+def test_rows_do_not_depend_on_their_neighbours(seed: int) -> None:
+    """One row at a time gives the same bits as all at once, whatever the chunks."""
+    model = random_model(seed)
+    x, given_ = inputs(model, seed, 7), conditions(model, seed, 7)
+    r = predict(model, x, **given_)
+    whole = compensate(model, r, **given_)
+    for i in range(len(r)):
+        own = {name: np.asarray(value)[i : i + 1] for name, value in given_.items()}
+        np.testing.assert_array_equal(compensate(model, r[i : i + 1], **own)[0], whole[i])  # type: ignore[arg-type]
+
+
+@settings(max_examples=30, deadline=None)
+@given(SEEDS)
+def test_order_of_the_axes_does_not_matter(seed: int) -> None:
+    model = random_model(seed, k=3)
+    given_ = conditions(model, seed)
+    turn = [2, 0, 1]
+    picked = {
+        name: array[..., turn] if array.ndim == 1 or name in {"bias_temperature", "bias_warm_up"} else array[turn]
+        for name, array in model.terms.items()
+        if name not in {"matrix", "warm_up_time"}
+    }
+    other = replace(model, axes=("z", "x", "y"), matrix=model.matrix[:, turn][:, :, turn], **picked)  # type: ignore[arg-type]
+    r = predict(model, inputs(model, seed), **given_)
+    turned = {**given_, "temperature": np.asarray(given_["temperature"])[:, turn]}
+    expected = compensate(model, r, **given_)[:, turn]
+    np.testing.assert_allclose(
+        compensate(other, r[:, turn], **turned),  # type: ignore[arg-type]
+        expected,
+        rtol=1e-11,
+        atol=1e-12 * np.max(np.abs(expected)),
+    )
+
+
+def test_kernel_gives_the_bits_of_the_plain_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = random_model(5, linear=True, k=3)
+    still = {
+        "temperature": 21.0,
+        "pressure": 9e4,
+        "time": 60.0,
+        "temperature_rate": 0.01,
+        "specific_force": np.array([0.1, 9.8, -0.3]),
+    }
+    r = np.random.default_rng(1).normal(0.0, 1.0, (40_000, 3))
+    expected = compensate(model, r, **still)  # type: ignore[arg-type]
+    monkeypatch.setattr(module, "KERNEL_ROWS", 1)
+    np.testing.assert_array_equal(compensate(model, r, **still), expected)  # type: ignore[arg-type]
+
+
+def test_kernel_without_the_compiler() -> None:
+    from inertialcal.sensors._kernels import affine_3
+
+    rng = np.random.default_rng(2)
+    matrix, shift, x = rng.normal(size=(3, 3)), rng.normal(size=3), rng.normal(size=(20, 3))
+    out = np.empty((20, 3))
+    affine_3.py_func(matrix, shift, x, out)
+    np.testing.assert_allclose(out, (x - shift) @ matrix.T, rtol=1e-13, atol=1e-14)
+
+
+def test_one_sensor_by_hand() -> None:
+    """r = 0.1 + 2 x + 0.5 * 0.2 * |2 x|: x = 3 reads 0.1 + 6 + 0.6, x = -3 reads 0.1 - 6 + 0.6."""
+    model = SensorModel(
+        "accelerometer",
+        ("x",),
+        np.ones(1),
+        "m/s^2",
+        np.array([[2.0]]),
+        np.array([0.1]),
+        scale_factor_asymmetry=np.array([0.2]),
+    )
+    np.testing.assert_allclose(predict(model, np.array([3.0, -3.0])), [[6.7], [-5.3]], rtol=1e-15)
+    np.testing.assert_allclose(compensate(model, np.array([6.7, -5.3])), [[3.0], [-3.0]], rtol=1e-15)
+
+
+def test_first_order_differs_from_the_inverse_by_the_square_of_the_errors() -> None:
+    for size in (1e-2, 1e-3):
+        errors = size * np.array([[1.0, -2.0], [3.0, 1.5]])
+        model = plain(matrix=np.eye(2) + errors, bias=np.array([0.1, -0.2]))
+        x = np.array([[1.0, 0.5]])
+        r = predict(model, x)
+        # r = b + (I + E) x, so r - b - E r = x - E b - E E x
+        left = -errors @ model.bias - errors @ errors @ x[0]
+        np.testing.assert_allclose(first_order(model, r)[0] - x[0], left, atol=1e-15)
+        np.testing.assert_allclose(compensate(model, r), x, atol=1e-15)
+
+
+def test_each_term_by_hand() -> None:
+    model = SensorModel(
+        "gyro",
+        ("x",),
+        np.ones(1),
+        "rad/s",
+        np.array([[[1.0]], [[0.01]]]),
+        np.array([1.0]),
+        bias_temperature=np.array([[0.1], [0.02]]),
+        bias_pressure=np.array([1e-5]),
+        bias_warm_up=np.array([[0.5]]),
+        warm_up_time=np.array([100.0]),
+        bias_temperature_rate=np.array([3.0]),
+        bias_hysteresis=np.array([0.07]),
+        second_order=np.array([0.02]),
+        third_order=np.array([0.003]),
+        g_sensitivity=np.array([[0.1, 0.2, 0.3]]),
+        reference_temperature=np.array([20.0]),
+        reference_pressure=1e5,
+        input_range=np.array([[-2.0, 2.0]]),
+        temperature_range=(0.0, 40.0),
+    )
+    u = (1.0 + 0.01 * 10.0) * 1.5
+    offset = 1.0 + 0.1 * 10 + 0.02 * 100 - 1e-5 * 4e4 + 0.5 * np.exp(-0.5) - 3.0 * 0.01 - 0.07
+    by_hand = offset + u + 0.02 * u**2 + 0.003 * u**3 + (0.1 * 1 + 0.2 * 2 + 0.3 * 3)
+    r = predict(
+        model,
+        np.array([[1.5]]),
+        temperature=30.0,
+        pressure=6e4,
+        time=50.0,
+        temperature_rate=-0.01,
+        specific_force=np.array([1.0, 2.0, 3.0]),
+    )
+    assert r[0, 0] == pytest.approx(by_hand, rel=1e-14)
+
+
+def test_scale_error_and_misalignment_have_the_signs_of_the_words() -> None:
+    """The x sensor reads 1 % too much of x and 2 % of y motion: compensation takes both away."""
+    model = plain(matrix=np.array([[1.01, 0.02], [0.0, 1.0]]))
+    np.testing.assert_allclose(predict(model, np.array([[1.0, 0.0], [0.0, 1.0]])), [[1.01, 0.0], [0.02, 1.0]])
+    np.testing.assert_allclose(compensate(model, np.array([[1.01, 0.0]])), [[1.0, 0.0]], atol=1e-15)
+
+
+def test_missing_condition_is_refused() -> None:
+    model = plain(bias_temperature=np.ones((1, 2)), reference_temperature=20.0)
+    with pytest.raises(DataError, match="no temperature given.*bias_temperature"):
+        compensate(model, np.zeros((3, 2)))
+
+
+@pytest.mark.parametrize("shape", [(3,), (3, 3), (3, 2, 1)])
+def test_wrong_shape_is_refused(shape: tuple[int, ...]) -> None:
+    with pytest.raises(DataError, match=r"readings: shape .* need \(n, 2\)"):
+        compensate(plain(), np.zeros(shape))
+
+
+def test_condition_of_another_length_is_refused() -> None:
+    model = plain(bias_pressure=np.ones(2), reference_pressure=1e5)
+    with pytest.raises(DataError, match=r"pressure: shape \(2,\) does not fit 3 reading"):
+        compensate(model, np.zeros((3, 2)), pressure=np.ones(2))
+
+
+def test_singular_matrix_is_refused() -> None:
+    with pytest.raises(DataError, match="matrix cannot be inverted") as caught:
+        compensate(plain(matrix=np.ones((2, 2))), np.zeros((1, 2)))
+    assert caught.value.problems[0].code == "not_invertible"
+
+
+def test_matrix_that_turns_over_inside_the_temperature_range_is_refused() -> None:
+    matrix = np.array([np.eye(2), [[-0.02, 0.0], [0.0, 0.0]]])
+    model = plain(matrix=matrix, reference_temperature=20.0, temperature_range=(-20.0, 90.0))
+    with pytest.raises(DataError, match="matrix cannot be inverted"):
+        compensate(model, np.zeros((1, 2)), temperature=20.0)
+
+
+def test_curve_that_turns_inside_the_range_is_refused_and_beyond_it_is_not() -> None:
+    """r = u - 0.1 u^2 turns at u = 5."""
+    model = plain(second_order=np.array([0.0, -0.1]), input_range=np.array([[-6.0, 6.0]] * 2))
+    with pytest.raises(DataError, match="y sensor's slope comes down to -0.2") as caught:
+        compensate(model, np.zeros((1, 2)))
+    assert caught.value.problems[0].code == "not_unique"
+    narrow = replace(model, input_range=np.array([[-4.0, 4.0]] * 2))
+    np.testing.assert_allclose(compensate(narrow, np.array([[4.0, 2.4]])), [[4.0, 4.0]], rtol=1e-14)
+
+
+def test_cross_axis_input_counts_towards_the_range() -> None:
+    """u_y = y + x reaches 6 where each axis alone reaches 3."""
+    matrix = np.array([[1.0, 0.0], [1.0, 1.0]])
+    model = plain(matrix=matrix, second_order=np.array([0.0, -0.1]), input_range=np.array([[-3.0, 3.0]] * 2))
+    np.testing.assert_allclose(felt_range(model.matrix, model.input_range), [[-3, 3], [-6, 6]])  # type: ignore[arg-type]
+    with pytest.raises(DataError, match="slope comes down"):
+        compensate(model, np.zeros((1, 2)))
+
+
+def test_curve_that_turns_needs_an_input_range() -> None:
+    with pytest.raises(DataError, match="y sensor's curve turns and the model has no input range") as caught:
+        compensate(plain(second_order=np.array([0.0, -0.1])), np.zeros((1, 2)))
+    assert caught.value.problems[0].code == "no_validity_range"
+
+
+def test_curve_that_rises_everywhere_needs_none() -> None:
+    """Slope 1 + 0.2 u + 0.03 u^2 has no zero: 0.04 < 0.12."""
+    model = plain(second_order=np.array([0.1, 0.1]), third_order=np.array([0.01, 0.01]))
+    x = np.array([[-1e4, 1e4], [0.0, 3.0]])
+    np.testing.assert_allclose(compensate(model, predict(model, x)), x, rtol=1e-13)
+
+
+def test_reading_that_no_input_gives_is_empty_and_counted() -> None:
+    """r = u - 0.1 u^2 never exceeds 2.5."""
+    model = plain(second_order=np.array([0.0, -0.1]), input_range=np.array([[-4.0, 4.0]] * 2))
+    r = np.array([[1.0, 2.4], [1.0, 2.6], [1.0, np.nan], [5.0, 0.0]])
+    x = compensate(model, r)
+    assert np.isnan(x[1, 1])
+    assert np.isnan(x[2, 1])
+    assert np.isfinite(x[[0, 3]]).all()
+    remarks = {remark.code: remark for remark in outside(model, x, r)}
+    assert set(remarks) == {"no_inverse", "outside_input_range"}
+    assert (remarks["no_inverse"].count, remarks["no_inverse"].where) == (1, "row 1")
+    assert remarks["outside_input_range"].where == "row 3"
+
+
+def test_conditions_outside_their_range_are_counted() -> None:
+    model = plain(
+        bias_temperature=np.ones((1, 2)),
+        bias_pressure=np.ones(2),
+        reference_temperature=20.0,
+        reference_pressure=1e5,
+        temperature_range=(0.0, 40.0),
+        pressure_range=(1.0, 2e5),
+    )
+    temperature, pressure = np.array([20.0, 50.0, -1.0]), np.array([0.5, 1e5, 1e5])
+    r = np.zeros((3, 2))
+    x = compensate(model, r, temperature=temperature, pressure=pressure)
+    remarks = {one.code: one.count for one in outside(model, x, r, temperature=temperature, pressure=pressure)}
+    assert remarks == {"outside_temperature_range": 2, "outside_pressure_range": 1}
+
+
+def test_missing_readings_and_temperatures_stay_missing() -> None:
+    model = random_model(11, linear=True, k=3)
+    given_ = conditions(model, 1, 5)
+    r = predict(model, inputs(model, 1, 5), **given_)
+    r[1, 0] = np.nan
+    x = compensate(model, r, **given_)
+    assert np.isnan(x[1]).any()
+    assert np.isfinite(x[[0, 2, 3, 4]]).all()
+
+
+def test_no_readings_give_no_inputs() -> None:
+    assert compensate(random_model(3, k=2), np.empty((0, 2)), **conditions(random_model(3, k=2), 1, 0)).shape == (0, 2)

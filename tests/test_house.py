@@ -1,0 +1,111 @@
+"""The house: one folder a row, imports only upwards, nothing imports the package root, kernels alone."""
+
+from __future__ import annotations
+
+import ast
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+PACKAGE = Path(__file__).resolve().parents[1] / "src" / "inertialcal"
+
+# DESIGN, "The house": a folder imports from itself and from folders above it.
+ORDER = (
+    "core", "statistics", "signals", "physics", "sensors", "rigs", "procedures", "files", "report", "campaign",
+    "lab", "cli",
+)  # fmt: skip
+FILES = sorted(PACKAGE.rglob("*.py"))
+HEAVY = ("numpy", "scipy", "numba", "pint", "matplotlib", "pandas", "pyarrow", "h5py", "pydantic")
+
+
+def folder(path: Path) -> str:
+    parts = path.relative_to(PACKAGE).parts
+    return parts[0] if len(parts) > 1 else ""
+
+
+def imported(path: Path) -> Iterator[tuple[int, str]]:
+    """Line and absolute name of every import of a file, inside functions too."""
+    package = ["inertialcal", *path.relative_to(PACKAGE).parts[:-1]]
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            yield from ((node.lineno, alias.name) for alias in node.names)
+        elif isinstance(node, ast.ImportFrom):
+            base = package[: len(package) - node.level + 1] if node.level else []
+            module = ".".join([*base, *([node.module] if node.module else [])])
+            yield node.lineno, module
+            if node.level:  # "from . import x" may name a module
+                yield from ((node.lineno, f"{module}.{alias.name}") for alias in node.names)
+
+
+def test_every_folder_stands_in_the_order():
+    found = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name not in {"__pycache__", "examples"}}
+    assert found <= set(ORDER)
+    assert all((PACKAGE / name / "__init__.py").is_file() for name in found)
+
+
+@pytest.mark.parametrize("path", [p for p in FILES if folder(p)], ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_imports_go_upwards_only(path: Path) -> None:
+    own = ORDER.index(folder(path))
+    for line, name in imported(path):
+        parts = name.split(".")
+        if parts[0] != "inertialcal":
+            continue
+        assert len(parts) > 1, f"{path.name}:{line} imports the package root"
+        if parts[1] in ORDER:
+            assert ORDER.index(parts[1]) <= own, f"{path.name}:{line} imports {name} from a lower folder"
+
+
+def test_the_walk_sees_relative_imports(tmp_path: Path) -> None:
+    path = PACKAGE / "core" / "estimate.py"
+    assert "inertialcal.core.errors" in {name for _, name in imported(path)}
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_loops_are_compiled_in_kernels_only_and_never_assume_finite_values(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    if path.name != "_kernels.py":
+        assert "numba" not in {name.split(".")[0] for _, name in imported(path)}
+    assert not re.search(r"fastmath\s*=\s*True|['\"](nnan|ninf|fast)['\"]", text)
+
+
+@pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
+def test_no_pickle_no_eval(path: Path) -> None:
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    called = {node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
+    assert not called & {"eval", "exec", "compile", "__import__"}
+    assert not {name.split(".")[0] for _, name in imported(path)} & {
+        "pickle",
+        "dill",
+        "joblib",
+        "yaml",
+        "shelve",
+        "marshal",
+    }
+
+
+def test_tests_mirror_the_tree():
+    tests = Path(__file__).parent
+    for path in tests.rglob("test_*.py"):
+        where = path.relative_to(tests).parts
+        assert len(where) == 1 or where[0] in ORDER, f"{path} mirrors no folder"
+
+
+def test_help_loads_nothing_heavy():
+    code = (
+        "import sys\n"
+        "from inertialcal.cli.__main__ import main\n"
+        "try:\n    main(['--help'])\nexcept SystemExit: pass\n"
+        f"print('LOADED', [name for name in {HEAVY!r} if name in sys.modules])\n"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.rstrip().endswith("LOADED []")
+
+
+def test_importing_the_package_loads_nothing_heavy():
+    code = f"import sys, inertialcal\nprint([name for name in {HEAVY!r} if name in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "[]"
