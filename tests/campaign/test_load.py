@@ -65,7 +65,9 @@ def test_each_fault_is_told_with_its_line(campaign: Write, old: str, new: str, l
 
 
 def test_all_faults_are_told_at_once(campaign: Write) -> None:
-    found = problems(campaign(('kind = "gyro"', 'kind = "giro"'), ('id = "R1"', 'id = ""'), ('file = "one.csv"', "file = 3")))
+    found = problems(
+        campaign(('kind = "gyro"', 'kind = "giro"'), ('id = "R1"', 'id = ""'), ('file = "one.csv"', "file = 3"))
+    )
     assert [p.where for p in found] == ["campaign.toml:9", "campaign.toml:16", "campaign.toml:24"]
 
 
@@ -108,7 +110,9 @@ def test_windows_that_overlap_are_refused(campaign: Write) -> None:
 )
 def test_readings_held_out_must_not_be_fitted(campaign: Write, fitted: str, held: str, refused: bool) -> None:
     plan = 'recordings = ["one"]\n'
-    other = f'[[tests]]\nid = "judge"\nuse = "hold_out"\nprocedure = "rate_table"\n{plan}{held}plan = {{ axis = "x" }}\n'
+    other = (
+        f'[[tests]]\nid = "judge"\nuse = "hold_out"\nprocedure = "rate_table"\n{plan}{held}plan = {{ axis = "x" }}\n'
+    )
     folder = campaign((plan, plan + fitted), ("[[requirements]]", other + "[[requirements]]"))
     if refused:
         assert problems(folder)[0].code == "overlap"

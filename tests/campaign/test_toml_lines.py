@@ -68,7 +68,9 @@ def paths(value: Any, path: tuple[str | int, ...] = ()) -> list[tuple[str | int,
 
 
 KEYS = st.text("abcdefgh_-", min_size=1, max_size=4)
-SCALARS = st.one_of(st.integers(0, 999).map(str), st.text("ab#=[]{},' ", max_size=8).map(lambda s: f'"{s}"'), st.just("true"))
+SCALARS = st.one_of(
+    st.integers(0, 999).map(str), st.text("ab#=[]{},' ", max_size=8).map(lambda s: f'"{s}"'), st.just("true")
+)
 VALUES = st.recursive(
     SCALARS,
     lambda inner: st.one_of(
@@ -81,7 +83,10 @@ VALUES = st.recursive(
 )
 
 
-@given(st.dictionaries(KEYS, VALUES, min_size=1, max_size=5), st.lists(st.dictionaries(KEYS, VALUES, max_size=3), max_size=3))
+@given(
+    st.dictionaries(KEYS, VALUES, min_size=1, max_size=5),
+    st.lists(st.dictionaries(KEYS, VALUES, max_size=3), max_size=3),
+)
 def test_every_path_of_any_document_has_a_line(top: dict[str, str], tables: list[dict[str, str]]) -> None:
     lines = [f"{key} = {value}" for key, value in top.items()]
     for table in tables:

@@ -247,7 +247,10 @@ def test_resolution_is_the_lowest_rate_from_which_all_hold():
 
 def test_a_single_reading_scatters_more_than_a_dwell_and_that_more_than_the_expected_error():
     result = reduce(Plan(), simulate(Plan(), Truth(), np.random.default_rng(2)))
-    us = [rate_errors(result.plan, result.readings, result.lines["x"], of)[0].u for of in ("expected", "dwell_mean", "reading")]
+    us = [
+        rate_errors(result.plan, result.readings, result.lines["x"], of)[0].u
+        for of in ("expected", "dwell_mean", "reading")
+    ]
     assert us[0] is not None
     assert us[1] is not None
     assert us[2] is not None

@@ -294,8 +294,8 @@ def test_refusals_by_their_words() -> None:
         monte_carlo(total, single(0.0, 1.0, 2.0), ("y",), ("",), seed())
     with pytest.raises(DataError, match="input: distribution 'cauchy'"):
         monte_carlo(total, single(0.0, 1.0, distribution="cauchy"), ("y",), ("",), seed())
-    with pytest.raises(PlanError, match=r"10 draws for an interval of probability 0\.95"):
-        monte_carlo(total, inputs, ("y",), ("",), seed(), draws=10)
+    with pytest.raises(PlanError, match=r"1000 draws for an interval of probability 0\.95"):
+        monte_carlo(total, inputs, ("y",), ("",), seed(), draws=1000)
     impossible = Component("s", "A", np.array([[1.0, 2.0], [2.0, 1.0]]))
     with pytest.raises(DataError, match="s: covariance is not positive semi-definite"):
         linear(total, Estimate(("a", "b"), np.zeros(2), ("", ""), (impossible,)), ("y",), ("",))

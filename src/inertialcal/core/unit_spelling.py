@@ -92,7 +92,8 @@ def spell(unit: Powers) -> str:
 
 
 def _sorted(factors: Iterable[Factor], order: tuple[str, ...]) -> list[Factor]:
-    return sorted(factors, key=lambda factor: (order.index(kind_of(factor[0])), factor))
+    """By kind, whole powers before roots, then by symbol."""
+    return sorted(factors, key=lambda f: (order.index(kind_of(f[0])), f[1].denominator > 1, f))
 
 
 def _written(base: str, exponent: Fraction) -> list[str]:

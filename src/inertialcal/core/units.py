@@ -164,7 +164,7 @@ def factor(from_unit: str, to_unit: str, difference: bool = False) -> float:
     if source == target:
         return 1.0
     _require_same_dimension(source, target, from_unit, to_unit)
-    if not difference and (_has_offset(source) or _has_offset(target)):
+    if not difference and _zero_points_differ(source, target):
         raise DataError(
             f"no factor from {from_unit!r} to {to_unit!r}: the zero points differ",
             do="Use convert for temperatures, factor(..., difference=True) for differences of them",
@@ -222,6 +222,11 @@ def si_unit(unit: str) -> str:
 
     Each factor is replaced by its own: ``"mV/(deg/s)"`` gives ``"V/(rad/s)"``, ``"ug/sqrt(Hz)"`` gives
     ``"m/s^2/sqrt(Hz)"``.
+
+    Raises
+    ------
+    DataError
+        With code ``unknown_unit``, if it is not known, or an exponent would be beyond ±12.
     """
     return _algebra(lambda: _inside(read_unit(unit)), f"the SI unit of {unit!r}")
 
@@ -300,8 +305,9 @@ def _is_temperature(unit: Powers) -> bool:
     return len(unit) == 1 and unit[0][1] == 1 and kind_of(unit[0][0]) == "temperature"
 
 
-def _has_offset(unit: Powers) -> bool:
-    return _is_temperature(unit) and unit[0][0] in _OFFSET
+def _zero_points_differ(source: Powers, target: Powers) -> bool:
+    both = _is_temperature(source) and _is_temperature(target)
+    return both and (source[0][0] in _OFFSET or target[0][0] in _OFFSET)
 
 
 def _require_same_dimension(source: Powers, target: Powers, from_unit: str, to_unit: str) -> None:

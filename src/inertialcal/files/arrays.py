@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -142,7 +142,8 @@ def _columns(variable: _Variable) -> list[Column]:
     columns = []
     for i in range(table.shape[1]):
         title = (f"{name}_{i + 1}" if several else name) if name else f"column_{i + 1}"
-        columns.append(number_column(title, table[:, i], unit, named=bool(name)))
+        column = number_column(title, table[:, i], unit, named=bool(name) and not several)
+        columns.append(replace(column, matrix=name))
     return columns
 
 
@@ -158,7 +159,7 @@ def number_column(name: str, values: NDArray[Any], unit: str | None, *, named: b
     """
     values = np.ascontiguousarray(values)
     if values.dtype.kind == "M":
-        return Column(name, values.astype("datetime64[ns]"), unit, named, np.flatnonzero(np.isnat(values)))
+        return Column(name, values.astype("datetime64[ns]"), unit, named, empty=np.flatnonzero(np.isnat(values)))
     if values.dtype.kind == "b":
         values = values.astype(np.uint8)
     values = values.astype(values.dtype.newbyteorder("="), copy=False)
@@ -169,7 +170,7 @@ def number_column(name: str, values: NDArray[Any], unit: str | None, *, named: b
     empty, infinite = np.flatnonzero(np.isnan(values)), np.flatnonzero(np.isinf(values))
     if len(infinite):
         values = np.where(np.isinf(values), np.array(np.nan, values.dtype), values)
-    return Column(name, values, unit, named, empty, infinite)
+    return Column(name, values, unit, named, empty=empty, not_a_number=infinite)
 
 
 def _sample_rate(arrays: Sequence[NamedArray]) -> float | None:

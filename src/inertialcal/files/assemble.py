@@ -85,9 +85,7 @@ def _channels(described: Sequence[Described], clock: Clock, path: str) -> tuple[
             do=f"The file has: {names}. Check separator and decimal sign",
             code="no_channel",
         )
-    return tuple(
-        Channel(d.name, _data(d.column.values), d.unit, d.unit_from, d.axis, d.quantity) for d in chosen
-    )
+    return tuple(Channel(d.name, _data(d.column.values), d.unit, d.unit_from, d.axis, d.quantity) for d in chosen)
 
 
 def _data(values: NDArray[np.generic]) -> NDArray[np.generic]:
@@ -119,7 +117,7 @@ def _timed(
     sample_rate: float | None,
     path: str,
 ) -> Recording:
-    """Recording without channels: time, interval and where it comes from."""
+    """Return a recording without channels: time, interval and where it comes from."""
     interval, source = None, ""
     if sample_rate is not None:
         interval, source = 1.0 / sample_rate, "flag"

@@ -27,6 +27,7 @@ from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_is
 FEWEST = 10  # rows from which an unnamed first column can be time
 BACKWARD = 0.1  # share of backward steps from which a column is no time
 LARGEST_STEP = 1000  # largest step of stamps that are taken for seconds with a digit too many
+SLOWEST, FASTEST = 0.01, 1e5  # sample rates that come into question [Hz]
 UNITS = ("s", "ms", "us", "ns")
 
 
@@ -63,7 +64,7 @@ class _Place:
         return self.content.place(self.path, index)
 
 
-class _NotTime(Exception):
+class _NotTimeError(Exception):
     """Why a column is not taken as time."""
 
     def __init__(self, remark: Remark):
@@ -85,7 +86,7 @@ def find_clock(described: Sequence[Described], content: Content, path: str, time
         at = find_column(described, time_column, path)
         try:
             return _clock(described[at], at, place)
-        except _NotTime as reason:
+        except _NotTimeError as reason:
             raise DataError(
                 reason.remark.what, where=reason.remark.where, do=reason.remark.do, code=reason.remark.code
             ) from None
@@ -93,7 +94,7 @@ def find_clock(described: Sequence[Described], content: Content, path: str, time
     for at in _candidates(described):
         try:
             clock = _clock(described[at], at, place)
-        except _NotTime as reason:
+        except _NotTimeError as reason:
             remarks.append(reason.remark)
             continue
         return replace(clock, remarks=(*remarks, *clock.remarks))
@@ -115,9 +116,10 @@ def _candidates(described: Sequence[Described]) -> list[int]:
 def _clock(described: Described, at: int, place: _Place) -> Clock:
     """Clock of one column, or the reason why it is none."""
     kind = described.column.values.dtype.kind
+    remarks: tuple[Remark, ...] = ()
     if kind == "M":
         _require_complete(described, place)
-        time_ns, remarks = described.column.values.astype("datetime64[ns]").astype(np.int64), ()
+        time_ns = described.column.values.astype("datetime64[ns]").astype(np.int64)
     elif kind == "O":
         time_ns, remarks = _from_text(described, place)
     else:
@@ -130,7 +132,7 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
 def _require_complete(described: Described, place: _Place) -> None:
     gone = np.concatenate([described.column.empty, described.column.not_a_number])
     if len(gone):
-        raise _NotTime(
+        raise _NotTimeError(
             Remark(
                 "time_missing",
                 "error",
@@ -148,7 +150,7 @@ def _require_forward(described: Described, time_ns: Times, place: _Place) -> Non
     backward = time_ns[1:] < time_ns[:-1]
     if len(time_ns) > 1 and (not forward.any() or backward.mean() > BACKWARD):
         share = f"{100 * backward.mean():.0f} % of its steps go backward" if forward.any() else "it stands still"
-        raise _NotTime(
+        raise _NotTimeError(
             Remark(
                 "not_time",
                 "warning",
@@ -181,24 +183,25 @@ def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Rem
     """Return the stamps of a column of numbers."""
     values = described.column.values
     if not len(values) or not described.column.is_number:
-        raise _NotTime(Remark("not_time", "warning", f"{described.name!r} holds no numbers", place.path))
+        raise _NotTimeError(Remark("not_time", "warning", f"{described.name!r} holds no numbers", place.path))
     _require_complete(described, place)
-    unit, remarks = described.unit, ()
+    unit = described.unit
+    remarks: tuple[Remark, ...] = ()
     if unit is None:
         unit, remarks = _unit(described, place)
     elif units.kind(unit) != "time":
-        raise _NotTime(Remark("not_time", "warning", f"{described.name!r} is in {unit}", place.path))
+        raise _NotTimeError(Remark("not_time", "warning", f"{described.name!r} is in {unit}", place.path))
     if unit == "s":
         _refuse_digits(described, place, beyond_epoch(values))
     time_ns = to_ns(values, unit)
     if time_ns is None:
         what = f"stamps of {described.name!r} in {unit} reach beyond 292 years"
-        raise _NotTime(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
+        raise _NotTimeError(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
     return time_ns, remarks
 
 
 def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]:
-    """Unit that the numbers alone allow, with its remark."""
+    """Return the unit that the numbers alone allow, with its remark."""
     values, name = described.column.values, described.name
     epoch = epoch_unit(values)
     if epoch is not None:
@@ -208,7 +211,7 @@ def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]
         return epoch, (Remark("epoch_inferred", "info", what, where=place.path),)
     _refuse_surplus(described, place)
     if np.all(values == np.rint(values)):
-        raise _NotTime(_unit_unknown(name, values, place.path))
+        raise _NotTimeError(_unit_unknown(name, values, place.path))
     what = f"{name!r} has no unit: taken as seconds"
     do = f"Else say it: --unit {name}=ms"
     return "s", (Remark("time_unit_assumed", "warning", what, where=place.path, do=do),)
@@ -222,12 +225,12 @@ def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
     meant = [
         f"in {unit} {1.0 / (step * size):.5g} Hz over {span * size:.4g} s"
         for unit, size in zip(UNITS, (1.0, 1e-3, 1e-6, 1e-9), strict=True)
-        if step > 0.0
+        if step > 0.0 and SLOWEST <= 1.0 / (step * size) <= FASTEST
     ]
     return Remark(
         "time_unit_unknown",
         "warning",
-        f"{name!r} has no unit and whole numbers, so it is not taken as time: " + "; ".join(meant),
+        f"{name!r} has no unit and whole numbers, so it is not taken as time: {'; '.join(meant) or 'no unit fits'}",
         where=path,
         do=f"Say it: --unit {name}=ms",
     )

@@ -32,6 +32,8 @@ class Column:
         As a units row or the metadata of the format say it.
     named : bool
         Whether the file has a name for it.
+    matrix : str
+        Name of the matrix that it is a column of; what it says holds for the column too.
     empty, not_a_number : ndarray of int64
         Index of each cell that was empty, and of each that spelled out NaN, NA or infinity. Both hold NaN.
     """
@@ -40,6 +42,7 @@ class Column:
     values: NDArray[Any]
     unit: str | None = None
     named: bool = True
+    matrix: str = ""
     empty: Rows = field(default_factory=no_rows)
     not_a_number: Rows = field(default_factory=no_rows)
 

@@ -36,7 +36,7 @@ def parse_content(loaded: Loaded, variables: Sequence[str] | None = None) -> Con
         from .parquet import read_parquet  # noqa: PLC0415 - heavy import
 
         return read_parquet(loaded)
-    if found in ("npy", "npz"):
+    if found == "npy" or found == "npz":  # noqa: PLR1714 - narrows the type
         from .numpy_file import read_numpy  # noqa: PLC0415 - only where wanted
 
         return read_numpy(loaded, found, variables)

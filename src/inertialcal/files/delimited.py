@@ -7,6 +7,7 @@ which is slower and knows the row of each problem. Both give the same columns.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -30,9 +31,9 @@ def parse(text: str, where: str) -> Content:
         each with ``file:row``.
     """
     layout = sniff(text, where)
-    names = column_names(layout, where)
     if layout.across:
         return _across(text, layout, where)
+    names = column_names(layout, where)
     return fast(text, layout, names) or exact(text, layout, names, where)
 
 
@@ -94,7 +95,7 @@ def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Cont
 
 
 def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list[str]]]:
-    """Row of each line of data, and its cells by column.
+    """Row of each line of data, and its cells by column; blanks around a cell may be left.
 
     Raises
     ------
@@ -102,16 +103,18 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
         If a row is not as wide as the others.
     """
     rows: list[int] = []
-    table: list[list[str]] = []
+    flat: list[str] = []  # a list for each row would keep the garbage collector busy
     ragged: list[tuple[int, int]] = []
-    for row, line in enumerate(text[layout.start :].split("\n"), start=layout.row):
+    body = text[layout.start :]
+    plain = layout.separator if '"' not in body else None
+    for row, line in enumerate(body.split("\n"), start=layout.row):
         if is_blank(line, layout.separator) or line.lstrip().startswith(layout.comment):
             continue
-        parts = split(line, layout.separator)
+        parts = line.split(plain) if plain else split(line, layout.separator)
         if len(parts) != layout.width:
             ragged.append((row, len(parts)))
         rows.append(row)
-        table.append(parts)
+        flat += parts
     if ragged:
         row, width = ragged[0]
         raise DataError(
@@ -122,7 +125,7 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
             do="Mend or delete the row",
             code="ragged_row",
         )
-    return np.array(rows, dtype=np.int64), [list(column) for column in zip(*table, strict=True)]
+    return np.array(rows, dtype=np.int64), [flat[i :: layout.width] for i in range(layout.width)]
 
 
 def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str) -> Problem:
@@ -141,8 +144,10 @@ def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where
 def _regular_body(text: str, layout: Layout) -> str | None:
     """Rows of data without quotes, comments and blank lines; None where there are some."""
     body = text[layout.start :].rstrip("\n")
-    marks = [f"\n{mark}" for mark in layout.comment]
-    if '"' in body or "\n\n" in body or "0x" in body or "0X" in body or any(m in body for m in marks):
+    # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
+    if any(sign in body for sign in '"xX') or (layout.width == 1 and "\n\n" in body):
+        return None
+    if any(mark[0] in body and f"\n{mark}" in body for mark in layout.comment):
         return None
     if layout.separator is not None:
         return body
@@ -208,7 +213,7 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
 
 
 def _column(name: str, values: Any, layout: Layout, i: int, empty: Rows, nan: Rows) -> Column:
-    return Column(name, values, layout.units[i] or None, bool(layout.names[i]), empty, nan)
+    return Column(name, values, layout.units[i] or None, bool(layout.names[i]), empty=empty, not_a_number=nan)
 
 
 def _content(columns: list[Column], rows: Rows, layout: Layout) -> Content:
@@ -224,10 +229,16 @@ def _content(columns: list[Column], rows: Rows, layout: Layout) -> Content:
 def _across(text: str, layout: Layout, where: str) -> Content:
     """Return a lone line of numbers as one column."""
     cells = split(text[layout.start :].strip("\n"), layout.separator)
-    judged = judge(cells, layout.decimal)
-    rows = np.full(len(cells), layout.row, dtype=np.int64)
-    if len(judged.text):
-        raise DataError(text_in_numbers("column_1", cells, judged.text, rows, where))
+    while not cells[-1]:
+        cells.pop()
+    downward = replace(layout, separator=None, width=1, names=("",), units=("",), start=0, across=False)
+    content = fast("\n".join(cells), downward, ("column_1",))
+    if content is None:
+        judged = judge(cells, layout.decimal)
+        if len(judged.text):
+            rows = np.full(len(cells), layout.row, dtype=np.int64)
+            raise DataError(text_in_numbers("column_1", cells, judged.text, rows, where))
+        column = _column("column_1", judged.values, downward, 0, judged.empty, judged.not_a_number)
+        content = _content([column], judged.empty, downward)
     remark = Remark("values_across", "info", f"one line of {len(cells)} numbers: read as one column", where)
-    column = Column("column_1", judged.values, None, False, judged.empty, judged.not_a_number)
-    return Content((column,), layout.words, None, layout.sample_rate, (*layout.remarks, remark))
+    return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))

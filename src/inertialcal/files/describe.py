@@ -111,7 +111,8 @@ def find_column(described: Sequence[Described], key: str, path: str) -> int:
 
 def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     """Return what name and metadata say."""
-    said = heading(column.name, column.unit) if column.named else Heading()
+    title = column.name if column.named else column.matrix
+    said = heading(title, column.unit) if title or column.unit else Heading()
     if said.unknown:
         what = f"{said.unknown!r} in the header of {column.name!r} is no unit that fits: none taken"
         remarks.append(Remark("unknown_unit", "info", what, where=path))

@@ -33,7 +33,7 @@ def read_hdf5(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
     import h5py  # noqa: PLC0415 - heavy import
 
     with translated(loaded.path, "an HDF5 (MATLAB 7.3) file"), h5py.File(io.BytesIO(loaded.data), "r") as file:
-        found = []
+        found: list[tuple[str, NamedArray | None]] = []
         size = 0
         is_matlab = False
         for name, dataset in _datasets(file, h5py):
@@ -77,7 +77,7 @@ def _is_numbers(dataset: Any) -> bool:
 
 
 def _arrays(name: str, dataset: Any) -> list[tuple[str, NamedArray | None]]:
-    """The dataset as an array, or as one for each field of its records."""
+    """Return the dataset as an array, or as one for each field of its records."""
     values = np.asarray(dataset[()])
     unit = _text(dataset.attrs.get("units", dataset.attrs.get("unit")))
     if values.dtype.names is None:

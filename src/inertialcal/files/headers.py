@@ -20,6 +20,7 @@ TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermisto
 PRESSURE = {"pressure", "press", "baro", "barometer"}
 VOLTAGE = {"voltage", "volt", "volts", "vref"}
 TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime"}
+NOT_TIME = {"sigma", "std", "deviation", "error", "constant", "interval", "step", "delta", "diff", "duration"}
 STATUS = {"status", "state", "flag", "flags", "valid", "validity", "mode", "quality"}
 WORDS = (
     ("gyro", GYRO),
@@ -52,11 +53,12 @@ TIME_NAMES = {
     "nanoseconds": "ns",
     "nsec": "ns",
 }
-INDEX_NAMES = frozenset(
+_INDEX_NAMES = (
     "nsamples nsample samples sample samplenumber sampleno samplenr sampleindex sampleid sampleidx index idx "
     "row rows rownumber rowno line frame frames frameno framenumber framecount counter packetcounter packet "
-    "seq sequence sequencenumber i n nr no number tick ticks record recordno unnamed0 indexlevel0".split()
+    "seq sequence sequencenumber i n nr no number tick ticks record recordno unnamed0 indexlevel0"
 )
+INDEX_NAMES = frozenset(_INDEX_NAMES.split())
 
 SUFFIXES = {
     "dps": "deg/s",
@@ -217,12 +219,12 @@ def _known(text: str, quantity: str) -> str | None:
 
 
 def _by_name(words: list[str]) -> str | None:
-    """Unit of a column named by its unit: ``millis``."""
+    """Return the unit of a column named by its unit: ``millis``."""
     return TIME_NAMES.get("".join(words))
 
 
 def _suffix(bare: str) -> str | None:
-    """Unit at the end of a name."""
+    """Return the unit at the end of a name."""
     parts = re.split(r"[_\s.]+", bare)
     for count in range(min(len(parts) - 1, 5), 0, -1):
         unit = _words_to_unit([part.lower() for part in parts[-count:]])
@@ -243,7 +245,7 @@ def _words_to_unit(parts: list[str]) -> str | None:
 
 
 def _quantity(bare: str, words: list[str]) -> str:
-    """What a column measures, by its name."""
+    """Return what a column measures, by its name."""
     whole = "".join(words)
     if whole in INDEX_NAMES or bare == "#":
         return "index"
@@ -255,7 +257,7 @@ def _quantity(bare: str, words: list[str]) -> str:
             return quantity
     for quantity, known in WORDS:
         if any(_stem(word) in known or word in known for word in words):
-            return quantity
+            return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity
     pairs = [word for word in words if len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"]
     return LETTERS[pairs[0][0]] if pairs else ""
 

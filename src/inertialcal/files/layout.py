@@ -21,6 +21,7 @@ from ..core.remarks import Remark
 from .cells import BLANKS, Decimal, kind
 
 SAMPLE = 200  # lines
+CELLS = 50  # of a line that are looked at
 ACROSS = 16  # numbers in a lone line from which it is a series
 CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
     (",", "."),
@@ -32,6 +33,7 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
     (None, ","),
 )
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
+NUMBER = frozenset("ifn")  # kinds of cells
 COMMENT = ("#", "%", "//")
 SEMICOLON_COMMENT = (*COMMENT, ";")
 SAMPLE_RATE = re.compile(
@@ -39,6 +41,9 @@ SAMPLE_RATE = re.compile(
     r"([0-9]+(?:\.[0-9]*)?(?:e[-+]?[0-9]+)?)\s*(k?hz|sps|/s)?",
     re.IGNORECASE,
 )
+
+
+Table = list[list[str]]  # cells by line
 
 
 @dataclass(frozen=True)
@@ -138,15 +143,15 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
     comments, lines = _head(text, comment)
     if not lines:
         raise DataError("holds no row of data", where=where, do="Record again", code="empty_file")
-    separator, decimal = _separator(lines)
-    width = _width(lines, separator)
-    header, first = _first_data(lines, separator, decimal, width)
+    separator, decimal, table = _separator(lines)
+    width = _width(table)
+    header, first = _first_data(table, decimal, width)
     notes = [line.text for line in lines[: first if header is None else header]]
-    remarks = _preamble_remark(notes, lines, where)
-    names, from_comment = _names(lines, header, comments, separator, width, where)
-    units_row = _units(lines, first, header, separator, decimal)
-    if units_row:
-        first += 1
+    names, from_comment = _names(table, header, comments, separator, width)
+    if header is not None and len(names) != width:
+        raise _header_width(len(names), width, f"{where}:{lines[header].row}")
+    units_row = _units(table, header, decimal, width)
+    first += bool(units_row)
     if first >= len(lines):
         raise DataError("holds a header and no row of data", where=where, code="empty_file")
     start = lines[first]
@@ -161,7 +166,7 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
         comment=comment,
         across=len(lines) == 1 and header is None and width >= ACROSS,
         sample_rate=_sample_rate(comments + notes),
-        remarks=remarks + from_comment,
+        remarks=_remarks(notes, lines, names if from_comment else (), where),
     )
 
 
@@ -181,72 +186,67 @@ def _head(text: str, comment: tuple[str, ...]) -> tuple[list[str], list[Line]]:
     return comments, lines
 
 
-def _separator(lines: list[Line]) -> tuple[str | None, Decimal]:
-    """Separator and decimal sign with the best score."""
-    scored = [(_score(lines, separator, decimal), -i) for i, (separator, decimal) in enumerate(CANDIDATES)]
-    return CANDIDATES[-max(scored)[1]]
+def _separator(lines: list[Line]) -> tuple[str | None, Decimal, Table]:
+    """Separator and decimal sign with the best score, and the lines cut by it."""
+    tables = {separator: [split(line.text, separator) for line in lines] for separator in WORDS}
+    scores = [_score(tables[separator], decimal) for separator, decimal in CANDIDATES]
+    separator, decimal = CANDIDATES[scores.index(max(scores))]
+    return separator, decimal, tables[separator]
 
 
-def _score(lines: list[Line], separator: str | None, decimal: Decimal) -> tuple[float, bool, float]:
+def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
     """Share of alike lines times share of numbers; more than one column; share of alike lines."""
-    width = _width(lines, separator)
-    alike = [line for line in lines if len(split(line.text, separator)) == width]
-    share = len(alike) / len(lines)
+    width = _width(table)
+    alike = [i for i, cells in enumerate(table) if len(cells) == width]
+    share = len(alike) / len(table)
     # The first line may be a header, which must fit in width but holds no number.
-    rows = [line for line in alike if line is not lines[0]] or alike
-    kinds = Counter(kind(cell, decimal) for line in rows for cell in split(line.text, separator))
+    rows = [i for i in alike if i] or alike
+    kinds = Counter(kind(cell, decimal) for i in rows for cell in table[i][:CELLS])
     filled = kinds.total() - kinds["e"]
-    numbers = (kinds.total() - kinds["e"] - kinds["t"]) / filled if filled else 0.0
+    numbers = (filled - kinds["t"]) / filled if filled else 0.0
     return round(share * numbers, 6), width > 1, share
 
 
-def _width(lines: list[Line], separator: str | None) -> int:
+def _width(table: Table) -> int:
     """Most frequent number of cells in the later half, where data is."""
-    counts = Counter(len(split(line.text, separator)) for line in lines[len(lines) // 2 :])
+    counts = Counter(len(cells) for cells in table[len(table) // 2 :])
     return max(counts, key=lambda width: (counts[width], width))
 
 
-def _first_data(lines: list[Line], separator: str | None, decimal: Decimal, width: int) -> tuple[int | None, int]:
+def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None, int]:
     """Index of the header, if there is one, and of the first row of data."""
-    for i, line in enumerate(lines):
-        cells = split(line.text, separator)
-        kinds = [kind(cell, decimal) for cell in cells]
-        is_words = not any(k in "ifn" for k in kinds)
-        if is_words and _fits(cells, width):
-            return i, i + 1
-        if not is_words and (i == 0 or kinds[0] in "ifn" or len(cells) == width):
+    for i, cells in enumerate(table):
+        kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
+        if not _has_number(kinds):
+            if len(_header(cells, width)) == width:
+                return i, i + 1
+        elif i == 0 or kinds[0] in NUMBER or len(cells) == width:
             return None, i
     return 0, 1  # words only, and no line as wide as most: the first is the header, and does not fit
 
 
-def _fits(cells: list[str], width: int) -> bool:
-    """Whether a header names the columns of a row; an empty end on either side does not count."""
+def _has_number(kinds: list[str]) -> bool:
+    return not NUMBER.isdisjoint(kinds)
+
+
+def _header(cells: list[str], width: int) -> list[str]:
+    """Names for a row of ``width`` cells; an empty cell at the end of either is no column."""
     while cells and not cells[-1] and len(cells) > width:
         cells = cells[:-1]
-    return len(cells) in (width, width - 1) and (len(cells) == width or width > 1)
+    return [*cells, ""] if len(cells) == width - 1 > 0 else cells
 
 
 def _names(
-    lines: list[Line],
-    header: int | None,
-    comments: list[str],
-    separator: str | None,
-    width: int,
-    where: str,
-) -> tuple[tuple[str, ...], tuple[Remark, ...]]:
-    """Names of the columns, from the header or the last comment."""
+    table: Table, header: int | None, comments: list[str], separator: str | None, width: int
+) -> tuple[tuple[str, ...], bool]:
+    """Names of the columns, and whether they come from the last comment."""
     if header is not None:
-        names = split(lines[header].text, separator)[:width]
-        rows = lines[header + 1 :]
-        short = len(names) < width and any(split(row.text, separator)[-1] for row in rows)
-        if short or not _fits(names, width):
-            raise _header_width(len(names), width, f"{where}:{lines[header].row}")
-        return tuple(names + [""] * (width - len(names))), ()
+        cells = table[header]
+        ends = {row[-1] for row in table[header + 1 :] if len(row) == width}
+        # One name less than cells only where the last cell of every row is empty.
+        return tuple(_header(cells, width) if len(cells) >= width or ends == {""} else cells), False
     names = _comment_names(comments[-1], separator, width) if comments else []
-    if not names:
-        return ("",) * width, ()
-    said = f"columns named by the last comment: {', '.join(names)}"
-    return tuple(names), (Remark("header_from_comment", "info", said, where=where),)
+    return tuple(names or [""] * width), bool(names)
 
 
 def _header_width(names: int, width: int, where: str) -> DataError:
@@ -262,27 +262,25 @@ def _header_width(names: int, width: int, where: str) -> DataError:
 def _comment_names(comment: str, separator: str | None, width: int) -> list[str]:
     """Cells of a comment line, if they can name the columns."""
     text = comment.lstrip("#%/; \t")
-    for cells in (split(text, separator), re.split(r"\s{2,}|\t", text)):
-        cells = [cell.strip() for cell in cells]
+    for parts in (split(text, separator), re.split(r"\s{2,}|\t", text)):
+        cells = [part.strip() for part in parts]
         if len(cells) == width and all(kind(cell) == "t" for cell in cells) and len(set(cells)) == width:
             # One column: a sentence is no name.
             return cells if width > 1 or len(text.split()) == 1 else []
     return []
 
 
-def _units(
-    lines: list[Line], first: int, header: int | None, separator: str | None, decimal: Decimal
-) -> tuple[str, ...]:
-    """Units row below a header: every cell is a unit or empty, at least one is a unit."""
-    if header is None or first + 1 >= len(lines):
+def _units(table: Table, header: int | None, decimal: Decimal, width: int) -> tuple[str, ...]:
+    """Units row below a header: every cell is a unit or empty, some are units, and numbers follow."""
+    if header is None or header + 2 >= len(table):
         return ()
-    cells = split(lines[first].text, separator)
-    names = split(lines[header].text, separator)
+    names, cells, following = table[header : header + 3]
     given = [cell.strip("[]() ") for cell in cells]
-    if len(cells) != len(names) or any(kind(cell, decimal) in "ifn" for cell in cells):
+    numbers = _has_number([kind(cell, decimal) for cell in cells])
+    if numbers or len(cells) != len(names) or not _has_number([kind(cell, decimal) for cell in following]):
         return ()
     known = [_is_unit(unit) for unit in given if unit]
-    return tuple(given) if known and all(known) else ()
+    return (*given, *[""] * (width - len(given))) if known and all(known) else ()
 
 
 def _is_unit(text: str) -> bool:
@@ -302,12 +300,16 @@ def _decimal(text: str, start: Line, separator: str | None, decimal: Decimal) ->
     return "," if commas and not points else decimal
 
 
-def _preamble_remark(notes: list[str], lines: list[Line], where: str) -> tuple[Remark, ...]:
-    if not notes:
-        return ()
-    first = notes[0].strip()[:60]
-    what = f"{len(notes)} line(s) before the table left out: {first!r} ..."
-    return (Remark("preamble", "info", what, where=f"{where}:{lines[0].row}"),)
+def _remarks(notes: list[str], lines: list[Line], from_comment: tuple[str, ...], where: str) -> tuple[Remark, ...]:
+    """Remarks on a preamble and on names from a comment."""
+    remarks = []
+    if notes:
+        what = f"{len(notes)} line(s) before the table left out: {notes[0].strip()[:60]!r} ..."
+        remarks.append(Remark("preamble", "info", what, where=f"{where}:{lines[0].row}"))
+    if from_comment:
+        what = f"columns named by the last comment: {', '.join(from_comment)[:120]}"
+        remarks.append(Remark("header_from_comment", "info", what, where=where))
+    return tuple(remarks)
 
 
 def _sample_rate(comments: list[str]) -> float | None:

@@ -21,9 +21,7 @@ DEEPEST = 8  # structures within structures
 BYTES = {"double": 8, "single": 4, "int64": 8, "uint64": 8, "int32": 4, "uint32": 4}  # others: 2 or fewer
 
 
-def read_matlab(
-    loaded: Loaded, kind: Literal["mat4", "mat5"], variables: Sequence[str] | None = None
-) -> Content:
+def read_matlab(loaded: Loaded, kind: Literal["mat4", "mat5"], variables: Sequence[str] | None = None) -> Content:
     """Return the columns of the matrices of one length.
 
     Raises

@@ -61,7 +61,7 @@ def _column(values: Any, field: Any, path: str) -> Column | str:
     empty = np.flatnonzero(values.is_null().to_numpy(zero_copy_only=False))
     if pa.types.is_timestamp(kind):
         stamps = values.cast(pa.timestamp("ns")).to_numpy(zero_copy_only=False)
-        return Column(field.name, stamps.astype("datetime64[ns]"), unit, True, empty)
+        return Column(field.name, stamps.astype("datetime64[ns]"), unit, empty=empty)
     if pa.types.is_duration(kind):
         values, unit = values.cast(pa.int64()), kind.unit
     elif pa.types.is_boolean(kind):
@@ -84,7 +84,7 @@ def _number_column(name: str, numbers: Any, unit: str | None, empty: Any) -> Col
         return Column(name, numbers, unit)
     literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)
     numbers[literal] = np.nan
-    return Column(name, numbers, unit, True, empty, literal)
+    return Column(name, numbers, unit, empty=empty, not_a_number=literal)
 
 
 def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
@@ -94,11 +94,11 @@ def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
     if len(judged.text):
         rows = np.arange(1, len(cells) + 1)
         raise DataError(text_in_numbers(name, cells, judged.text, rows, path))
-    return Column(name, judged.values, unit, True, judged.empty, judged.not_a_number)
+    return Column(name, judged.values, unit, empty=judged.empty, not_a_number=judged.not_a_number)
 
 
 def _unit(field: Any) -> str | None:
-    """Unit in the metadata of a field."""
+    """Return the unit in the metadata of a field."""
     metadata = field.metadata or {}
     return next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
 

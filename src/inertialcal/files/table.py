@@ -14,7 +14,7 @@ from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.recording import Source
 from ..core.remarks import Remark
-from .cells import Decimal, judge, kind, to_float
+from .cells import BLANKS, Decimal, judge, kind, to_float
 from .columns import Content, Rows
 from .content import parse_content
 from .delimited import cell_columns, column_names, text_in_numbers
@@ -93,7 +93,7 @@ class Table:
         return self.cells[self.index(name)]
 
     def unit(self, name: str) -> str | None:
-        """Unit of a column as the file says it; None where it does not."""
+        """Return the unit of a column as the file says it; None where it does not."""
         return self.units[self.index(name)] if self.units else None
 
     def numbers(self, name: str, *, required: bool = True) -> Array:
@@ -149,7 +149,7 @@ def read_table(path: str | Path) -> Table:
     units = tuple(heading(name, given or None).unit for name, given in zip(layout.names, layout.units, strict=True))
     return Table(
         names=names,
-        cells=tuple(map(tuple, cells)),
+        cells=tuple(tuple(cell.strip(BLANKS) for cell in column) for column in cells),
         rows=rows,
         source=Source(loaded.path, loaded.sha256, layout.words),
         units=units,

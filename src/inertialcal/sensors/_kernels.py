@@ -9,7 +9,7 @@ from ..core.estimate import Array
 
 @numba.njit(cache=True)  # type: ignore[untyped-decorator]
 def affine_3(matrix: Array, shift: Array, x: Array, out: Array) -> None:
-    """Fill ``out`` with matrix (x - shift), three sensors a row; sums in the order of ``equation.dot``."""
+    """Fill ``out`` with matrix (x - shift), three sensors a row; sums in the order of ``equation.mixed``."""
     for n in range(x.shape[0]):
         a = x[n, 0] - shift[0]
         b = x[n, 1] - shift[1]

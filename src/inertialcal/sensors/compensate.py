@@ -24,7 +24,7 @@ from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ._kernels import affine_3
-from .equation import Columns, Conditions, condition_columns, curve, dot, felt, matrix_at, offset, rows
+from .equation import Columns, Conditions, condition_columns, curve, matrix_at, mixed, offset, rows
 from .model import SensorModel
 from .nonlinearity import inverse
 from .uniqueness import check_unique
@@ -74,7 +74,7 @@ def first_order(model: SensorModel, readings: Array, **conditions: Unpack[Condit
     r = rows(model, readings, "readings")
     columns = condition_columns(model, len(r), conditions)
     errors = matrix_at(model, columns) - np.eye(len(model.axes))
-    return r - (offset(model, columns) + felt(errors, r))
+    return r - (offset(model, columns) + mixed(errors, r))
 
 
 def outside(
@@ -97,9 +97,11 @@ def outside(
     r = rows(model, readings, "readings")
     columns = condition_columns(model, len(x), conditions)
     remarks = []
-    lost = np.isnan(x) & np.isfinite(r)
-    if np.any(lost):
-        remarks.append(_remark("no_inverse", "reading(s) that no input gives are left empty", lost, ""))
+    told = np.isfinite(r).all(axis=1)
+    for column in columns.values():
+        told = told & np.isfinite(column).all(axis=1)
+    lost = np.isnan(x) & told[:, np.newaxis]
+    remarks.append(_remark("no_inverse", "no input gives this reading; left empty", lost, "Look at these readings"))
     if model.input_range is not None:
         over = (x < model.input_range[:, 0]) | (x > model.input_range[:, 1])
         ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
@@ -136,21 +138,7 @@ def _inverse(model: SensorModel, r: Array, columns: Columns) -> Array:
     u = r - offset(model, columns)
     if not model.linear:
         u = inverse(curve(model), u)
-    return unmixed(matrix_at(model, columns), u)
-
-
-def unmixed(matrix: Array, u: Array) -> Array:
-    """Return x with M x = u, shape (n, k).
-
-    Raises
-    ------
-    DataError
-        If M(T) is singular at a temperature outside the range that was checked.
-    """
     try:
-        if len(matrix) == 1:
-            return dot(np.linalg.inv(matrix[0]), u)
-        x: Array = np.linalg.solve(matrix, u[:, :, np.newaxis])[:, :, 0]
+        return mixed(np.linalg.inv(matrix_at(model, columns)), u)
     except np.linalg.LinAlgError:
         raise DataError("the matrix is singular at a temperature of the data", code="not_invertible") from None
-    return x

@@ -78,7 +78,7 @@ def predict(model: SensorModel, applied: Array, **conditions: Unpack[Conditions]
     """
     x = rows(model, applied, "applied")
     columns = condition_columns(model, len(x), conditions)
-    u = felt(matrix_at(model, columns), x)
+    u = mixed(matrix_at(model, columns), x)
     return offset(model, columns) + curve(model).reading(u)
 
 
@@ -156,25 +156,23 @@ def matrix_at(model: SensorModel, columns: Columns) -> Array:
     return total
 
 
-def felt(matrix: Array, x: Array) -> Array:
-    """Return the inputs u = M x along the input axes, shape (n, k)."""
-    if len(matrix) == 1:
-        return dot(matrix[0], x)
-    u: Array = np.einsum("nij,nj->ni", matrix, x)
-    return u
+def mixed(matrix: Array, x: Array) -> Array:
+    """Return rows of x times a matrix, shape (n, k), summed in the order of the columns (not left to a BLAS).
 
+    So the last digit of a row depends neither on the rows around it nor on the number of threads. A column of
+    entries that are zero throughout takes nothing from x, not even a missing reading.
 
-def dot(matrix: Array, x: Array) -> Array:
-    """Rows times a constant matrix, (n, k), summed in the order of the columns (not left to a BLAS).
-
-    So the last digit of a row depends neither on the rows around it nor on the number of threads.
+    Parameters
+    ----------
+    matrix : ndarray, shape (1 or n, k, l)
+        One for all rows, or one a row.
+    x : ndarray, shape (n, l)
+        One row a reading.
     """
-    out = np.empty((len(x), len(matrix)))
-    for i, row in enumerate(matrix):
-        total = row[0] * x[:, 0]
-        for j in range(1, len(row)):
-            total += row[j] * x[:, j]
-        out[:, i] = total
+    n = max(len(matrix), len(x))
+    out = np.zeros((n, matrix.shape[1]))
+    for i, j in np.argwhere(np.any(matrix != 0.0, axis=0)):
+        out[:, i] += matrix[:, i, j] * x[:, j]
     return out
 
 
@@ -190,13 +188,13 @@ def offset(model: SensorModel, columns: Columns) -> Array:
     if model.bias_pressure is not None and model.reference_pressure is not None:
         total = total + model.bias_pressure * (columns["pressure"] - model.reference_pressure)
     if model.bias_warm_up is not None and model.warm_up_time is not None:
-        total = total + np.exp(-columns["time"] / model.warm_up_time) @ model.bias_warm_up
+        total = total + mixed(model.bias_warm_up.T[np.newaxis], np.exp(-columns["time"] / model.warm_up_time))
     if model.bias_temperature_rate is not None:
         total = total + model.bias_temperature_rate * columns["temperature_rate"]
     if model.bias_hysteresis is not None:
         total = total + model.bias_hysteresis * np.sign(columns["temperature_rate"])
     if model.g_sensitivity is not None:
-        total = total + dot(model.g_sensitivity, columns["specific_force"])
+        total = total + mixed(model.g_sensitivity[np.newaxis], columns["specific_force"])
     return total
 
 

@@ -326,4 +326,4 @@ def _check_estimate(model: SensorModel, estimate: Estimate) -> None:
             raise DataError(f"{one.name} is estimated in {unit!r}, the model needs {one.unit!r}", code="wrong_unit")
     for one, own, other in zip(chosen, values(chosen, model.terms), estimate.values, strict=True):
         if not abs(own - other) <= AGREEMENT * max(abs(own), SMALLEST):
-            raise DataError(f"{one.name} is {own!r} in the model and {other!r} in its estimate")
+            raise DataError(f"{one.name} is {own:.12g} in the model and {other:.12g} in its estimate")

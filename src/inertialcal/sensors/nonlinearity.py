@@ -105,7 +105,9 @@ def inverse(curve: Curve, readings: Array) -> Array:
     near, far = np.zeros_like(readings), _far_end(curve, readings, end)
     with np.errstate(invalid="ignore"):
         possible = side * (curve.reading(far) - readings) >= 0.0
-    u = np.where(possible, readings / (1.0 + 0.5 * side * curve.asymmetry), np.nan)
+    first = side * np.minimum(side * readings / (1.0 + 0.5 * side * curve.asymmetry), side * far)
+    u = np.where(possible, first, np.nan)
+    moving = possible
     for _ in range(STEPS):
         excess = side * (curve.reading(u) - readings)
         far = np.where(excess >= 0.0, u, far)
@@ -114,16 +116,17 @@ def inverse(curve: Curve, readings: Array) -> Array:
         step = side * excess / np.where(slope > 0.0, slope, np.nan)
         new = u - step
         outside = ~((side * new >= side * near) & (side * new <= side * far))
-        new = np.where(outside & possible, 0.5 * (near + far), new)
-        moved = np.abs(new - u) > DIGITS * np.abs(new)
-        u = np.where(possible, new, np.nan)
-        if not np.any(moved & possible):
+        new = np.where(outside, 0.5 * (near + far), new)
+        still = np.abs(new - u) <= DIGITS * np.abs(new)
+        u = np.where(moving, new, u)
+        moving = moving & ~still
+        if not np.any(moving):
             break
     return u
 
 
 def _far_end(curve: Curve, readings: Array, end: Array) -> Array:
-    """Return a bound of u away from zero: the end of the branch, or where even the smallest slope has got there."""
-    free = np.where(np.isfinite(rising_branch(curve)), 0.0, rising_branch(curve))
-    slope = smallest_slope(curve, free)
-    return np.where(np.isfinite(end), end, readings / slope)
+    """Return a bound of u away from zero: the end of the branch, else twice what the smallest slope would need."""
+    branch = rising_branch(curve)
+    slope = smallest_slope(curve, np.where(np.isfinite(branch), 0.0, branch))
+    return np.where(np.isfinite(end), end, 2.0 * readings / slope)

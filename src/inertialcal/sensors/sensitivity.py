@@ -11,7 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.estimate import Array
-from .equation import Columns, away_from_reference, curve, felt, matrix_at
+from .equation import Columns, away_from_reference, curve, matrix_at, mixed
 from .model import SensorModel
 from .terms import Parameter
 
@@ -39,7 +39,7 @@ class Point:
 def point(model: SensorModel, x: Array, columns: Columns) -> Point:
     """Return the point at true inputs x, shape (n, k)."""
     matrix = matrix_at(model, columns)
-    u = felt(matrix, x)
+    u = mixed(matrix, x)
     away = np.zeros((1, len(model.axes)))
     if "temperature" in columns:
         away = away_from_reference(model, columns)

@@ -21,6 +21,8 @@ References
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal as scipy_signal
@@ -37,6 +39,7 @@ WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
 ROUNDS = 10
 PROBES = 4_000  # places at which the usual scatter of a statistic is measured
 FEWEST = 16  # places from which it can be
+LOW = 0.1  # quantile of window variances that, with the median, tells their spread
 RAMP = 3  # samples at each end of a stretch that may still belong to the ramp
 EDGE = 3.5  # standard deviations at which they do
 BESIDE = 8  # samples after the ramp that give the level there
@@ -212,7 +215,7 @@ def covered(start: Indices, stop: Indices, n: int) -> Flags:
     return inside
 
 
-def loud(y: Array, noise: Noise, w: int, tail: float, cuts: Indices) -> Flags:
+def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indices) -> Flags:
     """Return the samples in windows that scatter more than noise does.
 
     Parameters
@@ -225,29 +228,47 @@ def loud(y: Array, noise: Noise, w: int, tail: float, cuts: Indices) -> Flags:
         Width of the window [samples].
     tail : float
         False-alarm probability of one window.
-    cuts : ndarray of int
-        Changes of level, with 0 and n; windows lie between them.
+    start, stop : ndarray of int, shape (k,)
+        Stretches at one level, ascending and disjoint; windows lie inside.
 
     Returns
     -------
     ndarray of bool, shape (n,)
         True for all samples of a window in which any channel exceeds its limit.
     """
-    size = max(0, len(y) - w + 1)
-    within = cuts[(cuts > 0) & (cuts < len(y))]
-    whole = ~covered(within - w + 1, within, size)
-    hot = np.zeros(size, dtype=bool)
+    inside = covered(start, stop, len(y))
+    cuts = np.concatenate(([0], np.cumsum(stop - start)))
+    size = max(0, int(cuts[-1]) - w + 1)
+    whole = ~covered(cuts[1:-1] - w + 1, cuts[1:-1], size)
+    found = np.zeros(len(y), dtype=bool)
     if not whole.any():
-        return np.zeros(len(y), dtype=bool)
+        return found
+    hot = np.zeros(size, dtype=bool)
     probes = np.flatnonzero(whole)
     probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
     for k in range(y.shape[1]):
-        variance = _window_variance(y[:, k], cuts, w)
-        usual = np.median(variance[probes]) / stats.chi2.ppf(0.5, w - 1) * (w - 1)
-        ratio = stats.f.isf(tail, w - 1, noise.dof[k])
-        hot |= variance > ratio * max(noise.scale[k] ** 2, usual)
+        variance = _window_variance(y[inside, k], cuts, w)
+        usual, dof = _usual_variance(variance[probes], w)
+        hot |= variance > stats.f.isf(tail, dof, noise.dof[k]) * max(noise.scale[k] ** 2, usual)
     at = np.flatnonzero(hot & whole)
-    return covered(at, at + w, len(y))
+    found[inside] = covered(at, at + w, int(cuts[-1]))
+    return found
+
+
+def _usual_variance(variance: Array, w: int) -> tuple[float, float]:
+    """Usual variance of windows of w samples, and its degrees of freedom: fewer where noise is not white."""
+    low, median = np.quantile(variance, (LOW, 0.5))
+    dof = float(w - 1)
+    if len(variance) >= 2 * FEWEST and low > 0.0:
+        dof = min(dof, float(np.interp(low / median, *_spread_of_variance())))
+    return float(median / stats.chi2.ppf(0.5, dof) * dof), dof
+
+
+@cache
+def _spread_of_variance() -> tuple[Array, Array]:
+    """Ratio of a low quantile to the median of chi-square, ascending, and the degrees of freedom for it."""
+    dof = np.geomspace(0.5, 500.0, 100)
+    return stats.chi2.ppf(LOW, dof) / stats.chi2.ppf(0.5, dof), dof
 
 
 def _window_variance(y: Array, cuts: Indices, w: int) -> Array:
@@ -267,8 +288,13 @@ def _window_sum(x: Array, w: int) -> Array:
     return total[w - 1 :]
 
 
-def settled_ends(y: Array, noise: Noise, start: Indices, stop: Indices) -> tuple[Indices, Indices]:
-    """Return stretches without the samples at their ends that still belong to a ramp.
+def settled_ends(
+    y: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices
+) -> tuple[Indices, Indices]:
+    """Return stretches whose ends lie where the samples settle at the level inside, three samples off at most.
+
+    A sample at an end that does not fit the level just inside is given up; one before the end that does fit
+    is taken in, if no other stretch holds it.
 
     Parameters
     ----------
@@ -277,22 +303,44 @@ def settled_ends(y: Array, noise: Noise, start: Indices, stop: Indices) -> tuple
     noise : Noise
         Of these samples.
     start, stop : ndarray of int, shape (k,)
-        Stretches of at least ``SHORTEST`` samples.
+        Ascending, disjoint stretches of at least ``SHORTEST`` samples.
+    walls : ndarray of int
+        0, long gaps and n: no end moves across, an end there stays.
 
     Returns
     -------
     start, stop : ndarray of int, shape (k,)
-        At most three samples further in; the two ends of the record stay.
+        Ascending and disjoint.
     """
     total = np.concatenate((np.zeros((1, y.shape[1])), np.cumsum(y, axis=0)))
-    limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / BESIDE)
     first = (total[start + RAMP + BESIDE] - total[start + RAMP]) / BESIDE
     last = (total[stop - RAMP] - total[stop - RAMP - BESIDE]) / BESIDE
-    into, back = np.zeros_like(start), np.zeros_like(stop)
-    for k in range(RAMP):
-        into[(np.abs(y[start + k] - first) > limit).any(axis=1)] = k + 1
-        back[(np.abs(y[stop - 1 - k] - last) > limit).any(axis=1)] = k + 1
-    return np.where(start > 0, start + into, start), np.where(stop < len(y), stop - back, stop)
+    limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / BESIDE)
+    start = _settled(start, 1, y, first, limit, walls, np.concatenate(([0], stop[:-1])))
+    stop = _settled(stop, -1, y, last, limit, walls, np.concatenate((start[1:], [len(y)])))
+    return start, stop
+
+
+def _settled(
+    edge: Indices, inward: int, y: Array, level: Array, limit: Array, walls: Indices, neighbour: Indices
+) -> Indices:
+    """Edges moved inward over samples that do not fit the level, or else outward over those that do."""
+    inner, outer = (0, -1) if inward > 0 else (-1, 0)
+
+    def fits(at: Indices) -> Flags:
+        fit: Flags = (np.abs(y[np.clip(at, 0, len(y) - 1)] - level) <= limit).all(axis=1)
+        return fit
+
+    free = ~np.isin(edge, walls)
+    giving, moved = free.copy(), edge
+    for _ in range(RAMP):
+        giving &= ~fits(moved + inner)
+        moved = moved + inward * giving
+    taking = free & (moved == edge)
+    for _ in range(RAMP):
+        taking &= ((moved - neighbour) * inward > 0) & ~np.isin(moved, walls) & fits(moved + outer)
+        moved = moved - inward * taking
+    return moved
 
 
 def sloping(y: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:

@@ -255,16 +255,16 @@ def _still_stretches(y: Array, noise: Noise, plan: Detection, gaps: Indices) -> 
     kept, first = _without_short_pieces(first, plan.shortest)
     if not len(kept):
         return kept, kept
-    y = y if len(kept) == len(y) else np.asfortranarray(y[kept])
-    cuts, widening = level_changes(y, noise, plan.scales[1:], quantile, first)
-    start, stop = _long(cuts[:-1], cuts[1:], plan.shortest)
-    start, stop = _long(*settled_ends(y, noise, start, stop), plan.shortest)
+    rest = y if len(kept) == len(y) else np.asfortranarray(y[kept])
+    cuts, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
+    start, stop = _long(kept[cuts[:-1]], kept[cuts[1:] - 1] + 1, plan.shortest)
+    start, stop = _long(*settled_ends(y, noise, start, stop, gaps), plan.shortest)
     short = stop - start < 2 * plan.longest_window
     slope = np.zeros(len(start), dtype=bool)
     slope[short] = sloping(y, noise, quantile * np.maximum(widening, 1.0), start[short], stop[short])
-    noisy = loud(y, noise, plan.shortest, variance_tail, cuts)
-    start, stop = _long(*stretches(start[~slope], stop[~slope], ~noisy), plan.shortest)
-    return kept[start], kept[stop - 1] + 1
+    start, stop = start[~slope], stop[~slope]
+    noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
+    return _long(*stretches(start, stop, ~noisy), plan.shortest)
 
 
 def _without_short_pieces(cuts: Indices, shortest: int) -> tuple[Indices, Indices]:

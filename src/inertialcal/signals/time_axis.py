@@ -200,7 +200,7 @@ def _jitter(steps: Times, interval: float, regular: bool) -> tuple[float, float]
 
 
 def _gaps(steps: Times, interval: float) -> Gaps:
-    """Steps that are longer than jitter explains."""
+    """Find the steps that are longer than jitter explains."""
     forward = steps[steps > 0].astype(np.float64)
     sigma = MAD_TO_SIGMA * float(np.median(np.abs(forward - interval))) if len(forward) else 0.0
     threshold = interval + max(GAP_EXCESS * interval, GAP_SIGMA * sigma)

@@ -180,7 +180,7 @@ def monte_carlo(
     PlanError
         If there are too few draws for the interval.
     """
-    if draws * (1.0 - p) < 1.0 or not 0.0 < p < 1.0:
+    if not 0.0 < p < 1.0 or round(draws * (1.0 - p)) < 100:
         raise PlanError(f"{draws} draws for an interval of probability {p}", do="Need 100 / (1 - p) or more")
     inputs = np.broadcast_to(estimate.values, (draws, estimate.values.size)).copy()
     for component in estimate.components:
