@@ -41,9 +41,7 @@ def test_model_of_its_own_estimate_is_the_model(seed: int) -> None:
 
 def test_units_are_converted_with_their_covariance() -> None:
     degree = factor("deg/s", "rad/s")
-    model = model_from(
-        estimate(("scale_factor_error_x", "bias_x"), [1.0, 0.5], ("%", "deg/s")), "gyro", ("x",)
-    )
+    model = model_from(estimate(("scale_factor_error_x", "bias_x"), [1.0, 0.5], ("%", "deg/s")), "gyro", ("x",))
     assert model.matrix[0, 0, 0] == pytest.approx(1.01)
     assert model.bias[0] == pytest.approx(0.5 * degree)
     assert model.estimate is not None

@@ -84,9 +84,7 @@ def test_uncertainty_is_that_of_finite_differences_of_compensate(seed: int) -> N
 
 
 def one_gyro(*, u_bias: float, u_scale: float, correlation: float = 0.0) -> SensorModel:
-    covariance = np.array(
-        [[u_scale**2, correlation * u_bias * u_scale], [correlation * u_bias * u_scale, u_bias**2]]
-    )
+    covariance = np.array([[u_scale**2, correlation * u_bias * u_scale], [correlation * u_bias * u_scale, u_bias**2]])
     estimate = Estimate(
         ("scale_factor_error_x", "bias_x"),
         np.array([0.01, 0.2]),

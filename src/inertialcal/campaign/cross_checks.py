@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from ..core.errors import DataError, Problem
+from ..core.errors import DataError, InertialcalError, Problem
 from ..core.units import kind, normalise, parse_quantity
 from ..procedures import PROCEDURES
+from .chains import build_chain, scale_factors
 from .conditions import parse_condition
 from .plans import plan_values
-from .schema import CampaignFile, RecordingEntry, Sensor, Test
+from .schema import CampaignFile, RecordingEntry, Rows, Sensor, Test
 
 At = Callable[..., str]
 
@@ -39,16 +40,21 @@ def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
 
 
 def _sensor(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
-    for key, unit in (("range", sensor.unit), ("scale_factor", f"V/({sensor.unit})")):
-        given = sensor.range if key == "range" else [sensor.chain.scale_factor] if sensor.chain.scale_factor else None
-        where = at("sensors", name, *(("range",) if key == "range" else ("chain", "scale_factor")))
-        for text in given or []:
-            try:
-                parse_quantity(text).to(unit)
-            except DataError as error:
-                yield Problem(f"sensors.{name}.{key}: {error.problems[0].what}", where, code="wrong_value")
-    if sensor.chain.kind == "adc" and sensor.chain.scale_factor is None:
-        yield Problem(f"sensors.{name}.chain: kind = 'adc' needs scale_factor", at("sensors", name, "chain"))
+    for text in sensor.range or []:
+        try:
+            parse_quantity(text).to(sensor.unit)
+        except DataError as error:
+            what = f"sensors.{name}.range: {error.problems[0].what}"
+            yield Problem(what, at("sensors", name, "range"), code="wrong_value")
+    if sensor.chain.kind != "none" and sensor.chain.scale_factor is None:
+        what = f"sensors.{name}.chain: kind = {sensor.chain.kind!r} needs scale_factor"
+        yield Problem(what, at("sensors", name, "chain"), code="missing_key")
+        return
+    try:
+        build_chain(sensor) if sensor.chain.kind != "none" else scale_factors(sensor, tuple(sensor.axes))
+    except InertialcalError as error:
+        what = f"sensors.{name}.chain: {error.problems[0].what}"
+        yield Problem(what, at("sensors", name, "chain"), do=error.problems[0].do, code="wrong_value")
 
 
 def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:
@@ -57,9 +63,13 @@ def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntr
         where = at("recordings", name, "sensor")
         yield Problem(f"recordings.{name}: no sensor {entry.sensor!r}", where, do=do, code="unknown_name")
     yield from _file(folder, name, entry.file, at("recordings", name, "file"))
+    if entry.schedule is not None:
+        yield from _file(folder, name, entry.schedule.file, at("recordings", name, "schedule"))
     sensor = file.sensors.get(entry.sensor)
-    if sensor is not None:
-        yield from _row_units(name, entry, sensor, at)
+    if sensor is not None and entry.rows is not None:
+        yield from _row_units(name, entry.rows, sensor, at)
+    elif sensor is not None:
+        yield from _channel_units(name, entry, sensor, at)
 
 
 def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
@@ -78,8 +88,20 @@ def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
         yield Problem(f"recordings.{name}: file {given!r} does not exist", where, code="missing_file")
 
 
-def _row_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> Iterator[Problem]:
-    rows = entry.rows
+def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> Iterator[Problem]:
+    wanted = kind(sensor.unit)
+    for channel, one in (entry.channels or {}).items():
+        where = at("recordings", name, "channels", channel)
+        axis = channel.rpartition("_")[2]
+        if axis in {"x", "y", "z"} and axis not in sensor.axes:
+            yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
+        need = wanted if channel == "applied" or sensor.chain.kind == "none" else "count"
+        if kind(one.unit) != need and not ("_" in channel and sensor.chain.kind == "none"):
+            what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {need}"
+            yield Problem(what, where, code="wrong_value")
+
+
+def _row_units(name: str, rows: Rows, sensor: Sensor, at: At) -> Iterator[Problem]:
     wanted = kind(sensor.unit)
     where = at("recordings", name, "rows")
     applied = rows.applied_unit or (sensor.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)

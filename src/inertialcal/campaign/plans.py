@@ -6,9 +6,9 @@ there. Fields that come from the sensor or the standards cannot be set in ``plan
 
 from __future__ import annotations
 
-from dataclasses import MISSING, fields
+from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
-from typing import Any, get_type_hints
+from typing import Any, get_args, get_type_hints
 
 from pydantic import ConfigDict, Field, ValidationError, create_model
 
@@ -29,22 +29,40 @@ def plan_values(procedure: str, given: dict[str, Any], where: str) -> tuple[dict
     where : str
         Place of the table, for messages.
     """
-    settings = plan_settings(procedure)
-    model = create_model(
-        "Plan",
+    plan = PROCEDURES[procedure].Plan
+    settings = plan_settings(plan)
+    try:
+        read = _model(plan).model_validate(given)
+    except ValidationError as error:
+        return {}, [_problem(entry, list(settings), where) for entry in error.errors(include_url=False)]
+    return {name: _value(getattr(read, name), plan, name) for name in given}, []
+
+
+def _model(plan: Any) -> Any:
+    """Return the pydantic model of a dataclass of settings."""
+    settings = plan_settings(plan)
+    return create_model(
+        plan.__name__,
         __config__=ConfigDict(extra="forbid", strict=True),
         **{name: (kind, default) for name, (kind, default) in settings.items()},  # type: ignore[call-overload]
     )
-    try:
-        read = model.model_validate(given)
-    except ValidationError as error:
-        return {}, [_problem(entry, list(settings), where) for entry in error.errors(include_url=False)]
-    return {name: getattr(read, name) for name in given}, []
 
 
-def plan_settings(procedure: str) -> dict[str, tuple[Any, Any]]:
-    """Return type and default of each setting of a procedure's plan that a campaign may give."""
-    plan = PROCEDURES[procedure].Plan
+def _value(read: Any, plan: Any, name: str) -> Any:
+    """Return a setting, tables of settings as their own dataclass."""
+    inner = _inner(get_type_hints(plan)[name])
+    if inner is None or read is None:
+        return read
+    return inner(**{one.name: getattr(read, one.name) for one in fields(inner)})
+
+
+def _inner(hint: Any) -> Any:
+    """Return the dataclass that a setting holds, or None."""
+    return next((one for one in (hint, *get_args(hint)) if is_dataclass(one)), None)
+
+
+def plan_settings(plan: Any) -> dict[str, tuple[Any, Any]]:
+    """Return type and default of each setting of a plan that a campaign may give."""
     hints = get_type_hints(plan)
     return {
         one.name: (_annotation(hints[one.name], dict(one.metadata)), _default(one))
@@ -55,8 +73,10 @@ def plan_settings(procedure: str) -> dict[str, tuple[Any, Any]]:
 
 def _annotation(hint: Any, metadata: dict[str, Any]) -> Any:
     if "unit" in metadata:
-        return quantity(metadata["unit"])
-    return hint
+        one = quantity(metadata["unit"])
+        return one | None if type(None) in get_args(hint) else one
+    inner = _inner(hint)
+    return hint if inner is None else _model(inner) | None
 
 
 def _default(one: Any) -> Any:

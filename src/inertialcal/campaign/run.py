@@ -13,6 +13,9 @@ from ..core.remarks import Remark, gather
 from ..core.results import finite
 from ..core.units import convert, factor, parse_quantity, si_unit
 from ..procedures import rate_table
+from ..procedures.rate_table.recordings import readings_from
+from .chains import scale_factors
+from .channels import turned_recording
 from .display import display_unit, displayed, scaled, scaled_interval
 from .load import Campaign, load
 from .plans import plan_values
@@ -134,15 +137,31 @@ def _prepare(campaign: Campaign, number: int) -> _Prepared:
     test = campaign.file.tests[number]
     try:
         sensor = _sensor(campaign, test)
-        parts, inputs = [], {}
-        for name in test.recordings:
-            entry = campaign.file.recordings[name]
+        plan = _plan(campaign, test, sensor)
+        readings, inputs = test_readings(campaign, test, sensor, plan)
+        return _Prepared(plan, readings, inputs)
+    except InertialcalError as error:
+        raise type(error)([_placed(problem, campaign, number) for problem in error.problems]) from None
+
+
+def test_readings(
+    campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan
+) -> tuple[rate_table.Readings, dict[str, str]]:
+    """Return the readings of all recordings of a test, and SHA-256 of their files by path."""
+    parts, turned, inputs = [], [], {}
+    for name in test.recordings:
+        entry = campaign.file.recordings[name]
+        if entry.rows is None:
+            one, hashes = turned_recording(campaign.folder, name, entry, sensor, test)
+            turned.append(one)
+            inputs |= hashes
+        else:
             readings, table = rate_table_readings(campaign.folder, name, entry, sensor, test)
             parts.append(readings)
             inputs[entry.file] = table.source.sha256
-        return _Prepared(_plan(campaign, test, sensor), together(parts), inputs)
-    except InertialcalError as error:
-        raise type(error)([_placed(problem, campaign, number) for problem in error.problems]) from None
+    if turned:
+        parts.append(readings_from(plan, turned))
+    return together(parts), inputs
 
 
 def _placed(problem: Problem, campaign: Campaign, number: int) -> Problem:
@@ -161,11 +180,13 @@ def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
         raise PlanError(problems)
     si = si_unit(sensor.unit)
     ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
-    volts = sensor.chain.scale_factor
+    factors = scale_factors(sensor, tuple(sensor.axes))
+    volts = None if factors is None else dict(zip(sensor.axes, factors.tolist(), strict=True))
     return rate_table.Plan(
         **values,
         input_range=None if ends is None else (min(ends), max(ends)),
-        scale_factor=None if volts is None else parse_quantity(volts).to(f"V/({si})"),
+        scale_factor=volts,
+        latitude=campaign.file.site.latitude,
         standards=campaign.standards,
     )
 

@@ -15,16 +15,18 @@ from pydantic import BaseModel, ConfigDict, Field, field_validator, model_valida
 from ..core.influence import Influence
 from ..core.units import kind, parse_quantity
 from .clock_text import read_instant
-from .quantities import Acceleration, Angle, Length, Unit, Voltage
+from .quantities import Acceleration, Angle, Duration, Length, Unit, Voltage
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=64)]
 Text = Annotated[str, Field(max_length=2000)]
 Axis = Literal["x", "y", "z"]
+PerAxis = str | dict[Axis, str]  # one quantity for all axes, or one each
 
 # Influences that may stand under [standards.NAME], with the unit that they are read into.
 STANDARDS: dict[str, dict[str, str]] = {
     "rate_table": {"rate": "1", "mounting": "rad"},
     "converter": {"reference": "1"},
+    "site": {"latitude": "rad"},
 }
 
 
@@ -95,14 +97,27 @@ class StandardEntry(Strict):
         return Influence(u, unit, math.inf if self.dof is None else self.dof, shape, self.certificate)
 
 
+class Thermometer(Strict):
+    """thermometer = {...}: temperature from the voltage of its channel, T = (v - voltage) / slope + temperature."""
+
+    slope: PerAxis
+    voltage: PerAxis
+    temperature: PerAxis
+
+
 class Chain(Strict):
     """chain = {...}: from counts to the unit of the sensor."""
 
-    kind: Literal["none", "adc"]
+    kind: Literal["none", "adc", "pulse_rate"]
     lsb: Voltage | None = None
     counts: tuple[int, int] | None = None
-    reference: Voltage | None = None
-    scale_factor: str | None = None
+    reference: Literal["channel"] | Voltage | None = None
+    scale_factor: PerAxis | None = None
+    gate: Duration | None = None
+    gain: float | dict[Axis, float] = 1.0
+    zero: PerAxis | None = None
+    thermometer: Thermometer | None = None
+    validity_minimum: Voltage | None = None
 
     @field_validator("counts", mode="before")
     @classmethod
@@ -113,6 +128,8 @@ class Chain(Strict):
     def _complete(self) -> Chain:
         if self.kind == "adc" and (self.lsb is None or self.counts is None):
             raise ValueError('kind = "adc" needs lsb and counts')
+        if self.kind == "pulse_rate" and self.gate is None:
+            raise ValueError('kind = "pulse_rate" needs gate')
         if self.counts is not None and self.counts[0] >= self.counts[1]:
             raise ValueError(f"counts = {list(self.counts)}: the first must be the smaller")
         return self
@@ -125,12 +142,15 @@ class Sensor(Strict):
     axes: list[Axis] = Field(min_length=1, max_length=3)
     unit: Unit
     range: list[str] | None = Field(default=None, min_length=2, max_length=2)
+    mounting: list[list[float]] | None = None
     chain: Chain = Chain(kind="none")
 
     @model_validator(mode="after")
     def _fits(self) -> Sensor:
         if len(set(self.axes)) != len(self.axes):
             raise ValueError(f"axes = {self.axes}: an axis appears twice")
+        if self.mounting is not None and not _is_rotation_or_mirror(self.mounting):
+            raise ValueError("mounting: needs three rows of three numbers, orthonormal: sensor from body")
         wanted = "angular_rate" if self.kind == "gyro" else "acceleration"
         if kind(self.unit) != wanted:
             raise ValueError(f"unit = {self.unit!r} is no unit of {wanted.replace('_', ' ')}")
@@ -155,13 +175,56 @@ class Rows(Strict):
     time: Text | None = None
 
 
+class Clock(Strict):
+    """clock = {...}: which column is time, and which part of its averaging window a stamp means."""
+
+    column: Text | None = None
+    stamp: Literal["start", "middle", "end"] = "middle"
+    interval: Duration | None = None
+    averaging: Duration | None = None
+
+
+class ChannelEntry(Strict):
+    """NAME = { column, unit } in ``channels``."""
+
+    column: Text
+    unit: Unit
+
+
+class Schedule(Strict):
+    """schedule = {...}: a table of the dwells of a recording, a row a dwell, on its clock."""
+
+    file: Text
+    start: Text = "start"
+    stop: Text = "stop"
+    rate: Text = "rate"
+    unit: Unit
+
+
+ChannelName = Annotated[str, Field(pattern=r"^(applied|reference|((reference|temperature|validity)_)?[xyz])$")]
+
+
 class RecordingEntry(Strict):
-    """[recordings.NAME]."""
+    """[recordings.NAME]: a reduced table (``rows``) or a recording of channels on a clock (``channels``)."""
 
     sensor: Name
     file: Text
-    rows: Rows
+    rows: Rows | None = None
+    channels: dict[ChannelName, ChannelEntry] | None = None
+    clock: Clock | None = None
+    schedule: Schedule | None = None
+    axis: Axis | None = None
+    run: Text | None = None
     source: Text = ""
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> RecordingEntry:
+        if (self.rows is None) == (self.channels is None):
+            raise ValueError("needs rows (a reduced table) or channels (a recording), one of them")
+        extra = [name for name in ("clock", "schedule", "axis", "run") if getattr(self, name) is not None]
+        if self.rows is not None and extra:
+            raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names columns in rows")
+        return self
 
 
 Window = tuple[int, int]
@@ -207,6 +270,12 @@ def _window(pair: object) -> Window:
     return start, stop
 
 
+class Model(Strict):
+    """[model]: which tests each kind of term comes from; without it, all tests with use = "fit"."""
+
+    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry"], list[Name]] = {}
+
+
 class Requirement(Strict):
     """[[requirements]]: what is asked of which quantity, under which conditions."""
 
@@ -232,6 +301,13 @@ class Requirement(Strict):
         return self
 
 
+def _is_rotation_or_mirror(rows: list[list[float]]) -> bool:
+    if len(rows) != 3 or any(len(row) != 3 for row in rows):
+        return False
+    products = [sum(a * b for a, b in zip(one, other, strict=True)) for one in rows for other in rows]
+    return all(abs(product - (i % 4 == 0)) < 1e-6 for i, product in enumerate(products))
+
+
 class CampaignFile(Strict):
     """The whole campaign.toml."""
 
@@ -243,4 +319,5 @@ class CampaignFile(Strict):
     sensors: dict[Name, Sensor] = Field(min_length=1)
     recordings: dict[Name, RecordingEntry] = Field(min_length=1)
     tests: list[Test] = Field(min_length=1)
+    model: Model = Model()
     requirements: list[Requirement] = []

@@ -138,7 +138,7 @@ def _plan(axis: str, zero_reference: bool, volts: str | None, largest: str | Non
         axis=axis,
         zero_reference=zero_reference,
         input_range=None if end is None else (-end, end),
-        scale_factor=None if volts is None else parse_quantity(volts).to(f"V/({si})"),
+        scale_factor=None if volts is None else dict.fromkeys(sensor.axes, parse_quantity(volts).to(f"V/({si})")),
     )
 
 

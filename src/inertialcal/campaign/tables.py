@@ -16,11 +16,13 @@ from numpy.typing import NDArray
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from ..core.units import convert, factor, kind, parse_quantity, si_unit
+from ..core.units import convert, factor, kind, si_unit
 from ..files.table import Table, read_table
 from ..procedures.rate_table import Readings
+from ..sensors.from_counts import convert as convert_counts
+from .chains import build_chain, scale_factors
 from .clock_text import read_instant
-from .schema import Chain, RecordingEntry, Rows, Sensor, Test
+from .schema import RecordingEntry, Rows, Sensor, Test
 
 Mask = NDArray[np.bool_]
 
@@ -57,6 +59,7 @@ def rate_table_readings(
     DataError
         If a column is missing or holds what it must not, or no row is left.
     """
+    assert entry.rows is not None  # noqa: S101 - the schema sees to it
     source = _Source(name, read_table(folder / entry.file), entry.rows, sensor)
     table, rows = source.table, entry.rows
     applied_unit = rows.applied_unit or (sensor.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)
@@ -109,61 +112,46 @@ def _columns(given: str | dict[str, str] | None, source: _Source, test: Test) ->
 def _outputs(source: _Source, test: Test) -> dict[str, Array]:
     found = {}
     for axis, column in _columns(source.rows.reading, source, test).items():
-        found[axis] = _in_si(source, source.table.numbers(column), column)
+        found[axis] = _in_si(source, axis, source.table.numbers(column))
     return found
 
 
 def _scatters(source: _Source, test: Test) -> dict[str, Array]:
+    """Standard deviations, SI; as differences they know no reference and no zero."""
     found = {}
     for axis, column in _columns(source.rows.scatter, source, test).items():
         values = source.table.numbers(column)
         if np.any(values < 0.0):
             where = source.table.where(int(np.flatnonzero(values < 0.0)[0]))
             raise DataError(f"column {column!r}: a standard deviation is negative", where)
-        found[axis] = values * _scale(source)
+        found[axis] = values * _scale(source, axis)
     return found
 
 
-def _in_si(source: _Source, values: Array, column: str) -> Array:
+def _in_si(source: _Source, axis: str, values: Array) -> Array:
+    """Readings, SI: counts through the chain, volts over the scale factor."""
     unit, chain = source.rows.unit, source.sensor.chain
     if kind(unit) == "count":
-        _inside_converter(source, values, column)
-    if kind(unit) in {"count", "voltage"}:
-        return values * _scale(source) - _zero(chain) / _volts_per_si(source.sensor)
+        if chain.reference == "channel":
+            what = f"recordings.{source.name}: counts, and the reference voltage is a channel that the table lacks"
+            raise DataError(what, source.table.source.path, do="Give readings in volts", code="missing_reference")
+        made = convert_counts(build_chain(source.sensor, (axis,)), values[:, None], place=source.table.where)
+        return np.asarray(made.readings)[:, 0]
+    if kind(unit) == "voltage":
+        return values * _scale(source, axis)
     return convert(values, unit, si_unit(unit))
 
 
-def _inside_converter(source: _Source, values: Array, column: str) -> None:
-    counts = source.sensor.chain.counts
-    assert counts is not None  # noqa: S101 - checked when the campaign was read
-    outside = (values < counts[0]) | (values > counts[1])
-    if np.any(outside):
-        at = int(np.flatnonzero(outside)[0])
-        raise DataError(
-            f"column {column!r}: code {values[at]:g} lies outside the converter ({counts[0]} to {counts[1]}),"
-            f" {int(outside.sum())} in all",
-            where=source.table.where(at),
-            why="such a code cannot have come from it: wrong column, unit or converter",
-            code="code_outside",
-        )
-
-
-def _scale(source: _Source) -> float:
+def _scale(source: _Source, axis: str) -> float:
     """SI input units per unit of the table, for differences."""
     unit, chain = source.rows.unit, source.sensor.chain
-    if kind(unit) == "count":
-        return (chain.lsb or 0.0) / _volts_per_si(source.sensor)
+    if kind(unit) not in {"count", "voltage"}:
+        return factor(unit, si_unit(unit))
+    volts_per_si = float(scale_factors(source.sensor, (axis,))[0])
     if kind(unit) == "voltage":
-        return factor(unit, "V") / _volts_per_si(source.sensor)
-    return factor(unit, si_unit(unit))
-
-
-def _zero(chain: Chain) -> float:
-    return chain.reference or 0.0
-
-
-def _volts_per_si(sensor: Sensor) -> float:
-    return parse_quantity(sensor.chain.scale_factor or "").to(f"V/({si_unit(sensor.unit)})")
+        return factor(unit, "V") / volts_per_si
+    built = build_chain(source.sensor, (axis,))
+    return built.step / float(np.ravel(built.gain)[0]) / volts_per_si
 
 
 def _chosen(source: _Source, test: Test, readings: Readings) -> Readings:

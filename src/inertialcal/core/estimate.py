@@ -171,7 +171,8 @@ def _check_covariance(component: Component, k: int) -> None:
         raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
     if not np.all(np.isfinite(c)):
         raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
-    scale = np.sqrt(np.outer(np.abs(np.diag(c)), np.abs(np.diag(c))))
+    deviations = np.sqrt(np.abs(np.diag(c)))
+    scale = np.outer(deviations, deviations)
     if np.any(np.diag(c) < 0.0) or np.any(np.abs(c - c.T) > SYMMETRY * scale + np.finfo(float).tiny):
         raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
     dof = np.asarray(component.dof, dtype=float)

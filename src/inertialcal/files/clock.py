@@ -232,7 +232,7 @@ def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
         "warning",
         f"{name!r} has no unit and whole numbers, so it is not taken as time: {'; '.join(meant) or 'no unit fits'}",
         where=path,
-        do=f"Say it: --unit {name}=ms",
+        do=f"Say it: --unit {name}=UNIT",
     )
 
 
@@ -275,7 +275,7 @@ def _unnamed(described: Sequence[Described], place: _Place) -> Clock | None:
         return None
     if np.all(values == np.rint(values)):
         what = f"{column.name!r} looks like time, in whole numbers: not taken"
-        do = "If it is: --time-column 1 --unit 1=ms"
+        do = "If it is: --time-column 1 --unit 1=UNIT"
         return Clock(remarks=(Remark("time_not_taken", "warning", what, where=place.path, do=do),))
     given = described[0].unit
     time_ns = to_ns(values, given or "s") if given is None or units.kind(given) == "time" else None

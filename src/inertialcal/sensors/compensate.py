@@ -20,11 +20,11 @@ from typing import Unpack
 
 import numpy as np
 
-from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from ._kernels import affine_3
-from .equation import Columns, Conditions, condition_columns, curve, matrix_at, mixed, offset, rows
+from ._kernels import straight_3
+from .equation import Columns, Conditions, condition_columns, curve, matrix_at, offset, rows
+from .matrices import inverted, mixed
 from .model import SensorModel
 from .nonlinearity import inverse
 from .uniqueness import check_unique
@@ -58,8 +58,7 @@ def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditi
     columns = condition_columns(model, len(r), conditions)
     check_unique(model, columns)
     out = np.empty(r.shape)
-    if model.linear and len(model.axes) == 3 and len(r) >= KERNEL_ROWS and _constant(columns):
-        affine_3(np.linalg.inv(matrix_at(model, columns)[0]), offset(model, columns)[0], r, out)
+    if len(r) >= KERNEL_ROWS and _straight(model, columns, r, out):
         return out
     for part, here in pieces(columns, len(r)):
         out[part] = _inverse(model, r[part], here)
@@ -123,8 +122,24 @@ def _remark(code: str, text: str, where: Array, do: str = "The model extrapolate
     return Remark(code, "warning", f"{count} of {len(where)} row(s): {text}", first, count, do)
 
 
-def _constant(columns: Columns) -> bool:
-    return all(len(column) == 1 for column in columns.values())
+def _straight(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:
+    """Compensate in one compiled pass where the model allows it: three straight sensors, one matrix for all rows.
+
+    What changes from row to row may be the temperature in the bias, and nothing else.
+    """
+    changing = {name for name, column in columns.items() if len(column) > 1}
+    if not model.linear or len(model.axes) != 3 or model.matrix.shape[0] > 1:
+        return False
+    powers, reference, temperature = np.empty((0, 3)), np.zeros(3), np.zeros((1, 1))
+    if not changing:
+        shift = offset(model, columns)[0]
+    elif changing == set(columns) == {"temperature"}:
+        shift, temperature = model.bias, columns["temperature"]
+        powers, reference = model.terms["bias_temperature"], model.terms["reference_temperature"]
+    else:
+        return False
+    straight_3(inverted(model.matrix)[0], shift, powers, reference, temperature, readings, out)
+    return True
 
 
 def pieces(columns: Columns, n: int) -> Iterator[tuple[slice, dict[str, Array]]]:
@@ -138,7 +153,4 @@ def _inverse(model: SensorModel, r: Array, columns: Columns) -> Array:
     u = r - offset(model, columns)
     if not model.linear:
         u = inverse(curve(model), u)
-    try:
-        return mixed(np.linalg.inv(matrix_at(model, columns)), u)
-    except np.linalg.LinAlgError:
-        raise DataError("the matrix is singular at a temperature of the data", code="not_invertible") from None
+    return mixed(inverted(matrix_at(model, columns)), u)

@@ -13,6 +13,7 @@ import numpy as np
 
 from ..core.errors import DataError
 from ..core.estimate import Array
+from .matrices import mixed
 from .model import SensorModel
 from .nonlinearity import Curve
 
@@ -154,26 +155,6 @@ def matrix_at(model: SensorModel, columns: Columns) -> Array:
     for coefficient in model.matrix[-2::-1]:
         total = total * away + coefficient
     return total
-
-
-def mixed(matrix: Array, x: Array) -> Array:
-    """Return rows of x times a matrix, shape (n, k), summed in the order of the columns (not left to a BLAS).
-
-    So the last digit of a row depends neither on the rows around it nor on the number of threads. A column of
-    entries that are zero throughout takes nothing from x, not even a missing reading.
-
-    Parameters
-    ----------
-    matrix : ndarray, shape (1 or n, k, l)
-        One for all rows, or one a row.
-    x : ndarray, shape (n, l)
-        One row a reading.
-    """
-    n = max(len(matrix), len(x))
-    out = np.zeros((n, matrix.shape[1]))
-    for i, j in np.argwhere(np.any(matrix != 0.0, axis=0)):
-        out[:, i] += matrix[:, i, j] * x[:, j]
-    return out
 
 
 def offset(model: SensorModel, columns: Columns) -> Array:

@@ -48,8 +48,8 @@ def apply_chain(chain: Chain, recording: Recording, columns: Mapping[str, str]) 
         ``wrong_column`` for a column that is not there; ``wrong_unit`` for one that is not in counts; and as
         ``from_counts.convert``.
     """
-    beside = {kind: _beside(chain, recording, columns, kind) for kind in ("reference", "temperature", "validity")}
     counts = _counts(recording, [_column(columns, axis) for axis in chain.axes])
+    beside = {kind: _beside(chain, recording, columns, kind) for kind in ("reference", "temperature", "validity")}
     converted = convert(chain, counts, **beside, place=lambda index: _place(recording, index))
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:

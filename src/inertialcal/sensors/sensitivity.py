@@ -11,7 +11,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.estimate import Array
-from .equation import Columns, away_from_reference, curve, matrix_at, mixed
+from .equation import Columns, away_from_reference, curve, matrix_at
+from .matrices import mixed
 from .model import SensorModel
 from .terms import Parameter
 

@@ -21,6 +21,7 @@ from ..core.errors import DataError
 from ..core.estimate import Array
 from .compensate import compensate, pieces
 from .equation import Conditions, condition_columns
+from .matrices import inverted
 from .model import SensorModel
 from .sensitivity import point, reading_by
 
@@ -60,7 +61,7 @@ def compensated_uncertainty(model: SensorModel, readings: Array, **conditions: U
     out = np.empty(x.shape)
     for part, here in pieces(columns, len(x)):
         at = point(model, x[part], here)
-        to_input = np.linalg.inv(at.matrix) / at.slope[:, np.newaxis, :]
+        to_input = inverted(at.matrix) / at.slope[:, np.newaxis, :]
         moved = to_input @ np.stack([reading_by(model, one, at) for one in held], axis=2)
         variance = np.einsum("nkp,nkp->nk", moved @ covariance, moved)
         if model.bias_run_to_run is not None:

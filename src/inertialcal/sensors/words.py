@@ -6,17 +6,19 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ..core.estimate import Array
 from ..core.rounding import number, with_uncertainty
-from ..core.units import convert
+from ..core.units import convert, divide, factor
 from .model import SensorModel
 from .model_dict import WORDS
 from .terms import Parameter, values
 
 FIELD_UNIT = {"gyro": "deg/s", "accelerometer": "ug"}  # in which people think of a bias
+RANGE_UNIT = {"gyro": "deg/s", "accelerometer": "g"}  # and of a range or scale factor
 PERCENT_DIGITS = 4
 
 SENTENCES = {
-    "bias_temperature": "{axis} bias, term in (T - T_ref)^{j}",
+    "bias_temperature": "{axis} bias, term in {power}",
     "bias_pressure": "{axis} bias, change with pressure",
     "bias_warm_up": "{axis} bias, part that dies away after power-up ({j})",
     "warm_up_time": "time constant of warm-up ({j})",
@@ -81,16 +83,23 @@ def lines(model: SensorModel) -> tuple[Line, ...]:
 def show(model: SensorModel) -> str:
     """Return a model as text: what it belongs to, its equation, its parameters in words, where it holds."""
     parts = [_head(model), "", "Equation (forward)", *(f"  {row}" for row in equation(model)), ""]
-    parts += [f"Matrix M ({WORDS['matrix_order']})", *_matrix(model), "", "Parameters"]
-    rows = lines(model)
-    width = max(len(row.words) for row in rows)
-    for row in rows:
-        figure = f"{with_uncertainty(row.value, row.u)} {row.unit if row.unit != '1' else ''}".rstrip()
-        tail = "; ".join(text for text in (row.note, row.origin) if text)
-        parts.append(f"  {row.words:<{width}}  {row.name} = {figure}" + (f"  ({tail})" if tail else ""))
-    parts += _run_to_run(model)
+    parts += [f"Matrix M ({WORDS['matrix_order']})", *_matrix(model), ""]
+    parts += _table(lines(model)) + _run_to_run(model)
     parts += ["", "Compensation: " + "; ".join(WORDS["apply_order"])]
     return "\n".join([*parts, *_validity(model)])
+
+
+def _table(rows: tuple[Line, ...]) -> list[str]:
+    """Words, name and figure of each parameter; what is the same for all stands once, at the top."""
+    width = max(len(row.words) for row in rows)
+    tails = ["; ".join(text for text in (row.note, row.origin) if text) for row in rows]
+    common = tails[0] if len(set(tails)) == 1 else ""
+    parts = [f"Parameters ({common})" if common else "Parameters"]
+    for row, tail in zip(rows, tails, strict=True):
+        unit = "" if row.unit == "1" else f" {row.unit}"
+        figure = f"{row.name} = {with_uncertainty(row.value, row.u)}{unit}"
+        parts.append(f"  {row.words:<{width}}  {figure}" + (f"  ({tail})" if tail and not common else ""))
+    return parts
 
 
 def equation(model: SensorModel) -> list[str]:
@@ -102,25 +111,42 @@ def equation(model: SensorModel) -> list[str]:
     terms += ["K3 u^3"] if model.third_order is not None else []
     terms += ["G f"] if model.g_sensitivity is not None else []
     offset = ["bias"]
-    offset += [f"b_{j + 1} (T - T_ref)^{j + 1}" for j in range(len(_rows(model.bias_temperature)))]
+    offset += [f"b_{j} {_power(j)}" for j in range(1, len(_rows(model.bias_temperature)) + 1)]
     offset += ["b_p (p - p_ref)"] if model.bias_pressure is not None else []
     offset += [f"A_{m + 1} exp(-t / tau_{m + 1})" for m in range(len(_rows(model.warm_up_time)))]
     offset += ["b_r dT/dt"] if model.bias_temperature_rate is not None else []
     offset += ["b_h sign(dT/dt)"] if model.bias_hysteresis is not None else []
-    matrix = " + ".join(["M_0", *(f"M_{j} (T - T_ref)^{j}" for j in range(1, model.matrix.shape[0]))])
+    matrix = " + ".join(["M_0", *(f"M_{j} {_power(j)}" for j in range(1, model.matrix.shape[0]))])
     rows = ["u = M(T) x,  M(T) = " + matrix if in_temperature else "u = M x"]
     return [*rows, f"v = S0 * {{ {' + '.join(terms)} }} + noise", f"K0 = {' + '.join(offset)}", *_symbols(model)]
 
 
+def _power(j: int) -> str:
+    return "(T - T_ref)" if j == 1 else f"(T - T_ref)^{j}"
+
+
 def _symbols(model: SensorModel) -> list[str]:
     """Return what the symbols stand for, where that is a number."""
-    scale = ", ".join(f"{a} {number(s)}" for a, s in zip(model.axes, model.scale_factor, strict=True))
-    rows = [f"x in {model.unit}, v in {model.output_unit}, S0 = {scale} ({model.output_unit})/({model.unit})"]
+    unit = model.unit if model.output_unit == model.unit else RANGE_UNIT[model.kind]
+    told = divide(model.output_unit, unit)
+    scale = model.scale_factor * factor(divide(model.output_unit, model.unit), told)
+    rows = [
+        f"x in {model.unit}, v in {model.output_unit}",
+        f"S0 = {_per_axis(model, scale)} {'' if told == '1' else told}".rstrip(),
+    ]
     if model.reference_temperature is not None:
-        rows.append("T_ref = " + ", ".join(f"{t:g}" for t in np.unique(model.reference_temperature)) + " degC")
-    if model.reference_pressure is not None:
+        rows.append(f"T_ref = {_per_axis(model, model.reference_temperature)} degC")
+    if model.bias_pressure is not None:
         rows.append(f"p_ref = {model.reference_pressure:g} Pa")
     return rows
+
+
+def _per_axis(model: SensorModel, figures: Array) -> str:
+    """One figure where all sensors have the same, else one a sensor."""
+    texts = [number(figure) for figure in figures]
+    if len(set(texts)) == 1:
+        return texts[0]
+    return ", ".join(f"{axis} {text}" for axis, text in zip(model.axes, texts, strict=True))
 
 
 def _head(model: SensorModel) -> str:
@@ -144,10 +170,11 @@ def _sentence(model: SensorModel, one: Parameter) -> str:
     if one.field == "bias":
         unit = FIELD_UNIT[model.kind]
         bias = float(convert(model.bias[one.index[0]], model.unit, unit))
-        return f"{one.axis} sensor reads {number(bias, PERCENT_DIGITS)} {unit} at no input"
+        place = " and T_ref" if model.bias_temperature is not None else ""
+        return f"{one.axis} sensor reads {number(bias, PERCENT_DIGITS)} {unit} at no input{place}"
     if one.field == "g_sensitivity":
         return f"{model.axes[one.index[0]]} sensor's reading of force along {one.axis[-1]}"
-    return SENTENCES[one.field].format(axis=one.axis, j=one.index[0] + 1)
+    return SENTENCES[one.field].format(axis=one.axis, j=one.index[0] + 1, power=_power(one.index[0] + 1))
 
 
 def _matrix_sentence(model: SensorModel, one: Parameter) -> str:
@@ -155,7 +182,7 @@ def _matrix_sentence(model: SensorModel, one: Parameter) -> str:
     sensor, moves = model.axes[row], model.axes[column]
     entry = 100.0 * float(model.matrix[one.index])
     if power:
-        return f"{sensor} sensor and {moves} motion, term in (T - T_ref)^{power}"
+        return f"{sensor} sensor and {moves} motion, term in {_power(power)}"
     if row != column:
         return f"{sensor} sensor reads {number(entry, PERCENT_DIGITS)} % of {moves} motion"
     excess = entry - 100.0
@@ -174,15 +201,18 @@ def _origin(model: SensorModel, name: str) -> str:
 def _run_to_run(model: SensorModel) -> list[str]:
     if model.bias_run_to_run is None:
         return []
-    sizes = ", ".join(f"{a} {number(s, 3)}" for a, s in zip(model.axes, model.bias_run_to_run, strict=True))
-    return [f"  bias from power-up to power-up, standard deviation: {sizes} {model.unit}"]
+    sizes = convert(model.bias_run_to_run, model.unit, FIELD_UNIT[model.kind])
+    text = _per_axis(model, sizes)
+    return [f"  bias from power-up to power-up, standard deviation: {text} {FIELD_UNIT[model.kind]}"]
 
 
 def _validity(model: SensorModel) -> list[str]:
     rows = []
     if model.input_range is not None:
-        ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
-        rows.append(f"inputs {ends} {model.unit}")
+        unit = RANGE_UNIT[model.kind]
+        ends = [f"{number(lo)} to {number(hi)}" for lo, hi in convert(model.input_range, model.unit, unit)]
+        each = ", ".join(f"{axis} {text}" for axis, text in zip(model.axes, ends, strict=True))
+        rows.append(f"inputs {ends[0] if len(set(ends)) == 1 else each} {unit}")
     if model.temperature_range is not None:
         rows.append("temperatures {:g} to {:g} degC".format(*model.temperature_range))
     if model.pressure_range is not None:
@@ -190,5 +220,5 @@ def _validity(model: SensorModel) -> list[str]:
     return ["Holds for: " + ("; ".join(rows) if rows else "no range stated")]
 
 
-def _rows(term: np.ndarray | None) -> np.ndarray:
+def _rows(term: Array | None) -> Array:
     return np.empty(0) if term is None else term

@@ -83,15 +83,22 @@ def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
     return alone
 
 
+def running_sum(y: Array) -> Array:
+    """Return the sums of the samples before each, shape (n + 1, channels), from which means are differences."""
+    total = np.zeros((len(y) + 1, y.shape[1]), order="F")
+    np.cumsum(y, axis=0, out=total[1:])
+    return total
+
+
 def level_changes(
-    y: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
+    total: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
 ) -> tuple[Indices, Array]:
     """Return where the level changes.
 
     Parameters
     ----------
-    y : ndarray, shape (n, channels)
-        Finite samples.
+    total : ndarray, shape (n + 1, channels)
+        Running sum of the samples.
     noise : Noise
         Of these samples.
     scales : tuple of int
@@ -108,12 +115,10 @@ def level_changes(
     widening : ndarray, shape (channels,)
         By how much more than white noise the means of the widest windows scatter.
     """
-    total = np.zeros((len(y) + 1, y.shape[1]), order="F")
-    np.cumsum(y, axis=0, out=total[1:])
     room = np.empty_like(total)
-    widening = np.ones(y.shape[1])
+    widening = np.ones(total.shape[1])
     for w in scales:
-        if len(y) < 2 * w:
+        if len(total) <= 2 * w:
             break
         jumps = _fill_jumps(total, w, room)
         cuts, widening = _changes_at_scale(jumps, noise, w, quantile, cuts, widening)
@@ -289,7 +294,7 @@ def _window_sum(x: Array, w: int) -> Array:
 
 
 def settled_ends(
-    y: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices
+    y: Array, total: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices
 ) -> tuple[Indices, Indices]:
     """Return stretches whose ends lie where the samples settle at the level inside, three samples off at most.
 
@@ -300,6 +305,8 @@ def settled_ends(
     ----------
     y : ndarray, shape (n, channels)
         Finite samples.
+    total : ndarray, shape (n + 1, channels)
+        Their running sum.
     noise : Noise
         Of these samples.
     start, stop : ndarray of int, shape (k,)
@@ -312,7 +319,6 @@ def settled_ends(
     start, stop : ndarray of int, shape (k,)
         Ascending and disjoint.
     """
-    total = np.concatenate((np.zeros((1, y.shape[1])), np.cumsum(y, axis=0)))
     first = (total[start + RAMP + BESIDE] - total[start + RAMP]) / BESIDE
     last = (total[stop - RAMP] - total[stop - RAMP - BESIDE]) / BESIDE
     limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / BESIDE)
@@ -328,8 +334,8 @@ def _settled(
     inner, outer = (0, -1) if inward > 0 else (-1, 0)
 
     def fits(at: Indices) -> Flags:
-        fit: Flags = (np.abs(y[np.clip(at, 0, len(y) - 1)] - level) <= limit).all(axis=1)
-        return fit
+        off = np.abs(y[np.clip(at, 0, len(y) - 1)] - level)
+        return np.asarray((off <= limit).all(axis=1))
 
     free = ~np.isin(edge, walls)
     giving, moved = free.copy(), edge
@@ -343,13 +349,48 @@ def _settled(
     return moved
 
 
-def sloping(y: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
+def joined_where_equal(
+    total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices, walls: Indices, longest: int
+) -> tuple[Indices, Indices]:
+    """Return stretches joined where they touch and their levels, over the widest windows, do not differ.
+
+    A disturbance of a few samples makes a change on a fine scale that a wide one does not see.
+
+    Parameters
+    ----------
+    total : ndarray, shape (n + 1, channels)
+        Running sum of the samples.
+    noise : Noise
+        Of these samples.
+    quantile : ndarray, shape (channels,)
+        Threshold in standard deviations of the difference.
+    start, stop : ndarray of int, shape (k,)
+        Ascending, disjoint stretches.
+    walls : ndarray of int
+        0, long gaps and n: stretches are not joined across.
+    longest : int
+        Widest window [samples].
+
+    Returns
+    -------
+    start, stop : ndarray of int
+        Ascending and disjoint.
+    """
+    at = np.flatnonzero((start[1:] == stop[:-1]) & ~np.isin(start[1:], walls))
+    edge = stop[at]
+    left = np.minimum(stop[at] - start[at], longest)
+    right = np.minimum(stop[at + 1] - start[at + 1], longest)
+    same = at[~_differ(total, noise, quantile, (edge - left, edge), (edge, edge + right))]
+    return np.delete(start, same + 1), np.delete(stop, same)
+
+
+def sloping(total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
     """Return which stretches have two halves at different levels, shape (k,).
 
     Parameters
     ----------
-    y : ndarray, shape (n, channels)
-        Finite samples.
+    total : ndarray, shape (n + 1, channels)
+        Running sum of the samples.
     noise : Noise
         Of these samples.
     quantile : ndarray, shape (channels,)
@@ -357,13 +398,23 @@ def sloping(y: Array, noise: Noise, quantile: Array, start: Indices, stop: Indic
     start, stop : ndarray of int, shape (k,)
         Stretches of two samples or more.
     """
-    total = np.concatenate((np.zeros((1, y.shape[1])), np.cumsum(y, axis=0)))
     half = (stop - start) // 2
-    before = total[start + half] - total[start]
-    after = total[stop] - total[stop - half]
-    limit = np.maximum(quantile * noise.scale * np.sqrt(2.0 / half)[:, None], noise.feigned)
-    steep: Flags = (np.abs(after - before) / half[:, None] > limit).any(axis=1)
-    return steep
+    return _differ(total, noise, quantile, (start, start + half), (stop - half, stop))
+
+
+def _differ(
+    total: Array,
+    noise: Noise,
+    quantile: Array,
+    one: tuple[Indices, Indices],
+    other: tuple[Indices, Indices],
+) -> Flags:
+    """Which pairs of stretches have different means in any channel, shape (k,)."""
+    sizes = [(b - a)[:, None] for a, b in (one, other)]
+    means = [(total[b] - total[a]) / size for (a, b), size in zip((one, other), sizes, strict=True)]
+    sigma = noise.scale * np.sqrt(1.0 / sizes[0] + 1.0 / sizes[1])
+    far: Flags = (np.abs(means[0] - means[1]) > np.maximum(quantile * sigma, noise.feigned)).any(axis=1)
+    return far
 
 
 def stretches(start: Indices, stop: Indices, keep: Flags) -> tuple[Indices, Indices]:

@@ -25,8 +25,16 @@ RAIL_CODES = frozenset(
 )  # ends of the usual converters, unsigned and two's complement
 STUCK_CHANCE = 1e-6  # chance of a run so long, were neighbours independent
 STUCK_RUN = 10  # shortest run that is called stuck ...
-STUCK_RATIO = 5.0  # ... and how much longer than 95 % of the other runs
+STUCK_RATIO = 5.0  # ... and how much longer than the run that a sample elsewhere lies in, on average
 CONSTANT_IN_COUNTS = 2  # a rail of a known converter shows from so many samples
+
+
+@dataclass(frozen=True, eq=False)
+class Levels:
+    """Different values of a channel, in order, and how often each occurs."""
+
+    values: Array
+    counts: NDArray[np.int64]
 
 
 @dataclass(frozen=True)
@@ -47,16 +55,24 @@ class Rail:
     is_code: bool
 
 
-def resolution(values: NDArray[np.generic]) -> float | None:
-    """Return the step of which all differences are whole multiples, or None where there is none.
+def levels_of(values: NDArray[np.generic]) -> Levels:
+    """Return the different values of a channel.
 
     Parameters
     ----------
     values : ndarray, shape (n,)
         Finite, in any unit.
     """
-    levels = np.unique(values.astype(np.float64))
-    if len(levels) < 2 or len(values) < REPEATS * len(levels):
+    return Levels(*np.unique(values.astype(np.float64), return_counts=True))
+
+
+def resolution(found: Levels) -> float | None:
+    """Return the step of which all differences are whole multiples, or None where there is none.
+
+    None also where values hardly repeat: then the step would be that of the printed digits.
+    """
+    levels = found.values
+    if len(levels) < 2 or found.counts.sum() < REPEATS * len(levels):
         return None
     apart = np.diff(levels)
     rounding = 4.0 * np.spacing(np.abs(levels).max())
@@ -80,30 +96,25 @@ def _refined(apart: Array, step: float) -> float | None:
     return float(apart.sum() / whole.sum()) if not off.any() else None
 
 
-def rails(values: NDArray[np.generic]) -> tuple[Rail, ...]:
+def rails(found: Levels) -> tuple[Rail, ...]:
     """Return the extremes at which values pile up: clipped samples.
 
     An extreme counts if at least five samples lie on it, three times as many as on the level beside it; or,
     for whole numbers, if two samples lie on the last code of a usual converter.
-
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        Finite, in any unit.
     """
-    levels, counts = np.unique(values.astype(np.float64), return_counts=True)
+    levels, counts = found.values, found.counts
     if len(levels) < FEW_LEVELS:
         return ()
     whole = bool(np.all(levels == np.rint(levels)))
-    found = []
+    piles = []
     for end, beside in ((0, 1), (-1, -2)):
         count, is_code = int(counts[end]), whole and int(levels[end]) in RAIL_CODES
         piled = count >= PILE and count > PILE_RATIO * counts[beside]
         # Zero is the end of an unsigned converter only for channels that live far above it.
         at_code = is_code and count >= CONSTANT_IN_COUNTS and levels[end] != 0.0
         if piled or at_code:
-            found.append(Rail(float(levels[end]), count, is_code))
-    return tuple(found)
+            piles.append(Rail(float(levels[end]), count, is_code))
+    return tuple(piles)
 
 
 def longest_run(values: NDArray[np.generic]) -> Run:
@@ -123,8 +134,8 @@ def is_stuck(values: NDArray[np.generic]) -> bool:
     """Whether the longest run of equal values is far longer than the channel's other runs explain.
 
     With p the share of equal neighbours outside that run, n samples hold about n p**(k-1) runs of k; the
-    run is stuck where this is below 1e-6, and it is also five times longer than 95 % of all runs (slow
-    channels repeat their codes).
+    run is stuck where this is below 1e-6, and it is also five times longer than the run that a sample
+    elsewhere lies in, on average (slow channels repeat their codes).
 
     Parameters
     ----------
@@ -138,7 +149,8 @@ def is_stuck(values: NDArray[np.generic]) -> bool:
     others = np.delete(lengths, int(np.argmax(lengths)))
     equal = (others - 1).sum() / max(others.sum() - 1, 1)
     log_chance = np.log(len(values)) + (longest - 1) * np.log(max(equal, 1.0 / len(values)))
-    long = longest >= max(STUCK_RUN, STUCK_RATIO * float(np.quantile(others, 0.95)))
+    usual = float((others.astype(np.float64) ** 2).sum() / others.sum())
+    long = longest >= max(STUCK_RUN, STUCK_RATIO * usual)
     return bool(long and log_chance < np.log(STUCK_CHANCE))
 
 

@@ -20,6 +20,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -341,7 +342,7 @@ def _check_windows(windows_ns: Sequence[tuple[int, int]]) -> None:
     for start, stop in ordered:
         if stop <= start:
             raise PlanError(f"window {start} to {stop} ns ends before it starts")
-    for one, other in zip(ordered, ordered[1:], strict=False):
+    for one, other in pairwise(ordered):
         if other[0] < one[1]:
             raise PlanError(f"windows {one[0]} to {one[1]} and {other[0]} to {other[1]} ns overlap")
 

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import stats
 
+from ..core.errors import PlanError
 from ..core.estimate import Array
 
 BLOCK = 8  # samples: long enough for a variance, short enough to lie inside a dwell of 30
@@ -24,6 +25,7 @@ QUIET_TAIL = 1e-3  # part of the quiet blocks that clipping leaves out
 LIVE = 5  # of the 7 differences in a block are not zero, or the converter's step hides the noise
 LIVE_BLOCKS = 0.05  # part of the blocks that must be live
 ROUNDS = 50
+KNOWN = 1e6  # degrees of freedom of what is stated
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,29 +55,36 @@ class Noise:
         return np.where(self.live, 0.0, self.step)
 
 
-def noise_scale(y: Array) -> Noise:
-    """Return the scatter of the quiet part of a signal.
+def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
+    """Return the scatter of the quiet part of a signal, or the stated one.
 
     Parameters
     ----------
     y : ndarray, shape (n, channels), n >= 16
         Finite samples.
+    stated : tuple of float, optional
+        Standard deviation of a sample, one a channel, taken as known [unit of the signal].
 
     Returns
     -------
     Noise
         Per channel.
+
+    Raises
+    ------
+    PlanError
+        If another number of values is stated than there are channels.
     """
-    columns = [_of_channel(y[:, k]) for k in range(y.shape[1])]
+    if stated is not None and len(stated) != y.shape[1]:
+        raise PlanError(f"{len(stated)} value(s) of noise stated for {y.shape[1]} channel(s)")
+    columns = [_of_channel(y[:, k]) if stated is None else _stated(y[:, k], stated[k]) for k in range(y.shape[1])]
     scale, dof, step, live = (np.array(values) for values in zip(*columns, strict=True))
     return Noise(scale, dof, step, live)
 
 
 def _of_channel(y: Array) -> tuple[float, float, float, bool]:
     blocks = np.ascontiguousarray(y[: len(y) // BLOCK * BLOCK].reshape(-1, BLOCK).T)  # one a column
-    difference = np.abs(np.diff(y))
-    step = float(np.min(difference, where=difference > 0.0, initial=np.inf))
-    step = step if np.isfinite(step) else 0.0
+    step = _step(y)
     alive = np.count_nonzero(blocks[1:] != blocks[:-1], axis=0) >= LIVE
     variance = blocks.var(axis=0, ddof=1)[alive]
     if len(variance) < max(2.0, LIVE_BLOCKS * len(alive)):
@@ -83,6 +92,18 @@ def _of_channel(y: Array) -> tuple[float, float, float, bool]:
     pooled, kept = _pool_quiet(variance)
     scale = float(np.sqrt(pooled))
     return max(scale, 0.5 * step), float(kept * (BLOCK - 1)), step, scale >= 0.5 * step
+
+
+def _stated(y: Array, scale: float) -> tuple[float, float, float, bool]:
+    step = _step(y)
+    return max(scale, 0.5 * step), KNOWN, step, scale >= 0.5 * step
+
+
+def _step(y: Array) -> float:
+    """Smallest difference of neighbours that is not zero; 0 where all are equal."""
+    difference = np.abs(np.diff(y))
+    step = float(np.min(difference, where=difference > 0.0, initial=np.inf))
+    return step if np.isfinite(step) else 0.0
 
 
 def _pool_quiet(variance: Array) -> tuple[float, int]:

@@ -18,7 +18,7 @@ sensor set down by hand), ``quiet_windows`` (equally long windows inside still s
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -33,8 +33,10 @@ from .change_points import (
     PROBES,
     SHORTEST,
     covered,
+    joined_where_equal,
     level_changes,
     loud,
+    running_sum,
     settled_ends,
     single_outliers,
     sloping,
@@ -45,6 +47,8 @@ from .noise_scale import BLOCK, Noise, noise_scale
 
 Indices = NDArray[np.int64]
 Kind = Literal["still", "moving"]
+
+NOT_WHITE = 3.0  # widening from which it is remarked
 
 
 @dataclass(frozen=True)
@@ -62,6 +66,9 @@ class Detection:
         counts as drift.
     longest_gap : float
         Longest stretch without good samples that a still stretch may hold [sample intervals].
+    noise : tuple of float, optional
+        Standard deviation of a sample at rest, one a channel [unit of the signal]; measured by default. To
+        be stated where a record has no rest from which to measure it.
 
     Raises
     ------
@@ -73,6 +80,7 @@ class Detection:
     shortest: int = SHORTEST
     longest_window: int = 32
     longest_gap: float = LONGEST_GAP
+    noise: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
         if not 0.0 < self.false_alarm < 1.0:
@@ -83,6 +91,8 @@ class Detection:
             raise PlanError(f"longest_window {self.longest_window} samples, need 1 or more")
         if not self.longest_gap >= 1.0:
             raise PlanError(f"longest_gap {self.longest_gap:g} sample intervals, need 1 or more")
+        if self.noise is not None and not all(sigma > 0.0 for sigma in self.noise):
+            raise PlanError(f"noise {self.noise}, need positive standard deviations")
 
     @property
     def scales(self) -> tuple[int, ...]:
@@ -115,6 +125,8 @@ class Segmentation:
         Mean and standard deviation (n - 1) of the good samples; NaN where there are none, or one.
     noise : Noise
         Scatter of a sample where nothing happens.
+    widening : ndarray, shape (channels,)
+        By how much more than white noise the means of the widest windows scatter between changes.
     samples : Samples
         The signal with its single outliers marked.
     stuck : ndarray of bool, shape (k,)
@@ -129,9 +141,10 @@ class Segmentation:
     level: Array
     scatter: Array
     noise: Noise
+    widening: Array
     samples: Samples
     stuck: Flags
-    plan: Detection = field(default_factory=Detection)
+    plan: Detection
 
     def __len__(self) -> int:
         return len(self.start)
@@ -147,7 +160,7 @@ class Segmentation:
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """Samples that are missing, outliers set aside, stretches in which a channel is stuck."""
+        """Samples missing, outliers set aside, noise far from white, stretches in which a channel is stuck."""
         missing = int(np.count_nonzero(~self.samples.finite))
         outliers, stuck = int(np.count_nonzero(self.samples.outlier)), int(np.count_nonzero(self.stuck))
         found = []
@@ -155,6 +168,11 @@ class Segmentation:
             found.append(Remark("missing_samples", "info", "sample without a value, left out", count=missing))
         if outliers:
             found.append(Remark("outliers", "warning", "single outlier, left out", count=outliers))
+        if np.any(self.widening > NOT_WHITE):
+            ratio = float(self.widening.max())
+            text = f"window means scatter {ratio:.2g} times as much as white noise: slow motion may hide in it"
+            do = "Unless the noise is filtered, state the noise at rest"
+            found.append(Remark("noise_not_white", "warning", text, do=do))
         if stuck:
             where = f"sample {self.start[np.flatnonzero(self.stuck)[0]]}"
             text = "a channel repeats one value for a whole stretch"
@@ -197,12 +215,12 @@ def detect(
     rows = _good_rows(samples)
     y = samples.values if len(rows) == len(samples.values) else samples.values[rows]
     y = np.asfortranarray(y - np.median(y[:: max(1, len(y) // PROBES)], axis=0))
-    noise = noise_scale(y)
+    noise = noise_scale(y, plan.noise)
     outlier = _set_outliers_aside(y, noise, plan)
-    start, stop = _still_stretches(y, noise, plan, _gap_cuts(samples.ticks[rows], plan))
+    start, stop, widening = _still_stretches(y, noise, plan, _gap_cuts(samples.ticks[rows], plan))
     flags = np.zeros(len(samples.values), dtype=bool)
     flags[rows] = outlier & covered(start, stop, len(y))
-    return _segmentation(replace(samples, outlier=flags), rows[start], rows[stop - 1] + 1, noise, plan)
+    return _segmentation(replace(samples, outlier=flags), rows[start], rows[stop - 1] + 1, noise, widening, plan)
 
 
 def _good_rows(samples: Samples) -> Indices:
@@ -226,15 +244,15 @@ def _good_rows(samples: Samples) -> Indices:
     return rows
 
 
-def _tails(n: int, channels: int, plan: Detection) -> tuple[float, float]:
+def _tails(y: Array, plan: Detection) -> tuple[float, float]:
     """Two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk."""
-    shared = 0.5 * plan.false_alarm / (n * channels)
+    shared = 0.5 * plan.false_alarm / y.size
     return shared / (2.0 * (len(plan.scales) + 1)), shared
 
 
 def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
     """Put the mean of the neighbours in place of single outliers in ``y``; tell which."""
-    tail, _ = _tails(*y.shape, plan)
+    tail, _ = _tails(y, plan)
     quantile = float(stats.t.isf(tail, noise.dof).max())
     outlier = single_outliers(y, noise, quantile, plan.shortest)
     at = np.flatnonzero(outlier)
@@ -244,31 +262,44 @@ def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
 
 def _gap_cuts(ticks: Array, plan: Detection) -> Indices:
     """First good sample after each long gap, with 0 and n."""
-    return np.r_[0, np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, len(ticks)]
+    gaps = np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1
+    return np.concatenate(([0], gaps, [len(ticks)]))
 
 
-def _still_stretches(y: Array, noise: Noise, plan: Detection, gaps: Indices) -> tuple[Indices, Indices]:
-    """Good samples [start, stop) of each still stretch."""
-    tail, variance_tail = _tails(*y.shape, plan)
-    quantile = stats.t.isf(tail, noise.dof)
-    first, _ = level_changes(y, noise, plan.scales[:1], quantile, gaps)
-    kept, first = _without_short_pieces(first, plan.shortest)
-    if not len(kept):
-        return kept, kept
-    rest = y if len(kept) == len(y) else np.asfortranarray(y[kept])
-    cuts, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
-    start, stop = _long(kept[cuts[:-1]], kept[cuts[1:] - 1] + 1, plan.shortest)
-    start, stop = _long(*settled_ends(y, noise, start, stop, gaps), plan.shortest)
-    short = stop - start < 2 * plan.longest_window
+def _still_stretches(y: Array, noise: Noise, plan: Detection, walls: Indices) -> tuple[Indices, Indices, Array]:
+    """Good samples [start, stop) of each still stretch, and the widening at the widest window."""
+    tail, variance_tail = _tails(y, plan)
+    total, quantile = running_sum(y), stats.t.isf(tail, noise.dof)
+    start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
+    start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
+    quantile = quantile * np.maximum(widening, 1.0)
+    start, stop = joined_where_equal(total, noise, quantile, start, stop, walls, plan.longest_window)
+    short = stop - start < 2 * plan.longest_window  # a longer one would have shown its slope to the windows
     slope = np.zeros(len(start), dtype=bool)
-    slope[short] = sloping(y, noise, quantile * np.maximum(widening, 1.0), start[short], stop[short])
+    slope[short] = sloping(total, noise, quantile, start[short], stop[short])
     start, stop = start[~slope], stop[~slope]
     noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
-    return _long(*stretches(start, stop, ~noisy), plan.shortest)
+    start, stop = _long(*stretches(start, stop, ~noisy), plan.shortest)
+    return start, stop, widening
+
+
+def _level_pieces(
+    y: Array, total: Array, noise: Noise, plan: Detection, quantile: Array, walls: Indices
+) -> tuple[Indices, Indices, Array]:
+    """Pieces between changes of level, long enough to be still; wide windows skip what is cut to shreds."""
+    first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
+    kept, first = _without_short_pieces(first, plan.shortest)
+    if not len(kept):
+        return kept, kept, widening
+    rest = total if len(kept) == len(y) else running_sum(np.asfortranarray(y[kept]))
+    if len(plan.scales) > 1:
+        first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
+    start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)
+    return start, stop, widening
 
 
 def _without_short_pieces(cuts: Indices, shortest: int) -> tuple[Indices, Indices]:
-    """Samples of the pieces that can be still, and the cuts between those, counted in these samples."""
+    """Find the samples of the pieces that can be still, and the cuts between those, counted in these samples."""
     size = np.diff(cuts)
     enough = size >= shortest
     kept = np.flatnonzero(np.repeat(enough, size))
@@ -281,7 +312,7 @@ def _long(start: Indices, stop: Indices, shortest: int) -> tuple[Indices, Indice
 
 
 def _segmentation(
-    samples: Samples, still_start: Indices, still_stop: Indices, noise: Noise, plan: Detection
+    samples: Samples, still_start: Indices, still_stop: Indices, noise: Noise, widening: Array, plan: Detection
 ) -> Segmentation:
     """Fill what lies between the still stretches with moving ones, and measure them all."""
     n = len(samples.values)
@@ -291,11 +322,11 @@ def _segmentation(
     count, level, scatter = _measure(samples, edges)
     frozen = (scatter == 0.0) & noise.live
     stuck: Flags = still & frozen.any(axis=1) & (count > 1)
-    return Segmentation(start, stop, still, level, scatter, noise, samples, stuck, plan)
+    return Segmentation(start, stop, still, level, scatter, noise, widening, samples, stuck, plan)
 
 
 def _measure(samples: Samples, edges: Indices) -> tuple[Indices, Array, Array]:
-    """Number, mean and standard deviation of the good samples of each stretch."""
+    """Give number, mean and standard deviation of the good samples of each stretch."""
     good = samples.finite & ~samples.outlier
     number = np.concatenate(([0], np.cumsum(good)))
     count = np.diff(number[edges])
@@ -314,7 +345,7 @@ def _measure(samples: Samples, edges: Indices) -> tuple[Indices, Array, Array]:
 
 
 def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Samples:
-    """Samples of a signal of the same clock; those of the segmented one where it is absent."""
+    """Give the samples of a signal of the same clock, or of the segmented one where it is absent."""
     own = segmentation.samples
     if signal is None:
         return own

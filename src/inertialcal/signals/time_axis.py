@@ -34,6 +34,7 @@ BLOCK_AGREES = 1.25  # block mean over median step up to which steps count as al
 MEAN_AGREES = 0.1  # relative difference from the median over blocks up to which the mean step stands
 ON_GRID = 0.1  # largest distance from a whole multiple of the median step, in median steps
 ON_GRID_SHARE = 0.9  # share of steps that must lie on that grid where samples were lost
+MOST_LOST = 2.5  # block mean over median step up to which it can be losses: 60 % of the samples
 GAP_EXCESS = 0.4  # excess over the interval, in intervals, from which a step is a gap ...
 GAP_SIGMA = 6.0  # ... and in robust standard deviations of the steps
 MAD_TO_SIGMA = 1.4826  # median absolute deviation to standard deviation, normal distribution
@@ -173,7 +174,7 @@ def _pattern(time_ns: Times, forward: Array) -> tuple[Literal["regular", "bursts
     block = _block_interval(time_ns) or median
     alike = 1.0 / BLOCK_AGREES <= block / median <= BLOCK_AGREES
     off_grid = np.abs(forward - np.rint(forward / median) * median) > ON_GRID * median
-    samples_lost = block > median and np.mean(off_grid) <= 1.0 - ON_GRID_SHARE
+    samples_lost = median < block <= MOST_LOST * median and np.mean(off_grid) <= 1.0 - ON_GRID_SHARE
     if alike or samples_lost:
         return "regular", median
     mean = float(forward.sum()) / np.count_nonzero(np.diff(time_ns) >= 0)

@@ -21,6 +21,29 @@ INFLUENCES = {
     "rate_table.mounting": "cross-axis entries: the axis that turns is not quite the one that is named",
     "converter.reference": "scale factors in volts in proportion",
 }
+AXES = ("x", "y", "z")  # of the body, in the order of ``earth`` and of matrix columns
+
+
+@dataclass(frozen=True)
+class Attitude:
+    """How the axis of the table stands on the ground.
+
+    Parameters
+    ----------
+    tilt : float
+        Angle of the table axis from the vertical, positive towards ``azimuth`` [rad].
+    u : float
+        Standard uncertainty of it [rad].
+    azimuth : float, optional
+        Direction of the tilt, from north towards east [rad]; unknown by default.
+    u_azimuth : float
+        Standard uncertainty of it [rad].
+    """
+
+    tilt: float = field(metadata={"unit": "rad"})
+    u: float = field(default=0.0, metadata={"unit": "rad"})
+    azimuth: float | None = field(default=None, metadata={"unit": "rad"})
+    u_azimuth: float = field(default=0.0, metadata={"unit": "rad"})
 
 
 @dataclass(frozen=True)
@@ -43,10 +66,19 @@ class Plan:
         How many dwells, nearest in rate, a scatter is compared with.
     rail_scatters : float
         A dwell whose rate or reading is this many scatters or less from the end of the range is left out.
+    agreement : float
+        Largest relative difference of a reading from the rate of the table that is taken for a calibration
+        matter and not for a mistake.
+    missing : float
+        A dwell of a recording with a larger part of its samples missing, invalid or at the rail is left out.
+    attitude : Attitude, optional
+        Of the table; without it the earth rate along the axes is unknown.
+    latitude : float, optional
+        Geodetic [rad]; from the campaign's site.
     input_range : (float, float), optional
         Ends of the range [rad/s]; from the campaign's sensor.
-    scale_factor : float, optional
-        Ideal scale factor [V/(rad/s)]; from the campaign's sensor.
+    scale_factor : mapping of str to float, optional
+        Ideal scale factor of each sensor [V/(rad/s)]; from the campaign's sensor.
     standards : mapping of Influence
         Uncertainties of the standards; from the campaign.
     """
@@ -58,8 +90,12 @@ class Plan:
     scatter_ratio: float = field(default=3.0, metadata={"above": 1.0})
     neighbours: int = field(default=8, metadata={"above": 1})
     rail_scatters: float = field(default=3.0, metadata={"above": 0.0})
+    agreement: float = field(default=0.1, metadata={"above": 0.0})
+    missing: float = field(default=0.1, metadata={"above": 0.0})
+    attitude: Attitude | None = None
+    latitude: float | None = field(default=None, metadata={"from": "site"})
     input_range: tuple[float, float] | None = field(default=None, metadata={"from": "sensor"})
-    scale_factor: float | None = field(default=None, metadata={"from": "sensor"})
+    scale_factor: Mapping[str, float] | None = field(default=None, metadata={"from": "sensor"})
     standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
 
 
@@ -85,6 +121,10 @@ class Readings:
         Place of each row, for messages.
     sensors : tuple of str
         Axes of all sensors of the unit, read or not.
+    earth : ndarray, shape (n, 3), optional
+        Earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the table's rate.
+    earth_sources : mapping of str to ndarray, shape (s, n, 3)
+        What is not known of it: per source, s independent patterns, each one standard uncertainty [rad/s].
     remarks : tuple of Remark
         What reading them brought up.
     """
@@ -98,6 +138,8 @@ class Readings:
     run: Labels | None = None
     where: tuple[str, ...] = ()
     sensors: tuple[str, ...] = ()
+    earth: Array | None = None
+    earth_sources: Mapping[str, Array] = field(default_factory=dict[str, Array])
     remarks: tuple[Remark, ...] = ()
 
     def __len__(self) -> int:
@@ -115,6 +157,8 @@ class Readings:
             samples=None if self.samples is None else self.samples[keep],
             group=None if self.group is None else self.group[keep],
             run=None if self.run is None else self.run[keep],
+            earth=None if self.earth is None else self.earth[keep],
+            earth_sources={name: patterns[:, keep] for name, patterns in self.earth_sources.items()},
             where=tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else (),
         )
 

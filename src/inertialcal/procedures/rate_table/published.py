@@ -25,7 +25,7 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
 
     In volts where the plan has an ideal scale factor, else in the unit of the readings.
     """
-    volts = plan.scale_factor
+    volts = None if plan.scale_factor is None else plan.scale_factor.get(sensor)
     units = ("V/(rad/s)", "V") if volts is not None else ("1", "rad/s")
     names = ("scale_factor", "intercept")
     own = (readings.axis == sensor) & np.isfinite(readings.outputs[sensor])

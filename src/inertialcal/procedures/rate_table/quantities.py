@@ -22,7 +22,7 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
-from .plan import Plan
+from .plan import AXES, Plan
 from .regression import Line
 
 
@@ -45,12 +45,24 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
     names = tuple(name for part in parts for name in part[0])
     values = np.concatenate([part[1] for part in parts])
     units = tuple(_unit(name) for name in names)
-    components = [_type_a(parts, usable, len(names)), *_type_b(plan, names, values)]
+    components = [_type_a(parts, usable, len(names)), *_type_b(plan, names, values), *_earth(parts, usable)]
     return Estimate(names, values, units, tuple(components))
 
 
-def _quantities(one: Line) -> tuple[list[str], Array, Array, list[int]]:
-    """Names, values, Jacobian to the coefficients, and the coefficient that each is mainly about."""
+Part = tuple[list[str], Array, Array, list[int]]
+
+
+def _quantities(one: Line) -> Part:
+    """Return names, values and Jacobian of the quantities, and the coefficient that each is mainly about.
+
+    A coefficient that only one run tells of has no degrees of freedom, and what rests on it is left out.
+    """
+    names, values, jacobian, about = _all_quantities(one)
+    keep = [i for i, at in enumerate(about) if one.dof[at] > 0.0]
+    return [names[i] for i in keep], values[keep], jacobian[keep], [about[i] for i in keep]
+
+
+def _all_quantities(one: Line) -> Part:
     s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
     unit = np.eye(k)
     names, values, jacobian, about = [f"bias_{s}"], [theta[0]], [unit[0]], [0]
@@ -99,7 +111,7 @@ SOURCES = {
 }
 
 
-def _type_a(parts: list[tuple[list[str], Array, Array, list[int]]], lines: list[Line], k: int) -> Component:
+def _type_a(parts: list[Part], lines: list[Line], k: int) -> Component:
     covariance, dof, start = np.zeros((k, k)), np.empty(k), 0
     for (names, _, jacobian, about), one in zip(parts, lines, strict=True):
         block = slice(start, start + len(names))
@@ -139,6 +151,27 @@ def _type_b(plan: Plan, names: tuple[str, ...], values: Array) -> list[Component
         covariance = reference.u**2 * np.outer(gain, gain)
         found.append(Component("converter reference", "B", covariance, reference.dof, reference.distribution))
     return found
+
+
+def _earth(parts: list[Part], lines: list[Line]) -> list[Component]:
+    """Components of what is not known of the earth rate: a wrong input of M e in the dwells that were used."""
+    sources = dict.fromkeys(name for one in lines for name in one.readings.earth_sources)
+    found = []
+    for source in sources:
+        changes = np.vstack([_earth_change(part, one, source) for part, one in zip(parts, lines, strict=True)])
+        covariance = changes @ changes.T
+        found.append(Component(f"earth rate: {source}", "B", 0.5 * (covariance + covariance.T)))
+    return found
+
+
+def _earth_change(part: Part, one: Line, source: str) -> Array:
+    """Change of the quantities of a sensor for each pattern of a source, shape (names, s)."""
+    row = (np.array(AXES) == one.sensor).astype(float)
+    for axis in one.axes:
+        row[AXES.index(axis)] = one.coefficient(f"M_{one.sensor}{axis}")
+    readings = one.readings.earth_sources[source] @ row  # (s, n): what the sensor reads of each pattern
+    changes: Array = -part[2] @ (np.linalg.pinv(one.fit.design) @ readings.T)
+    return changes
 
 
 def _proportional(name: str, value: float) -> float:

@@ -35,7 +35,9 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...statistics.clustered import clustered_covariance
 from ...statistics.least_squares import Fit, fit
-from .plan import Plan, Readings
+from .plan import AXES, Plan, Readings
+
+EARTH_PASSES = 3
 
 
 @dataclass(frozen=True)
@@ -118,7 +120,7 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
     used = readings.take(np.isfinite(readings.outputs[sensor]))
     axes = tuple(str(axis) for axis in np.unique(used.axis))
     columns, names = _design(used, sensor, axes, asymmetry)
-    y = used.outputs[sensor]
+    y = _without_earth(used, sensor, columns, axes)
     if len(y) < len(names):
         raise DataError(
             f"{sensor} sensor: {len(y)} dwells, need {len(names)} or more for {', '.join(names)}",
@@ -128,6 +130,19 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
     found = fit(columns, y, names=names)
     covariance, dof, level = _type_a(used, sensor, found)
     return Line(sensor, axes, asymmetry, found, covariance, dof, level, scatter_levels(used, sensor, found), used)
+
+
+def _without_earth(readings: Readings, sensor: str, columns: Array, axes: tuple[str, ...]) -> Array:
+    """Readings less what the sensor reads of the earth's rotation, by its own matrix row, shape (n,)."""
+    y = readings.outputs[sensor]
+    if readings.earth is None or len(y) < columns.shape[1]:
+        return y
+    row = (np.array(AXES) == sensor).astype(float)
+    for _ in range(EARTH_PASSES):  # each gains two digits: the row is known to a percent before the first
+        coefficients = np.linalg.lstsq(columns, y - readings.earth @ row, rcond=None)[0]
+        for at, axis in enumerate(axes):
+            row[AXES.index(axis)] = coefficients[1 + at]
+    return np.asarray(y - readings.earth @ row)
 
 
 def _design(readings: Readings, sensor: str, axes: tuple[str, ...], asymmetry: bool) -> tuple[Array, list[str]]:

@@ -83,7 +83,7 @@ def _row(result: Result, estimate: Estimate, name: str, quantity: str, axis: str
 
 def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, condition: str) -> Row:
     """Return the scale factor in volts: the ideal one times (1 + scale factor error)."""
-    ideal, name = result.plan.scale_factor, f"scale_factor_error_{sensor}"
+    ideal, name = (result.plan.scale_factor or {}).get(sensor), f"scale_factor_error_{sensor}"
     if ideal is None or estimate is None or name not in estimate.names:
         return not_estimated(
             "scale_factor", sensor, "V/(rad/s)", _why_not(result, sensor, "scale_factor_error"), condition

@@ -7,9 +7,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...core.estimate import Array
-from .plan import Plan, Readings
-
-AXES = ("x", "y", "z")
+from .plan import AXES, Plan, Readings
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,35 @@
+"""Sphinx settings of the manual. Everything that a page needs is in the built folder: no network."""
+
+from importlib.metadata import version as version_of
+
+project = "inertialcal"
+author = "the inertialcal developers"
+version = release = version_of("inertialcal")
+
+extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
+source_suffix = {".md": "markdown"}
+exclude_patterns = ["build"]
+suppress_warnings: list[str] = []
+nitpicky = False
+
+myst_heading_anchors = 4
+
+autodoc_member_order = "bysource"
+autodoc_typehints = "none"  # numpydoc states type, shape and unit of each argument
+numpydoc_show_class_members = False
+numpydoc_xref_param_type = False
+
+html_theme = "alabaster"
+html_title = f"inertialcal {version}"
+html_copy_source = False
+html_show_copyright = False
+html_theme_options = {
+    "description": "From raw counts to a calibration that can be trusted",
+    "fixed_sidebar": True,
+    "page_width": "1080px",
+    "sidebar_width": "240px",
+    "code_font_size": "0.8em",
+    "show_powered_by": False,
+    "show_relbars": False,
+}
+html_sidebars = {"**": ["about.html", "searchfield.html", "navigation.html"]}

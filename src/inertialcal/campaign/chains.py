@@ -1,0 +1,91 @@
+"""The signal chain that a campaign describes, as ``sensors.chain`` wants it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.units import parse_quantity, si_unit
+from ..sensors.chain import Chain, Thermometer, pulse_counter
+from .schema import Sensor
+
+TEMPERATURE = ("temperature",)
+
+
+def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
+    """Return the chain of a sensor with a converter.
+
+    Parameters
+    ----------
+    sensor : Sensor
+        As the campaign has it; its chain is ``adc`` or ``pulse_rate``.
+    axes : tuple of str, optional
+        Of those channels that are there; all by default.
+
+    Raises
+    ------
+    DataError
+        If a quantity cannot be read.
+    PlanError
+        If a number cannot be, as `sensors.chain.Chain` says.
+    """
+    given, axes = sensor.chain, axes or tuple(sensor.axes)
+    si = si_unit(sensor.unit)
+    if given.kind == "pulse_rate":
+        factor = None if given.scale_factor is None else per_axis(given.scale_factor, f"count/s/({si})", axes)
+        return pulse_counter(axes, float(given.gate or 0.0), si, factor)
+    thermometer = given.thermometer
+    return Chain(
+        axes=axes,
+        step=float(given.lsb or 0.0),
+        codes=given.counts,
+        unit=si,
+        scale_factor=scale_factors(sensor, axes),
+        reference=given.reference if given.reference is not None else 0.0,
+        zero=0.0 if given.zero is None else per_axis(given.zero, "V", axes),
+        gain=_gains(given.gain, axes),
+        thermometer=None
+        if thermometer is None
+        else Thermometer(
+            slope=per_axis(thermometer.slope, "V/degC", axes),
+            voltage=per_axis(thermometer.voltage, "V", axes),
+            temperature=per_axis(thermometer.temperature, "degC", axes),
+        ),
+        validity_minimum=given.validity_minimum,
+    )
+
+
+def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Any:
+    """Return the ideal scale factor of each axis [V/SI unit], shape (k,); None where there is none."""
+    given = sensor.chain.scale_factor
+    return None if given is None else per_axis(given, f"V/({si_unit(sensor.unit)})", axes)
+
+
+def per_axis(given: Any, unit: str, axes: tuple[str, ...]) -> Any:
+    """Return a quantity of each axis in a unit, shape (k,).
+
+    Raises
+    ------
+    DataError
+        If it is no quantity of that kind, or an axis is missing.
+    """
+    texts = given if isinstance(given, dict) else dict.fromkeys(axes, given)
+    missing = [axis for axis in axes if axis not in texts]
+    if missing:
+        raise DataError(f"no value for axis {', '.join(missing)}", do="Give one for each axis, or one for all")
+    return np.array([_quantity(texts[axis], unit) for axis in axes])
+
+
+def _quantity(text: Any, unit: str) -> float:
+    return float(parse_quantity(str(text)).to(unit))
+
+
+def _gains(given: Any, axes: tuple[str, ...]) -> Any:
+    if not isinstance(given, dict):
+        return float(given)
+    missing = [axis for axis in axes if axis not in given]
+    if missing:
+        raise DataError(f"no gain for axis {', '.join(missing)}", do="Give one for each axis, or one for all")
+    return np.array([float(given[axis]) for axis in axes])

@@ -1,0 +1,179 @@
+"""A recording of channels, as a campaign describes it: read, timed, through the chain, into body axes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.recording import SECOND, Channel, Recording
+from ..core.units import convert, si_unit
+from ..files import read, read_table
+from ..procedures.rate_table.recordings import APPLIED, Turned
+from ..sensors.on_recordings import apply_chain
+from .chains import build_chain
+from .clock_text import read_instant
+from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
+
+AXES = ("x", "y", "z")
+
+
+def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Sensor) -> Recording:
+    """Return the readings of a recording in body axes, SI, time in the middle of each average.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the campaign.
+    name, entry : str, RecordingEntry
+        The recording, with ``channels``.
+    sensor : Sensor
+        Whose chain and mounting apply.
+
+    Returns
+    -------
+    Recording
+        Channels ``x``, ``y``, ``z`` [SI] as far as they are there, ``applied`` [SI], then the others as they are.
+
+    Raises
+    ------
+    DataError
+        If the file or a column cannot be read, or as the chain says.
+    """
+    channels = entry.channels or {}
+    clock = entry.clock or Clock()
+    recording = read(
+        folder / entry.file,
+        time_column=clock.column,
+        required=[channels[axis].column for axis in channels if axis in AXES],
+    )
+    recording = _timed(recording, clock)
+    for one in channels.values():
+        recording = recording.with_unit([one.column], one.unit, "campaign")
+    axes = tuple(axis for axis in sensor.axes if axis in channels)
+    if not axes:
+        raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
+    columns = {what: one.column for what, one in channels.items()}
+    if sensor.chain.kind == "none":
+        recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
+    else:
+        recording = apply_chain(
+            build_chain(sensor, axes), recording, {k: v for k, v in columns.items() if k != APPLIED}
+        )
+    if APPLIED in columns:
+        recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
+    return _in_body(recording, sensor, axes)
+
+
+def _timed(recording: Recording, clock: Clock) -> Recording:
+    """Move the stamps to the middle of their averaging windows."""
+    interval = clock.interval or recording.sample_interval
+    recording = replace(recording, sample_interval=interval, averaging_time=clock.averaging)
+    shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (clock.averaging or 0.0)
+    if recording.time_ns is None or shift == 0.0:
+        return recording
+    return replace(recording, time_ns=recording.time_ns + round(shift * SECOND))
+
+
+def _in_si(recording: Recording, columns: dict[str, str], unit: str) -> Recording:
+    """Rename the columns, in SI; the others stay as they are."""
+    made = []
+    for name, column in columns.items():
+        channel = recording.channel(column)
+        values = convert(channel.data, channel.unit or unit, unit)
+        made.append(Channel(name, values, unit, channel.unit_from, name if name in AXES else ""))
+    others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
+    return replace(recording, channels=(*made, *others))
+
+
+def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Recording:
+    """Turn the readings from sensor axes into body axes: ``mounting`` is sensor from body, so its transpose."""
+    if sensor.mounting is None:
+        return recording
+    mounting = np.array(sensor.mounting)
+    wanted = [i for i, axis in enumerate(AXES) if axis not in axes]
+    if np.any(np.abs(mounting[wanted]) @ np.abs(mounting.T)[:, [AXES.index(a) for a in axes]] > 1e-9):
+        raise DataError("mounting mixes axes that were not recorded", recording.source.path, code="wrong_column")
+    sensed = np.zeros((len(recording), 3))
+    for axis in axes:
+        sensed[:, AXES.index(axis)] = recording.channel(axis).data
+    body = sensed @ mounting
+    made = {axis: body[:, AXES.index(axis)].copy() for axis in axes}
+    channels = tuple(replace(c, data=made[c.name]) if c.name in made else c for c in recording.channels)
+    return replace(recording, channels=channels)
+
+
+def turned_recording(
+    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, test: Test
+) -> tuple[Turned, dict[str, str]]:
+    """Return a recording of a stepped table as ``rate_table`` wants it, and SHA-256 of its files by path.
+
+    Raises
+    ------
+    DataError
+        If nothing says which axis was turned, or at which rates; or as `prepare_recording`.
+    """
+    recording = _windowed(prepare_recording(folder, name, entry, sensor), test)
+    hashes = {entry.file: recording.source.sha256}
+    recording = replace(recording, source=replace(recording.source, path=entry.file))
+    axis = entry.axis or test.plan.get("axis")
+    if not axis:
+        what = f"recordings.{name}: nothing says which axis was turned"
+        raise DataError(what, do='Give axis = "x" there, or plan = { axis = "x" }', code="no_axis")
+    run = entry.run or ""
+    if entry.schedule is None:
+        if APPLIED not in recording.names:
+            do = "Give channels.applied (the rate of the table), or a schedule"
+            raise DataError(f"recordings.{name}: nothing says the rate of the table", do=do, code="no_applied")
+        return Turned(recording, str(axis), run), hashes
+    windows, rates, digest = _scheduled(folder, entry.schedule, recording, sensor)
+    hashes[entry.schedule.file] = digest
+    return Turned(recording, str(axis), run, windows, rates), hashes
+
+
+def _scheduled(
+    folder: Path, schedule: Schedule, recording: Recording, sensor: Sensor
+) -> tuple[tuple[tuple[int, int], ...], np.ndarray, str]:
+    """Windows [ns], rates [SI] and SHA-256 of a schedule."""
+    table = read_table(folder / schedule.file)
+    rates = convert(table.numbers(schedule.rate), schedule.unit, si_unit(sensor.unit))
+    utc = recording.epoch == "utc"
+    starts, stops = (
+        [
+            _instant(cell, utc, f"{schedule.file}:{row}")
+            for cell, row in zip(table.text(column), table.rows, strict=True)
+        ]
+        for column in (schedule.start, schedule.stop)
+    )
+    return tuple(zip(starts, stops, strict=True)), rates, table.source.sha256
+
+
+def _instant(cell: str, utc: bool, where: str) -> int:
+    try:
+        number: float | str = float(cell)
+    except ValueError:
+        number = cell
+    if not utc and isinstance(number, float) and np.isfinite(number) and abs(number) < 1e9:
+        return round(number * SECOND)
+    try:
+        return read_instant(number)
+    except ValueError as error:
+        raise DataError(str(error), where, code="wrong_time") from None
+
+
+def _windowed(recording: Recording, test: Test) -> Recording:
+    """Keep the samples inside the windows of the test."""
+    if not test.windows:
+        return recording
+    if recording.time_ns is None or recording.epoch != "utc":
+        what = f"test {test.id!r}: windows are asked for, but the recording has no time in UTC"
+        raise DataError(what, recording.source.path, code="no_time")
+    keep = np.zeros(len(recording), dtype=bool)
+    for start, stop in test.windows:
+        keep |= (recording.time_ns >= start) & (recording.time_ns < stop)
+    if not keep.any():
+        raise DataError(f"test {test.id!r}: no sample is in its windows", recording.source.path, code="nothing_left")
+    channels = tuple(replace(channel, data=channel.data[keep]) for channel in recording.channels)
+    return replace(recording, channels=channels, time_ns=recording.time_ns[keep])

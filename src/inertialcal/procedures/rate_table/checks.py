@@ -1,0 +1,55 @@
+"""Sense of rotation, mounting and size: does the unit read what the table does, or is something mixed up?
+
+A calibration corrects per cents. A slope near -1, an axis that answers for another, or a rate that is off by more
+than ``plan.agreement`` is a mistake in the set-up or in the campaign file, and no model may be made of it.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.errors import DataError, Problem
+from .plan import Plan, Readings
+from .regression import Line
+
+CLEAR = 0.5  # a matrix entry of this size is no misalignment
+
+
+def check_agreement(plan: Plan, readings: Readings, lines: dict[str, Line]) -> None:
+    """Refuse readings that do not follow the table.
+
+    Raises
+    ------
+    DataError
+        With one problem for each axis: inverted sense (``inverted``), another axis answers (``axes_mixed``), or
+        the rates disagree (``rate_disagrees``).
+    """
+    problems = []
+    for axis in np.unique(readings.axis):
+        entries = {s: one.coefficient(f"M_{s}{axis}") for s, one in lines.items() if axis in one.axes}
+        problem = _problem(plan, str(axis), entries)
+        if problem is not None:
+            problems.append(problem)
+    if problems:
+        raise DataError(problems)
+
+
+def _problem(plan: Plan, axis: str, entries: dict[str, float]) -> Problem | None:
+    own = entries.get(axis)
+    if own is None or abs(own - 1.0) <= plan.agreement:
+        return None
+    others = [s for s, entry in entries.items() if s != axis and abs(abs(entry) - 1.0) <= plan.agreement]
+    if abs(own) < CLEAR and others:
+        what = f"{axis} is turned, but the {others[0]} sensor reads it ({entries[others[0]]:+.3f} of the rate; {axis}: {own:+.3f})"
+        return Problem(
+            what, "", "axes are mixed up", "Check the axes turned, the columns and the mounting", "axes_mixed"
+        )
+    if abs(own + 1.0) <= plan.agreement:
+        what = f"{axis} sensor: reads {own:+.3f} of the rate: the sense is inverted"
+        return Problem(
+            what, "", "a model would turn the wrong way", "Check the sign of the rates and the mounting", "inverted"
+        )
+    what = (
+        f"{axis} sensor: reads {own:+.4g} of the rate of the table, more than {plan.agreement:.0%} from what it should"
+    )
+    return Problem(what, "", "this is no calibration error", "Check units, scale factor and columns", "rate_disagrees")

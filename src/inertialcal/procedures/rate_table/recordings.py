@@ -1,0 +1,199 @@
+"""Dwells of recordings of a stepped table.
+
+The dwells are cut where the table says so: by the ``applied`` channel of the recording (commanded rate or
+encoder), or by a schedule of times and rates. First and last sample of each dwell are dropped and counted: an
+average may reach into the ramp. A dwell with many samples missing, invalid or at the rail is left out.
+
+With ``zero_reference`` the reading at rest, interpolated in time between the dwells at rest before and after, is
+subtracted from each dwell of the same recording: drift slower than the rests drops out, and so does the bias.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Recording, Times
+from ...core.remarks import Remark
+from ...signals.dwells import Dwell, dwells_by_reference, dwells_by_windows, tally
+from .earth_input import add_earth
+from .plan import AXES, Plan, Readings
+
+APPLIED = "applied"
+
+
+@dataclass(frozen=True, eq=False)
+class Turned:
+    """A recording while one axis was turned in steps.
+
+    Parameters
+    ----------
+    recording : Recording
+        Channels named by axis [rad/s], and ``applied`` [rad/s] where there is no schedule.
+    axis : str
+        Axis that was turned.
+    run : str
+        Power-up run; empty where not given.
+    windows : tuple of (int, int)
+        Schedule: start and stop of each dwell [ns].
+    rates : ndarray, shape (w,)
+        Rate in each window [rad/s].
+    """
+
+    recording: Recording
+    axis: str
+    run: str = ""
+    windows: tuple[tuple[int, int], ...] = ()
+    rates: Array | None = None
+
+
+def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
+    """Return the dwells of the recordings of a test.
+
+    Parameters
+    ----------
+    plan : Plan
+        ``zero_reference`` and ``missing`` are used here, ``attitude`` and ``latitude`` for the earth rate.
+    turned : sequence of Turned
+        In any order.
+
+    Raises
+    ------
+    DataError
+        If a recording has no dwell, all of its samples are invalid (``no_valid_sample``), or it has no dwell at
+        rest and the plan asks for a zero reference (``never_still``).
+    """
+    if not turned:
+        raise DataError("no recordings", code="no_dwells")
+    parts = [_of_recording(plan, number, one) for number, one in enumerate(turned)]
+    sensors = [name for name in AXES if name in turned[0].recording.names]
+    runs = [one.run for one in turned]
+    joined = Readings(
+        applied=np.concatenate([part.applied for part in parts]),
+        axis=np.concatenate([np.full(len(part.applied), one.axis) for part, one in zip(parts, turned, strict=True)]),
+        outputs={s: np.concatenate([part.means[:, i] for part in parts]) for i, s in enumerate(sensors)},
+        scatters={s: np.concatenate([part.scatters[:, i] for part in parts]) for i, s in enumerate(sensors)},
+        samples=np.concatenate([part.samples for part in parts]),
+        run=None if not any(runs) else np.concatenate(
+            [np.full(len(part.applied), run) for part, run in zip(parts, runs, strict=True)]
+        ),
+        where=tuple(place for part in parts for place in part.where),
+        sensors=tuple(sensors),
+        remarks=tuple(remark for part in parts for remark in part.remarks),
+    )  # fmt: skip
+    start = np.concatenate([part.angle_start for part in parts])
+    angle = np.concatenate([part.angle for part in parts])
+    setup = np.concatenate([np.full(len(part.applied), number) for number, part in enumerate(parts)])
+    return add_earth(plan, joined, start, angle, setup)
+
+
+@dataclass(frozen=True, eq=False)
+class _Part:
+    applied: Array
+    means: Array
+    scatters: Array
+    samples: Array
+    angle_start: Array
+    angle: Array
+    where: tuple[str, ...]
+    remarks: tuple[Remark, ...]
+
+
+def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
+    recording = one.recording
+    names = [name for name in AXES if name in recording.names]
+    signal = recording.array(names)
+    place = recording.source.path or f"recording {number + 1}"
+    if recording.time_ns is None:
+        raise DataError("no time: dwells cannot be placed", place, do="Name the time column in clock", code="no_time")
+    if not np.isfinite(signal).all(axis=1).any():
+        what = "no sample is valid in all sensors"
+        raise DataError(what, place, do="Check the built-in test, the rails and the columns", code="no_valid_sample")
+    try:
+        dwells, applied = _cut(one, signal, recording.time_ns)
+    except DataError as error:
+        raise DataError([replace(problem, where=place) for problem in error.problems]) from None
+    dwells, applied, remarks = _complete(plan, dwells, applied, place)
+    means = np.array([dwell.mean for dwell in dwells])
+    if plan.zero_reference:
+        means, applied, dwells = _less_rest(means, applied, dwells, place)
+    else:
+        remarks += _no_rest(applied, place)
+    counts = tally(dwells, len(recording))
+    used = f"{counts.used} of {counts.samples} samples in {len(dwells)} dwells; {counts.edge_dropped} at their edges dropped"
+    start, angle = _angles(one, dwells, applied)
+    return _Part(
+        applied,
+        means,
+        np.array([dwell.scatter for dwell in dwells]),
+        np.array([float(np.min(dwell.n_effective)) for dwell in dwells]),
+        start,
+        angle,
+        tuple(f"{place}: dwell {i + 1} ({rate:+.6g} rad/s)" for i, rate in enumerate(applied)),
+        (*recording.remarks, *remarks, Remark("dwells", "info", used, place)),
+    )
+
+
+def _cut(one: Turned, signal: Array, time_ns: Times) -> tuple[list[Dwell], Array]:
+    if one.rates is not None:
+        dwells = list(dwells_by_windows(one.windows, signal, time_ns))
+        return dwells, np.asarray(one.rates, dtype=float)
+    found = dwells_by_reference(one.recording.array([APPLIED])[:, 0], signal, time_ns)
+    return list(found), np.array([float(np.ravel(dwell.applied)[0]) for dwell in found if dwell.applied is not None])
+
+
+def _complete(plan: Plan, dwells: list[Dwell], applied: Array, place: str) -> tuple[list[Dwell], Array, list[Remark]]:
+    """Leave out dwells with too many samples missing, invalid or at the rail."""
+    keep = np.array([dwell.missing <= plan.missing * (dwell.missing + dwell.n) for dwell in dwells])
+    if keep.all():
+        return dwells, applied, []
+    rates = ", ".join(f"{np.degrees(rate):+g}" for rate in np.unique(applied[~keep]))
+    what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: left out ({rates} deg/s)"
+    remark = Remark("dwell_incomplete", "warning", what, place, int(np.sum(~keep)))
+    if not keep.any():
+        raise DataError("every dwell is missing, invalid or saturated", place, do=what, code="no_valid_sample")
+    return [dwell for dwell, kept in zip(dwells, keep, strict=True) if kept], applied[keep], [remark]
+
+
+def _less_rest(means: Array, applied: Array, dwells: list[Dwell], place: str) -> tuple[Array, Array, list[Dwell]]:
+    rest = applied == 0.0
+    if not rest.any():
+        what = "the table is never still: no dwell at rest to refer to"
+        raise DataError(what, place, do="Record a dwell at rest, or leave zero_reference out", code="never_still")
+    middle = np.array([0.5 * (dwell.start + dwell.stop) for dwell in dwells])
+    zero = np.column_stack([np.interp(middle, middle[rest], means[rest, i]) for i in range(means.shape[1])])
+    moving = ~rest
+    if not moving.any():
+        raise DataError("the table never turns", place, code="no_dwells")
+    kept = [dwell for dwell, turning in zip(dwells, moving, strict=True) if turning]
+    return (means - zero)[moving], applied[moving], kept
+
+
+def _no_rest(applied: Array, place: str) -> list[Remark]:
+    if np.any(applied == 0.0):
+        return []
+    what = "the table is never still: bias rests on the symmetry of the rates alone"
+    return [Remark("never_still", "warning", what, place, do="Record dwells at rest")]
+
+
+def _angles(one: Turned, dwells: list[Dwell], applied: Array) -> tuple[Array, Array]:
+    """Table angle at the start of each dwell, from the start of the recording, and the angle turned in it [rad].
+
+    NaN for the start where only a schedule is known: what the table did between the dwells is not.
+    """
+    time_ns = one.recording.time_ns
+    assert time_ns is not None  # noqa: S101 - checked before
+    interval = one.recording.sample_interval or 0.0
+    seconds = (time_ns - time_ns[0]) / SECOND
+    spans = np.array([seconds[dwell.stop - 1] - seconds[dwell.start] + interval for dwell in dwells])
+    angle = applied * spans
+    if one.rates is not None:
+        return np.full(len(dwells), np.nan), angle
+    rate = np.nan_to_num(one.recording.array([APPLIED])[:, 0])
+    steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(seconds)
+    turned = np.concatenate([[0.0], np.cumsum(steps)])
+    return np.array([turned[d.start] for d in dwells]) - 0.5 * applied * interval, angle

@@ -1,0 +1,128 @@
+"""Estimate: covariances add, degrees of freedom follow Welch-Satterthwaite."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from inertialcal.core.errors import DataError
+from inertialcal.core.estimate import Array, Component, Estimate
+
+NAMES = ("scale_factor", "bias")
+UNITS = ("V/(deg/s)", "deg/s")
+SCATTER = Component("scatter between dwells", "A", np.array([[4e-6, 1e-6], [1e-6, 9e-6]]), dof=11.0)
+TABLE = Component("table rate", "B", np.array([[1e-6, 0.0], [0.0, 0.0]]), distribution="rectangular")
+
+
+def estimate(*components: Component) -> Estimate:
+    return Estimate(NAMES, np.array([0.5, -0.01]), UNITS, components or (SCATTER, TABLE))
+
+
+def test_components_add() -> None:
+    np.testing.assert_allclose(estimate().covariance, [[5e-6, 1e-6], [1e-6, 9e-6]], rtol=1e-15)
+    np.testing.assert_allclose(estimate().u, np.sqrt([5e-6, 9e-6]), rtol=1e-15)
+    np.testing.assert_allclose(SCATTER.u, [2e-3, 3e-3], rtol=1e-15)
+
+
+def test_degrees_of_freedom_of_the_guides_end_gauge() -> None:
+    """JCGM 100:2008, H.1.6: components of 25, 9.7, 2.9, 16.6 nm with 18, 25.6, 50, 2 give 16 (truncated)."""
+    parts = [(25.0, 18.0), (9.7, 25.6), (2.9, 50.0), (16.6, 2.0)]
+    components = tuple(Component(f"source {u}", "B", np.array([[u**2]]), dof=dof) for u, dof in parts)
+    gauge = Estimate(("length",), np.array([50.000838e6]), ("nm",), components)
+    assert gauge.u[0] == pytest.approx(32.0, abs=0.5)
+    assert int(gauge.dof[0]) == 16
+
+
+def test_degrees_of_freedom_one_source_many_known_and_none() -> None:
+    np.testing.assert_allclose(estimate(SCATTER).dof, [11.0, 11.0])
+    np.testing.assert_allclose(estimate().dof, [11.0 * (5.0 / 4.0) ** 2, 11.0])
+    np.testing.assert_array_equal(estimate(TABLE).dof, [np.inf, np.inf])
+    exact = Estimate(NAMES, np.zeros(2), UNITS, ())
+    np.testing.assert_array_equal(exact.u, [0.0, 0.0])
+    np.testing.assert_array_equal(exact.dof, [np.inf, np.inf])
+
+
+def test_degrees_of_freedom_of_each_value() -> None:
+    two = Component("scatter", "A", np.diag([1.0, 1.0]), dof=np.array([3.0, np.inf]))
+    np.testing.assert_allclose(estimate(two).dof, [3.0, np.inf])
+
+
+variances = st.floats(1e-3, 1e3)
+
+
+@given(st.lists(st.tuples(variances, st.floats(1.0, 1e4)), min_size=1, max_size=5), st.floats(-90.0, 90.0))
+def test_degrees_of_freedom_lie_between_smallest_and_sum_in_any_unit(
+    parts: list[tuple[float, float]], decade: float
+) -> None:
+    def dof(scale: float) -> float:
+        components = tuple(Component("c", "A", np.array([[scale * v]]), dof=nu) for v, nu in parts)
+        return float(Estimate(("x",), np.zeros(1), ("1",), components).dof[0])
+
+    smallest, total = min(nu for _, nu in parts), sum(nu for _, nu in parts)
+    assert smallest * (1.0 - 1e-9) <= dof(1.0) <= total * (1.0 + 1e-9)
+    assert dof(10.0 ** (2.0 * decade)) == pytest.approx(dof(1.0), rel=1e-9)
+
+
+def test_select_takes_values_and_covariance_in_the_order_asked_for() -> None:
+    own = Component("scatter", "A", SCATTER.covariance, dof=np.array([3.0, 7.0]))
+    turned = estimate(own).select(["bias", "scale_factor"])
+    assert turned.names == ("bias", "scale_factor")
+    assert turned.units == ("deg/s", "V/(deg/s)")
+    np.testing.assert_array_equal(turned.values, [-0.01, 0.5])
+    np.testing.assert_array_equal(turned.covariance, [[9e-6, 1e-6], [1e-6, 4e-6]])
+    np.testing.assert_allclose(turned.dof, [7.0, 3.0])
+    assert turned.components[0].source == "scatter"
+    assert estimate().select(["bias"]).components[1].distribution == "rectangular"
+
+
+def test_value_and_index_by_name() -> None:
+    assert estimate().value("bias") == -0.01
+    assert estimate().index("bias") == 1
+    for ask in (estimate().value, estimate().index, lambda name: estimate().select([name])):
+        with pytest.raises(DataError, match=r"no value 'gain'\. There are: scale_factor, bias"):
+            ask("gain")
+
+
+def test_as_text_and_as_frame() -> None:
+    lines = str(estimate()).splitlines()
+    assert lines[0].split() == ["scale_factor", "0.5", "±", "0.0022", "V/(deg/s)", "(dof", "17.2)"]
+    assert len(lines) == 2
+    frame = estimate().to_frame()
+    assert list(frame.index) == list(NAMES)
+    assert list(frame.columns) == ["value", "u", "unit", "dof"]
+    assert frame.loc["bias", "u"] == pytest.approx(3e-3)
+
+
+@pytest.mark.parametrize(
+    ("names", "values", "units", "words"),
+    [
+        (("a", "b"), np.zeros(3), ("1", "1"), r"2 names, values of shape \(3,\), 2 units"),
+        (("a", "b"), np.zeros(2), ("1",), r"2 names, values of shape \(2,\), 1 units"),
+        (("a", "a"), np.zeros(2), ("1", "1"), "a name appears twice"),
+    ],
+)
+def test_shapes_that_disagree(names: Any, values: Array, units: Any, words: str) -> None:
+    with pytest.raises(DataError, match=words):
+        Estimate(names, values, units, ())
+
+
+@pytest.mark.parametrize(
+    ("covariance", "dof", "words"),
+    [
+        (np.eye(3), 1.0, r"covariance of shape \(3, 3\), need \(2, 2\)"),
+        (np.diag([1.0, np.nan]), 1.0, "covariance is not finite. Leave out what is not estimated"),
+        (np.diag([1.0, -1.0]), 1.0, "not a covariance"),
+        (np.array([[1.0, 0.5], [0.4, 1.0]]), 1.0, "not a covariance"),
+        (np.eye(2), 0.0, "degrees of freedom 0.0, need 2 positive ones"),
+        (np.eye(2), np.nan, "degrees of freedom nan"),
+        (np.eye(2), np.array([1.0, -2.0]), "need 2 positive ones"),
+        (np.eye(2), np.ones(3), "need 2 positive ones or one for all"),
+    ],
+)
+def test_components_that_are_none(covariance: Array, dof: Array | float, words: str) -> None:
+    with pytest.raises(DataError, match=f"drift: .*{words}"):
+        estimate(Component("drift", "A", covariance, dof))
