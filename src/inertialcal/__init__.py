@@ -35,7 +35,7 @@ _HOMES = {
 def __getattr__(name: str) -> Any:
     """Load a public name on first use (PEP 562)."""
     if name == "__version__":
-        from importlib.metadata import version
+        from importlib.metadata import version  # noqa: PLC0415 - starts slowly
 
         return version("inertialcal")
     if name not in _HOMES:

@@ -162,8 +162,9 @@ def test_shift_and_scale_of_the_readings(seed, shift, scale):  # type: ignore[no
     rng = np.random.default_rng(seed)
     rates = np.linspace(-2.0, 2.0, 9)
     noise = rng.normal(0.0, 0.01, 9)
-    one = reduce(Plan(axis="x"), straight_readings(rates, 1.0, 0.0, noise)).estimate
-    two = reduce(Plan(axis="x"), straight_readings(rates, scale, shift, scale * noise)).estimate
+    plan = Plan(axis="x", agreement=10.0, zero_reference=True)
+    one = reduce(plan, straight_readings(rates, 1.0, 0.0, noise)).estimate
+    two = reduce(plan, straight_readings(rates, scale, shift, scale * noise)).estimate
     assert one is not None
     assert two is not None
     gain = 1.0 + one.value("scale_factor_error_x")
@@ -199,7 +200,7 @@ def test_few_runs_are_remarked():
     result = reduce(Plan(), simulate(Plan(), truth, np.random.default_rng(3)))
     assert any(remark.code == "few_runs" for remark in result.remarks)
     assert result.estimate is not None
-    assert result.estimate.dof[0] == pytest.approx(2.0)
+    assert np.ravel(result.estimate.components[0].dof)[0] == pytest.approx(2.0)
 
 
 def test_too_few_dwells_are_refused():

@@ -49,7 +49,7 @@ def random_model(seed: int, linear: bool = False, k: int | None = None, estimate
         scale_factor_asymmetry=None if linear else curved[0],
         second_order=None if linear else curved[1],
         third_order=None if linear else curved[2],
-        bias_run_to_run=np.abs(term(9, 0.01 * span, k)) if given[9] else None,
+        bias_run_to_run=np.abs(rng.normal(0.0, 0.01 * span, k)) if given[9] else None,
         reference_temperature=rng.uniform(0.0, 40.0, k),
         reference_pressure=101325.0,
         input_range=np.array([[-span, span]] * k),

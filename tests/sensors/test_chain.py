@@ -233,7 +233,7 @@ def test_missing_channel_is_refused_on_the_way_back() -> None:
 
 
 def test_built_in_test_low_throughout_is_refused() -> None:
-    with pytest.raises(DataError, match="x: the built-in test is below 2.4 V throughout") as caught:
+    with pytest.raises(DataError, match=r"x: the built-in test is below 2.4 V throughout") as caught:
         convert(adc(validity_minimum=2.4), column(2000, 2000), validity=column(100, 200))
     assert caught.value.problems[0].code == "never_valid"
 
@@ -251,7 +251,7 @@ def test_wrong_shape_is_refused() -> None:
 
 
 def test_gain_of_zero_is_refused() -> None:
-    with pytest.raises(PlanError, match="gain .* other than 0"):
+    with pytest.raises(PlanError, match=r"gain .* other than 0"):
         convert(adc(), column(1, 1), gain=np.array([1.0, 0.0]))
 
 

@@ -61,7 +61,7 @@ def test_rows_do_not_depend_on_their_neighbours(seed: int) -> None:
     whole = compensate(model, r, **given_)
     for i in range(len(r)):
         own = {name: np.asarray(value)[i : i + 1] for name, value in given_.items()}
-        np.testing.assert_array_equal(compensate(model, r[i : i + 1], **own)[0], whole[i])  # type: ignore[arg-type]
+        np.testing.assert_array_equal(compensate(model, r[i : i + 1], **own)[0], whole[i])
 
 
 @settings(max_examples=30, deadline=None)
@@ -77,13 +77,13 @@ def test_order_of_the_axes_does_not_matter(seed: int) -> None:
     }
     other = replace(model, axes=("z", "x", "y"), matrix=model.matrix[:, turn][:, :, turn], **picked)  # type: ignore[arg-type]
     r = predict(model, inputs(model, seed), **given_)
-    turned = {**given_, "temperature": np.asarray(given_["temperature"])[:, turn]}
+    turned: Conditions = {**given_, "temperature": np.asarray(given_["temperature"])[:, turn]}
     expected = compensate(model, r, **given_)[:, turn]
     np.testing.assert_allclose(
-        compensate(other, r[:, turn], **turned),  # type: ignore[arg-type]
+        compensate(other, r[:, turn], **turned),
         expected,
         rtol=1e-11,
-        atol=1e-12 * np.max(np.abs(expected)),
+        atol=1e-12 * float(np.max(np.abs(expected))),
     )
 
 

@@ -60,7 +60,7 @@ def test_terms_are_copies_that_cannot_be_written() -> None:
 def test_constant_matrix_and_common_numbers_are_filled_up() -> None:
     model = plain(reference_temperature=22.0, bias_temperature=np.ones((1, 2)))
     assert model.matrix.shape == (1, 2, 2)
-    np.testing.assert_array_equal(model.reference_temperature, [22.0, 22.0])  # type: ignore[arg-type]
+    np.testing.assert_array_equal(model.reference_temperature, [22.0, 22.0])
 
 
 def test_output_is_scale_factor_times_reading() -> None:

@@ -110,9 +110,7 @@ def test_model_on_a_recording_in_any_unit(unit: str) -> None:
     assert done.channel("rate").unit == ("deg/s" if in_degrees else "rad/s")
     np.testing.assert_allclose(done.channel("rate").data, np.degrees(expected) if in_degrees else expected)
     np.testing.assert_array_equal(done.channel("id").data, [5, 6])
-    assert [(one.code, one.where, one.count) for one in done.remarks[1:]] == [
-        ("outside_input_range", "rt_x.csv:3", 1)
-    ]
+    assert [(one.code, one.where, one.count) for one in done.remarks[1:]] == [("outside_input_range", "rt_x.csv:3", 1)]
 
 
 def test_temperature_may_be_given_beside_the_columns() -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import csv
 import io
 import json
+import math
 import os
 import shutil
 import tempfile
@@ -19,6 +20,7 @@ from typing import Any
 from ..core.errors import StoreError
 
 OUT = "out"
+ROUNDING = 1e-9  # relative difference that is no change
 ROW_COLUMNS = (
     "quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "lo", "hi", "p", "status", "reason",
 )  # fmt: skip
@@ -129,7 +131,7 @@ def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[
     ):
         old, new = _keyed(before.get(table), keys), _keyed(after.get(table), keys)
         for key in [*old, *(key for key in new if key not in old)]:
-            if old.get(key) != new.get(key):
+            if _differs(old.get(key), new.get(key), shown):
                 name = " ".join(str(part) for part in key if part not in ("", None))
                 lines.append(f"{name}: {_shown(old.get(key), shown)} -> {_shown(new.get(key), shown)}")
     return lines
@@ -139,6 +141,22 @@ def _keyed(rows: Any, keys: Sequence[str]) -> dict[tuple[Any, ...], Any]:
     if not isinstance(rows, list):
         return {}
     return {tuple(str(row.get(key, "")) for key in keys): row for row in rows if isinstance(row, dict)}
+
+
+def _differs(old: Any, new: Any, shown: str) -> bool:
+    """Tell whether a row changed in what it says, rounding aside."""
+    if old is None or new is None:
+        return True
+    if any(old.get(name) != new.get(name) for name in ("status", "verdict", "unit")):
+        return True
+    pairs = [(old.get(name), new.get(name)) for name in (shown, "u")]
+    return any(not _same(a, b) for a, b in pairs)
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, float) and isinstance(b, float):
+        return math.isclose(a, b, rel_tol=ROUNDING, abs_tol=0.0)
+    return bool(a == b)
 
 
 def _shown(row: Any, name: str) -> str:

@@ -132,7 +132,7 @@ def _open(requirement: Requirement) -> Verdict:
 
 def _limits(requirement: Requirement, unit: str) -> tuple[float | None, float | None]:
     if requirement.limit is not None:
-        size = abs(parse_quantity(requirement.limit).to(unit))
+        size = abs(parse_quantity(requirement.limit).to(unit, difference=True))
         return -size, size
     lower = None if requirement.lower is None else parse_quantity(requirement.lower).to(unit)
     upper = None if requirement.upper is None else parse_quantity(requirement.upper).to(unit)

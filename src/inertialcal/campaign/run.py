@@ -13,7 +13,7 @@ from ..core.remarks import Remark, gather
 from ..core.results import finite
 from ..core.units import convert, factor, parse_quantity, si_unit
 from ..procedures import rate_table
-from ..procedures.rate_table.recordings import readings_from
+from ..procedures.rate_table.recordings import Turned, readings_from
 from .chains import scale_factors
 from .channels import turned_recording
 from .display import display_unit, displayed, scaled, scaled_interval
@@ -148,7 +148,9 @@ def test_readings(
     campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan
 ) -> tuple[rate_table.Readings, dict[str, str]]:
     """Return the readings of all recordings of a test, and SHA-256 of their files by path."""
-    parts, turned, inputs = [], [], {}
+    parts: list[rate_table.Readings] = []
+    turned: list[Turned] = []
+    inputs: dict[str, str] = {}
     for name in test.recordings:
         entry = campaign.file.recordings[name]
         if entry.rows is None:

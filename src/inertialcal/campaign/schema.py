@@ -90,7 +90,7 @@ class StandardEntry(Strict):
         text, divisor = (self.u, 1.0) if self.u is not None else (self.expanded, self.k or 1.0)
         if self.half_width is not None:
             text, divisor = self.half_width, math.sqrt(3.0)
-        u = parse_quantity(text or "").to(unit) / divisor
+        u = parse_quantity(text or "").to(unit, difference=True) / divisor
         if not (u >= 0.0 and math.isfinite(u)):
             raise ValueError(f"{text!r}: an uncertainty is positive and finite")
         shape = "rectangular" if self.half_width is not None else "normal"

@@ -22,7 +22,7 @@ from ..procedures.rate_table import Readings
 from ..sensors.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors
 from .clock_text import read_instant
-from .schema import RecordingEntry, Rows, Sensor, Test
+from .schema import Columns, RecordingEntry, Rows, Sensor, Test
 
 Mask = NDArray[np.bool_]
 
@@ -96,12 +96,12 @@ def _axis(source: _Source, test: Test) -> NDArray[Any]:
     return np.full(len(source.table), str(axis))
 
 
-def _columns(given: str | dict[str, str] | None, source: _Source, test: Test) -> dict[str, str]:
+def _columns(given: Columns | None, source: _Source, test: Test) -> dict[str, str]:
     """Column by sensor axis; a single column belongs to the axis that is turned."""
     if given is None:
         return {}
     if isinstance(given, dict):
-        return dict(given)
+        return {str(name): column for name, column in given.items()}
     axis = test.plan.get("axis")
     if axis is None:
         what = f"recordings.{source.name}: one reading column, and the axis turned changes from row to row"
@@ -117,7 +117,7 @@ def _outputs(source: _Source, test: Test) -> dict[str, Array]:
 
 
 def _scatters(source: _Source, test: Test) -> dict[str, Array]:
-    """Standard deviations, SI; as differences they know no reference and no zero."""
+    """Return standard deviations, SI; as differences they know no reference and no zero."""
     found = {}
     for axis, column in _columns(source.rows.scatter, source, test).items():
         values = source.table.numbers(column)
@@ -129,7 +129,7 @@ def _scatters(source: _Source, test: Test) -> dict[str, Array]:
 
 
 def _in_si(source: _Source, axis: str, values: Array) -> Array:
-    """Readings, SI: counts through the chain, volts over the scale factor."""
+    """Return readings, SI: counts through the chain, volts over the scale factor."""
     unit, chain = source.rows.unit, source.sensor.chain
     if kind(unit) == "count":
         if chain.reference == "channel":
@@ -144,7 +144,7 @@ def _in_si(source: _Source, axis: str, values: Array) -> Array:
 
 def _scale(source: _Source, axis: str) -> float:
     """SI input units per unit of the table, for differences."""
-    unit, chain = source.rows.unit, source.sensor.chain
+    unit = source.rows.unit
     if kind(unit) not in {"count", "voltage"}:
         return factor(unit, si_unit(unit))
     volts_per_si = float(scale_factors(source.sensor, (axis,))[0])

@@ -40,7 +40,15 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
          *(_figure(ways.get(way)) for way in beside)]
         for (name, axis, unit), ways in groups.items()
     ]  # fmt: skip
-    heads = ["  quantity", "axis", "value ± u", "unit", "95 % interval", "dof", *(way.replace("_", " ") for way in beside)]
+    heads = [
+        "  quantity",
+        "axis",
+        "value ± u",
+        "unit",
+        "95 % interval",
+        "dof",
+        *(way.replace("_", " ") for way in beside),
+    ]
     return table(cells, heads)
 
 

@@ -1,7 +1,7 @@
 """Cells of text: which are numbers, empty, a spelled-out NaN, or text; the exact rule for a column.
 
-A column is numbers if most of its cells that are not empty are; the text among them is then an error, which
-the caller places. A column with as much text as numbers is text. Whole numbers stay whole (int64) as long
+A column is numbers if it holds no more text than numbers; that text is then an error, which the caller
+places. A column with more text than numbers is text. Whole numbers stay whole (int64) as long
 as every cell is one.
 """
 
@@ -65,7 +65,7 @@ def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
     numbers, text = np.isin(kinds, ["i", "f"]), kinds == "t"
     none = np.empty(0, dtype=np.int64)
     empty, nan = np.flatnonzero(kinds == "e"), np.flatnonzero(kinds == "n")
-    if text.any() and text.sum() >= numbers.sum():
+    if text.sum() > numbers.sum():
         return Cells(np.array(stripped, dtype=object), empty, none, none)
     if stripped and np.all(kinds == "i") and max(map(len, stripped)) <= INT64_DIGITS:
         return Cells(np.array(stripped, dtype="S18").astype(np.int64), empty, nan, none)

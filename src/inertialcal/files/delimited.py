@@ -143,9 +143,9 @@ def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where
 
 def _regular_body(text: str, layout: Layout) -> str | None:
     """Rows of data without quotes, comments and blank lines; None where there are some."""
-    body = text[layout.start :].rstrip("\n")
+    body = text[layout.start :].rstrip("\n ")
     # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
-    if any(sign in body for sign in '"xX') or (layout.width == 1 and "\n\n" in body):
+    if any(sign in body for sign in '"xX') or "\n\n" in body:
         return None
     if any(mark[0] in body and f"\n{mark}" in body for mark in layout.comment):
         return None
@@ -198,6 +198,8 @@ def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None
 
     empty = np.flatnonzero(values.is_null().to_numpy(zero_copy_only=False))
     if pa.types.is_string(values.type):
+        if layout.width == 1:
+            return None  # a line of blanks is no cell
         judged = judge(["" if cell is None else cell for cell in values.to_pylist()], layout.decimal)
         text = bool(len(judged.text))
         return None if text else _column(name, judged.values, layout, i, judged.empty, judged.not_a_number)
@@ -239,6 +241,6 @@ def _across(text: str, layout: Layout, where: str) -> Content:
             rows = np.full(len(cells), layout.row, dtype=np.int64)
             raise DataError(text_in_numbers("column_1", cells, judged.text, rows, where))
         column = _column("column_1", judged.values, downward, 0, judged.empty, judged.not_a_number)
-        content = _content([column], judged.empty, downward)
+        content = _content([column], np.arange(len(cells)), downward)
     remark = Remark("values_across", "info", f"one line of {len(cells)} numbers: read as one column", where)
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))

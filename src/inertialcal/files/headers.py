@@ -16,7 +16,7 @@ from ..core.errors import InertialcalError
 GYRO = {"gyro", "gyros", "gyr", "gyroscope", "gyroscopes", "omega", "angvel"}
 ACC = {"acc", "accs", "accel", "accels", "accelerometer", "accelerometers", "acceleration", "accelerations"}
 MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
-TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor", "degc"}
+TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor"}
 PRESSURE = {"pressure", "press", "baro", "barometer"}
 VOLTAGE = {"voltage", "volt", "volts", "vref"}
 TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime"}
@@ -163,8 +163,9 @@ def heading(name: str, unit: str | None = None) -> Heading:
     bare, bracket = bare_name(name), _bracket(name)
     words = [word.lower() for word in WORD.findall(bare)]
     given = unit if unit is not None else bracket
-    known = _suffix(bare) if given is None else None
-    quantity = _quantity(bare, words)
+    known, rest = _suffix(bare)
+    known = known if given is None else None
+    quantity = _quantity(bare, [word.lower() for word in WORD.findall(rest)] if known else words)
     if given is not None and given.strip():
         known = _known(given.strip(), quantity)
     known = _by_name(words) if known is None and given is None else known
@@ -223,14 +224,14 @@ def _by_name(words: list[str]) -> str | None:
     return TIME_NAMES.get("".join(words))
 
 
-def _suffix(bare: str) -> str | None:
-    """Return the unit at the end of a name."""
+def _suffix(bare: str) -> tuple[str | None, str]:
+    """Return the unit at the end of a name, and the name without it."""
     parts = re.split(r"[_\s.]+", bare)
     for count in range(min(len(parts) - 1, 5), 0, -1):
         unit = _words_to_unit([part.lower() for part in parts[-count:]])
         if unit is not None:
-            return _known(unit, "")
-    return "V" if len(parts) > 1 and parts[-1] == "V" else None
+            return _known(unit, ""), " ".join(parts[:-count])
+    return ("V", " ".join(parts[:-1])) if len(parts) > 1 and parts[-1] == "V" else (None, bare)
 
 
 def _words_to_unit(parts: list[str]) -> str | None:
@@ -275,7 +276,7 @@ def _axis(words: list[str]) -> str:
     if not found:
         found = {word[1] for word in words if len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"}
     if not found:
-        found = {word[len(_stem(word)) :] or word[0] for word in words if _is_stemmed(word)}
+        found = {word[-1] if word.startswith(_stem(word)) else word[0] for word in words if _is_stemmed(word)}
     return found.pop() if len(found) == 1 else ""
 
 

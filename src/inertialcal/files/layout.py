@@ -27,10 +27,10 @@ CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
     (",", "."),
     ("\t", "."),
     (";", "."),
-    (";", ","),
     ("\t", ","),
     (None, "."),
     (None, ","),
+    (";", ","),
 )
 WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
 NUMBER = frozenset("ifn")  # kinds of cells
@@ -204,6 +204,8 @@ def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
     kinds = Counter(kind(cell, decimal) for i in rows for cell in table[i][:CELLS])
     filled = kinds.total() - kinds["e"]
     numbers = (filled - kinds["t"]) / filled if filled else 0.0
+    if width == 1 and decimal == "," and ("," in table[0][0] or numbers < 1.0 or share < 1.0):
+        numbers = 0.0  # 1,5 are two columns, unless a name stands above them that has no comma
     return round(share * numbers, 6), width > 1, share
 
 
@@ -214,14 +216,19 @@ def _width(table: Table) -> int:
 
 
 def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None, int]:
-    """Index of the header, if there is one, and of the first row of data."""
+    """Index of the header, if there is one, and of the first row of data.
+
+    The header is the last line of words before the numbers if it has several cells, whether it fits or not.
+    """
+    before: int | None = None
     for i, cells in enumerate(table):
         kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
         if not _has_number(kinds):
-            if len(_header(cells, width)) == width:
+            if len(_header(cells, table, width)) == width:
                 return i, i + 1
+            before = i if len(cells) > 1 else None
         elif i == 0 or kinds[0] in NUMBER or len(cells) == width:
-            return None, i
+            return before, i
     return 0, 1  # words only, and no line as wide as most: the first is the header, and does not fit
 
 
@@ -229,11 +236,14 @@ def _has_number(kinds: list[str]) -> bool:
     return not NUMBER.isdisjoint(kinds)
 
 
-def _header(cells: list[str], width: int) -> list[str]:
+def _header(cells: list[str], table: Table, width: int) -> list[str]:
     """Names for a row of ``width`` cells; an empty cell at the end of either is no column."""
     while cells and not cells[-1] and len(cells) > width:
         cells = cells[:-1]
-    return [*cells, ""] if len(cells) == width - 1 > 0 else cells
+    if len(cells) != width - 1 or width == 1:
+        return cells
+    ends = {row[-1] for row in table if len(row) == width}
+    return [*cells, ""] if ends == {""} else cells
 
 
 def _names(
@@ -241,10 +251,7 @@ def _names(
 ) -> tuple[tuple[str, ...], bool]:
     """Names of the columns, and whether they come from the last comment."""
     if header is not None:
-        cells = table[header]
-        ends = {row[-1] for row in table[header + 1 :] if len(row) == width}
-        # One name less than cells only where the last cell of every row is empty.
-        return tuple(_header(cells, width) if len(cells) >= width or ends == {""} else cells), False
+        return tuple(_header(table[header], table, width)), False
     names = _comment_names(comments[-1], separator, width) if comments else []
     return tuple(names or [""] * width), bool(names)
 

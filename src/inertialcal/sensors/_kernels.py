@@ -7,7 +7,7 @@ import numba
 from ..core.estimate import Array
 
 
-@numba.njit(cache=True, inline="always")  # type: ignore[untyped-decorator]
+@numba.njit(cache=True, inline="always")
 def _left(reading: float, shift: float, powers: Array, sensor: int, away: float) -> float:
     """Return the reading less the bias at a temperature, by Horner's rule."""
     bent = 0.0
@@ -16,7 +16,7 @@ def _left(reading: float, shift: float, powers: Array, sensor: int, away: float)
     return reading - (shift + bent)
 
 
-@numba.njit(cache=True)  # type: ignore[untyped-decorator]
+@numba.njit(cache=True)
 def straight_3(
     matrix: Array, shift: Array, powers: Array, reference: Array, temperature: Array, readings: Array, out: Array
 ) -> None:

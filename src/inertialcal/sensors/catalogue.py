@@ -6,7 +6,8 @@ The flight unit's model exists twice. As printed, its numbers are taken as the t
 into ``rate = reading - (b + M reading)`` [1]_. That makes its own scale errors twice as large, because the printed
 M has the sign of the correction, not of the error; it is also transposed (row = the axis that is turned), and the
 bias polynomial of Table 15 gives volts where the equation needs deg/s. Corrected, these three are mended, in the
-conventions of ``sensors.model``: entry m_xz of the thesis (1.298 %) is ``misalignment_zx`` here.
+conventions of ``sensors.model``: entry m_xz of the thesis (1.298 %) is ``misalignment_zx`` here. Its m_yx of
+-0.156 %, where the set with zero reference has -0.23 %, has no known correction and stays as printed.
 
 References
 ----------

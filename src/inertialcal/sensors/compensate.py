@@ -16,13 +16,13 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from ._kernels import straight_3
 from .equation import Columns, Conditions, condition_columns, curve, matrix_at, offset, rows
 from .matrices import inverted, mixed
 from .model import SensorModel
@@ -95,30 +95,29 @@ def outside(
     x = rows(model, compensated, "compensated")
     r = rows(model, readings, "readings")
     columns = condition_columns(model, len(x), conditions)
-    remarks = []
     told = np.isfinite(r).all(axis=1)
     for column in columns.values():
-        told = told & np.isfinite(column).all(axis=1)
-    lost = np.isnan(x) & told[:, np.newaxis]
-    remarks.append(_remark("no_inverse", "no input gives this reading; left empty", lost, "Look at these readings"))
+        told &= np.isfinite(column).all(axis=1)
+    lost = np.any(np.isnan(x), axis=1) & told
+    remarks = [_remark("no_inverse", "no input gives this reading; left empty", lost, "Look at these readings")]
     if model.input_range is not None:
-        over = (x < model.input_range[:, 0]) | (x > model.input_range[:, 1])
+        over = np.any((x < model.input_range[:, 0]) | (x > model.input_range[:, 1]), axis=1)
         ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
         remarks.append(_remark("outside_input_range", f"beyond the input range ({ends} {model.unit})", over))
-    for name, ends_of, unit in (
+    for name, between, unit in (
         ("temperature", model.temperature_range, "degC"),
         ("pressure", model.pressure_range, "Pa"),
     ):
-        if ends_of is not None and name in columns:
-            over = np.broadcast_to((columns[name] < ends_of[0]) | (columns[name] > ends_of[1]), x.shape)
-            text = f"beyond the {name} range ({ends_of[0]:g} to {ends_of[1]:g} {unit})"
-            remarks.append(_remark(f"outside_{name}_range", text, over))
+        if between is not None and name in columns:
+            beyond = np.any((columns[name] < between[0]) | (columns[name] > between[1]), axis=1)
+            text = f"beyond the {name} range ({between[0]:g} to {between[1]:g} {unit})"
+            remarks.append(_remark(f"outside_{name}_range", text, np.broadcast_to(beyond, len(x))))
     return tuple(remark for remark in remarks if remark.count)
 
 
-def _remark(code: str, text: str, where: Array, do: str = "The model extrapolates there") -> Remark:
-    count = int(np.count_nonzero(where.any(axis=1)))
-    first = f"row {int(np.argmax(where.any(axis=1)))}" if count else ""
+def _remark(code: str, text: str, where: NDArray[Any], do: str = "The model extrapolates there") -> Remark:
+    count = int(np.count_nonzero(where))
+    first = f"row {int(np.argmax(where))}" if count else ""
     return Remark(code, "warning", f"{count} of {len(where)} row(s): {text}", first, count, do)
 
 
@@ -138,6 +137,8 @@ def _straight(model: SensorModel, columns: Columns, readings: Array, out: Array)
         powers, reference = model.terms["bias_temperature"], model.terms["reference_temperature"]
     else:
         return False
+    from ._kernels import straight_3  # noqa: PLC0415 - importing numba takes longer than a short recording
+
     straight_3(inverted(model.matrix)[0], shift, powers, reference, temperature, readings, out)
     return True
 

@@ -110,7 +110,7 @@ def condition_columns(model: SensorModel, n: int, conditions: Conditions) -> dic
     DataError
         ``missing_condition``, or a shape that does not fit n rows.
     """
-    given: Mapping[str, object] = conditions  # type: ignore[assignment]
+    given: Mapping[str, object] = conditions
     columns = {}
     for name, term in needed(model).items():
         value = given.get(name)
@@ -151,7 +151,7 @@ def matrix_at(model: SensorModel, columns: Columns) -> Array:
     if model.matrix.shape[0] == 1:
         return model.matrix
     away = away_from_reference(model, columns)[:, :, np.newaxis]
-    total = np.zeros((len(away), 1, 1)) + model.matrix[-1]
+    total: Array = np.zeros((len(away), 1, 1)) + model.matrix[-1]
     for coefficient in model.matrix[-2::-1]:
         total = total * away + coefficient
     return total
@@ -181,7 +181,7 @@ def offset(model: SensorModel, columns: Columns) -> Array:
 
 def away_from_reference(model: SensorModel, columns: Columns) -> Array:
     """T - T_ref, shape (1 or n, k) [degC]."""
-    away: Array = columns["temperature"] - model.reference_temperature
+    away: Array = columns["temperature"] - model.terms["reference_temperature"]
     return away
 
 

@@ -99,7 +99,7 @@ def convert(
     amplified = chain.gain if gain is None else nonzero("gain", wide("gain", gain, k, len(signal)), k)
     output = (volts["counts"] - above - zero_volts(chain, degrees)) / amplified
     if chain.validity_minimum is not None:
-        good, found = _tested(chain, channels["validity"], place)
+        good, found = _tested(chain.axes, chain.step * channels["validity"], chain.validity_minimum, place)
         output, remarks = np.where(good, output, np.nan), remarks + found
     readings = None if chain.scale_factor is None else output / chain.scale_factor
     stuck, found = stuck_runs(chain.axes, signal, chain.codes, place)
@@ -120,20 +120,20 @@ def _volts(chain: Chain, channels: Mapping[str, Array], place: Place) -> tuple[d
     return volts, remarks
 
 
-def _tested(chain: Chain, codes: Array, place: Place) -> tuple[Mask, list[Remark]]:
+def _tested(axes: tuple[str, ...], volts: Array, minimum: float, place: Place) -> tuple[Mask, list[Remark]]:
     """Where the built-in test says good: at or above the minimum; missing is not good."""
-    good = chain.step * codes >= chain.validity_minimum
-    never = [axis for axis, column in zip(chain.axes, good.T, strict=True) if len(column) and not column.any()]
+    good = volts >= minimum
+    never = [axis for axis, column in zip(axes, good.T, strict=True) if len(column) and not column.any()]
     if never:
         raise DataError(
-            f"{', '.join(never)}: the built-in test is below {chain.validity_minimum:g} V throughout",
+            f"{', '.join(never)}: the built-in test is below {minimum:g} V throughout",
             where=place(0),
             why="readings while it is low are not valid, so none is left",
             do="Check the column of the built-in test, or leave the recording out",
             code="never_valid",
         )
-    what = f"reading(s) while the built-in test is below {chain.validity_minimum:g} V; left out"
-    return good, counted("test_low", chain.axes, ~good, what, place)
+    what = f"reading(s) while the built-in test is below {minimum:g} V; left out"
+    return good, counted("test_low", axes, ~good, what, place)
 
 
 def _check_channels(chain: Chain, channels: Mapping[str, Array]) -> None:

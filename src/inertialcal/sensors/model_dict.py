@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -180,4 +180,4 @@ def _array(value: Any) -> Any:
 
 
 def _pair(value: Any) -> tuple[float, float] | None:
-    return None if value is None else cast("tuple[float, float]", (float(value[0]), float(value[1])))
+    return None if value is None else (float(value[0]), float(value[1]))

@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ..core.errors import DataError
 from ..core.estimate import Array
@@ -27,13 +28,17 @@ from .model import SensorModel, check_item, to_readings
 QUANTITY = {"rad/s": "gyro", "m/s^2": "acc"}
 
 
-def apply_chain(chain: Chain, recording: Recording, columns: Mapping[str, str]) -> Recording:
+def apply_chain(
+    chain: Chain, recording: Recording, columns: Mapping[str, str], gain: ArrayLike | None = None
+) -> Recording:
     """Return the recording with readings in place of counts.
 
     Parameters
     ----------
     columns : mapping of str to str
         What it is -> name of the column.
+    gain : array_like, shape (n,) or (n, k), optional
+        Of the amplifier over time; instead of the chain's.
 
     Returns
     -------
@@ -50,7 +55,7 @@ def apply_chain(chain: Chain, recording: Recording, columns: Mapping[str, str]) 
     """
     counts = _counts(recording, [_column(columns, axis) for axis in chain.axes])
     beside = {kind: _beside(chain, recording, columns, kind) for kind in ("reference", "temperature", "validity")}
-    converted = convert(chain, counts, **beside, place=lambda index: _place(recording, index))
+    converted = convert(chain, counts, **beside, gain=gain, place=lambda index: _place(recording, index))
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:
         values, unit = converted.readings, chain.unit

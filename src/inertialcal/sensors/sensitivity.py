@@ -88,7 +88,7 @@ def _warm_up_time(model: SensorModel, index: Index, at: Point) -> Array:
 
 def _warm_up(model: SensorModel, index: Index, at: Point) -> Array:
     assert model.warm_up_time is not None  # noqa: S101 - for the type checker
-    return np.exp(-at.columns["time"][:, 0] / model.warm_up_time[index[0]])
+    return np.asarray(np.exp(-at.columns["time"][:, 0] / model.warm_up_time[index[0]]))
 
 
 def _pressure(model: SensorModel, _: Index, at: Point) -> Array:

@@ -5,12 +5,11 @@ turns at a constant rate is still for a rate sensor, so is a sensor lying in any
 accelerometer. *Moving* is all that is not shown to be still: ramps, hands, shaking, stretches too short to
 judge, samples that are missing for too long.
 
-The detector measures the noise (``noise_scale``), sets single outliers aside, cuts where the level changes
-(``change_points``), and calls a piece still if it is long enough, does not slope and is not louder than the
-noise. What it cannot do: tell a drift slower than its longest window from a constant level; find a step
+The detector is ``still_stretches``, the noise under it ``noise_scale``, its tests ``change_points``. What it
+cannot do: tell a drift slower than its longest window from a constant level; find a step
 smaller than the noise of two window means (0.006 deg/s at a noise of 0.004 deg/s in a dwell of 30 samples,
 say); take a stretch for still whose noise is twice that of the quietest. Where a reference or a schedule
-exists, cut by that (``dwells.dwells_by_reference``, ``dwells.dwells_by_windows``).
+exists, cut by that (``dwells_by_reference``, ``dwells_by_windows``).
 
 Selections: ``dwells`` (every still stretch long enough), ``static_intervals`` (one for each placement of a
 sensor set down by hand), ``quiet_windows`` (equally long windows inside still stretches). All give Dwells.
@@ -23,81 +22,35 @@ from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from ..core.errors import DataError, PlanError
 from ..core.estimate import Array
 from ..core.recording import Times
 from ..core.remarks import Remark
-from .change_points import (
-    PROBES,
-    SHORTEST,
-    covered,
-    joined_where_equal,
-    level_changes,
-    loud,
-    running_sum,
-    settled_ends,
-    single_outliers,
-    sloping,
-    stretches,
-)
-from .dwells import LONGEST_GAP, Dwell, Flags, Samples, dwell_of, samples_of
-from .noise_scale import BLOCK, Noise, noise_scale
+from .dwells import Dwell, Tally, dwell_of, tally
+from .noise_scale import BLOCK, Noise
+from .samples import Flags, Indices, Samples, samples_of
+from .schedule import dwells_by_reference, dwells_by_windows
+from .still_stretches import Detection, Found, still_stretches
 
-Indices = NDArray[np.int64]
+__all__ = [
+    "Detection",
+    "Dwell",
+    "Interval",
+    "Segmentation",
+    "Tally",
+    "detect",
+    "dwells",
+    "dwells_by_reference",
+    "dwells_by_windows",
+    "quiet_windows",
+    "static_intervals",
+    "tally",
+]
+
 Kind = Literal["still", "moving"]
 
 NOT_WHITE = 3.0  # widening from which it is remarked
-
-
-@dataclass(frozen=True)
-class Detection:
-    """How still and moving are told apart.
-
-    Parameters
-    ----------
-    false_alarm : float
-        Probability that a record of white noise at a constant level is found to move at all.
-    shortest : int
-        Samples of the shortest still stretch, 12 or more.
-    longest_window : int
-        Samples of the widest window in which a level is averaged; a change spread over more than twice this
-        counts as drift.
-    longest_gap : float
-        Longest stretch without good samples that a still stretch may hold [sample intervals].
-    noise : tuple of float, optional
-        Standard deviation of a sample at rest, one a channel [unit of the signal]; measured by default. To
-        be stated where a record has no rest from which to measure it.
-
-    Raises
-    ------
-    PlanError
-        If a value is out of range.
-    """
-
-    false_alarm: float = 0.01
-    shortest: int = SHORTEST
-    longest_window: int = 32
-    longest_gap: float = LONGEST_GAP
-    noise: tuple[float, ...] | None = None
-
-    def __post_init__(self) -> None:
-        if not 0.0 < self.false_alarm < 1.0:
-            raise PlanError(f"false_alarm {self.false_alarm:g}, need a probability between 0 and 1")
-        if self.shortest < SHORTEST:
-            raise PlanError(f"shortest {self.shortest} samples, need {SHORTEST} or more")
-        if self.longest_window < 1:
-            raise PlanError(f"longest_window {self.longest_window} samples, need 1 or more")
-        if not self.longest_gap >= 1.0:
-            raise PlanError(f"longest_gap {self.longest_gap:g} sample intervals, need 1 or more")
-        if self.noise is not None and not all(sigma > 0.0 for sigma in self.noise):
-            raise PlanError(f"noise {self.noise}, need positive standard deviations")
-
-    @property
-    def scales(self) -> tuple[int, ...]:
-        """Widths of the windows: 1, 2, 4, ... up to the widest [samples]."""
-        return tuple(2**k for k in range(self.longest_window.bit_length()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,14 +166,8 @@ def detect(
     plan = plan or Detection()
     samples = samples_of(signal, time_ns, sample_interval)
     rows = _good_rows(samples)
-    y = samples.values if len(rows) == len(samples.values) else samples.values[rows]
-    y = np.asfortranarray(y - np.median(y[:: max(1, len(y) // PROBES)], axis=0))
-    noise = noise_scale(y, plan.noise)
-    outlier = _set_outliers_aside(y, noise, plan)
-    start, stop, widening = _still_stretches(y, noise, plan, _gap_cuts(samples.ticks[rows], plan))
-    flags = np.zeros(len(samples.values), dtype=bool)
-    flags[rows] = outlier & covered(start, stop, len(y))
-    return _segmentation(replace(samples, outlier=flags), rows[start], rows[stop - 1] + 1, noise, widening, plan)
+    good = samples.values if len(rows) == len(samples.values) else samples.values[rows]
+    return _segmentation(samples, rows, still_stretches(good, samples.ticks[rows], plan), plan)
 
 
 def _good_rows(samples: Samples) -> Indices:
@@ -244,89 +191,23 @@ def _good_rows(samples: Samples) -> Indices:
     return rows
 
 
-def _tails(y: Array, plan: Detection) -> tuple[float, float]:
-    """Two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk."""
-    shared = 0.5 * plan.false_alarm / y.size
-    return shared / (2.0 * (len(plan.scales) + 1)), shared
-
-
-def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
-    """Put the mean of the neighbours in place of single outliers in ``y``; tell which."""
-    tail, _ = _tails(y, plan)
-    quantile = float(stats.t.isf(tail, noise.dof).max())
-    outlier = single_outliers(y, noise, quantile, plan.shortest)
-    at = np.flatnonzero(outlier)
-    y[at] = 0.5 * (y[at - 1] + y[at + 1])
-    return outlier
-
-
-def _gap_cuts(ticks: Array, plan: Detection) -> Indices:
-    """First good sample after each long gap, with 0 and n."""
-    gaps = np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1
-    return np.concatenate(([0], gaps, [len(ticks)]))
-
-
-def _still_stretches(y: Array, noise: Noise, plan: Detection, walls: Indices) -> tuple[Indices, Indices, Array]:
-    """Good samples [start, stop) of each still stretch, and the widening at the widest window."""
-    tail, variance_tail = _tails(y, plan)
-    total, quantile = running_sum(y), stats.t.isf(tail, noise.dof)
-    start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
-    start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
-    quantile = quantile * np.maximum(widening, 1.0)
-    start, stop = joined_where_equal(total, noise, quantile, start, stop, walls, plan.longest_window)
-    short = stop - start < 2 * plan.longest_window  # a longer one would have shown its slope to the windows
-    slope = np.zeros(len(start), dtype=bool)
-    slope[short] = sloping(total, noise, quantile, start[short], stop[short])
-    start, stop = start[~slope], stop[~slope]
-    noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
-    start, stop = _long(*stretches(start, stop, ~noisy), plan.shortest)
-    return start, stop, widening
-
-
-def _level_pieces(
-    y: Array, total: Array, noise: Noise, plan: Detection, quantile: Array, walls: Indices
-) -> tuple[Indices, Indices, Array]:
-    """Pieces between changes of level, long enough to be still; wide windows skip what is cut to shreds."""
-    first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
-    kept, first = _without_short_pieces(first, plan.shortest)
-    if not len(kept):
-        return kept, kept, widening
-    rest = total if len(kept) == len(y) else running_sum(np.asfortranarray(y[kept]))
-    if len(plan.scales) > 1:
-        first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
-    start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)
-    return start, stop, widening
-
-
-def _without_short_pieces(cuts: Indices, shortest: int) -> tuple[Indices, Indices]:
-    """Find the samples of the pieces that can be still, and the cuts between those, counted in these samples."""
-    size = np.diff(cuts)
-    enough = size >= shortest
-    kept = np.flatnonzero(np.repeat(enough, size))
-    return kept, np.concatenate(([0], np.cumsum(size[enough])))
-
-
-def _long(start: Indices, stop: Indices, shortest: int) -> tuple[Indices, Indices]:
-    enough = stop - start >= shortest
-    return start[enough], stop[enough]
-
-
-def _segmentation(
-    samples: Samples, still_start: Indices, still_stop: Indices, noise: Noise, widening: Array, plan: Detection
-) -> Segmentation:
+def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection) -> Segmentation:
     """Fill what lies between the still stretches with moving ones, and measure them all."""
     n = len(samples.values)
-    edges = np.unique(np.concatenate(([0, n], still_start, still_stop)))
+    outlier = np.zeros(n, dtype=bool)
+    outlier[rows] = found.outlier
+    samples = replace(samples, outlier=outlier)
+    first, after = rows[found.start], rows[found.stop - 1] + 1
+    edges = np.unique(np.concatenate(([0, n], first, after)))
     start, stop = edges[:-1], edges[1:]
-    still = np.isin(start, still_start)
-    count, level, scatter = _measure(samples, edges)
-    frozen = (scatter == 0.0) & noise.live
-    stuck: Flags = still & frozen.any(axis=1) & (count > 1)
-    return Segmentation(start, stop, still, level, scatter, noise, widening, samples, stuck, plan)
+    still = np.isin(start, first)
+    level, scatter, frozen = _measured(samples, edges)
+    stuck = still & (frozen & found.noise.live).any(axis=1)
+    return Segmentation(start, stop, still, level, scatter, found.noise, found.widening, samples, stuck, plan)
 
 
-def _measure(samples: Samples, edges: Indices) -> tuple[Indices, Array, Array]:
-    """Give number, mean and standard deviation of the good samples of each stretch."""
+def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
+    """Give mean and standard deviation of the good samples of each stretch, and whether all are equal."""
     good = samples.finite & ~samples.outlier
     number = np.concatenate(([0], np.cumsum(good)))
     count = np.diff(number[edges])
@@ -334,14 +215,16 @@ def _measure(samples: Samples, edges: Indices) -> tuple[Indices, Array, Array]:
     at, size = number[edges[:-1]][filled], count[filled]
     level = np.full((len(count), samples.values.shape[1]), np.nan)
     scatter = np.full_like(level, np.nan)
+    frozen = np.zeros(level.shape, dtype=bool)
     for k in range(level.shape[1]):
         x = samples.values[good, k]
         mean = np.add.reduceat(x, at) / size
+        frozen[filled, k] = np.maximum.reduceat(x, at) == np.minimum.reduceat(x, at)
         x -= np.repeat(mean, size)
         level[filled, k] = mean
         with np.errstate(invalid="ignore"):
             scatter[filled, k] = np.sqrt(np.add.reduceat(x * x, at) / (size - 1.0))
-    return count, level, scatter
+    return level, scatter, frozen
 
 
 def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Samples:
@@ -379,7 +262,7 @@ def dwells(
     Returns
     -------
     tuple of Dwell
-        In order of time; ``dwells.tally`` tells where the other samples went.
+        In order of time; ``tally`` tells where the other samples went.
 
     Raises
     ------
@@ -499,12 +382,15 @@ def quiet_windows(
     DataError
         If the signal has another length.
     PlanError
-        If neither or both lengths are given, or seconds where no sample interval is known.
+        If neither or both lengths are given, or seconds where no sample interval is known, or the length is
+        less than two samples.
     """
     cut = _samples_like(segmentation, signal)
     if samples is None and duration is None:
         raise PlanError("no length of the quiet windows", do="Give samples or duration")
     length = cut.duration(samples, duration, 0)
+    if length < 2 or settle < 0:
+        raise PlanError(f"quiet windows of {length} sample(s) after {settle}, need 2 or more after 0 or more")
     still = segmentation.still
     start = [
         first

@@ -25,6 +25,8 @@ from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
 from ...core.results import Row
+from .checks import check_agreement
+from .earth_input import with_earth
 from .exclusions import exclusions
 from .plan import INFLUENCES, Plan, Readings
 from .quantities import estimate
@@ -102,6 +104,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     """
     if not len(readings):
         raise DataError("no dwells", why="there is nothing to fit", code="no_dwells")
+    if readings.earth is None:
+        readings = with_earth(plan, readings)
     lines, straight, everything, reasons = {}, {}, {}, {}
     remarks = [*readings.remarks]
     for sensor in readings.outputs:
@@ -119,6 +123,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
             f"no sensor can be reduced: {'; '.join(reasons.values())}",
             where=readings.where[0] if readings.where else "",
         )
+    check_agreement(plan, readings, lines)
     repeated = any(lines[sensor] is not everything[sensor] for sensor in lines)
     return Result(
         plan,
@@ -153,12 +158,9 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
         effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in missing)
         what = f"standards without a stated uncertainty: {effects}: results are relative to the fixture"
         found.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
-    if not plan.zero_reference:
-        what = (
-            "bias includes the component of earth rate along the axis (at most 0.0042 deg/s): no reading at rest was"
-            " subtracted"
-        )
-        found.append(Remark("earth_rate_in_bias", "info", what))
+    if plan.attitude is None and not plan.zero_reference:
+        what = "how the table stands is not given: earth rate along the axes (at most 0.0042 deg/s) is unknown, Type B"
+        found.append(Remark("attitude_unknown", "warning", what, do="Give plan.attitude and site.latitude"))
     return found
 
 

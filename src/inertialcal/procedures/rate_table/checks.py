@@ -1,4 +1,4 @@
-"""Sense of rotation, mounting and size: does the unit read what the table does, or is something mixed up?
+"""Sense of rotation, mounting and size: whether the unit reads what the table does.
 
 A calibration corrects per cents. A slope near -1, an axis that answers for another, or a rate that is off by more
 than ``plan.agreement`` is a mistake in the set-up or in the campaign file, and no model may be made of it.
@@ -40,7 +40,8 @@ def _problem(plan: Plan, axis: str, entries: dict[str, float]) -> Problem | None
         return None
     others = [s for s, entry in entries.items() if s != axis and abs(abs(entry) - 1.0) <= plan.agreement]
     if abs(own) < CLEAR and others:
-        what = f"{axis} is turned, but the {others[0]} sensor reads it ({entries[others[0]]:+.3f} of the rate; {axis}: {own:+.3f})"
+        seen = f"{entries[others[0]]:+.3f} of the rate; {axis}: {own:+.3f}"
+        what = f"{axis} is turned, but the {others[0]} sensor reads it ({seen})"
         return Problem(
             what, "", "axes are mixed up", "Check the axes turned, the columns and the mounting", "axes_mixed"
         )

@@ -14,16 +14,49 @@ after (k) are ``cos(theta) p + sin(theta) q`` and ``-sin(theta) p + cos(theta) q
 
 from __future__ import annotations
 
+from dataclasses import dataclass, replace
+
 import numpy as np
 
+from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
-from ...physics.earth import axis_component, mean_over_turn
-from .plan import AXES, Attitude, Plan
+from .plan import AXES, Attitude, Plan, Readings
 
 ROOT_HALF = float(np.sqrt(0.5))
+ROOT_THIRD = float(np.sqrt(1.0 / 3.0))
+OMEGA = EARTH_ROTATION_RATE.value
 
 
-def earth_along_axes(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[Array, dict[str, Array]]:
+@dataclass(frozen=True)
+class AxisRate:
+    """Earth rate along the table axis [rad/s], and the standard uncertainty of it by what it comes from."""
+
+    value: float
+    u: dict[str, float]
+
+
+def along_table_axis(attitude: Attitude, latitude: float, u_latitude: float = 0.0) -> AxisRate:
+    """Return earth rate along the axis of the table.
+
+    ``Omega (cos L sin t cos a + sin L cos t)`` with latitude L, tilt t and azimuth a; where the azimuth is not
+    known, all are equally likely.
+    """
+    tilt, known = attitude.tilt, attitude.azimuth is not None
+    level = OMEGA * np.cos(latitude) * np.sin(tilt)
+    turn = float(np.cos(attitude.azimuth)) if attitude.azimuth is not None else 0.0
+    value = level * turn + OMEGA * np.sin(latitude) * np.cos(tilt)
+    by_tilt = OMEGA * (np.cos(latitude) * np.cos(tilt) * turn - np.sin(latitude) * np.sin(tilt))
+    by_latitude = OMEGA * (np.cos(latitude) * np.cos(tilt) - np.sin(latitude) * np.sin(tilt) * turn)
+    by_azimuth = level * float(np.sin(attitude.azimuth or 0.0)) * attitude.u_azimuth if known else level * ROOT_HALF
+    u = {
+        "tilt of the table": abs(by_tilt) * attitude.u,
+        "azimuth of the table": abs(by_azimuth),
+        "latitude": abs(by_latitude) * u_latitude,
+    }
+    return AxisRate(float(value), {name: float(size) for name, size in u.items() if size > 0.0})
+
+
+def earth_in_dwells(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[Array, dict[str, Array]]:
     """Return the mean earth rate along the body axes in each dwell, and what is not known of it.
 
     Parameters
@@ -35,7 +68,7 @@ def earth_along_axes(plan: Plan, axis: str, start: Array, angle: Array) -> tuple
     start : ndarray, shape (n,)
         Table angle at the start of each dwell, from an unknown zero [rad]; NaN where not known.
     angle : ndarray, shape (n,)
-        Angle turned in it, with its sign [rad].
+        Angle turned in it, with its sign [rad]; NaN where not known.
 
     Returns
     -------
@@ -47,13 +80,70 @@ def earth_along_axes(plan: Plan, axis: str, start: Array, angle: Array) -> tuple
     i = AXES.index(axis)
     along = np.zeros((len(angle), 3))
     along[:, i] = 1.0
-    attitude = plan.attitude
-    if attitude is None or plan.latitude is None:
-        size = EARTH / np.sqrt(3.0)
-        sources = {f"direction, {axis} turned": np.stack([size * along, *(size * p for p in _across(i, start, angle))])}
-        return np.zeros_like(along), sources
-    component = axis_component(plan.latitude, attitude.tilt, attitude.azimuth)
-    across = float(np.sqrt(max(EARTH**2 - component.value**2, 0.0)))
-    sources = {name: (u * along)[None] for name, u in _known_to(plan, attitude, component).items()}
-    sources[f"phase, {axis} turned"] = np.stack([across * ROOT_HALF * p for p in _across(i, start, angle)])
-    return component.value * along, sources
+    across = _across(i, start, angle)
+    if plan.attitude is None or plan.latitude is None:
+        size = OMEGA * ROOT_THIRD
+        return np.zeros_like(along), {f"direction unknown, {axis} turned": size * np.stack([along, *across])}
+    latitude = plan.standards.get("site.latitude")
+    rate = along_table_axis(plan.attitude, plan.latitude, 0.0 if latitude is None else latitude.u)
+    sources = {name: (u * along)[None] for name, u in rate.u.items()}
+    size = float(np.sqrt(max(OMEGA**2 - rate.value**2, 0.0)))
+    sources[f"phase of the table, {axis} turned"] = size * ROOT_HALF * across
+    return rate.value * along, sources
+
+
+def _across(i: int, start: Array, angle: Array) -> Array:
+    """Mean of the component across the axis over the angle turned, for the two phases, shape (2, n, 3).
+
+    A vector p across the axis is seen by the body axes j, k as (cos theta, -sin theta), and q as (sin theta,
+    cos theta); over an angle ``a`` from ``s`` their means are those at the middle times sinc.
+    """
+    j, k = (i + 1) % 3, (i + 2) % 3
+    turned = np.nan_to_num(angle)
+    middle = np.nan_to_num(start) + 0.5 * turned
+    left = np.sinc(turned / (2.0 * np.pi))
+    patterns = np.zeros((2, len(angle), 3))
+    patterns[0, :, j], patterns[0, :, k] = left * np.cos(middle), -left * np.sin(middle)
+    patterns[1, :, j], patterns[1, :, k] = left * np.sin(middle), left * np.cos(middle)
+    return patterns
+
+
+def gathered(parts: list[tuple[Array, dict[str, Array]]]) -> tuple[Array, dict[str, Array]]:
+    """Return the earth rates of several recordings as one; a source of the same name is the same unknown."""
+    names = list(dict.fromkeys(name for _, sources in parts for name in sources))
+    lengths = [len(earth) for earth, _ in parts]
+    joined = {}
+    for name in names:
+        sizes = {len(sources[name]) for _, sources in parts if name in sources}
+        columns = [
+            sources[name] if name in sources else np.zeros((max(sizes), n, 3))
+            for (_, sources), n in zip(parts, lengths, strict=True)
+        ]
+        joined[name] = np.concatenate(columns, axis=1)
+    return np.concatenate([earth for earth, _ in parts]), joined
+
+
+def with_earth(plan: Plan, readings: Readings) -> Readings:
+    """Return the dwells of a reduced table with the earth rate in them; the angle turned is not known there.
+
+    With a zero reference the component along the axis was subtracted with the reading at rest.
+    """
+    parts: list[tuple[Array, dict[str, Array]]] = []
+    order = []
+    for axis in np.unique(readings.axis):
+        at = np.flatnonzero(readings.axis == axis)
+        unknown = np.full(len(at), np.nan)
+        one, found = earth_in_dwells(plan, str(axis), unknown, unknown)
+        if plan.zero_reference:
+            one, found = np.zeros_like(one), {name: _across_only(p, str(axis)) for name, p in found.items()}
+        parts.append((one, found))
+        order.append(at)
+    earth, sources = gathered(parts)
+    back = np.argsort(np.concatenate(order), kind="stable")
+    return replace(readings, earth=earth[back], earth_sources={name: p[:, back] for name, p in sources.items()})
+
+
+def _across_only(patterns: Array, axis: str) -> Array:
+    left = patterns.copy()
+    left[:, :, AXES.index(axis)] = 0.0
+    return left

@@ -90,10 +90,10 @@ def _remarks(plan: Plan, readings: Readings, sensor: str, rail: Mask, odd: Mask)
     if odd.any() and scatter is not None:
         usual = float(np.nanmedian(scatter))
         far = scatter[odd][np.argmax(np.abs(np.log(np.maximum(scatter[odd], 1e-300) / max(usual, 1e-300))))]
+        ratio = f"{plan.scatter_ratio:g}"
         what = (
-            f"{sensor} sensor: scatter more than {plan.scatter_ratio:g} times, or less than"
-            f" 1/{plan.scatter_ratio:g} of, that of the neighbouring rates: left out ({_rates(readings, odd)}; farthest: {far / usual:.3g} times the"
-            " median of all)"
+            f"{sensor} sensor: scatter more than {ratio} times, or less than 1/{ratio} of, that of the neighbouring"
+            f" rates: left out ({_rates(readings, odd)}; farthest: {far / usual:.3g} times the median of all)"
         )
         found.append(
             Remark(

@@ -12,7 +12,7 @@ reading
     the error of a single sample: the scatter within a dwell once more.
 
 Scatter comes pooled from all rates (it is a scatter of readings, not of percentages); Type B terms of the
-table rate and the converter reference enter in full.
+table rate, the converter reference and the earth rate enter in full.
 """
 
 from __future__ import annotations
@@ -25,7 +25,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .plan import Plan, Readings
+from .plan import AXES, Plan, Readings
 from .regression import Line, dwell_variance
 
 Of = Literal["expected", "dwell_mean", "reading"]
@@ -82,7 +82,7 @@ def rate_errors(plan: Plan, everything: Readings, one: Line, of: Of = "dwell_mea
     spread = _spread(one, of)
     found = []
     for rate in np.unique(read.applied):
-        all_errors = np.abs(read.outputs[s][read.applied == rate] / rate - 1.0)
+        all_errors = np.abs(read.outputs[s][read.applied == rate] / rate - 1.0)  # as the thesis has them
         at = (used.axis == s) & (used.applied == rate)
         found.append(_at_rate(plan, s, float(rate), used.take(at), spread, float(all_errors.max())))
     return tuple(found)
@@ -123,14 +123,14 @@ def _at_rate(
 ) -> RateError:
     if not len(here):
         return RateError(sensor, rate, None, None, np.nan, 0, 0, largest, "every dwell at this rate was left out")
-    error = float(np.mean(here.outputs[sensor]) / rate - 1.0)
+    error = float(np.mean(here.outputs[sensor] - _earth(here, sensor)) / rate - 1.0)
     runs = here.runs
     found = spread(runs, len(here))
     if found is None:
         reason = "no level of scatter that this needs was repeated or given"
         return RateError(sensor, rate, error, None, np.nan, len(here), runs, largest, reason)
     type_a, dof = found[0] / rate**2, found[1]
-    type_b = _type_b(plan, 1.0 + error)
+    type_b = _type_b(plan, 1.0 + error) + _earth_variance(here, sensor) / rate**2
     variance = type_a + type_b
     return RateError(
         sensor, rate, error, float(np.sqrt(variance)), dof * variance**2 / type_a**2, len(here), runs, largest
@@ -141,6 +141,17 @@ def _type_b(plan: Plan, gain: float) -> float:
     """Variance of the relative error from the standards (1)."""
     known = (plan.standards.get(name) for name in ("rate_table.rate", "converter.reference"))
     return float(sum((gain * influence.u) ** 2 for influence in known if influence is not None))
+
+
+def _earth(here: Readings, sensor: str) -> Array:
+    """Return the earth rate along the sensor's axis in each dwell [rad/s]."""
+    return np.zeros(len(here)) if here.earth is None else here.earth[:, AXES.index(sensor)]
+
+
+def _earth_variance(here: Readings, sensor: str) -> float:
+    """Return the variance of the mean earth rate along the sensor's axis [(rad/s)^2]."""
+    means = [patterns[:, :, AXES.index(sensor)].mean(axis=1) for patterns in here.earth_sources.values()]
+    return float(sum(float(mean @ mean) for mean in means))
 
 
 @dataclass(frozen=True)

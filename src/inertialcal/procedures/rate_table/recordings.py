@@ -20,7 +20,7 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
 from ...signals.dwells import Dwell, dwells_by_reference, dwells_by_windows, tally
-from .earth_input import add_earth
+from .earth_input import earth_in_dwells, gathered
 from .plan import AXES, Plan, Readings
 
 APPLIED = "applied"
@@ -72,7 +72,8 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     parts = [_of_recording(plan, number, one) for number, one in enumerate(turned)]
     sensors = [name for name in AXES if name in turned[0].recording.names]
     runs = [one.run for one in turned]
-    joined = Readings(
+    earth, sources = gathered([(part.earth, part.sources) for part in parts])
+    return Readings(
         applied=np.concatenate([part.applied for part in parts]),
         axis=np.concatenate([np.full(len(part.applied), one.axis) for part, one in zip(parts, turned, strict=True)]),
         outputs={s: np.concatenate([part.means[:, i] for part in parts]) for i, s in enumerate(sensors)},
@@ -83,12 +84,10 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         ),
         where=tuple(place for part in parts for place in part.where),
         sensors=tuple(sensors),
+        earth=earth,
+        earth_sources=sources,
         remarks=tuple(remark for part in parts for remark in part.remarks),
     )  # fmt: skip
-    start = np.concatenate([part.angle_start for part in parts])
-    angle = np.concatenate([part.angle for part in parts])
-    setup = np.concatenate([np.full(len(part.applied), number) for number, part in enumerate(parts)])
-    return add_earth(plan, joined, start, angle, setup)
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,8 +96,8 @@ class _Part:
     means: Array
     scatters: Array
     samples: Array
-    angle_start: Array
-    angle: Array
+    earth: Array
+    sources: dict[str, Array]
     where: tuple[str, ...]
     remarks: tuple[Remark, ...]
 
@@ -119,20 +118,27 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         raise DataError([replace(problem, where=place) for problem in error.problems]) from None
     dwells, applied, remarks = _complete(plan, dwells, applied, place)
     means = np.array([dwell.mean for dwell in dwells])
+    earth, sources = earth_in_dwells(plan, one.axis, *_angles(one, dwells, applied))
     if plan.zero_reference:
-        means, applied, dwells = _less_rest(means, applied, dwells, place)
+        rest = _rest_weights(dwells, applied, place)
+        means, earth = means - rest @ means, earth - rest @ earth
+        sources = {name: patterns - np.einsum("ij,sjk->sik", rest, patterns) for name, patterns in sources.items()}
+        moving = applied != 0.0
+        means, earth, applied = means[moving], earth[moving], applied[moving]
+        sources = {name: patterns[:, moving] for name, patterns in sources.items()}
+        dwells = [dwell for dwell, turning in zip(dwells, moving, strict=True) if turning]
     else:
         remarks += _no_rest(applied, place)
     counts = tally(dwells, len(recording))
-    used = f"{counts.used} of {counts.samples} samples in {len(dwells)} dwells; {counts.edge_dropped} at their edges dropped"
-    start, angle = _angles(one, dwells, applied)
+    used = f"{counts.used} of {counts.samples} samples in {len(dwells)} dwells"
+    used += f"; {counts.edge_dropped} at their edges dropped"
     return _Part(
         applied,
         means,
         np.array([dwell.scatter for dwell in dwells]),
         np.array([float(np.min(dwell.n_effective)) for dwell in dwells]),
-        start,
-        angle,
+        earth,
+        sources,
         tuple(f"{place}: dwell {i + 1} ({rate:+.6g} rad/s)" for i, rate in enumerate(applied)),
         (*recording.remarks, *remarks, Remark("dwells", "info", used, place)),
     )
@@ -159,18 +165,19 @@ def _complete(plan: Plan, dwells: list[Dwell], applied: Array, place: str) -> tu
     return [dwell for dwell, kept in zip(dwells, keep, strict=True) if kept], applied[keep], [remark]
 
 
-def _less_rest(means: Array, applied: Array, dwells: list[Dwell], place: str) -> tuple[Array, Array, list[Dwell]]:
-    rest = applied == 0.0
-    if not rest.any():
+def _rest_weights(dwells: list[Dwell], applied: Array, place: str) -> Array:
+    """Weights of all dwells in the interpolated reading at rest at each dwell, shape (n, n)."""
+    rest = np.flatnonzero(applied == 0.0)
+    if not len(rest):
         what = "the table is never still: no dwell at rest to refer to"
         raise DataError(what, place, do="Record a dwell at rest, or leave zero_reference out", code="never_still")
-    middle = np.array([0.5 * (dwell.start + dwell.stop) for dwell in dwells])
-    zero = np.column_stack([np.interp(middle, middle[rest], means[rest, i]) for i in range(means.shape[1])])
-    moving = ~rest
-    if not moving.any():
+    if len(rest) == len(applied):
         raise DataError("the table never turns", place, code="no_dwells")
-    kept = [dwell for dwell, turning in zip(dwells, moving, strict=True) if turning]
-    return (means - zero)[moving], applied[moving], kept
+    middle = np.array([0.5 * (dwell.start + dwell.stop) for dwell in dwells])
+    weights = np.zeros((len(dwells), len(dwells)))
+    for column, unit in zip(rest, np.eye(len(rest)), strict=True):
+        weights[:, column] = np.interp(middle, middle[rest], unit)
+    return weights
 
 
 def _no_rest(applied: Array, place: str) -> list[Remark]:

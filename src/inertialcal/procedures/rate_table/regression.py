@@ -35,7 +35,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...statistics.clustered import clustered_covariance
 from ...statistics.least_squares import Fit, fit
-from .plan import AXES, Plan, Readings
+from .plan import AXES, Labels, Plan, Readings
 
 EARTH_PASSES = 3
 
@@ -133,7 +133,7 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
 
 
 def _without_earth(readings: Readings, sensor: str, columns: Array, axes: tuple[str, ...]) -> Array:
-    """Readings less what the sensor reads of the earth's rotation, by its own matrix row, shape (n,)."""
+    """Return the readings less what the sensor reads of the earth's rotation, by its own matrix row, shape (n,)."""
     y = readings.outputs[sensor]
     if readings.earth is None or len(y) < columns.shape[1]:
         return y
@@ -222,7 +222,7 @@ def _dwell_level(square: float, dof: float) -> Level:
     return Level("dwell", float(np.sqrt(square / dof)), float(dof))
 
 
-def _within(found: Fit, at: Array, runs: int) -> Array:
+def _within(found: Fit, at: Labels, runs: int) -> Array:
     """Projection onto what neither the line nor an offset per run can describe, shape (n, n)."""
     columns = np.column_stack([found.design, np.eye(runs)[at]])
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)

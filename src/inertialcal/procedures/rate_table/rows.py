@@ -12,7 +12,7 @@ from ...statistics.intervals import chi_square_interval, t_interval
 from .linearity import linearity_row
 from .plan import INFLUENCES
 from .published import published_rows
-from .regression import Level
+from .regression import Level, Line
 
 if TYPE_CHECKING:
     from . import Result
@@ -39,7 +39,7 @@ def _sensors(result: Result) -> list[str]:
     return list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs]))
 
 
-def _straight(result: Result, sensor: str) -> object:
+def _straight(result: Result, sensor: str) -> Line | None:
     return result.straight[sensor] if sensor in result.straight[sensor].axes else None
 
 

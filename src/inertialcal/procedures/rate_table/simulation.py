@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from ...core.estimate import Array
-from .plan import AXES, Plan, Readings
+from .earth_input import with_earth
+from .plan import AXES, Labels, Plan, Readings
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +80,7 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
             axis += [name] * len(truth.rates)
             run += [str(number + 1)] * len(truth.rates)
     y = np.concatenate(outputs)
+    y = y + _earth(plan, truth, np.concatenate(applied), np.array(axis), rng) * (1.0 + gain_error)
     scatter = truth.sample_std * np.sqrt(rng.chisquare(truth.samples - 1, y.shape) / (truth.samples - 1))
     return Readings(
         applied=np.concatenate(applied),
@@ -90,6 +92,23 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
         where=tuple(f"simulated row {i + 1}" for i in range(len(y))),
         sensors=AXES,
     )
+
+
+def _earth(plan: Plan, truth: Truth, applied: Array, axis: Labels, rng: np.random.Generator) -> Array:
+    """What the sensors read of the earth's rotation, its unknown parts drawn, shape (n, 3)."""
+    blank = with_earth(plan, Readings(applied, axis, {}))
+    earth = np.zeros((len(applied), 3)) if blank.earth is None else blank.earth
+    for patterns in blank.earth_sources.values():
+        earth = earth + np.tensordot(_coefficients(len(patterns), rng), patterns, axes=1)
+    return np.asarray(earth @ truth.matrix.T)
+
+
+def _coefficients(count: int, rng: np.random.Generator) -> Array:
+    """Draw how much of each pattern there is, each of variance one: a direction, a phase, or a normal error."""
+    if count > 1:
+        vector = rng.normal(size=count)
+        return np.asarray(np.sqrt(count) * vector / np.linalg.norm(vector))
+    return rng.normal(size=1)
 
 
 def _draw(plan: Plan, name: str, rng: np.random.Generator) -> float:

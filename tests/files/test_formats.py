@@ -1,0 +1,66 @@
+"""Formats: told by their bytes, and the ones that are not read named."""
+
+from __future__ import annotations
+
+import io
+import zipfile
+
+import pytest
+
+from inertialcal.core.errors import DataError
+from inertialcal.files.formats import UNREAD, recognise
+
+
+def _zip(*names: str) -> bytes:
+    stream = io.BytesIO()
+    with zipfile.ZipFile(stream, "w") as archive:
+        for name in names:
+            archive.writestr(name, "x")
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    ("data", "name", "expected"),
+    [
+        (b"PAR1....", "a.csv", "parquet"),
+        (b"\x93NUMPY\x01\x00", "a", "npy"),
+        (b"MATLAB 5.0 MAT-file, ...", "a.mat", "mat5"),
+        (b"\x89HDF\r\n\x1a\n", "a.h5", "hdf5"),
+        (b"MATLAB 7.3 MAT-file".ljust(512) + b"\x89HDF\r\n\x1a\n", "a.mat", "hdf5"),
+        (b"\x00\x00\x00\x00\x05\x00\x00\x00", "a.MAT", "mat4"),
+        (b"  1.0  2.0\n", "a.mat", "text"),
+        (_zip("x.npy"), "a.npz", "npz"),
+        (b"t,x\n1,2\n", "a.parquet", "text"),
+    ],
+)
+def test_formats_that_are_read(data: bytes, name: str, expected: str) -> None:
+    assert recognise(data, name) == expected
+
+
+@pytest.mark.parametrize(("magic", "what"), UNREAD)
+def test_formats_that_are_not(magic: bytes, what: str) -> None:
+    with pytest.raises(DataError) as caught:
+        recognise(magic + b"...", "a.bin")
+    (problem,) = caught.value.problems
+    assert problem.what == f"this is {what}, which is not read yet"
+    assert problem.code == "unsupported_format"
+    assert "Formats read: CSV and other text, Parquet, MATLAB" in problem.do
+
+
+@pytest.mark.parametrize(
+    ("data", "what"),
+    [
+        (b"\xef\xbb\xbf <?xml version", "XML or HTML"),
+        (b'{"a": 1}', "JSON"),
+        (_zip("xl/workbook.xml"), r"an Excel workbook \(save it as CSV\)"),
+        (_zip("a.csv"), r"a zip archive \(unpack it\)"),
+    ],
+)
+def test_other_formats_that_are_not(data: bytes, what: str) -> None:
+    with pytest.raises(DataError, match=f"this is {what}, which is not read yet"):
+        recognise(data, "a")
+
+
+def test_a_damaged_archive() -> None:
+    with pytest.raises(DataError, match="damaged zip archive"):
+        recognise(_zip("x.npy")[:-30], "a.npz")

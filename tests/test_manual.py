@@ -1,0 +1,363 @@
+"""The manual is true: sessions print what the pages show, and every key, setting and option stands on its page.
+
+A page's fenced blocks are played in order in an empty folder: ``console`` (commands after ``$``, then what they
+print), ``python`` (must run), ``pycon`` (a doctest), ``code-block`` with a caption (a file of that name). A line
+``...`` in an output stands for lines that are left out.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import doctest
+import io
+import os
+import re
+import shlex
+from collections.abc import Iterator
+from dataclasses import dataclass, fields, is_dataclass
+from pathlib import Path
+from typing import Any, Literal, get_args, get_origin, get_type_hints
+
+import pytest
+from pydantic_core import PydanticUndefined
+from typer.main import get_command
+
+import inertialcal as ic
+from inertialcal.campaign import schema
+from inertialcal.campaign.plans import plan_settings
+from inertialcal.campaign.publish import ROW_COLUMNS
+from inertialcal.campaign.run import VERDICT_COLUMNS
+from inertialcal.cli.__main__ import main
+from inertialcal.cli.app import app
+from inertialcal.core.remarks import Remark
+from inertialcal.procedures import PROCEDURES
+
+ROOT = Path(__file__).resolve().parents[1]
+DOCS = ROOT / "docs"
+SOURCE = ROOT / "src" / "inertialcal"
+PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
+FENCE = re.compile(r"^```(?P<kind>\{?[\w-]+\}?)[^\n]*\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
+ELLIPSIS = "..."
+REFUSED = (2, 3)
+COMMANDS: dict[str, Any] = get_command(app).commands  # type: ignore[attr-defined]
+CAMPAIGN_TABLES = {
+    "Top level": schema.CampaignFile,
+    "`[campaign]`": schema.CampaignHead,
+    "`[item]`": schema.Item,
+    "`[site]`": schema.Site,
+    "Each is a table with one of": schema.StandardEntry,
+    "`[sensors.NAME]`": schema.Sensor,
+    "`chain`, the": schema.Chain,
+    "`thermometer`:": schema.Thermometer,
+    "`[recordings.NAME]`": schema.RecordingEntry,
+    "`rows`, of": schema.Rows,
+    "`channels`, of": schema.ChannelEntry,
+    "`clock`, of": schema.Clock,
+    "`schedule`, of": schema.Schedule,
+    "`[[tests]]`": schema.Test,
+    "`[model]`": schema.Model,
+    "`[[requirements]]`": schema.Requirement,
+}
+
+
+def name_of(path: Path) -> str:
+    return str(path.relative_to(ROOT))
+
+
+# Sessions
+
+
+@dataclass(frozen=True)
+class Step:
+    """One command of a session: what is typed, and what the page says it prints."""
+
+    typed: str
+    shown: list[str]
+
+
+def steps(block: str) -> Iterator[Step]:
+    for part in re.split(r"^\$ ", block, flags=re.MULTILINE)[1:]:
+        typed, _, shown = part.partition("\n")
+        yield Step(typed, shown.rstrip("\n").split("\n") if shown.strip() else [])
+
+
+class Session:
+    """Play the blocks of a page in the current folder."""
+
+    def __init__(self) -> None:
+        self.status = 0
+        self.names: dict[str, Any] = {}
+
+    def play(self, kind: str, body: str) -> None:
+        if kind == "console":
+            for step in steps(body):
+                printed = self.command(shlex.split(step.typed))
+                assert shows(step.shown, printed), f"$ {step.typed}\nprints\n" + "\n".join(printed)
+        elif kind == "python":
+            exec(compile(body, "manual", "exec"), self.names)
+        elif kind == "pycon":
+            self.example(body)
+        elif kind == "{code-block}" and ":caption:" in body:
+            head, _, text = body.partition("\n\n")
+            file = Path(head.partition(":caption:")[2].split("\n")[0].strip())
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+
+    def command(self, words: list[str]) -> list[str]:
+        """Return the lines that a command prints; of a refused one the messages too."""
+        if words == ["echo", "$?"]:
+            return [str(self.status)]
+        if words[0] == "cat":
+            return Path(words[1]).read_text(encoding="utf-8").rstrip("\n").split("\n")
+        assert words[0] == "inertialcal", f"a page types {words[0]!r}"
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as left:
+            main(words[1:])
+        self.status = int(str(left.value.code))
+        text = out.getvalue() + (err.getvalue() if self.status in REFUSED else "")
+        return [line.rstrip() for line in text.rstrip("\n").split("\n")] if text.strip() else []
+
+    def example(self, body: str) -> None:
+        test = doctest.DocTestParser().get_doctest(body, self.names, "manual", None, 0)
+        runner = doctest.DocTestRunner(optionflags=doctest.NORMALIZE_WHITESPACE | doctest.ELLIPSIS)
+        report = io.StringIO()
+        runner.run(test, out=report.write, clear_globs=False)
+        self.names.update(test.globs)
+        assert not report.getvalue(), report.getvalue()
+
+
+def shows(shown: list[str], printed: list[str]) -> bool:
+    """Whether the parts between ``...`` stand in the output, whole lines, in order, nothing else left out."""
+    parts: list[list[str]] = [[]]
+    for line in shown:
+        if line.strip() == ELLIPSIS:
+            parts.append([])
+        else:
+            parts[-1].append(line.rstrip())
+    at = 0
+    for number, part in enumerate(parts):
+        last = number == len(parts) - 1
+        starts = [at] if number == 0 else [len(printed) - len(part)] if last else range(at, len(printed))
+        found = next((i for i in starts if i >= at and printed[i : i + len(part)] == part), None)
+        if found is None:
+            return False
+        at = found + len(part)
+    return len(parts) > 1 or at == len(printed)
+
+
+@pytest.mark.parametrize("path", PAGES, ids=name_of)
+def test_what_a_page_shows_is_what_happens(
+    path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "80")
+    session = Session()
+    for block in FENCE.finditer(path.read_text(encoding="utf-8")):
+        session.play(block["kind"], block["body"])
+
+
+def test_an_output_may_leave_out_only_what_it_marks() -> None:
+    printed = ["a", "b", "c", "d"]
+    assert shows(["a", "...", "d"], printed)
+    assert shows(["...", "b", "c", "..."], printed)
+    assert shows(printed, printed)
+    for wrong in (["a", "b"], ["a", "...", "c"], ["a", "...", "x", "...", "d"], ["c", "...", "d"], ["a", "...", "a"]):
+        assert not shows(wrong, printed)
+
+
+# Tables of keys
+
+
+def rows_after(page: str, mark: str) -> dict[str, list[str]]:
+    """Cells of the first table after a line that begins with a mark, by key; a cell may name several keys."""
+    lines = iter(page.split("\n"))
+    next(line for line in lines if re.sub(r"^#+ ", "", line).startswith(mark))
+    found: dict[str, list[str]] = {}
+    for line in lines:
+        if line.startswith("| `"):
+            cells = [cell.strip() for cell in re.split(r"(?<!\\)\|", line)[1:-1]]
+            found |= {key: cells for key in re.findall(r"`([^`]+)`", cells[0])}
+        elif found:
+            break
+    return found
+
+
+def as_toml(value: Any) -> str:
+    """Return a default as the pages write it."""
+    words = {PydanticUndefined: "required", None: "none", True: "`true`", False: "`false`"}
+    try:
+        if value in words:
+            return words[value]
+    except TypeError:  # not hashable
+        pass
+    if isinstance(value, str):
+        return f'`"{value}"`'
+    if isinstance(value, int | float):
+        return f"`{value}`"
+    if isinstance(value, schema.Chain):
+        return f'`{{ kind = "{value.kind}" }}`'
+    return "none" if value == [] else "empty"
+
+
+def choices(annotation: Any) -> Iterator[str]:
+    """Words of every Literal in an annotation."""
+    if get_origin(annotation) is Literal:
+        yield from (str(one) for one in get_args(annotation))
+    else:
+        for part in get_args(annotation):
+            yield from choices(part)
+
+
+@pytest.mark.parametrize("mark", CAMPAIGN_TABLES)
+def test_every_key_of_the_campaign_file_is_documented(mark: str) -> None:
+    table = rows_after((DOCS / "campaign.md").read_text(encoding="utf-8"), mark)
+    known = {field.alias or name: field for name, field in CAMPAIGN_TABLES[mark].model_fields.items()}
+    assert list(table) == list(known)
+    for key, field in known.items():
+        default = {"standards": "none"}.get(key, as_toml(field.default))
+        assert table[key][2] == default, f"{key}: the default is {default}"
+        for word in choices(field.annotation):
+            assert word in table[key][1], f"{key}: {word} is not named"
+
+
+def test_every_standard_is_documented() -> None:
+    page = (DOCS / "campaign.md").read_text(encoding="utf-8")
+    known = {f"{standard}.{name}" for standard, inner in schema.STANDARDS.items() for name in inner}
+    assert set(rows_after(page, "`[standards.NAME]`")) == known
+
+
+def test_the_schema_has_no_table_without_a_page() -> None:
+    models = {one for one in vars(schema).values() if isinstance(one, type) and issubclass(one, schema.Strict)}
+    assert models - {schema.Strict} == set(CAMPAIGN_TABLES.values())
+
+
+@pytest.mark.parametrize("procedure", PROCEDURES)
+def test_every_setting_of_a_plan_is_documented(procedure: str) -> None:
+    page = (DOCS / "procedures" / f"{procedure}.md").read_text(encoding="utf-8")
+    plan = PROCEDURES[procedure].Plan
+    inner = {name: kind for name, hint in get_type_hints(plan).items() for kind in get_args(hint) if is_dataclass(kind)}
+    for mark, settings in {"Settings": plan, **{f"`{name}`:": kind for name, kind in inner.items()}}.items():
+        table, known = rows_after(page, mark), plan_settings(settings)
+        assert list(table) == list(known)
+        for key, (annotation, field) in known.items():
+            assert table[key][2] == as_toml(field.default), key
+            for word in choices(annotation):
+                assert word in table[key][1], key
+
+
+# Results
+
+
+@pytest.fixture(scope="module")
+def results(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Any]:
+    folder = tmp_path_factory.mktemp("manual")
+    with contextlib.redirect_stdout(io.StringIO()), pytest.raises(SystemExit):
+        main(["demo", str(folder / "example"), "--quiet"])
+    return ic.run(folder / "example").results
+
+
+def test_every_key_of_the_results_is_documented(results: dict[str, Any]) -> None:
+    page = (DOCS / "results.md").read_text(encoding="utf-8")
+    assert set(rows_after(page, "results.json")) == set(results)
+    assert set(rows_after(page, "Rows of results")) == set(results["results"][0])
+    assert set(rows_after(page, "Verdicts")) == set(results["verdicts"][0])
+    assert set(rows_after(page, "Remarks")) == set(results["remarks"][0])
+    for part in ("covariances", "budgets", "curves"):
+        assert all(f"`{key}`" in page for key in results[part][0]), part
+    for column in (*ROW_COLUMNS, *VERDICT_COLUMNS):
+        assert f"`{column}`" in page, column
+
+
+def test_every_file_of_out_is_documented(tmp_path: Path) -> None:
+    page = (DOCS / "results.md").read_text(encoding="utf-8")
+    with contextlib.redirect_stdout(io.StringIO()), pytest.raises(SystemExit):
+        main(["demo", str(tmp_path / "example"), "--quiet"])
+    out = tmp_path / "example" / "out"
+    assert set(rows_after(page, "Results: what `run` writes")) == set(os.listdir(out))
+    import json
+
+    assert set(rows_after(page, "provenance.json")) == set(json.loads((out / "provenance.json").read_text()))
+
+
+def test_every_key_of_json_is_documented() -> None:
+    page = (DOCS / "results.md").read_text(encoding="utf-8")
+    answer = io.StringIO()
+    with contextlib.redirect_stdout(answer), pytest.raises(SystemExit):
+        main(["check", "no such folder", "--json"])
+    import json
+
+    assert set(rows_after(page, "`--json`")) == set(json.loads(answer.getvalue()))
+
+
+def test_every_quantity_and_status_is_documented(results: dict[str, Any]) -> None:
+    page = (DOCS / "procedures" / "rate_table.md").read_text(encoding="utf-8")
+    words = (DOCS / "words.md").read_text(encoding="utf-8")
+    for row in results["results"]:
+        assert f"`{row['quantity']}`" in page, row["quantity"]
+        assert f"`{row['status']}`" in words
+        known = {one["id"] for one in [{"id": ""}, {"id": "R1"}, {"id": "R1-ref"}]}
+        assert row["condition"] in known or f"`{row['condition']}`" in words, row["condition"]
+    for verdict in ("PASS", "FAIL", "INCONCLUSIVE", "OPEN"):
+        assert f"| `{verdict}` |" in words
+
+
+def test_every_remark_of_a_procedure_is_documented() -> None:
+    code = re.compile(r'Remark\(\s*"(\w+)"')
+    for procedure in PROCEDURES:
+        page = (DOCS / "procedures" / f"{procedure}.md").read_text(encoding="utf-8")
+        for module in (SOURCE / "procedures" / procedure).glob("*.py"):
+            for word in code.findall(module.read_text(encoding="utf-8")):
+                assert f"`{word}`" in page, f"{procedure}: remark {word}"
+    results_page = (DOCS / "results.md").read_text(encoding="utf-8")
+    assert all(f"`{one.name}`" in results_page for one in fields(Remark))
+
+
+# Commands and Python
+
+
+def test_every_command_has_a_page_and_every_page_a_command() -> None:
+    assert {page.stem for page in (DOCS / "commands").glob("*.md")} == set(COMMANDS)
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
+    page = (DOCS / "commands" / f"{name}.md").read_text(encoding="utf-8")
+    table = {key.split()[0]: cells for key, cells in rows_after(page, "Options").items()}
+    known = {"--help"}
+    for parameter in COMMANDS[name].params:
+        options = [*parameter.opts, *parameter.secondary_opts]
+        known |= {str(parameter.name).upper()} if parameter.param_type_name == "argument" else set(options)
+    assert set(table) == known
+
+
+@pytest.mark.parametrize("path", PAGES, ids=name_of)
+def test_a_page_names_only_commands_that_exist(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    for word in re.findall(r"(?:`|^\$ |^)inertialcal ([a-z][\w-]*)", text, re.MULTILINE):
+        assert word in COMMANDS, f"{path.name}: inertialcal {word}"
+
+
+def test_every_exit_status_is_documented() -> None:
+    table = re.findall(r"^\| (\d+) \|", (DOCS / "words.md").read_text(encoding="utf-8"), re.MULTILINE)
+    assert table == ["0", "1", "2", "3", "4", "70", "130"]
+
+
+def test_every_public_name_is_documented() -> None:
+    api, python = ((DOCS / name).read_text(encoding="utf-8") for name in ("api.md", "python.md"))
+    for name in ic.__all__:
+        assert f"inertialcal.{name}\n" in api
+        assert f"ic.{name}(" in python
+
+
+@pytest.mark.parametrize("path", PAGES, ids=name_of)
+def test_links_to_files_lead_somewhere(path: Path) -> None:
+    for target in re.findall(r"\]\(([^)#\s]+)", path.read_text(encoding="utf-8")):
+        if "://" not in target:
+            assert (path.parent / target).exists(), f"{path.name}: {target}"
+
+
+@pytest.mark.parametrize("path", PAGES, ids=name_of)
+def test_pages_need_no_network(path: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    assert "{math}" not in text  # drawn by a script from the network
+    assert "$$" not in text
