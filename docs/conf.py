@@ -1,5 +1,6 @@
 """Sphinx settings of the manual. Everything that a page needs is in the built folder: no network."""
 
+import re
 from importlib.metadata import version as version_of
 
 project = "inertialcal"
@@ -7,7 +8,7 @@ author = "the inertialcal developers"
 version = release = version_of("inertialcal")
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "numpydoc"]
-source_suffix = {".md": "markdown"}
+source_suffix = {".rst": "restructuredtext", ".md": "markdown"}
 exclude_patterns = ["build"]
 suppress_warnings: list[str] = []
 nitpicky = False
@@ -17,6 +18,7 @@ myst_heading_anchors = 4
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # numpydoc states type, shape and unit of each argument
 numpydoc_show_class_members = False
+autosummary_generate = False
 numpydoc_xref_param_type = False
 
 html_theme = "alabaster"
@@ -26,10 +28,22 @@ html_show_copyright = False
 html_theme_options = {
     "description": "From raw counts to a calibration that can be trusted",
     "fixed_sidebar": True,
-    "page_width": "1080px",
+    "page_width": "1240px",
     "sidebar_width": "240px",
     "code_font_size": "0.8em",
     "show_powered_by": False,
     "show_relbars": False,
 }
 html_sidebars = {"**": ["about.html", "searchfield.html", "navigation.html"]}
+
+
+def setup(app):
+    """Connect what is adapted here."""
+    app.connect("autodoc-process-docstring", references_as_list, priority=100)  # before numpydoc
+
+
+def references_as_list(app, what, name, obj, options, lines):
+    """Turn citations into plain text: a function may cite the references of its module."""
+    for i, line in enumerate(lines):
+        line = re.sub(r"\[(\d+)\]_", r"[\1]", line)
+        lines[i] = re.sub(r"^(\s*)\.\. \[(\d+)\] ", r"\1\2. ", line)

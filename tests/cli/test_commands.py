@@ -44,7 +44,7 @@ def example(tmp_path: Path) -> Path:
 
 def test_run_of_the_published_campaign(capsys: pytest.CaptureFixture[str], example: Path) -> None:
     content = call_json(capsys, "run", str(example))
-    assert content["exit"] == 1  # R1 FAILs at 0.1 deg/s: the bias alone is 8 % of it
+    assert content["exit"] == 4  # at 0.1 deg/s the interval is wider than the limit
     on_disk = json.loads((example / "out/results.json").read_text())
     assert content["results"] == on_disk["results"]
     assert {one["path"] for one in content["inputs"]} >= {"campaign.toml", "table10_x.csv"}
@@ -56,6 +56,7 @@ def test_run_of_the_published_campaign(capsys: pytest.CaptureFixture[str], examp
     missing = {
         (r["test"], r["axis"]) for r in content["results"]
         if r["quantity"] == "misalignment" and r["status"] == "not_estimated" and not r["condition"]
+        and not r["test"].endswith(("_set1", "_set2")) and r["test"] != "model"
     }  # fmt: skip
     assert len(missing) == 12
     assert all(row["u"] is not None or row["status"] != "estimated" for row in content["results"])
@@ -64,12 +65,12 @@ def test_run_of_the_published_campaign(capsys: pytest.CaptureFixture[str], examp
 
 def test_run_text_names_verdicts_and_remarks(capsys: pytest.CaptureFixture[str], example: Path) -> None:
     status, out, err = call(capsys, "run", str(example))
-    assert status == 1
-    assert "overall: FAIL" in out
+    assert status == 4
+    assert "overall: INCONCLUSIVE" in out
     assert "87 times" in out  # Table 10, X, +2 deg/s, set 2
-    assert "6/6 requirements" in err
+    assert "12/12 model and requirements" in err
     status, out, _ = call(capsys, "run", str(example), "--quiet")
-    assert (status, out) == (1, "")
+    assert (status, out) == (4, "")
 
 
 def test_rerun_shows_what_changed(capsys: pytest.CaptureFixture[str], campaign: Write) -> None:
@@ -144,7 +145,10 @@ def test_an_empty_cell_is_missing_counted_and_remarked(capsys: pytest.CaptureFix
 
 def test_a_code_outside_the_converter_is_refused(capsys: pytest.CaptureFixture[str], campaign: Write) -> None:
     counts = 'run = "run", unit = "count", applied_unit = "deg/s" }'
-    folder = campaign(('run = "run", unit = "deg/s" }', counts), data="rate,x,std,set,run\n-1,1600,3,1,1\n1,5000,3,1,1\n2,2900,3,1,1\n")
+    folder = campaign(
+        ('run = "run", unit = "deg/s" }', counts),
+        data="rate,x,std,set,run\n-1,1600,3,1,1\n1,5000,3,1,1\n2,2900,3,1,1\n",
+    )
     problem = call_json(capsys, "run", str(folder))["errors"][0]
     assert problem["code"] == "code_outside"
     assert problem["where"] == "one.csv:3"
@@ -200,7 +204,7 @@ def test_demo_ends_with_zero_and_uses_its_own_copy(
     monkeypatch.chdir(tmp_path)
     status, out, _ = call(capsys, "demo")
     assert status == 0
-    assert "overall: FAIL" in out
+    assert "overall: INCONCLUSIVE" in out
     assert (tmp_path / "inertialcal-demo/out/results.json").is_file()
     assert call(capsys, "demo")[0] == 0
     (tmp_path / "other").mkdir()

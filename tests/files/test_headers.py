@@ -53,6 +53,8 @@ NAMES = [
     ("frame", "index", "", None),
     ("packetCounter", "index", "", None),
     ("Unnamed: 0", "index", "", None),
+    ("imu.t", "time", "", None),
+    ("header.seq", "index", "", None),
     ("imu.status", "status", "", None),
     ("Time Sigma", "", "", None),
     ("time_step", "", "", None),

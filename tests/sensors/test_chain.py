@@ -69,6 +69,10 @@ def test_thermometer_gives_its_reference_point_and_slope() -> None:
     np.testing.assert_allclose(thermometer.volts(t_ref - 1.0), v_n - 0.0264)
 
 
+def test_zero_of_one_row_is_constant() -> None:
+    assert convert(adc(zero=np.array([[0.25]])), column(2000)).output[0, 0] == pytest.approx(2000 * 5 / 4095 - 0.25)
+
+
 def test_gain_over_time() -> None:
     """The head at gains of 100 and 10: ten times the volts at the same input."""
     chain = adc(codes=(-32768, 32767), step=10.0 / 65536)

@@ -126,6 +126,15 @@ def test_other_models_take_the_plain_path_at_any_length(seed: int, monkeypatch: 
     np.testing.assert_array_equal(compensate(model, r, **given_), expected)
 
 
+def test_straight_model_with_another_changing_condition_takes_the_plain_path(monkeypatch: pytest.MonkeyPatch) -> None:
+    model = replace(flight_unit().models["corrected"], bias_pressure=np.full(3, 1e-8), reference_pressure=1e5)
+    still: Conditions = {"temperature": 21.0, "pressure": np.linspace(0.0, 1e5, 10)}
+    r = np.zeros((10, 3))
+    expected = compensate(model, r, **still)
+    monkeypatch.setattr(module, "KERNEL_ROWS", 1)
+    np.testing.assert_array_equal(compensate(model, r, **still), expected)
+
+
 def test_kernel_without_the_compiler() -> None:
     from inertialcal.sensors._kernels import straight_3
 

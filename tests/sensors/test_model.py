@@ -37,7 +37,7 @@ def estimate(name: str, value: float, unit: str) -> Estimate:
         ({"bias_warm_up": np.ones((1, 2)), "warm_up_time": np.array([-5.0])}, r"warm_up_time is \[-5.0\]"),
         ({"bias_run_to_run": np.array([0.1, -0.1])}, "standard deviation is negative"),
         ({"input_range": np.array([[-1.0, 1.0], [2.0, -2.0]])}, "input_range of y: 2 to -2"),
-        ({"temperature_range": (20.0, 20.0)}, "temperature_range: 20 to 20"),
+        ({"temperature_range": (30.0, 20.0)}, "temperature_range: 30 to 20"),
         ({"estimate": estimate("bias_z", 0.0, "rad/s")}, "the estimate has bias_z, which the model has not"),
         ({"estimate": estimate("bias_x", 0.0, "deg/s")}, "bias_x is estimated in 'deg/s', the model needs 'rad/s'"),
         ({"estimate": estimate("bias_x", 0.1, "rad/s")}, "bias_x is 0 in the model and 0.1 in its estimate"),

@@ -69,6 +69,12 @@ def test_place_names_the_row_of_the_file() -> None:
         apply_chain(CHAIN, raw, {"x": "a", "reference": "r", "validity": "bit"})
 
 
+def test_place_without_a_file_is_the_sample() -> None:
+    raw = Recording((counts("a", 2100, 4095), counts("r", 2048, 2048), counts("bit", 3000, 3000)))
+    done = apply_chain(CHAIN, raw, {"x": "a", "reference": "r", "validity": "bit"})
+    assert done.remarks[0].where == "sample 1"
+
+
 def test_column_in_volts_is_refused() -> None:
     raw = recording(counts("a", 1.0, unit="V"), counts("r", 2048), counts("bit", 3000))
     with pytest.raises(DataError, match="column 'a' is in V, the chain takes counts") as caught:

@@ -10,14 +10,17 @@ from typing import Any
 from ..core.errors import DataError, InertialcalError, PlanError, Problem
 from ..core.estimate import Estimate
 from ..core.remarks import Remark, gather
-from ..core.results import finite
+from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor, parse_quantity, si_unit
+from ..files.model_json import dump_model
 from ..procedures import rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
+from ..statistics.intervals import t_interval
 from .chains import scale_factors
 from .channels import turned_recording
 from .display import display_unit, displayed, scaled, scaled_interval
 from .load import Campaign, load
+from .modelling import Modelled, Prepared, make_model
 from .plans import plan_values
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, csv_text, flat, json_text, previous, swap_in
@@ -114,32 +117,46 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     """
     campaign = load(folder)
     tell = progress or (lambda done, total, what: None)
-    tested, inputs, remarks = _reduce_all(campaign, tell)
-    tell(len(tested), len(tested), "requirements")
-    results, verdicts = _results(campaign, tested, remarks)
-    verdict = worst(verdicts) if campaign.file.requirements else ""
+    prepared, tested, remarks = _reduce_all(campaign, tell)
+    inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
+    tell(len(tested), len(tested), "model and requirements")
+    modelled = _modelled(campaign, prepared)
+    if modelled is not None:
+        remarks += [remark.at("closed loop") for remark in modelled.remarks]
+    results, verdicts = _results(campaign, tested, modelled, remarks)
+    stated = [worst(verdicts)] if campaign.file.requirements else []
+    if modelled is not None and modelled.loops:
+        stated.append(modelled.verdict)
+    verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
     results["verdict"] = verdict or None
     before = previous(campaign.folder)
     if write:
-        swap_in(campaign.folder, _files(campaign, results, inputs, str(folder)))
+        swap_in(campaign.folder, _files(campaign, results, modelled, inputs, str(folder)))
     return Outcome(campaign, results, inputs, verdict, changes(before, results))
 
 
-@dataclass(frozen=True, eq=False)
-class _Prepared:
-    plan: rate_table.Plan
-    readings: rate_table.Readings
-    inputs: dict[str, str]
+def _modelled(campaign: Campaign, prepared: Sequence[Prepared]) -> Modelled | None:
+    """Make the model of the sensor that was fitted; problems get the place of the first such test."""
+    fitted = [one for one in prepared if one.test.use == "fit"]
+    if not fitted:
+        return None
+    sensor = _sensor(campaign, fitted[0].test)
+    mine = [one for one in prepared if _sensor(campaign, one.test) is sensor]
+    number = campaign.file.tests.index(fitted[0].test)
+    try:
+        return make_model(campaign, mine, sensor)
+    except InertialcalError as error:
+        raise type(error)([_placed(problem, campaign, number) for problem in error.problems]) from None
 
 
-def _prepare(campaign: Campaign, number: int) -> _Prepared:
+def _prepare(campaign: Campaign, number: int) -> Prepared:
     """Return readings and plan of one test; problems get the place of the test where they have none."""
     test = campaign.file.tests[number]
     try:
         sensor = _sensor(campaign, test)
         plan = _plan(campaign, test, sensor)
         readings, inputs = test_readings(campaign, test, sensor, plan)
-        return _Prepared(plan, readings, inputs)
+        return Prepared(test, plan, readings, inputs)
     except InertialcalError as error:
         raise type(error)([_placed(problem, campaign, number) for problem in error.problems]) from None
 
@@ -193,9 +210,9 @@ def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
     )
 
 
-def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Tested], dict[str, str], list[Remark]]:
+def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[Tested], list[Remark]]:
     tests = campaign.file.tests
-    inputs = {"campaign.toml": campaign.sha256}
+    ready: list[Prepared] = []
     tested: list[Tested] = []
     remarks: list[Remark] = []
     problems: list[Problem] = []
@@ -207,20 +224,22 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Tested], dict[
         except InertialcalError as error:
             problems += [_placed(problem, campaign, number) for problem in error.problems]
             continue
-        inputs |= prepared.inputs
+        ready.append(prepared)
         tested.append(Tested(test, result, [replace(row, test=test.id) for row in result.rows()]))
         remarks += [remark.at(test.id) for remark in result.remarks]
     if problems:
         raise DataError(list(dict.fromkeys(problems)))
-    return tested, inputs, remarks
+    return ready, tested, remarks
 
 
 def _results(
-    campaign: Campaign, tested: Sequence[Tested], remarks: Sequence[Remark]
+    campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None, remarks: Sequence[Remark]
 ) -> tuple[dict[str, Any], list[Verdict]]:
     rows = [
         displayed(_conditioned(row, one.test), _sensor(campaign, one.test).unit) for one in tested for row in one.rows
     ]
+    if modelled is not None:
+        rows += [displayed(replace(row, test="model"), _model_sensor(campaign).unit) for row in _model_rows(modelled)]
     verdicts: list[Verdict] = []
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     for requirement in campaign.file.requirements:
@@ -238,6 +257,8 @@ def _results(
         "remarks": [remark.to_dict() for remark in gather(remarks)],
         "decision_rule": RULE,
         "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
+        "closed_loop": _closed_loop(modelled, unit),
+        "verification": _verification(campaign, verdicts, modelled),
     }
     return results, verdicts
 
@@ -319,9 +340,76 @@ def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _files(campaign: Campaign, results: dict[str, Any], inputs: dict[str, str], folder: str) -> dict[str, str]:
+def _model_sensor(campaign: Campaign) -> Sensor:
+    return _sensor(campaign, next(test for test in campaign.file.tests if test.use == "fit"))
+
+
+def _model_rows(modelled: Modelled) -> list[Row]:
+    """Rows of the parameters of the model: what goes into model.json."""
+    estimate = modelled.model.estimate
+    rows = []
+    if estimate is not None:
+        for i, name in enumerate(estimate.names):
+            quantity, _, axis = name.rpartition("_")
+            value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
+            rows.append(Row(quantity, axis, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
+    for name, reason in modelled.model.not_estimated.items():
+        quantity, _, axis = name.rpartition("_")
+        rows.append(not_estimated(quantity, axis, "rad" if quantity == "misalignment" else "1", reason))
+    return rows
+
+
+def _closed_loop(modelled: Modelled | None, unit: str) -> dict[str, Any]:
+    """Say what the closed loop gave, in the unit of the sensor."""
+    if modelled is None or not modelled.loops:
+        reason = "no test is for a fit" if modelled is None else "no test is held out"
+        return {"verdict": "not run", "reason": reason, "axes": []}
+    scale = factor("rad/s", unit)
+    axes = [
+        {
+            "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": unit,
+            "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
+            "mean_square_gain": one.gain * scale**2, "u": one.u * scale**2, "dof": finite(one.dof),
+            "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
+        }
+        for one in modelled.loops
+    ]  # fmt: skip
+    return {"verdict": modelled.verdict, "reason": "", "axes": axes}
+
+
+def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Modelled | None) -> list[dict[str, Any]]:
+    """Rows of the verification matrix: requirement, method, evidence, verdict; untested requirements are OPEN."""
+    rows: list[dict[str, Any]] = []
+    for requirement in campaign.file.requirements:
+        mine = [one for one in verdicts if one.requirement == requirement.id]
+        is_open = all(one.verdict == "OPEN" for one in mine)
+        rows.append(
+            {
+                "requirement": requirement.id, "text": requirement.text, "method": "" if is_open else "test",
+                "evidence": list(dict.fromkeys(one.test for one in mine if one.test)),
+                "verdict": "OPEN" if is_open else worst(mine),
+            }
+        )  # fmt: skip
+    if modelled is not None and modelled.loops:
+        held = [test.id for test in campaign.file.tests if test.use == "hold_out"]
+        text = "compensation improves readings that the model has not seen"
+        row = {
+            "requirement": "closed loop",
+            "text": text,
+            "method": "test",
+            "evidence": held,
+            "verdict": modelled.verdict,
+        }
+        rows.append(row)
+    return rows
+
+
+def _files(
+    campaign: Campaign, results: dict[str, Any], modelled: Modelled | None, inputs: dict[str, str], folder: str
+) -> dict[str, str]:
     record = provenance(inputs, folder, {})
-    return {
+    model = {} if modelled is None or modelled.verdict == "FAIL" else {"model.json": dump_model(modelled.model)}
+    return model | {
         "results.json": json_text(results),
         "results.csv": csv_text([flat(row) for row in results["results"]], ROW_COLUMNS),
         "verdicts.csv": csv_text([flat(row) for row in results["verdicts"]], VERDICT_COLUMNS),

@@ -19,6 +19,7 @@ from ..core.remarks import Remark
 from ..core.units import convert, factor, kind, si_unit
 from ..files.table import Table, read_table
 from ..procedures.rate_table import Readings
+from ..procedures.rate_table.earth_input import gathered
 from ..sensors.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors
 from .clock_text import read_instant
@@ -224,6 +225,10 @@ def together(parts: list[Readings]) -> Readings:
     if len({part.run is None for part in parts}) > 1:
         raise DataError("some recordings of the test name their runs and some do not", do="Give rows.run for all")
     sensors = list(dict.fromkeys(name for part in parts for name in part.outputs))
+    earth: Array | None = None
+    sources: dict[str, Array] = {}
+    if all(part.earth is not None for part in parts):
+        earth, sources = gathered([(part.earth, dict(part.earth_sources)) for part in parts if part.earth is not None])
     return Readings(
         applied=np.concatenate([part.applied for part in parts]),
         axis=np.concatenate([part.axis for part in parts]),
@@ -236,6 +241,8 @@ def together(parts: list[Readings]) -> Readings:
         else np.concatenate([part.run for part in parts if part.run is not None]),
         where=tuple(place for part in parts for place in part.where),
         sensors=parts[0].sensors,
+        earth=earth,
+        earth_sources=sources,
         remarks=tuple(remark for part in parts for remark in part.remarks),
     )  # fmt: skip
 

@@ -23,7 +23,7 @@ _NAN = (
     r"(?P<nan>[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1[.,]\#(?:ind|qnan|snan|inf)\w*)"
     r"|n/?a|\#n/a|null|none)"
 )
-_CELL = r"(?P<integer>-?[0-9]+)|(?P<number>[-+]?(?:[0-9]+{0}?[0-9]*|{0}[0-9]+)(?:[ed][-+]?[0-9]+)?)|" + _NAN
+_CELL = r"(?P<integer>-?[0-9]+)|(?P<number>[-+]?(?:[0-9]+(?:{0}[0-9]*)?|{0}[0-9]+)(?:[ed][-+]?[0-9]+)?)|" + _NAN
 CELL = {point: re.compile(_CELL.replace("{0}", re.escape(point)), re.IGNORECASE | re.ASCII) for point in (".", ",")}
 KINDS = {"integer": "i", "number": "f", "nan": "n"}  # by the group that matched
 BLANKS = " \t"

@@ -168,7 +168,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     quantity = _quantity(bare, [word.lower() for word in WORD.findall(rest)] if known else words)
     if given is not None and given.strip():
         known = _known(given.strip(), quantity)
-    known = _by_name(words) if known is None and given is None else known
+    known = _by_name(_last(bare, words)) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
     unknown = given.strip() if given is not None and known is None else ""
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
@@ -219,6 +219,11 @@ def _known(text: str, quantity: str) -> str | None:
         return None
 
 
+def _last(bare: str, words: list[str]) -> list[str]:
+    """Words of the last part of a path: ``imu.t``."""
+    return [word.lower() for word in WORD.findall(bare.rpartition(".")[2])] if "." in bare else words
+
+
 def _by_name(words: list[str]) -> str | None:
     """Return the unit of a column named by its unit: ``millis``."""
     return TIME_NAMES.get("".join(words))
@@ -247,7 +252,7 @@ def _words_to_unit(parts: list[str]) -> str | None:
 
 def _quantity(bare: str, words: list[str]) -> str:
     """Return what a column measures, by its name."""
-    whole = "".join(words)
+    whole = "".join(_last(bare, words))
     if whole in INDEX_NAMES or bare == "#":
         return "index"
     if whole in TIME_NAMES:

@@ -129,7 +129,8 @@ class SensorModel:
     reference_pressure : float, optional
         p_ref [Pa]; needed with ``bias_pressure``.
     input_range : ndarray, shape (k, 2), optional
-        Lowest and highest input along each axis that the model holds for [input unit].
+        Lowest and highest input along each axis that the model holds for [input unit]; both zero for an axis that
+        was never turned.
     temperature_range, pressure_range : (float, float), optional
         The same for temperature [degC] and pressure [Pa].
     estimate : Estimate, optional
@@ -308,7 +309,7 @@ def _check_ranges(model: SensorModel) -> None:
     if model.input_range is not None:
         ranges |= {f"input_range of {a}": (lo, hi) for a, (lo, hi) in zip(model.axes, model.input_range, strict=True)}
     for name, ends in ranges.items():
-        if ends is not None and not ends[0] < ends[1]:
+        if ends is not None and not ends[0] <= ends[1]:
             raise DataError(f"{name}: {ends[0]:g} to {ends[1]:g}", do="Give the lower end first")
 
 

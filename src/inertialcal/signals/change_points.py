@@ -36,6 +36,7 @@ Indices = NDArray[np.int64]
 
 HALF_NORMAL = float(stats.norm.ppf(0.75))  # median of |x| for unit normal x
 WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
+BLUE = np.sqrt(2.0)  # most that single samples can differ more than white ones: neighbours opposed
 ROUNDS = 10
 PROBES = 4_000  # places at which the usual scatter of a statistic is measured
 FEWEST = 16  # places from which it can be
@@ -150,6 +151,8 @@ def _changes_at_scale(
         if measured is None:
             limit = np.maximum(quantile * white * np.maximum(wide, widening), noise.feigned)
             return _exceedances(jumps, limit, w, cuts), widening
+        if w == 1:
+            measured = np.minimum(measured, BLUE)
         if np.all(measured <= WIDEN * wide):
             break
         wide = np.maximum(wide, measured)
@@ -253,7 +256,7 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
     for k in range(y.shape[1]):
         variance = _window_variance(y[inside, k], cuts, w)
-        usual, dof = _usual_variance(variance[probes], w)
+        usual, dof = (0.0, w - 1.0) if noise.stated else _usual_variance(variance[probes], w)
         hot |= variance > stats.f.isf(tail, dof, noise.dof[k]) * max(noise.scale[k] ** 2, usual)
     at = np.flatnonzero(hot & whole)
     found[inside] = covered(at, at + w, int(cuts[-1]))

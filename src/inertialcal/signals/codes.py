@@ -89,7 +89,7 @@ def resolution(found: Levels) -> float | None:
 def _refined(apart: Array, step: float) -> float | None:
     """Mean step, where (nearly) every distance is a whole number of steps."""
     # Near levels first: their whole numbers are certain and give the step with which to count the far ones.
-    near = apart[apart < 8.0 * step]
+    near = apart[apart < 8.0 * apart.min()]
     step = float(near.sum() / np.rint(near / step).sum())
     whole = np.rint(apart / step)
     off = np.abs(apart / step - whole) > OFF_STEP * np.maximum(whole, 1.0) ** 0.5

@@ -42,12 +42,15 @@ class Noise:
         Smallest difference, other than zero, between two neighbouring samples [unit of the signal].
     live : ndarray of bool, shape (channels,)
         Whether the noise is larger than half a step, so that many equal neighbours mean a stuck sensor.
+    stated : bool
+        Whether it was stated, not measured.
     """
 
     scale: Array
     dof: Array
     step: Array
     live: NDArray[np.bool_]
+    stated: bool = False
 
     @property
     def feigned(self) -> Array:
@@ -79,7 +82,7 @@ def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
         raise PlanError(f"{len(stated)} value(s) of noise stated for {y.shape[1]} channel(s)")
     columns = [_of_channel(y[:, k]) if stated is None else _stated(y[:, k], stated[k]) for k in range(y.shape[1])]
     scale, dof, step, live = (np.array(values) for values in zip(*columns, strict=True))
-    return Noise(scale, dof, step, live)
+    return Noise(scale, dof, step, live, stated is not None)
 
 
 def _of_channel(y: Array) -> tuple[float, float, float, bool]:

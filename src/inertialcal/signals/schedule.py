@@ -21,6 +21,9 @@ from ..core.recording import Times
 from .dwells import Dwell, dwell_of
 from .samples import LONGEST_GAP, Indices, samples_of
 
+ROUNDING = 1e-9  # by which a stated tolerance may be exceeded
+FIRST_PART = 64  # samples: a dwell is rarely shorter
+
 
 def dwells_by_windows(
     windows_ns: Sequence[tuple[int, int]], signal: NDArray[Any], time_ns: Times, *, drop_edge: int = 1
@@ -103,8 +106,7 @@ def dwells_by_reference(
     sample_interval : float, optional
         Nominal time from sample to sample [s]; from the time by default.
     tolerance : float
-        Change from sample to sample that is no step [unit of ``applied``]; a stretch that wanders by more
-        than twice this is not constant and makes no dwell.
+        Largest deviation of a held value from its middle [unit of ``applied``]; zero for a commanded one.
     min_samples, min_duration : int, float [s]
         Shortest dwell before its edges are dropped; four samples and the edges by default.
     drop_edge : int
@@ -143,13 +145,32 @@ def dwells_by_reference(
 
 
 def _constant_runs(reference: Array, rows: Indices, ticks: Array, tolerance: float) -> list[tuple[int, int]]:
-    """Stretches [start, stop) in which the reference neither steps nor wanders nor has a long gap."""
+    """Stretches [start, stop) in which the reference spans no more than twice its tolerance, nor has a long gap."""
     if not len(rows):
         return []
-    values = reference[rows]
-    broken = (np.abs(np.diff(values, axis=0)) > tolerance).any(axis=1) | (np.diff(ticks[rows]) > LONGEST_GAP)
-    edges = np.r_[0, np.flatnonzero(broken) + 1, len(rows)]
-    span = np.maximum.reduceat(values, edges[:-1]) - np.minimum.reduceat(values, edges[:-1])
-    steady = (span <= 2.0 * tolerance).all(axis=1)
-    runs = zip(edges[:-1][steady], edges[1:][steady], strict=True)
-    return [(int(rows[a]), int(rows[b - 1]) + 1) for a, b in runs]
+    span = 2.0 * tolerance * (1.0 + ROUNDING)
+    broken = np.diff(ticks[rows]) > LONGEST_GAP
+    broken |= (np.abs(np.diff(reference[rows], axis=0)) > span).any(axis=1)
+    edges = np.concatenate(([0], np.flatnonzero(broken) + 1, [len(rows)]))
+    runs = []
+    for first, after in pairwise(edges.tolist()):
+        at = first
+        while at < after:  # a slow ramp has no step: it is cut where it has gone too far
+            held = at + _held(reference[rows[at:after]], span)
+            runs.append((int(rows[at]), int(rows[held - 1]) + 1))
+            at = held
+    return runs
+
+
+def _held(values: Array, span: float) -> int:
+    """Count the first values that lie within a span, one or more; looked through in growing parts."""
+    part = FIRST_PART
+    while True:
+        head = values[:part]
+        wide = np.maximum.accumulate(head) - np.minimum.accumulate(head)
+        gone = np.flatnonzero((wide > span).any(axis=1))
+        if gone.size:
+            return int(gone[0])
+        if part >= len(values):
+            return len(values)
+        part *= 4

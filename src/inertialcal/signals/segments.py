@@ -8,7 +8,7 @@ judge, samples that are missing for too long.
 The detector is ``still_stretches``, the noise under it ``noise_scale``, its tests ``change_points``. What it
 cannot do: tell a drift slower than its longest window from a constant level; find a step
 smaller than the noise of two window means (0.006 deg/s at a noise of 0.004 deg/s in a dwell of 30 samples,
-say); take a stretch for still whose noise is twice that of the quietest. Where a reference or a schedule
+say); take a stretch for still whose noise is more than twice that of the quietest. Where a reference or a schedule
 exists, cut by that (``dwells_by_reference``, ``dwells_by_windows``).
 
 Selections: ``dwells`` (every still stretch long enough), ``static_intervals`` (one for each placement of a

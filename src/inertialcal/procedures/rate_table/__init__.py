@@ -44,11 +44,13 @@ __all__ = [
     "Resolution",
     "Result",
     "Truth",
+    "exclusions",
     "rate_errors",
     "reduce",
     "resolution",
     "rows",
     "simulate",
+    "with_earth",
 ]
 
 FEW_RUNS = 5  # with fewer, an interval is honest but wide and rests on a guess of the distribution

@@ -14,46 +14,18 @@ after (k) are ``cos(theta) p + sin(theta) q`` and ``-sin(theta) p + cos(theta) q
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from ...core.constants import EARTH_ROTATION_RATE
-from ...core.estimate import Array
+from ...core.estimate import Array, Estimate
+from ...physics.earth import axis_earth_rate
 from .plan import AXES, Attitude, Plan, Readings
 
 ROOT_HALF = float(np.sqrt(0.5))
 ROOT_THIRD = float(np.sqrt(1.0 / 3.0))
 OMEGA = EARTH_ROTATION_RATE.value
-
-
-@dataclass(frozen=True)
-class AxisRate:
-    """Earth rate along the table axis [rad/s], and the standard uncertainty of it by what it comes from."""
-
-    value: float
-    u: dict[str, float]
-
-
-def along_table_axis(attitude: Attitude, latitude: float, u_latitude: float = 0.0) -> AxisRate:
-    """Return earth rate along the axis of the table.
-
-    ``Omega (cos L sin t cos a + sin L cos t)`` with latitude L, tilt t and azimuth a; where the azimuth is not
-    known, all are equally likely.
-    """
-    tilt, known = attitude.tilt, attitude.azimuth is not None
-    level = OMEGA * np.cos(latitude) * np.sin(tilt)
-    turn = float(np.cos(attitude.azimuth)) if attitude.azimuth is not None else 0.0
-    value = level * turn + OMEGA * np.sin(latitude) * np.cos(tilt)
-    by_tilt = OMEGA * (np.cos(latitude) * np.cos(tilt) * turn - np.sin(latitude) * np.sin(tilt))
-    by_latitude = OMEGA * (np.cos(latitude) * np.cos(tilt) - np.sin(latitude) * np.sin(tilt) * turn)
-    by_azimuth = level * float(np.sin(attitude.azimuth or 0.0)) * attitude.u_azimuth if known else level * ROOT_HALF
-    u = {
-        "tilt of the table": abs(by_tilt) * attitude.u,
-        "azimuth of the table": abs(by_azimuth),
-        "latitude": abs(by_latitude) * u_latitude,
-    }
-    return AxisRate(float(value), {name: float(size) for name, size in u.items() if size > 0.0})
 
 
 def earth_in_dwells(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[Array, dict[str, Array]]:
@@ -84,12 +56,26 @@ def earth_in_dwells(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[
     if plan.attitude is None or plan.latitude is None:
         size = OMEGA * ROOT_THIRD
         return np.zeros_like(along), {f"direction unknown, {axis} turned": size * np.stack([along, *across])}
-    latitude = plan.standards.get("site.latitude")
-    rate = along_table_axis(plan.attitude, plan.latitude, 0.0 if latitude is None else latitude.u)
-    sources = {name: (u * along)[None] for name, u in rate.u.items()}
-    size = float(np.sqrt(max(OMEGA**2 - rate.value**2, 0.0)))
+    rate = _along_table_axis(plan, plan.attitude, plan.latitude)
+    value = float(rate.values[0])
+    sources = {
+        f"{one.source} of the table": (float(one.u[0]) * along)[None] for one in rate.components if one.u[0] > 0.0
+    }
+    size = float(np.sqrt(max(OMEGA**2 - value**2, 0.0)))
     sources[f"phase of the table, {axis} turned"] = size * ROOT_HALF * across
-    return rate.value * along, sources
+    return value * along, sources
+
+
+def _along_table_axis(plan: Plan, attitude: Attitude, latitude: float) -> Estimate:
+    known = plan.standards.get("site.latitude")
+    return axis_earth_rate(
+        latitude,
+        attitude.tilt,
+        attitude.azimuth,
+        u_latitude=0.0 if known is None else known.u,
+        u_tilt=attitude.u,
+        u_azimuth=attitude.u_azimuth,
+    )
 
 
 def _across(i: int, start: Array, angle: Array) -> Array:

@@ -53,7 +53,7 @@ def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, condition
         elif estimate is not None and name in estimate.names:
             found.append(_row(result, estimate, name, quantity, axis, condition))
         else:
-            found.append(not_estimated(quantity, axis, unit, _why_not(result, sensor, quantity), condition))
+            found.append(not_estimated(quantity, axis, unit, _why_not(result, sensor, quantity, axis[1:]), condition))
     return found
 
 
@@ -113,11 +113,12 @@ def _limits(result: Result) -> str:
     return "relative to the fixture" if missing else ""
 
 
-def _why_not(result: Result, sensor: str, quantity: str) -> str:
+def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> str:
     readings = result.readings
-    if sensor not in readings.outputs:
-        turned = ", ".join(str(axis) for axis in np.unique(readings.axis))
-        return f"no readings of the {sensor} sensor while {turned} is turned"
+    turned = [axis] if axis else [str(one) for one in np.unique(readings.axis)]
+    read = np.isfinite(readings.outputs[sensor]) if sensor in readings.outputs else np.zeros(len(readings), dtype=bool)
+    if not np.any(read & np.isin(readings.axis, turned)):
+        return f"no readings of the {sensor} sensor while {', '.join(turned)} is turned"
     if sensor in result.reasons:
         return result.reasons[sensor]
     if sensor not in result.lines[sensor].axes:

@@ -95,7 +95,7 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
 
 
 def _earth(plan: Plan, truth: Truth, applied: Array, axis: Labels, rng: np.random.Generator) -> Array:
-    """What the sensors read of the earth's rotation, its unknown parts drawn, shape (n, 3)."""
+    """Return what the sensors read of the earth's rotation, its unknown parts drawn, shape (n, 3)."""
     blank = with_earth(plan, Readings(applied, axis, {}))
     earth = np.zeros((len(applied), 3)) if blank.earth is None else blank.earth
     for patterns in blank.earth_sources.values():

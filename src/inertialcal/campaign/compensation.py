@@ -1,0 +1,178 @@
+"""A model applied to a recording, with what else the model needs to know, and with uncertainties if asked for.
+
+Standard uncertainties stand in columns of their own, ``u_`` before the name.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+from ..core.recording import Channel, Recording
+from ..core.remarks import Remark
+from ..core.units import convert, factor
+from ..sensors.equation import Conditions, needed
+from ..sensors.model import SensorModel, check_item
+from ..sensors.on_recordings import compensate_recording, to_input_unit
+from ..sensors.uncertainty import compensated_uncertainty, without_uncertainty
+from .model_inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
+
+
+def compensate(
+    model: SensorModel,
+    recording: Recording,
+    columns: Mapping[str, str] | None = None,
+    *,
+    temperature: str | float | None = None,
+    serial: str | None = None,
+    uncertainty: bool = False,
+) -> Recording:
+    """Return the recording with the true inputs in place of the readings; time, gaps and other channels stay.
+
+    Parameters
+    ----------
+    model : SensorModel
+        As ``load_model`` gives it.
+    recording : Recording
+        With readings in units of input (deg/s, g, ...) or output (V, count/s).
+    columns, temperature
+        As `taken`.
+    serial : str, optional
+        Serial number of the sensor that gave the data, to be checked against that of the model.
+    uncertainty : bool
+        Add a column with the standard uncertainty of each compensated one.
+
+    Raises
+    ------
+    DataError
+        ``wrong_serial``, ``wrong_unit``, ``no_unit``, ``wrong_column``, ``no_temperature``,
+        ``missing_condition``, ``not_unique``, ``not_invertible``, ``no_validity_range``, ``no_covariance``.
+    """
+    check_item(model, serial=serial)
+    chosen = taken(model, recording, columns, temperature)
+    conditions = _conditions(model, recording, chosen)
+    axes = {axis: chosen.columns[axis] for axis in model.axes}
+    _check_units(model, recording, axes)
+    done = compensate_recording(model, recording, axes, **conditions)
+    done = replace(done, remarks=(*done.remarks, *_judged(model)))
+    return _with_uncertainty(model, recording, done, axes, conditions) if uncertainty else done
+
+
+def _check_units(model: SensorModel, recording: Recording, axes: Mapping[str, str]) -> None:
+    """Refuse axes without a unit, or with one of another kind, with the file and the way out."""
+    for name in axes.values():
+        unit = recording.channel(name).unit
+        if unit is None:
+            raise DataError(
+                f"nothing says the unit of column {name!r}",
+                where=recording.source.path,
+                why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
+                do=f"Say it: --unit {name}={'deg/s' if model.kind == 'gyro' else 'g'}",
+                code="no_unit",
+            )
+        try:
+            check_item(model, unit=unit)
+        except DataError as error:
+            problem = replace(error.problems[0], where=recording.source.path)
+            raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None
+
+
+def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Conditions:
+    """Return what the terms of the model need, from columns or fixed."""
+    needs = needed(model)
+    found: Conditions = {}
+    for name, unit in CONDITIONS.items():
+        if name not in needs:
+            continue
+        values = _condition(recording, chosen.columns, name, unit, model.axes)
+        if values is not None:
+            found[name] = values  # type: ignore[literal-required]
+    if "temperature" in needs and "temperature" not in found:
+        found["temperature"] = _temperature(chosen, recording, needs["temperature"])
+    if "specific_force" in needs and all(name in chosen.columns for name in FORCES):
+        columns = [_in_unit(recording, chosen.columns[name], "m/s^2") for name in FORCES]
+        found["specific_force"] = np.column_stack(columns)
+    _require(needs, found, recording)
+    return found
+
+
+def _condition(
+    recording: Recording, columns: Mapping[str, str], name: str, unit: str, axes: tuple[str, ...]
+) -> Array | None:
+    """Return a condition, one for all sensors, shape (n,), or one a sensor, shape (n, k); None where not told."""
+    each = [columns.get(f"{name}_{axis}", columns.get(name)) for axis in axes]
+    if any(column is None for column in each):
+        return None
+    if len(set(each)) == 1:
+        return _in_unit(recording, str(each[0]), unit)
+    return np.column_stack([_in_unit(recording, str(column), unit) for column in each])
+
+
+def _in_unit(recording: Recording, name: str, unit: str) -> Array:
+    channel = recording.channel(name)
+    if channel.unit is None:
+        raise DataError(
+            f"nothing says the unit of column {name!r}",
+            where=recording.source.path,
+            do=f"Say it: --unit {name}={unit}",
+            code="no_unit",
+        )
+    values = recording.array([name])[:, 0]
+    if unit == "degC/s":
+        return values * factor(channel.unit, unit, difference=True)
+    return convert(values, channel.unit, unit)
+
+
+def _temperature(chosen: Taken, recording: Recording, term: str) -> float:
+    if chosen.temperature is not None:
+        return chosen.temperature
+    known = [channel.name for channel in recording.channels if channel.quantity == "temperature"]
+    raise DataError(
+        "the model needs the temperature of the sensor",
+        where=recording.source.path,
+        why=f"it has the term {term}",
+        do=f'Say it: --temperature {known[0] if known else "COLUMN"}, or --temperature "25 degC"',
+        code="no_temperature",
+    )
+
+
+def _require(needs: Mapping[str, str], found: Conditions, recording: Recording) -> None:
+    for name, term in needs.items():
+        if name not in found:
+            words = [f"--column {one}=NAME" for one in (FORCES if name == "specific_force" else (name,))]
+            raise DataError(
+                f"the model needs {name.replace('_', ' ')}",
+                where=recording.source.path,
+                why=f"it has the term {term}",
+                do=f"Say it: {' '.join(words)}",
+                code="missing_condition",
+            )
+
+
+def _judged(model: SensorModel) -> tuple[Remark, ...]:
+    if model.judged:
+        return ()
+    what = "the model was not judged on recordings held out: how well it does on other data is not known"
+    return (Remark("unjudged_model", "info", what),)
+
+
+def _with_uncertainty(
+    model: SensorModel, raw: Recording, done: Recording, axes: Mapping[str, str], conditions: Conditions
+) -> Recording:
+    readings = to_input_unit(model, [raw.channel(name) for name in axes.values()])
+    u = compensated_uncertainty(model, readings, **conditions)
+    made = []
+    for i, (axis, name) in enumerate(axes.items()):
+        unit = str(done.channel(name).unit)
+        made.append(Channel(f"{UNCERTAINTY}{name}", u[:, i] * factor(model.unit, unit), unit, "model", axis))
+    exact = without_uncertainty(model)
+    remarks = [Remark("noise_not_included", "info", "uncertainties are those of the model: noise of the reading, and "
+                      "the uncertainty of the conditions, come on top")]  # fmt: skip
+    if exact:
+        what = f"parameters without uncertainty, which count as exact: {', '.join(exact)}"
+        remarks.append(Remark("counted_as_exact", "warning", what, count=len(exact)))
+    return replace(done, channels=(*done.channels, *made), remarks=(*done.remarks, *remarks))

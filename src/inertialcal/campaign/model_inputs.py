@@ -1,0 +1,108 @@
+"""Which column of a recording is which input of a model.
+
+A column is taken for an axis if its header says so (quantity and axis), or if it is named; a column that could be
+two things is not taken.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from ..core.errors import DataError
+from ..core.recording import Recording
+from ..core.units import parse_quantity, same_dimension
+from ..sensors.model import SensorModel
+from ..sensors.on_recordings import QUANTITY
+from ..sensors.terms import FORCE_AXES
+
+CONDITIONS = {"temperature": "degC", "temperature_rate": "degC/s", "pressure": "Pa", "time": "s"}
+FORCES = tuple(f"force_{axis}" for axis in FORCE_AXES)
+UNCERTAINTY = "u_"  # before the name of a column that holds standard uncertainties
+
+
+@dataclass(frozen=True)
+class Taken:
+    """What is used of a recording.
+
+    Parameters
+    ----------
+    columns : mapping of str to str
+        What it is -> name of the column: each axis, and conditions (``temperature``, ``temperature_x``,
+        ``pressure``, ``force_x``, ...).
+    temperature : float or None
+        The same for all rows [degC], where no column gives it.
+    """
+
+    columns: Mapping[str, str] = field(default_factory=dict)
+    temperature: float | None = None
+
+
+def taken(
+    model: SensorModel,
+    recording: Recording,
+    columns: Mapping[str, str] | None = None,
+    temperature: str | float | None = None,
+) -> Taken:
+    """Return which columns are used for what.
+
+    Parameters
+    ----------
+    columns : mapping of str to str, optional
+        What it is -> name of the column; an axis that is not in it is found by its header.
+    temperature : str or float, optional
+        Column, or temperature of all rows: ``"25 degC"``, or a number [degC].
+
+    Raises
+    ------
+    DataError
+        ``wrong_column`` where an axis has no column or several, or a name is not known.
+    """
+    named = dict(columns or {})
+    known = {*model.axes, *CONDITIONS, *FORCES, *(f"temperature_{axis}" for axis in model.axes)}
+    strangers = [f"{what}={name}" for what, name in named.items() if what not in known]
+    if strangers:
+        raise DataError(
+            f"{', '.join(strangers)}: the model has no such input",
+            do=f"It takes: {', '.join(model.axes)}, and {', '.join(sorted(known - set(model.axes)))}",
+            code="wrong_column",
+        )
+    found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
+    fixed = None
+    if isinstance(temperature, str) and temperature in recording.names:
+        named.setdefault("temperature", temperature)
+    elif temperature is not None:
+        fixed = _fixed_temperature(recording, temperature)
+    return Taken(found | named, fixed)
+
+
+def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:
+    """Return the column whose header tells quantity and axis; of the axis alone if its unit is one of input."""
+    own = QUANTITY[model.unit]
+    candidates = [c for c in recording.channels if c.axis == axis and not c.name.startswith(UNCERTAINTY)]
+    told = [c.name for c in candidates if c.quantity == own] or [
+        c.name for c in candidates if not c.quantity and c.unit and same_dimension(c.unit, model.unit)
+    ]
+    if len(told) == 1:
+        return told[0]
+    what = f"{len(told)} columns ({', '.join(told)}) can be" if told else "no column is clearly"
+    raise DataError(
+        f"{what} the {axis} axis of a {model.kind}",
+        where=recording.source.path,
+        do=f"Say it: --column {axis}=NAME. The file has: {', '.join(recording.names)}",
+        code="wrong_column",
+    )
+
+
+def _fixed_temperature(recording: Recording, given: str | float) -> float:
+    if not isinstance(given, str):
+        return float(given)
+    try:
+        return parse_quantity(given).to("degC")
+    except DataError:
+        raise DataError(
+            f"{given!r} is neither a column nor a temperature",
+            where=recording.source.path,
+            do=f'Name a column ({", ".join(recording.names)}), or write one like "25 degC"',
+            code="no_temperature",
+        ) from None

@@ -1,0 +1,299 @@
+"""The model of a campaign: made from tests with ``use = "fit"``, judged on those with ``use = "hold_out"``.
+
+All rate-table tests that a term comes from are reduced together, so that what they share (the errors of the
+table, the attitude) is shared in the covariance too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from ..core.errors import PlanError
+from ..core.estimate import Array, Component, Estimate
+from ..core.remarks import Remark
+from ..procedures import rate_table
+from ..procedures.rate_table.closed_loop import AxisLoop, Find, closed_loop, overall
+from ..sensors.assemble import model_from
+from ..sensors.compensate import compensate
+from ..sensors.model import Item, Provenance, SensorModel
+from .chains import scale_factors
+from .load import Campaign
+from .schema import Sensor, Test
+from .tables import together
+
+MATRIX = ("scale_factor", "misalignment", "asymmetry")
+TERM = {
+    "bias": "bias",
+    "scale_factor_error": "scale_factor",
+    "misalignment": "misalignment",
+    "scale_factor_asymmetry": "asymmetry",
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A test ready to be reduced: entry, plan, readings, SHA-256 of its files by path."""
+
+    test: Test
+    plan: rate_table.Plan
+    readings: rate_table.Readings
+    inputs: Mapping[str, str]
+
+
+@dataclass(frozen=True, eq=False)
+class Modelled:
+    """A model, the joint reduction behind it, and the closed loop.
+
+    Parameters
+    ----------
+    model : SensorModel
+        ``judged`` where the closed loop PASSes.
+    result : rate_table.Result
+        Joint reduction of all tests behind the matrix.
+    loops : tuple of AxisLoop
+        Empty where nothing was held out.
+    verdict : str
+        ``PASS``, ``FAIL``, ``INCONCLUSIVE``, or ``not run``.
+    remarks : tuple of Remark
+        Findings.
+    """
+
+    model: SensorModel
+    result: rate_table.Result
+    loops: tuple[AxisLoop, ...]
+    verdict: str
+    remarks: tuple[Remark, ...]
+
+
+def make_model(campaign: Campaign, prepared: Sequence[Prepared], sensor: Sensor) -> Modelled | None:
+    """Make and judge the model of one sensor; None where no test is for a fit or nothing could be estimated.
+
+    Raises
+    ------
+    PlanError
+        If tests that belong together differ in their plan.
+    DataError
+        As ``rate_table.reduce``.
+    """
+    fitted = [one for one in prepared if one.test.use == "fit"]
+    if not fitted:
+        return None
+    matrix = _chosen(campaign, fitted, MATRIX)
+    bias = _chosen(campaign, fitted, ("bias",))
+    result = joint(matrix)
+    estimate = result.estimate
+    if {one.test.id for one in bias} != {one.test.id for one in matrix}:
+        estimate = _merged(estimate, joint(bias).estimate if bias else None)
+    if estimate is None:
+        return None
+    model = _model(campaign, sensor, result, estimate, {"matrix": matrix, "bias": bias})
+    held = [one for one in prepared if one.test.use == "hold_out"]
+    if not held:
+        return Modelled(model, result, (), "not run", ())
+    loops, remarks = _judge(model, result, [*matrix, *bias], held)
+    verdict = overall(loops)
+    return Modelled(replace(model, judged=verdict == "PASS"), result, loops, verdict, remarks)
+
+
+def _chosen(campaign: Campaign, fitted: Sequence[Prepared], terms: Sequence[str]) -> list[Prepared]:
+    named = campaign.file.model.terms
+    wanted = {test for term in terms for test in named.get(term, [])}  # type: ignore[call-overload]
+    if not any(term in named for term in terms):
+        return list(fitted)
+    return [one for one in fitted if one.test.id in wanted]
+
+
+def joint(tests: Sequence[Prepared]) -> rate_table.Result:
+    """Reduce several tests as one.
+
+    Raises
+    ------
+    PlanError
+        If their plans differ in more than the axis.
+    """
+    plans = {repr(replace(one.plan, axis="")) for one in tests}
+    if len(plans) > 1:
+        names = ", ".join(one.test.id for one in tests)
+        what = f"tests {names} make one model, but their plans differ"
+        raise PlanError(what, do="Give them the same plan (but for axis), or name the tests of each term in [model]")
+    plan = replace(tests[0].plan, axis="")
+    return rate_table.reduce(plan, together([one.readings for one in tests]))
+
+
+def _merged(matrix: Estimate | None, bias: Estimate | None) -> Estimate | None:
+    """Matrix entries of one reduction and biases of another, taken as independent."""
+    if matrix is None or bias is None:
+        return matrix if bias is None else bias
+    a = matrix.select([name for name in matrix.names if not name.startswith("bias")])
+    b = bias.select([name for name in bias.names if name.startswith("bias")])
+    na, nb = len(a.names), len(b.names)
+    components = [
+        replace(c, covariance=_block(c.covariance, 0, na + nb), dof=_wide(c, na, nb, 0)) for c in a.components
+    ]
+    components += [
+        replace(c, covariance=_block(c.covariance, na, na + nb), dof=_wide(c, nb, na, na)) for c in b.components
+    ]
+    return Estimate((*a.names, *b.names), np.concatenate([a.values, b.values]), (*a.units, *b.units), tuple(components))
+
+
+def _block(covariance: Array, start: int, size: int) -> Array:
+    whole = np.zeros((size, size))
+    stop = start + len(covariance)
+    whole[start:stop, start:stop] = covariance
+    return whole
+
+
+def _wide(component: Component, own: int, other: int, start: int) -> Array:
+    dof = np.full(own + other, np.inf)
+    dof[start : start + own] = component.dof
+    return dof
+
+
+def _model(
+    campaign: Campaign,
+    sensor: Sensor,
+    result: rate_table.Result,
+    estimate: Estimate,
+    tests: Mapping[str, list[Prepared]],
+) -> SensorModel:
+    axes = tuple(axis for axis in sensor.axes if axis in result.lines)
+    names = [
+        name for name in estimate.names
+        if name.rpartition("_")[0] in TERM and set(name.rpartition("_")[2]) <= set(axes)
+    ]  # fmt: skip
+    factors = scale_factors(sensor, axes)
+    item = campaign.file.item
+    return model_from(
+        estimate.select(names),
+        sensor.kind,
+        axes,
+        scale_factor=1.0 if factors is None else factors,
+        output_unit=None if factors is None else "V",
+        item=Item(item.maker, item.part, item.serial),
+        input_range=_input_range(result, axes),
+        bias_run_to_run=_run_to_run(result, axes),
+        not_estimated=_reasons(result),
+        provenance={name: _provenance(name, tests) for name in names},
+    )
+
+
+def _provenance(name: str, tests: Mapping[str, list[Prepared]]) -> Provenance:
+    which = tests["bias" if name.startswith("bias") else "matrix"]
+    recordings = tuple(dict.fromkeys(r for one in which for r in one.test.recordings))
+    return Provenance(", ".join(one.test.id for one in which), recordings)
+
+
+def _reasons(result: rate_table.Result) -> dict[str, str]:
+    return {
+        f"{row.quantity}_{row.axis}": row.reason
+        for row in result.rows()
+        if row.status == "not_estimated" and not row.condition
+    }
+
+
+def _input_range(result: rate_table.Result, axes: tuple[str, ...]) -> Array:
+    """Rates that each axis was turned at; an axis that was not turned has no range."""
+    ranges = []
+    for axis in axes:
+        readings = result.lines[axis].readings
+        rates = readings.applied[readings.axis == axis]
+        ranges.append((min(rates.min(), 0.0), max(rates.max(), 0.0)) if len(rates) else (0.0, 0.0))
+    return np.array(ranges)
+
+
+def _run_to_run(result: rate_table.Result, axes: tuple[str, ...]) -> Array | None:
+    """Scatter of the bias between power-ups, where every axis has one."""
+    if result.plan.run_level != "power_up":
+        return None
+    stds = [level.std for axis in axes for level in result.lines[axis].levels if level.name == "run"]
+    return None if any(std is None for std in stds) else np.array(stds, dtype=float)
+
+
+def _judge(
+    model: SensorModel, result: rate_table.Result, fitted: Sequence[Prepared], held: Sequence[Prepared]
+) -> tuple[tuple[AxisLoop, ...], tuple[Remark, ...]]:
+    readings = held_out(held)
+    loops = closed_loop(result.lines, readings, partial(compensated_dwells, model), mixed_up(model))
+    remarks = []
+    shared = _runs(fitted) & _runs(held)
+    if shared:
+        what = "readings held out come from runs that the model was fitted on: run-to-run error is not judged"
+        remarks.append(Remark("shared_runs", "warning", what, count=len(shared), do="Hold out whole power-up runs"))
+    return loops, tuple(remarks)
+
+
+def held_out(held: Sequence[Prepared]) -> rate_table.Readings:
+    """Return the dwells held out, those left out by rule left out here too."""
+    parts = []
+    for one in held:
+        readings = one.readings if one.readings.earth is not None else rate_table.with_earth(one.plan, one.readings)
+        out = [rate_table.exclusions(one.plan, readings, sensor).any for sensor in readings.outputs]
+        parts.append(readings.take(~np.any(out, axis=0)))
+    return together(parts)
+
+
+def _runs(tests: Sequence[Prepared]) -> set[Any]:
+    """Return runs by file, so that equal numbers in different files are not taken for one run."""
+    found: set[Any] = set()
+    for one in tests:
+        if one.readings.run is not None:
+            found |= {(tuple(sorted(one.inputs)), str(run)) for run in np.unique(one.readings.run)}
+    return found
+
+
+def mixed_up(model: SensorModel) -> dict[str, Find]:
+    """Return what the model would find if it were mixed up, by the name of the mix-up.
+
+    The transposed form keeps its diagonal; "turned" has the errors (M - I) or the bias with the opposite sign;
+    with axes exchanged, row and column (or bias) of one axis stand at another.
+    """
+    matrix, bias, k = model.matrix[0], model.bias, len(model.axes)
+    forms = {"the transposed matrix": (matrix.T, bias)} if k > 1 else {}
+    forms["the matrix with its sign turned"] = (2.0 * np.eye(k) - matrix, bias)
+    forms["the bias with its sign turned"] = (matrix, -bias)
+    for order in permutations(range(k)):
+        if order == tuple(range(k)):
+            continue
+        places = ", ".join(f"{model.axes[i]} for {model.axes[j]}" for j, i in enumerate(order) if i != j)
+        moved, shifted = matrix[np.ix_(order, order)], bias[list(order)]
+        forms[f"the matrix with {places}"] = (moved, bias)
+        forms[f"the bias with {places}"] = (matrix, shifted)
+        forms[f"the model with {places}"] = (moved, shifted)
+    return {name: partial(_inverted, model, *terms) for name, terms in forms.items()}
+
+
+def _inverted(model: SensorModel, matrix: Array, bias: Array, readings: rate_table.Readings) -> dict[str, Array]:
+    """Return the inputs found with another matrix and bias [rad/s], by axis; bias, asymmetry and matrix alone."""
+    columns = _columns(model, readings)
+    bend = np.zeros(len(model.axes)) if model.scale_factor_asymmetry is None else model.scale_factor_asymmetry
+    without = np.nan_to_num(columns) - bias
+    inverse: Array = np.linalg.inv(matrix).astype(np.float64)
+    x = (without / (1.0 + 0.5 * bend * np.sign(without))) @ inverse.T
+    return _known(model, x, columns, inverse)
+
+
+def compensated_dwells(model: SensorModel, readings: rate_table.Readings) -> dict[str, Array]:
+    """Return the inputs that a model finds from the readings of dwells [rad/s], by axis.
+
+    Where a sensor was not read, only axes that do not need it are found; the others are NaN.
+    """
+    columns = _columns(model, readings)
+    return _known(model, compensate(model, np.nan_to_num(columns)), columns, np.linalg.inv(model.matrix[0]))
+
+
+def _columns(model: SensorModel, readings: rate_table.Readings) -> Array:
+    return np.column_stack([readings.outputs.get(axis, np.full(len(readings), np.nan)) for axis in model.axes])
+
+
+def _known(model: SensorModel, x: Array, columns: Array, inverse: Array) -> dict[str, Array]:
+    """Give inputs by axis, NaN where a sensor that is needed was not read."""
+    missing = (~np.isfinite(columns)).astype(float)
+    needed = (np.abs(inverse) > 0.0).astype(float)  # row: axis found, column: sensor needed
+    found = np.where(missing @ needed.T > 0.0, np.nan, x)
+    return {axis: found[:, i] for i, axis in enumerate(model.axes)}

@@ -1,0 +1,57 @@
+"""Models by file or by campaign: ``model.json``, or the folder of the campaign that made it."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+from ..core.errors import DataError
+from ..files.export import ModelFile, load_model_file
+from ..sensors.model import SensorModel
+from .publish import OUT
+
+MODEL = "model.json"
+RESULTS = "results.json"
+
+
+def load_model(path: str | os.PathLike[str]) -> SensorModel:
+    """Return the model in a file, or that of a campaign.
+
+    Parameters
+    ----------
+    path : path
+        A ``model.json``, or the folder of a campaign.
+
+    Raises
+    ------
+    DataError
+        ``no_model`` for a folder without one; ``checksum`` for a file that was changed by hand; and as
+        ``files.export.load_model_file``.
+    """
+    return find_model(path).model
+
+
+def find_model(path: str | os.PathLike[str]) -> ModelFile:
+    """Return the model in a file or of a campaign, with its bytes; Raises as `load_model`."""
+    given = Path(path)
+    return load_model_file(_in_folder(given) if given.is_dir() else given)
+
+
+def _in_folder(folder: Path) -> Path:
+    for model in (folder / OUT / MODEL, folder / MODEL):
+        if model.is_file():
+            return model
+    if (folder / OUT / RESULTS).is_file():
+        raise DataError(
+            "the last run of this campaign gave no model",
+            where=str(folder),
+            why="it has no [model], or its model did worse than none on recordings held out",
+            do=f"Look into {folder / OUT / RESULTS}",
+            code="no_model",
+        )
+    raise DataError(
+        "no model here, and no results",
+        where=str(folder),
+        do=f"Name a {MODEL}, or type: inertialcal run {folder}",
+        code="no_model",
+    )

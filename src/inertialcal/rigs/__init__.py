@@ -1,0 +1,14 @@
+"""Test rigs whose truth is known: the one dict name -> module.
+
+Each module has ``TITLE``, ``FAULTS`` (name -> `Fault`) and ``twin(seed, fault="")``, which gives the recordings
+of one campaign, the campaign file that its engineer would have written, and the truth behind both. A new rig
+adds itself here and nowhere else.
+"""
+
+from __future__ import annotations
+
+from types import ModuleType
+
+from . import rate_table
+
+RIGS: dict[str, ModuleType] = {"rate_table": rate_table}

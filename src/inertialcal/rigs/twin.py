@@ -1,0 +1,91 @@
+"""Twin of a campaign: what its engineer would hand over, and the truth that he does not know.
+
+All of it follows from the seed. The campaign file is the same for all seeds, but for two marks that are filled in
+when it is written: `SEED`, and `SEAL` for the SHA-256 of the truth, by which results that were made with that file
+can be told from all others.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ..core.influence import Influence
+from ..core.recording import Recording
+
+SEED, SEAL = "@SEED@", "@SEAL@"
+
+Drawn = Mapping[str, float | list[float] | list[list[float]]]
+
+
+@dataclass(frozen=True)
+class TrueValue:
+    """True value of a quantity, named as the rows of the results name it, in an SI unit."""
+
+    quantity: str
+    axis: str
+    value: float
+    unit: str
+
+
+@dataclass(frozen=True)
+class Fault:
+    """A mistake that a campaign can hold.
+
+    Parameters
+    ----------
+    what : str
+        What is wrong.
+    shows : str
+        Code of the error or remark that names it, or words of the reason why a quantity is not estimated.
+    change : mapping
+        Settings of the bench that differ.
+    """
+
+    what: str
+    shows: str
+    change: Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Twin:
+    """One simulated campaign.
+
+    Parameters
+    ----------
+    rig : str
+        Name in the dict of rigs.
+    seed : int
+        Everything else follows from it.
+    fault : str
+        Name of the mistake in it; empty where there is none.
+    campaign : str
+        Text of campaign.toml, with the marks `SEED` and `SEAL`.
+    recordings : mapping of str to Recording
+        By the file that the campaign names; channels named by their columns, stamps as the logger writes them.
+    truth : tuple of TrueValue
+        What the results are measured by.
+    drawn : mapping
+        Errors of the standards and of single runs, SI: what the results should not know.
+    """
+
+    rig: str
+    seed: int
+    fault: str
+    campaign: str
+    recordings: Mapping[str, Recording]
+    truth: tuple[TrueValue, ...]
+    drawn: Drawn
+
+
+def drawn_error(influence: Influence | None, rng: np.random.Generator) -> float:
+    """Return the unknown error of a standard, drawn as its certificate says [its unit]; 0 where there is none."""
+    if influence is None:
+        return 0.0
+    if influence.distribution == "rectangular":
+        half = influence.u * np.sqrt(3.0)
+        return float(rng.uniform(-half, half))
+    return float(rng.normal(0.0, influence.u))

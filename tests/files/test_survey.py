@@ -1,0 +1,208 @@
+"""survey: what info shows of recordings that were made for it."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from inertialcal.core.estimate import Array
+from inertialcal.files.survey import Survey, survey
+
+N = 4000
+RNG = np.random.default_rng(21)
+STEP = 1 / 131
+
+
+@pytest.fixture
+def file(tmp_path: Path) -> Path:
+    return tmp_path / "a recording.csv"
+
+
+def write(path: Path, **columns: Any) -> Path:
+    rows = zip(*columns.values(), strict=True)
+    path.write_text(",".join(columns) + "\n" + "\n".join(",".join(f"{v!s}" for v in row) for row in rows))
+    return path
+
+
+def rest(n: int = N) -> dict[str, Array]:
+    """Gyro at rest in codes of 1/131, accelerometer in g."""
+    gyro = {f"gyro_{axis}": np.round(RNG.normal(0.3, 0.1, n) / STEP) * STEP for axis in "xyz"}
+    acc = {f"acc_{axis}": RNG.normal(level, 0.004, n) for axis, level in zip("xyz", (0.02, -0.01, 1.01), strict=True)}
+    return gyro | acc
+
+
+def codes(found: Survey) -> list[str]:
+    return [remark.code for remark in found.remarks]
+
+
+def test_a_sound_recording(file: Path) -> None:
+    columns = rest()
+    found = survey(write(file, **{"t_s": np.arange(N) / 100}, **columns), units={"gyro": "deg/s", "acc": "g"})
+    assert found.rows == N
+    assert found.time.sample_rate == pytest.approx(100.0)
+    assert found.time.start == "0 s"
+    assert codes(found) == []
+    assert found.hints == ()
+    assert found.next is None
+    for channel in found.channels:
+        values = columns[channel.name]
+        assert (channel.minimum, channel.maximum) == (values.min(), values.max())
+        assert channel.mean == pytest.approx(values.mean(), abs=1e-12)
+        assert channel.std == pytest.approx(values.std(ddof=1))
+        assert channel.missing == 0
+        assert not channel.stuck
+        assert channel.rails == ()
+    assert found.channels[0].resolution == pytest.approx(STEP)
+    assert found.channels[3].resolution is None
+
+
+def test_the_next_command_is_one_of_those_there_are(file: Path) -> None:
+    write(file, **{"t_s": np.arange(N) / 100}, **rest())
+    known = {"gyro": "deg/s", "acc": "g"}
+    path = f"'{file}'"
+    assert survey(file, units=known, commands=["info", "allan", "psd"]).next == f"inertialcal allan {path}"
+    assert survey(file, units=known, commands=["info", "psd"]).next == f"inertialcal psd {path}"
+    assert survey(file, units=known, commands=["init"]).next == f"inertialcal init {file.parent}"
+    asked = f"inertialcal info {path} --unit gyro=deg/s --unit acc=g"
+    assert survey(file, commands=["info", "allan"]).next == asked
+    assert survey(file, commands=["allan"]).next is None
+
+
+def test_hints_are_questions_with_a_reason(file: Path) -> None:
+    found = survey(write(file, **{"t_s": np.arange(N) / 100}, **rest()))
+    assert [str(hint) for hint in found.hints] == [
+        "step 0.00763359, as InvenSense MPU: --unit gyro=deg/s?",
+        "median |acc| 1.01: --unit acc=g?",
+    ]
+    assert [channel.unit for channel in found.channels] == [None] * 6  # asked, not answered
+
+
+@pytest.mark.parametrize(("scale", "unit"), [(9.80665, "m/s2"), (1000.0, "mg")])
+def test_gravity_gives_the_unit_away(file: Path, scale: float, unit: str) -> None:
+    acc = {name: values * scale for name, values in rest().items() if name.startswith("acc")}
+    (hint,) = survey(write(file, **acc)).hints
+    assert (hint.target, hint.unit) == ("acc", unit)
+
+
+def test_counts_and_temperatures_give_their_unit_away(file: Path) -> None:
+    found = survey(
+        write(
+            file,
+            acc_x=RNG.integers(-20000, 20000, N),
+            temp=RNG.normal(25.0, 1.0, N),
+            gyro_x=RNG.normal(0.0, 1.0, N),
+        )
+    )
+    assert [str(hint) for hint in found.hints] == [
+        "gyro has no unit, and its numbers do not tell: say deg/s or rad/s",
+        f"whole numbers up to {max(abs(found.channels[0].minimum or 0), found.channels[0].maximum or 0):g}: "
+        "--unit acc=count?",
+        f"temperature from {found.channels[1].minimum:.4g} to {found.channels[1].maximum:.4g}: "
+        "--unit temperature=degC?",
+    ]
+    assert found.next == (
+        f"inertialcal info '{file}' --unit gyro=UNIT --unit acc=count --unit temperature=degC --sample-rate HZ"
+    )
+
+
+def test_stuck_clipped_and_constant_channels(file: Path) -> None:
+    columns = rest()
+    columns["gyro_x"][1000:1100] = columns["gyro_x"][1000]
+    columns["gyro_y"] = np.clip(columns["gyro_y"], -10.0, 25 * STEP)
+    columns["gyro_z"][:] = 0.25
+    found = survey(write(file, **columns, status=np.ones(N)))
+    by_code = {remark.code: remark for remark in found.remarks if remark.severity == "warning"}
+    assert "'gyro_x' stays at" in by_code["stuck"].what
+    assert "for 100 samples: stuck?" in by_code["stuck"].what
+    assert by_code["stuck"].where == f"{file}:1002"
+    assert by_code["clipped"].what == "'gyro_y' piles up at 0.19084: clipped?"
+    assert by_code["clipped"].count == np.count_nonzero(columns["gyro_y"] == 25 * STEP)
+    assert by_code["constant_channel"].what == "'gyro_z' is 0.25 throughout"
+    status = [remark for remark in found.remarks if "'status'" in remark.what]
+    assert [remark.severity for remark in status] == ["info"]
+
+
+def test_the_end_of_a_converter(file: Path) -> None:
+    counts = RNG.normal(0, 12000, N).round().clip(-32768, 32767).astype(int)
+    (remark,) = [r for r in survey(write(file, acc_x=counts)).remarks if "32767" in r.what]
+    assert remark.what == "'acc_x' piles up at 32767, the end of a converter: clipped?"
+
+
+def test_a_disturbance_is_placed_in_time(file: Path) -> None:
+    columns = rest()
+    columns["gyro_x"][2000:2080] += 8 * np.sin(np.arange(80))
+    found = survey(write(file, **{"t_s": np.arange(N) / 100}, **columns))
+    (remark,) = [r for r in found.remarks if r.code == "disturbance"]
+    assert remark.what.startswith("not stationary: a disturbance or step from 20")
+    assert " s in gyro_x, up to " in remark.what
+    without_time = survey(write(file, **columns))
+    assert "from sample 20" in next(r.what for r in without_time.remarks if r.code == "disturbance")
+    with_rate = survey(file, sample_rate=10.0)
+    assert " from 200" in next(r.what for r in with_rate.remarks if r.code == "disturbance")
+
+
+def test_a_sensor_that_moves(file: Path) -> None:
+    columns = rest()
+    columns["acc_x"] += np.repeat(RNG.normal(size=40), N // 40)
+    found = survey(
+        write(file, **{"t_s": np.arange(N) / 100}, **columns), units={"gyro": "deg/s", "acc": "g"},
+        commands=["allan", "positions"],
+    )  # fmt: skip
+    assert codes(found) == ["not_at_rest"]
+    assert found.next == f"inertialcal positions '{file}'"
+
+
+def test_a_temperature_that_swings_faster_than_anything_can(file: Path) -> None:
+    temperature = 25 + 45 * np.sin(np.arange(N) * 2e-3)
+    micro = write(file, timestamp=np.arange(N) * 500_000 + 10**14, temp=temperature, gyro_x=rest()["gyro_x"])
+    found = survey(micro)
+    (remark,) = [r for r in found.remarks if r.code == "time_axis_implausible"]
+    assert " if 'timestamp' is in ns: nothing changes its temperature faster than 1 K/s" in remark.what
+    assert found.next is not None
+    assert found.next.endswith("--unit timestamp=UNIT")
+    told = survey(file, units={"timestamp": "ns"})
+    assert "time_axis_implausible" in codes(told)
+    assert "time_axis_implausible" not in codes(survey(file, units={"timestamp": "us"}))
+
+
+def test_temperatures_that_can_be(file: Path) -> None:
+    for swing in (40.0, 1.0):
+        temperature = swing * np.sin(np.arange(N) * 1e-3)
+        write(file, t_s=np.arange(N) / (10 if swing > 5 else 1000), temp=temperature)
+        assert "time_axis_implausible" not in codes(survey(file))
+
+
+def test_a_reduced_table_leads_to_init(file: Path) -> None:
+    write(file, rate_dps=[-5, 0, 5], x_dps=[-5.01, 0.0, 5.02])
+    assert survey(file, commands=["info", "init"]).next == f"inertialcal init {file.parent}"
+    assert survey(file).next is None
+
+
+def test_the_time_axis(file: Path) -> None:
+    stamps = 1_283_358_139 + np.delete(np.arange(0, 400, 2), [50, 51])
+    found = survey(write(file, unix_s=stamps, x=RNG.normal(size=198)))
+    time = found.time.to_dict()
+    assert time["start"] == "2010-09-01T16:22:19.000000000Z"
+    assert (time["sample_interval"], time["gaps"], time["missing_samples"]) == (2.0, 1, 2)
+    assert time["steps"] == [{"step": 2.0, "count": 196}, {"step": 6.0, "count": 1}]
+    assert time["interval_from"] == "time column 'unix_s'"
+
+
+def test_everything_goes_into_json(file: Path) -> None:
+    file.write_text("t,x,gone\n0.0,1,\n0.5,nan,\n1.0,2,\n")
+    content = survey(file).to_dict()
+    assert json.loads(json.dumps(content, allow_nan=False)) == content
+    assert set(content) == {"path", "sha256", "format", "rows", "channels", "time", "hints", "remarks", "next"}
+    assert content["channels"][1]["missing"] == 3
+    assert content["channels"][1]["mean"] is None
+
+
+def test_numbers_near_the_end_of_float64(file: Path) -> None:
+    file.write_text("x\n1.7e308\n1.7e308\n-1.7e308\n5e-324\n")
+    content = survey(file).to_dict()
+    assert content["channels"][0]["std"] is None  # overflows
+    json.dumps(content, allow_nan=False)
