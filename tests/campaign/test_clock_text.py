@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+
 from inertialcal.campaign.clock_text import read_instant
 
 

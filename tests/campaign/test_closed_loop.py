@@ -7,6 +7,7 @@ from functools import partial
 
 import numpy as np
 import pytest
+
 from inertialcal.campaign.modelling import Prepared, compensated_dwells, joint, mixed_up
 from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence

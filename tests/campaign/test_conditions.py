@@ -7,6 +7,7 @@ import math
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+
 from inertialcal.campaign.conditions import parse_condition
 from inertialcal.core.errors import DataError
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+
 from inertialcal.campaign.publish import json_text
 from inertialcal.campaign.run import run
 from inertialcal.core.errors import InertialcalError

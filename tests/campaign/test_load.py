@@ -6,6 +6,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+
 from inertialcal.campaign.load import load
 from inertialcal.core.errors import PlanError, Problem
 

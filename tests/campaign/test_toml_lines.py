@@ -7,6 +7,7 @@ from typing import Any
 
 from hypothesis import given
 from hypothesis import strategies as st
+
 from inertialcal.campaign.toml_lines import key_lines, nearest_line
 
 TEXT = '''\

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from inertialcal.cli.__main__ import main
 
 Write = Callable[..., Path]
