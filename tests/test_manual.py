@@ -297,6 +297,16 @@ def test_every_key_of_json_is_documented() -> None:
     assert set(rows_after(page, "`--json`")) == set(json.loads(answer.getvalue()))
 
 
+def test_every_key_of_a_survey_is_documented(example: Path) -> None:
+    page = (DOCS / "commands" / "info.md").read_text(encoding="utf-8")
+    timed = example.parent / "timed.csv"
+    timed.write_text("time [s],gyro_x [deg/s]\n" + "".join(f"{n / 10},{n % 3}\n" for n in range(20)), encoding="utf-8")
+    found = ic.info(timed).to_dict()
+    assert set(rows_after(page, "`results` holds")) == set(found)
+    for key in (*found["channels"][0], *found["time"]):
+        assert f"`{key}`" in page, key
+
+
 def test_every_quantity_and_status_is_documented(results: dict[str, Any]) -> None:
     page = (DOCS / "procedures" / "rate_table.md").read_text(encoding="utf-8")
     words = (DOCS / "words.md").read_text(encoding="utf-8")

@@ -5,6 +5,7 @@ Standard uncertainties stand in columns of their own, ``u_`` before the name.
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping
 from dataclasses import replace
 
@@ -58,8 +59,45 @@ def compensate(
     axes = {axis: chosen.columns[axis] for axis in model.axes}
     _check_units(model, recording, axes)
     done = compensate_recording(model, recording, axes, **conditions)
-    done = replace(done, remarks=(*done.remarks, *_judged(model)))
+    remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *_about(model, chosen))
+    done = replace(done, remarks=remarks)
     return _with_uncertainty(model, recording, done, axes, conditions) if uncertainty else done
+
+
+def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions: Conditions) -> tuple[Remark, ...]:
+    """Return remarks that count the readings lost because something else of their row is missing.
+
+    Parameters
+    ----------
+    raw, done : Recording
+        Before and after compensation.
+    axes : mapping of str to str
+        Axis -> name of the column.
+    conditions : Conditions
+        As they were used.
+    """
+    names = list(axes.values())
+    missing = np.isnan(raw.array(names))
+    lost = np.isnan(done.array(names)) & ~missing
+    unknown = np.zeros(len(raw), dtype=bool)
+    for values in conditions.values():
+        columns = np.asarray(values, dtype=float)
+        if columns.ndim and len(columns) == len(raw):
+            unknown |= np.isnan(columns.reshape(len(raw), -1)).any(axis=1)
+    by_axis = lost.any(axis=1) & missing.any(axis=1) & ~unknown
+    found = []
+    for code, text, rows in (
+        ("axis_missing", "the reading of one axis is missing, so others that it enters are left empty", by_axis),
+        ("condition_missing", "a condition is missing that the model needs: left empty", lost.any(axis=1) & unknown),
+    ):
+        if rows.any():
+            found.append(Remark(code, "warning", text, _place(raw, int(np.argmax(rows))), int(np.count_nonzero(rows))))
+    return tuple(found)
+
+
+def _place(recording: Recording, index: int) -> str:
+    path, first = recording.source.path, recording.first_row
+    return f"{path}:{first + index}" if first else f"{path}: sample {index + 1}"
 
 
 def _check_units(model: SensorModel, recording: Recording, axes: Mapping[str, str]) -> None:
@@ -71,7 +109,7 @@ def _check_units(model: SensorModel, recording: Recording, axes: Mapping[str, st
                 f"nothing says the unit of column {name!r}",
                 where=recording.source.path,
                 why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
-                do=f"Say it: --unit {name}={'deg/s' if model.kind == 'gyro' else 'g'}",
+                do=f"Say it: --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
                 code="no_unit",
             )
         try:
@@ -118,7 +156,7 @@ def _in_unit(recording: Recording, name: str, unit: str) -> Array:
         raise DataError(
             f"nothing says the unit of column {name!r}",
             where=recording.source.path,
-            do=f"Say it: --unit {name}={unit}",
+            do=f"Say it: --unit {shlex.quote(f'{name}={unit}')}",
             code="no_unit",
         )
     values = recording.array([name])[:, 0]
@@ -135,7 +173,7 @@ def _temperature(chosen: Taken, recording: Recording, term: str) -> float:
         "the model needs the temperature of the sensor",
         where=recording.source.path,
         why=f"it has the term {term}",
-        do=f'Say it: --temperature {known[0] if known else "COLUMN"}, or --temperature "25 degC"',
+        do=f'Say it: --temperature {shlex.quote(known[0]) if known else "COLUMN"}, or --temperature "25 degC"',
         code="no_temperature",
     )
 
@@ -153,11 +191,25 @@ def _require(needs: Mapping[str, str], found: Conditions, recording: Recording) 
             )
 
 
-def _judged(model: SensorModel) -> tuple[Remark, ...]:
-    if model.judged:
-        return ()
-    what = "the model was not judged on recordings held out: how well it does on other data is not known"
-    return (Remark("unjudged_model", "info", what),)
+def _about(model: SensorModel, chosen: Taken) -> list[Remark]:
+    """Remarks on the model: not judged, or without a term in what was given."""
+    remarks = []
+    if not model.judged:
+        what = "the model was not judged on recordings held out: how well it does on other data is not known"
+        remarks.append(Remark("unjudged_model", "info", what))
+    given = set(chosen.columns) - set(model.axes) | ({"temperature"} if chosen.temperature is not None else set())
+    needs = set(needed(model))
+    unused = sorted(name for name in given if _condition_name(name) not in needs)
+    if unused:
+        what = f"not used, because the model has no term in it: {', '.join(unused)}"
+        remarks.append(Remark("condition_not_used", "info", what, count=len(unused)))
+    return remarks
+
+
+def _condition_name(name: str) -> str:
+    if name in FORCES:
+        return "specific_force"
+    return name if name in CONDITIONS else "temperature"
 
 
 def _with_uncertainty(

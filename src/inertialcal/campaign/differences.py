@@ -76,12 +76,19 @@ def differences(pairs: Sequence[tuple[Row, Row]]) -> tuple[Difference, ...]:
     found = []
     for (one, other), reason in zip(pairs, reasons, strict=True):
         if reason:
-            found.append(Difference(_row(one, other, reason=reason), one, other, None, "not compared"))
+            found.append(
+                Difference(_row(one, other, _plain(one, other), reason=reason), one, other, None, "not compared")
+            )
             continue
         d, u, dof, p = next(each)
         row = _row(one, other, float(d), float(u), float(dof))
         found.append(Difference(row, one, other, float(p), "different" if next(rejected) else "not shown different"))
     return tuple(found)
+
+
+def _plain(one: Row, other: Row) -> float | None:
+    """Difference of two values, whatever is known of them otherwise."""
+    return None if one.value is None or other.value is None else other.value - one.value
 
 
 def _not_comparable(one: Row, other: Row) -> str:

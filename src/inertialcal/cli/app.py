@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, recordings
+from . import campaigns, models, recordings, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -40,3 +40,10 @@ app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)
 app.command("demo")(campaigns.demo)
+app.command("show")(models.show)
+app.command("compensate")(models.compensate)
+app.command("convert")(models.convert)
+app.command("export")(models.export)
+app.command("compare")(models.compare)
+app.command("simulate")(twins.simulate)
+app.command("score")(twins.score)

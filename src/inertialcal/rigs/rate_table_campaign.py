@@ -40,13 +40,14 @@ def validity_column(axis: str) -> str:
 def campaign_text(bench: Bench) -> str:
     """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
     runs = range(1, bench.runs + 1)
+    held = runs[bench.fit_runs :]
     parts = [
         _head(bench),
         _standards(bench),
         _sensor(bench),
         *(_recording(bench, axis, run) for run in runs for axis in bench.turned),
         _test(bench, "fit", "fit", runs[: bench.fit_runs], "the model is fitted on the first power-ups"),
-        _test(bench, "check", "hold_out", runs[bench.fit_runs :], "and judged by power-ups that it has not seen"),
+        *([_test(bench, "check", "hold_out", held, "and judged by power-ups that it has not seen")] if held else []),
         REQUIREMENT,
     ]
     return "\n".join(parts)

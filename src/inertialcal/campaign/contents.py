@@ -1,0 +1,205 @@
+"""What ``results.json`` holds: rows, covariances, budgets, curves, verdicts, closed loop, verification matrix."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+from ..core.estimate import Estimate
+from ..core.remarks import Remark, gather
+from ..core.results import Row, finite, not_estimated
+from ..core.units import convert, factor
+from ..procedures import rate_table
+from ..statistics.intervals import t_interval
+from .display import display_unit, displayed, scaled, scaled_interval
+from .load import Campaign
+from .modelling import Modelled
+from .prepare import sensor_of
+from .requirements import RULE, Tested, Verdict, judge, worst
+from .schema import Sensor, Test
+
+
+def results_content(
+    campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None, remarks: Sequence[Remark]
+) -> tuple[dict[str, Any], list[Verdict]]:
+    """Return the content of ``results.json``, and the verdicts behind it.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    tested : sequence of Tested
+        Every test, with its rows, SI; they come out in the units of the campaign.
+    modelled : Modelled or None
+        Model and closed loop.
+    remarks : sequence of Remark
+        Of all tests.
+    """
+    rows = [
+        displayed(_conditioned(row, one.test), sensor_of(campaign, one.test).unit) for one in tested for row in one.rows
+    ]
+    if modelled is not None:
+        rows += [displayed(replace(row, test="model"), _model_sensor(campaign).unit) for row in _model_rows(modelled)]
+    verdicts: list[Verdict] = []
+    unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
+    for requirement in campaign.file.requirements:
+        found, more = judge(requirement, tested)
+        verdicts += found
+        rows += [displayed(row, unit) for row in more]
+    results = {
+        "schema": 1,
+        "campaign": campaign.file.campaign.model_dump(),
+        "item": campaign.file.item.model_dump(),
+        "results": [row.to_dict() for row in rows],
+        "covariances": [c for one in tested if (c := _covariance(one)) is not None],
+        "budgets": [b for one in tested for b in _budget(one, sensor_of(campaign, one.test).unit)],
+        "curves": [curve for one in tested for curve in _curves(one, sensor_of(campaign, one.test).unit)],
+        "remarks": [remark.to_dict() for remark in gather(remarks)],
+        "decision_rule": RULE,
+        "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
+        "closed_loop": _closed_loop(modelled, unit),
+        "verification": _verification(campaign, verdicts, modelled),
+    }
+    return results, verdicts
+
+
+def _conditioned(row: Any, test: Test) -> Any:
+    """Give a row the condition of its test, where it has none of its own."""
+    return replace(row, condition=test.condition) if test.condition and not row.condition else row
+
+
+def _covariance(one: Tested) -> dict[str, Any] | None:
+    estimate: Estimate | None = one.result.estimate
+    if estimate is None:
+        return None
+    return {
+        "test": one.test.id,
+        "names": list(estimate.names),
+        "units": list(estimate.units),
+        "matrix": estimate.covariance.tolist(),
+    }
+
+
+def _budget(one: Tested, sensor_unit: str) -> list[dict[str, Any]]:
+    """Return the sources of uncertainty of each quantity, in the unit that it is shown in."""
+    estimate: Estimate | None = one.result.estimate
+    if estimate is None:
+        return []
+    rows = []
+    for i, name in enumerate(estimate.names):
+        quantity, _, axis = name.rpartition("_")
+        unit = display_unit(quantity, estimate.units[i], sensor_unit)
+        scale = factor(estimate.units[i], unit)
+        for component in estimate.components:
+            u = float(component.u[i]) * scale
+            if u > 0.0:
+                dof = component.dof if isinstance(component.dof, float) else float(component.dof[i])
+                rows.append(
+                    {
+                        "test": one.test.id, "quantity": quantity, "axis": axis, "source": component.source,
+                        "kind": component.kind, "distribution": component.distribution, "u": u, "unit": unit,
+                        "dof": finite(dof),
+                    }
+                )  # fmt: skip
+    return rows
+
+
+def _curves(one: Tested, unit: str) -> list[dict[str, Any]]:
+    found = []
+    for sensor, line in one.result.lines.items():
+        if sensor not in line.axes:
+            continue
+        errors = rate_table.rate_errors(one.result.plan, one.result.readings, line, "dwell_mean")
+        rates = convert([error.applied for error in errors], "rad/s", unit)
+        found.append(
+            {
+                "name": "rate_error", "test": one.test.id, "axis": sensor, "of": "dwell_mean",
+                "x": {"name": "rate", "unit": unit, "values": rates.tolist()},
+                "y": {"name": "error", "unit": "%", "values": [scaled(error.error, 100.0) for error in errors]},
+                "u": [scaled(error.u, 100.0) for error in errors],
+                "dof": [finite(error.dof) for error in errors],
+            }
+        )  # fmt: skip
+    return found
+
+
+def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
+    relative = verdict.unit == "1"
+    unit = "%" if relative else display_unit("", verdict.unit, sensor_unit) if verdict.unit else ""
+    scale = factor(verdict.unit, unit) if verdict.unit else 1.0
+    interval = scaled_interval(verdict.interval, scale)
+    at = None if verdict.at is None else float(convert([verdict.at], "rad/s", sensor_unit)[0])
+    return {
+        "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
+        "at": at, "at_unit": sensor_unit if at is not None else "", "of": verdict.of,
+        "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
+        "interval": None if interval is None else
+        {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
+        "lower": scaled(verdict.lower, scale), "upper": scaled(verdict.upper, scale),
+        "verdict": verdict.verdict, "reason": verdict.reason,
+    }  # fmt: skip
+
+
+def _model_sensor(campaign: Campaign) -> Sensor:
+    return sensor_of(campaign, next(test for test in campaign.file.tests if test.use == "fit"))
+
+
+def _model_rows(modelled: Modelled) -> list[Row]:
+    """Rows of the parameters of the model: what goes into model.json."""
+    estimate = modelled.model.estimate
+    rows = []
+    if estimate is not None:
+        for i, name in enumerate(estimate.names):
+            quantity, _, axis = name.rpartition("_")
+            value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
+            rows.append(Row(quantity, axis, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
+    for name, reason in modelled.model.not_estimated.items():
+        quantity, _, axis = name.rpartition("_")
+        rows.append(not_estimated(quantity, axis, "rad" if quantity == "misalignment" else "1", reason))
+    return rows
+
+
+def _closed_loop(modelled: Modelled | None, unit: str) -> dict[str, Any]:
+    """Say what the closed loop gave, in the unit of the sensor."""
+    if modelled is None or not modelled.loops:
+        reason = "no test is for a fit" if modelled is None else "no test is held out"
+        return {"verdict": "not run", "reason": reason, "axes": []}
+    scale = factor("rad/s", unit)
+    axes = [
+        {
+            "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": unit,
+            "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
+            "mean_square_gain": one.gain * scale**2, "u": one.u * scale**2, "dof": finite(one.dof),
+            "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
+        }
+        for one in modelled.loops
+    ]  # fmt: skip
+    return {"verdict": modelled.verdict, "reason": "", "axes": axes}
+
+
+def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Modelled | None) -> list[dict[str, Any]]:
+    """Rows of the verification matrix: requirement, method, evidence, verdict; untested requirements are OPEN."""
+    rows: list[dict[str, Any]] = []
+    for requirement in campaign.file.requirements:
+        mine = [one for one in verdicts if one.requirement == requirement.id]
+        is_open = all(one.verdict == "OPEN" for one in mine)
+        rows.append(
+            {
+                "requirement": requirement.id, "text": requirement.text, "method": "" if is_open else "test",
+                "evidence": list(dict.fromkeys(one.test for one in mine if one.test)),
+                "verdict": "OPEN" if is_open else worst(mine),
+            }
+        )  # fmt: skip
+    if modelled is not None and modelled.loops:
+        held = [test.id for test in campaign.file.tests if test.use == "hold_out"]
+        text = "compensation improves readings that the model has not seen"
+        row = {
+            "requirement": "closed loop",
+            "text": text,
+            "method": "test",
+            "evidence": held,
+            "verdict": modelled.verdict,
+        }
+        rows.append(row)
+    return rows

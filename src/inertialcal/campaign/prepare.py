@@ -1,0 +1,79 @@
+"""A test made ready: its plan, and the readings of all its recordings."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..core.errors import InertialcalError, PlanError, Problem
+from ..core.units import parse_quantity, si_unit
+from ..procedures import rate_table
+from ..procedures.rate_table.recordings import Turned, readings_from
+from .chains import scale_factors
+from .channels import turned_recording
+from .load import Campaign
+from .modelling import Prepared
+from .plans import plan_values
+from .schema import Sensor, Test
+from .tables import rate_table_readings, together
+
+
+def prepare(campaign: Campaign, number: int) -> Prepared:
+    """Return readings and plan of one test; problems get the place of the test where they have none."""
+    test = campaign.file.tests[number]
+    try:
+        sensor = sensor_of(campaign, test)
+        plan = _plan(campaign, test, sensor)
+        readings, inputs = test_readings(campaign, test, sensor, plan)
+        return Prepared(test, plan, readings, inputs)
+    except InertialcalError as error:
+        raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+
+
+def test_readings(
+    campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan
+) -> tuple[rate_table.Readings, dict[str, str]]:
+    """Return the readings of all recordings of a test, and SHA-256 of their files by path."""
+    parts: list[rate_table.Readings] = []
+    turned: list[Turned] = []
+    inputs: dict[str, str] = {}
+    for name in test.recordings:
+        entry = campaign.file.recordings[name]
+        if entry.rows is None:
+            one, hashes = turned_recording(campaign.folder, name, entry, sensor, test)
+            turned.append(one)
+            inputs |= hashes
+        else:
+            readings, table = rate_table_readings(campaign.folder, name, entry, sensor, test)
+            parts.append(readings)
+            inputs[entry.file] = table.source.sha256
+    if turned:
+        parts.append(readings_from(plan, turned))
+    return together(parts), inputs
+
+
+def placed(problem: Problem, campaign: Campaign, number: int) -> Problem:
+    """Files are told by their name in the campaign; what has no place gets that of its test."""
+    where = problem.where.removeprefix(f"{campaign.folder}/") or campaign.at("tests", number)
+    return replace(problem, where=where)
+
+
+def sensor_of(campaign: Campaign, test: Test) -> Sensor:
+    """Return the sensor that a test is about."""
+    return campaign.file.sensors[campaign.file.recordings[test.recordings[0]].sensor]
+
+
+def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
+    values, problems = plan_values(test.procedure, test.plan, "")
+    if problems:
+        raise PlanError(problems)
+    si = si_unit(sensor.unit)
+    ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
+    factors = scale_factors(sensor, tuple(sensor.axes))
+    volts = None if factors is None else dict(zip(sensor.axes, factors.tolist(), strict=True))
+    return rate_table.Plan(
+        **values,
+        input_range=None if ends is None else (min(ends), max(ends)),
+        scale_factor=volts,
+        latitude=campaign.file.site.latitude,
+        standards=campaign.standards,
+    )

@@ -1,0 +1,198 @@
+"""Score: do the stated intervals hold the truth? Of one simulated campaign, or of a rig over many seeds.
+
+The rule for many seeds (DESIGN, coverage): seeds in a row, none selected; a quantity passes when the exact 99.9 %
+binomial interval of its hit rate overlaps 93 to 97 %.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import DataError, UsageError
+from ..core.units import convert
+from ..rigs.twin import Twin
+from ..statistics.intervals import binomial_interval, contains, covers, t_interval
+from .in_memory import fit_results
+from .publish import OUT, previous
+from .twin import Truth, read_truth, rig_named
+
+RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
+P = 0.999
+OTHER_WAYS = ("as_published", "all_readings")  # conditions that mark another way of reduction
+STEPS = 20  # times that progress is told
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Score:
+    """Estimates of a campaign beside the truth.
+
+    Parameters
+    ----------
+    truth : Truth
+        And its seal.
+    rows : tuple of dict
+        Rows of ``results.json`` of which the truth is known, each with ``truth`` in its unit and ``inside``; None
+        where nothing was estimated.
+    """
+
+    truth: Truth
+    rows: tuple[dict[str, Any], ...]
+
+    @property
+    def estimated(self) -> int:
+        """Number of rows with an interval."""
+        return sum(row["inside"] is not None for row in self.rows)
+
+    @property
+    def inside(self) -> int:
+        """Number of rows whose interval holds the truth."""
+        return sum(row["inside"] is True for row in self.rows)
+
+
+@dataclass(frozen=True)
+class Coverage:
+    """How often the stated 95 % intervals of one quantity held the truth.
+
+    Parameters
+    ----------
+    quantity, axis : str
+        Which.
+    hits, n : int
+        Intervals that held it, and intervals.
+    missing : int
+        Campaigns that gave none.
+    """
+
+    quantity: str
+    axis: str
+    hits: int
+    n: int
+    missing: int
+
+    @property
+    def rate(self) -> float | None:
+        """Hit rate; None where there was no interval."""
+        return self.hits / self.n if self.n else None
+
+    @property
+    def interval(self) -> tuple[float, float] | None:
+        """Exact 99.9 % binomial interval of the hit rate."""
+        return binomial_interval(self.hits, self.n, P) if self.n else None
+
+    @property
+    def verdict(self) -> str:
+        """PASS or FAIL by the rule; FAIL where there was no interval at all."""
+        return "PASS" if self.n and covers(self.hits, self.n) else "FAIL"
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return the row as ``--json`` prints it."""
+        interval = self.interval
+        return {
+            "quantity": self.quantity, "axis": self.axis, "hits": self.hits, "n": self.n, "missing": self.missing,
+            "rate": self.rate, "interval": interval and {"lo": interval[0], "hi": interval[1], "p": P},
+            "verdict": self.verdict,
+        }  # fmt: skip
+
+
+def score(folder: str | Path) -> Score:
+    """Compare the results of a simulated campaign with its truth.
+
+    Raises
+    ------
+    PlanError
+        If there is no campaign in the folder.
+    DataError
+        ``no_results`` if it was not run; ``stale_results`` if the results are of another campaign; and as
+        ``twin.read_truth``.
+    """
+    truth = read_truth(folder)
+    results = previous(Path(folder))
+    if results is None:
+        what = f"no results in {Path(folder) / OUT}"
+        raise DataError(what, do=f"Type first: inertialcal run {folder}", code="no_results")
+    if truth.seal not in str(results.get("campaign", {}).get("source", "")):
+        why = "they were made before the campaign was"
+        raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
+                        "stale_results")  # fmt: skip
+    rows = [row for row in results["results"] if row["condition"] not in OTHER_WAYS]
+    return Score(truth, tuple(_scored(row, truth) for row in rows if (row["quantity"], row["axis"]) in truth.values))
+
+
+def _scored(row: Mapping[str, Any], truth: Truth) -> dict[str, Any]:
+    """Return a row with the truth in its unit, and whether the interval holds it."""
+    true = truth.values[row["quantity"], row["axis"]]
+    value = float(convert([true.value], true.unit, row["unit"])[0])
+    interval = row["interval"]
+    inside = None if interval is None else bool(interval["lo"] <= value <= interval["hi"])
+    return dict(row) | {"truth": value, "inside": inside}
+
+
+def score_rig(rig: str, n: int, first: int = 1, progress: Progress | None = None) -> tuple[Coverage, ...]:
+    """Return the coverage of every quantity of a rig, over seeds in a row, all in memory.
+
+    Parameters
+    ----------
+    rig : str
+        Name in the dict of rigs.
+    n : int
+        Campaigns.
+    first : int
+        Seed of the first; the others follow.
+    progress : callable, optional
+        Called with (campaigns done, in all, what comes next).
+
+    Raises
+    ------
+    UsageError
+        If there is no such rig, or nothing to count.
+    """
+    module = rig_named(rig)
+    if n < 1 or first < 0:
+        raise UsageError(f"{n} campaigns from seed {first}: need 1 or more, from seed 0 or more")
+    return coverage(module.twin, n, first, progress)
+
+
+def coverage(
+    make: Callable[[int], Twin], n: int, first: int = 1, progress: Progress | None = None
+) -> tuple[Coverage, ...]:
+    """Return the coverage of every quantity over n campaigns.
+
+    Parameters
+    ----------
+    make : callable
+        Seed -> twin.
+    n, first : int
+        Number of seeds, and the first of them.
+    progress : callable, optional
+        As in `score_rig`.
+    """
+    tell = progress or (lambda done, total, what: None)
+    held: dict[tuple[str, str], list[bool]] = {}
+    for seed in range(first, first + n):
+        if (seed - first) % max(n // STEPS, 1) == 0:
+            tell(seed - first, n, f"seed {seed}")
+        for name, inside in _held(make(seed)).items():
+            held.setdefault(name, []).append(inside)
+    tell(n, n, "done")
+    return tuple(
+        Coverage(quantity, axis, sum(found), len(found), n - len(found)) for (quantity, axis), found in held.items()
+    )
+
+
+def _held(twin: Twin) -> dict[tuple[str, str], bool]:
+    """Whether the interval of each quantity holds its truth."""
+    found = {}
+    values = {(one.quantity, one.axis): one.value for one in twin.truth}
+    for result in fit_results(twin):
+        estimate = result.estimate
+        if estimate is None:
+            continue
+        for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
+            quantity, _, axis = name.rpartition("_")
+            interval = t_interval(float(value), float(u), float(dof))
+            found[quantity, axis] = contains(interval, values[quantity, axis])
+    return found

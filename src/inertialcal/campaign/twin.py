@@ -1,0 +1,167 @@
+"""Write a simulated campaign as a folder, with its truth beside it, sealed.
+
+``.truth/truth.json`` is read by ``score`` alone. Its SHA-256 stands in ``campaign.source`` of campaign.toml, and so in
+every result made from it: a truth that was changed, or belongs to another campaign, is told from the right one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass
+from pathlib import Path
+from types import ModuleType
+
+from ..core.errors import DataError, StoreError, UsageError
+from ..core.recording import SECOND, Recording
+from ..rigs import RIGS
+from ..rigs.twin import SEAL, SEED, TrueValue, Twin
+from .load import FILE, load
+from .publish import json_text
+
+TRUTH = ".truth/truth.json"
+
+
+@dataclass(frozen=True)
+class Written:
+    """A simulated campaign on disk: its folder, the recordings in it, SHA-256 of the truth, the mistake in it."""
+
+    folder: Path
+    recordings: tuple[str, ...]
+    seal: str
+    fault: str
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The truth behind a campaign, SI, by quantity and axis; and where it comes from."""
+
+    values: Mapping[tuple[str, str], TrueValue]
+    rig: str
+    seed: int
+    fault: str
+    seal: str
+
+
+def rig_named(name: str) -> ModuleType:
+    """Return a rig.
+
+    Raises
+    ------
+    UsageError
+        If there is none of that name.
+    """
+    if name not in RIGS:
+        raise UsageError(f"no rig {name!r}", do=f"There are: {', '.join(RIGS)}", code="unknown_name")
+    return RIGS[name]
+
+
+def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Written:
+    """Write the recordings, the campaign file and the truth of a rig.
+
+    Parameters
+    ----------
+    rig : str
+        Name in the dict of rigs.
+    folder : path
+        New, or empty.
+    seed : int
+        All draws follow from it; 0 or more.
+    fault : str
+        Name of a mistake to put in.
+
+    Raises
+    ------
+    UsageError
+        If there is no such rig or fault, the seed is negative, or something is in the folder.
+    StoreError
+        If the folder cannot be written; nothing is left behind.
+    """
+    module, target = rig_named(rig), Path(folder)
+    if seed < 0:
+        raise UsageError(f"seed {seed}: need 0 or more")
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise UsageError(f"{target} exists and is not empty", do="Name a new folder: -o DIR", code="exists")
+    twin: Twin = module.twin(seed, fault)
+    truth = truth_text(twin)
+    seal = hashlib.sha256(truth.encode()).hexdigest()
+    texts = {
+        FILE: twin.campaign.replace(SEED, str(seed)).replace(SEAL, seal),
+        TRUTH: truth,
+        **{file: csv_text(recording) for file, recording in twin.recordings.items()},
+    }
+    _write(target, texts)
+    return Written(target, tuple(twin.recordings), seal, fault)
+
+
+def truth_text(twin: Twin) -> str:
+    """Return the content of ``truth.json``."""
+    head = {"schema": 1, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault}
+    return json_text(head | {"values": [asdict(value) for value in twin.truth], "drawn": dict(twin.drawn)})
+
+
+def csv_text(recording: Recording) -> str:
+    """Return a recording as CSV, the stamps first in UNIX seconds; reading it back gives the same numbers."""
+    assert recording.time_ns is not None  # noqa: S101 - a rig has a clock
+    seconds, rest = divmod(recording.time_ns, SECOND)
+    whole = not rest.any()
+    stamps = [str(s) if whole else f"{s}.{r:09d}" for s, r in zip(seconds.tolist(), rest.tolist(), strict=True)]
+    columns = [stamps, *(list(map(repr, channel.data.tolist())) for channel in recording.channels)]
+    rows = map(",".join, zip(*columns, strict=True))
+    return "\n".join([",".join(["unix_s", *recording.names]), *rows, ""])
+
+
+def read_truth(folder: str | Path) -> Truth:
+    """Return the truth behind a campaign, its seal checked against campaign.toml.
+
+    Raises
+    ------
+    PlanError
+        If there is no campaign in the folder.
+    DataError
+        ``no_truth`` if it is no simulated campaign, ``damaged_truth`` if the truth cannot be read,
+        ``seal_broken`` if it is not the one that the campaign was written with.
+    """
+    source, path = load(folder).file.campaign.source, Path(folder) / TRUTH
+    try:
+        raw = path.read_bytes()
+    except OSError:
+        what, why = f"no truth: {path} does not exist", "only a simulated campaign can be scored"
+        raise DataError(what, why=why, do="Try: inertialcal simulate rate_table -o DIR", code="no_truth") from None
+    seal = hashlib.sha256(raw).hexdigest()
+    if seal not in source:
+        what = f"the truth has SHA-256 {seal[:12]}..., campaign.source names another"
+        why = "it was changed, or belongs to another campaign"
+        raise DataError(what, TRUTH, why, "Simulate the campaign again from its seed", "seal_broken")
+    try:
+        content = json.loads(raw)
+        values = [TrueValue(**one) for one in content["values"]]
+        by_name = {(one.quantity, one.axis): one for one in values}
+        return Truth(by_name, str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
+    except (ValueError, KeyError, TypeError) as error:
+        raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
+
+
+def _write(target: Path, texts: Mapping[str, str]) -> None:
+    """Write the files into a folder aside, then move it to its place."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    except OSError as error:
+        raise StoreError(f"cannot write into {target.parent}: {error.strerror}", code="not_writable") from None
+    try:
+        for name, text in texts.items():
+            path = aside / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        aside.chmod(0o755)
+        if target.is_dir():
+            target.rmdir()
+        aside.rename(target)
+    except OSError as error:
+        raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)

@@ -1,0 +1,107 @@
+"""simulate, score: campaigns whose truth is known."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .options import Json, Quiet
+from .output import json_out, table
+from .progress import progress
+
+
+def simulate(
+    rig: Annotated[str, typer.Argument(help="Name of a rig: rate_table.", show_default=False)],
+    output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
+    seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,
+    fault: Annotated[str, typer.Option(help="A mistake to put in, like wrong_sign.", show_default=False)] = "",
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Write the campaign of a simulated rig: recordings, campaign.toml, and the truth for `score`."""
+    from ..campaign.twin import simulate as write
+
+    written = write(rig, output, seed, fault)
+    if as_json:
+        content = {"written": str(written.folder), "recordings": list(written.recordings), "truth_sha256": written.seal}
+        json_out("simulate", content | {"rig": rig, "seed": seed, "fault": fault})
+    elif not quiet:
+        print(f"written: {written.folder} ({len(written.recordings)} recordings)")
+        print(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}")
+        print(f"Next: inertialcal run {written.folder}, then inertialcal score {written.folder}")
+    return 0
+
+
+def score(
+    folder: Annotated[Path | None, typer.Argument(help="Folder of a simulated campaign.", show_default=False)] = None,
+    rig: Annotated[
+        str | None, typer.Option(help="Score a rig over many seeds, in memory, instead.", show_default=False)
+    ] = None,
+    n: Annotated[int, typer.Option("--n", help="With --rig: how many campaigns.")] = 300,
+    seed_from: Annotated[int, typer.Option(help="With --rig: the first seed.")] = 1,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compare the estimates of a simulated campaign with its truth, or count how often a rig's intervals hold it."""
+    from ..core.errors import UsageError
+
+    if (folder is None) == (rig is None):
+        raise UsageError("score needs a folder or --rig, one of them", do="Try: inertialcal score --help")
+    if folder is not None:
+        return _campaign(folder, as_json, quiet)
+    return _rig(str(rig), n, seed_from, as_json, quiet)
+
+
+def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
+    from ..campaign.score import score as score_campaign
+
+    found = score_campaign(folder)
+    if as_json:
+        truth = {"rig": found.truth.rig, "seed": found.truth.seed, "fault": found.truth.fault,
+                 "truth_sha256": found.truth.seal}  # fmt: skip
+        counts = {"inside": found.inside, "estimated": found.estimated, "known": len(found.rows)}
+        json_out("score", {"results": list(found.rows)} | truth | counts)
+    elif not quiet:
+        heads = ["test", "quantity", "axis", "estimate ± u", "truth", "unit", "inside"]
+        print(table([_cells(row) for row in found.rows], heads))
+        print(f"\n{found.inside} of {found.estimated} stated 95 % intervals hold the truth")
+        if found.estimated < len(found.rows):
+            print(f"{len(found.rows) - found.estimated} not estimated")
+    return 0
+
+
+def _cells(row: Mapping[str, Any]) -> list[str]:
+    from ..core.rounding import number, with_uncertainty
+
+    estimate = with_uncertainty(row["value"], row["u"]) if row["inside"] is not None else "not estimated"
+    word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
+    return [row["test"], row["quantity"], row["axis"], estimate, number(row["truth"]), row["unit"], word]
+
+
+def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
+    from ..campaign.score import RULE, score_rig
+
+    with progress(quiet or as_json) as tell:
+        found = score_rig(rig, n, first, tell)
+    status = 1 if any(one.verdict == "FAIL" for one in found) else 0
+    if as_json:
+        rows = [one.to_dict() for one in found]
+        verdicts = [{name: row[name] for name in ("quantity", "axis", "verdict")} for row in rows]
+        seeds = {"rig": rig, "n": n, "seed_from": first, "rule": RULE}
+        json_out("score", {"results": rows, "verdicts": verdicts} | seeds, status)
+    elif not quiet:
+        cells = [_coverage_cells(one.to_dict()) for one in found]
+        print(table(cells, ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"], right=(2, 3)))
+        print(f"\nseeds {first} to {first + n - 1}; PASS where {RULE}")
+    return status
+
+
+def _coverage_cells(row: Mapping[str, Any]) -> list[str]:
+    interval = row["interval"]
+    ends = "-" if interval is None else f"{interval['lo']:.1%} .. {interval['hi']:.1%}"
+    rate = "-" if row["rate"] is None else f"{row['rate']:.1%}"
+    missing = f" ({row['missing']} without an interval)" if row["missing"] else ""
+    return [row["quantity"], row["axis"], f"{row['hits']} of {row['n']}", rate, ends, row["verdict"] + missing]
