@@ -45,5 +45,4 @@ def setup(app):
 def references_as_list(app, what, name, obj, options, lines):
     """Turn citations into plain text: a function may cite the references of its module."""
     for i, line in enumerate(lines):
-        line = re.sub(r"\[(\d+)\]_", r"[\1]", line)
-        lines[i] = re.sub(r"^(\s*)\.\. \[(\d+)\] ", r"\1\2. ", line)
+        lines[i] = re.sub(r"^(\s*)\.\. \[(\d+)\] ", r"\1\2. ", re.sub(r"\[(\d+)\]_", r"[\1]", line))

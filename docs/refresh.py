@@ -33,6 +33,8 @@ def refreshed(shown: list[str], printed: list[str]) -> list[str]:
         last = number == len(parts) - 1
         end = len(printed) - len(part)
         starts = [0] if number == 0 else [end] if last else range(at, end + 1)
+        if end < at:
+            return printed  # nothing of it is left: cut it anew
         best = max(starts, key=lambda i: likeness(part, printed[i : i + len(part)])) if part else at
         found.append(printed[best : best + len(part)])
         at = best + len(part)

@@ -117,7 +117,8 @@ class Session:
         with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err), pytest.raises(SystemExit) as left:
             main(words[1:])
         self.status = int(str(left.value.code))
-        text = out.getvalue() + (err.getvalue() if self.status in REFUSED else "")
+        messages = err.getvalue()
+        text = out.getvalue() + (messages[messages.find("error:") :] if self.status in REFUSED else "")
         return [line.rstrip() for line in text.rstrip("\n").split("\n")] if text.strip() else []
 
     def example(self, body: str) -> None:

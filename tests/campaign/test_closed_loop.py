@@ -63,7 +63,7 @@ def test_a_right_model_passes_on_every_axis() -> None:
 @pytest.mark.parametrize(
     "break_it",
     [
-        lambda m: np.transpose(m),
+        np.transpose,
         lambda m: 2.0 * np.eye(3) - m,
         lambda m: m[[1, 0, 2]][:, [1, 0, 2]],
         lambda m: m[[2, 0, 1]][:, [2, 0, 1]],

@@ -98,3 +98,273 @@ def test_a_recording_reads_back(tmp_path: Path, ending: str, one: Recording) -> 
     else:
         np.testing.assert_array_equal(again.time_ns, one.time_ns)
         assert again.epoch == one.epoch
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_unsigned_64_bits(tmp_path: Path, ending: str) -> None:
+    """CSV has no type: whole numbers beyond int64 come back as floats, all others to the bit."""
+    data = np.array([0, 2**63 - 1, 7], dtype=np.uint64)
+    again = there_and_back(tmp_path, ending, recording(Channel("a", data), Channel("b", data + np.uint64(1))))
+    np.testing.assert_array_equal(again.channel("a").data, data)
+    np.testing.assert_array_equal(again.channel("b").data.astype(float), (data + np.uint64(1)).astype(float))
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+@pytest.mark.parametrize(
+    "text",
+    [
+        "t_s,gyro_x_dps,gyro_y [rad/s],n,temp (degC)\n0,1.5,2,0,20\n0.5,,3,1,21\n2.5,1e-7,-0,2,\n3,0.1,4,3,22\n",
+        "time,acc_x,acc_y\n2010-04-28T15:10:00.5Z,1,2\n2010-04-28T15:10:01.5Z,3,4\n2010-04-28T15:10:02.5Z,5,6\n",
+        "unix_s,counts_x\n1272467400.25,1\n1272467400.5,2\n1272467400.75,3\n1272467402,4\n",
+        '# sample rate: 128 Hz\ngyro_z [deg/s]\n0.25\n""\n0.5\n0.75\n',
+        "t_ms;acc_z_g\n1;0,5\n2;0,25\n3;1,5\n40;1,5\n",
+        "1,2\n3,4\n5,6\n",
+    ],
+)
+def test_info_says_the_same_of_what_was_written(tmp_path: Path, ending: str, text: str) -> None:
+    source = tmp_path / "in.csv"
+    source.write_text(text, encoding="utf-8")
+    one = read(source)
+    write(tmp_path / f"out{ending}", one)
+    was, now = survey_recording(one).to_dict(), survey(tmp_path / f"out{ending}").to_dict()
+    assert now["time"] == was["time"] | {"interval_from": now["time"]["interval_from"]}
+    assert now["rows"] == was["rows"]
+    names = [channel.pop("name") for channel in was["channels"]]
+    for channel, said, name in zip(now["channels"], was["channels"], names, strict=True):
+        assert bare(channel.pop("name")) == bare(name)
+        assert channel | {"unit_from": ""} == said | {"unit_from": ""}
+    codes = [{one["code"] for one in content["remarks"]} for content in (was, now)]
+    assert codes[0] - codes[1] <= {"time_unit_assumed", "naive_time"}  # what is written says its unit and zone
+    assert codes[1] <= codes[0]
+
+
+def bare(name: str) -> str:
+    return name.split(" [", maxsplit=1)[0].split(" (", maxsplit=1)[0]
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+@pytest.mark.parametrize(
+    "name",
+    [
+        "imucal_ferraris/ferraris_example.csv",
+        "sunsided_mpu6050_static/set-1__unmoved-x-pointing-up/mpu6050_gyroscope.mat",
+        "tofupilot_thermal/imu_raw_data.csv",
+        "imu_tk_xsens_mti/xsens_acc.mat",
+        "noise/l3g_gyro_x/gyro2_x.txt",
+    ],
+)
+def test_recordings_of_others(shared: Path, tmp_path: Path, name: str, ending: str) -> None:
+    path = shared / "data" / name
+    if not path.exists():
+        pytest.skip(f"no {name}")
+    one = read(path)
+    again = there_and_back(tmp_path, ending, one)
+    assert [bare(n) for n in again.names] == [bare(n) for n in one.names]
+    assert [c.unit for c in again.channels] == [c.unit for c in one.channels]
+    for was, now in zip(one.channels, again.channels, strict=True):
+        assert same_bits(was.data, now.data)
+    assert (one.time_ns is None) == (again.time_ns is None)
+    if one.time_ns is not None:
+        np.testing.assert_array_equal(again.time_ns, one.time_ns)
+    assert again.sample_interval == one.sample_interval
+
+
+@pytest.mark.parametrize("ending", FORMATS)
+def test_a_unit_said_by_flag_goes_into_the_file(tmp_path: Path, ending: str) -> None:
+    source = tmp_path / "in.csv"
+    source.write_text("t,wx,wy,temp\n0.1,1,2,20\n0.2,2,3,21\n0.4,3,4,21\n", encoding="utf-8")
+    one = read(source, units={"gyro": "deg/s", "t": "min", "temp": "degC"})
+    assert write(tmp_path / f"out{ending}", one) == ()
+    again = read(tmp_path / f"out{ending}")
+    assert [c.unit for c in again.channels] == ["deg/s", "deg/s", "degC"]
+    assert [c.quantity for c in again.channels] == ["gyro", "gyro", "temperature"]
+    np.testing.assert_array_equal(again.time_ns, one.time_ns)
+    assert not [r for r in again.remarks if "unit" in r.code]
+
+
+def test_a_csv_as_a_person_would_write_it(tmp_path: Path) -> None:
+    data = np.array([1.0, np.nan, 3.0, 0.1])
+    whole = Channel("volts", np.array([1.0, 2.0, np.nan, 4.0], dtype=np.float32), "V")
+    time_ns = UTC + np.array([0, 1, 2, 5]) * SECOND
+    one = recording(
+        Channel("wx", data, "deg/s"), whole, Channel("n", np.arange(4, dtype=np.int16)),
+        time_ns=time_ns, epoch="utc", sample_interval=1.0, interval_from="time column 'when'",
+    )  # fmt: skip
+    write(tmp_path / "out.csv", one)
+    assert (tmp_path / "out.csv").read_text() == (
+        "time,wx [deg/s],volts [V],n\n"
+        "2010-04-28 15:10:00Z,1,1.0,0\n2010-04-28 15:10:01Z,,2.0,1\n"
+        "2010-04-28 15:10:02Z,3,,2\n2010-04-28 15:10:05Z,0.1,4.0,3\n"
+    )
+    flagged = recording(Channel("wx", data, "deg/s"), sample_interval=0.01, interval_from="flag")
+    write(tmp_path / "out.csv", flagged)
+    assert (tmp_path / "out.csv").read_text() == '# sample rate: 100.0 Hz\nwx [deg/s]\n"1"\n""\n"3"\n"0.1"\n'
+
+
+def test_the_same_recording_gives_the_same_bytes(tmp_path: Path) -> None:
+    one = recording(Channel("wx", np.array([0.1, 0.2]), "deg/s"), time_ns=np.array([0, SECOND]))
+    for ending in FORMATS:
+        contents = []
+        for name in ("a", "b"):
+            write(tmp_path / f"{name}{ending}", one)
+            contents.append((tmp_path / f"{name}{ending}").read_bytes())
+        assert contents[0] == contents[1]
+
+
+def test_a_name_that_contradicts_its_unit_gives_way(tmp_path: Path) -> None:
+    one = recording(
+        Channel("voltage_x", np.array([0.1, 0.2]), "rad/s", "model", "x", "gyro"),
+        Channel("status", np.array([1.5, 2.5]), "V"),
+        Channel("n", np.array([5, 6]), "count"),
+        Channel("gyro_y_mv", np.array([5, 6]), "deg/s", "model", "y", "gyro"),
+    )
+    for ending in FORMATS:
+        remarks = write(tmp_path / f"out{ending}", one)
+        again = read(tmp_path / f"out{ending}")
+        assert [c.unit for c in again.channels] == ["rad/s", "V", "count", "deg/s"]
+        assert [bare(name) for name in again.names] == ["gyro_x", "channel_2", "channel_3", "gyro_y"]
+        assert [r.code for r in remarks] == ["column_renamed"] * 4
+    assert "'voltage_x' is written as 'gyro_x [rad/s]'" in write(tmp_path / "out.csv", one)[0].what
+
+
+def test_no_two_columns_get_one_name(tmp_path: Path) -> None:
+    one = recording(
+        Channel("wx", np.array([0.1, 0.2]), "deg/s"),
+        Channel("wx [deg/s]", np.array([1.5, 2.5]), "deg/s"),
+        Channel("time", np.array([1.5, 2.5]), "V"),
+        time_ns=np.array([0, SECOND]),
+    )
+    for ending in FORMATS:
+        again = there_and_back(tmp_path, ending, one)
+        assert len(set(again.names)) == 3
+        assert [c.unit for c in again.channels] == ["deg/s", "deg/s", "V"]
+        np.testing.assert_array_equal(again.time_ns, [0, SECOND])
+
+
+# Time
+
+
+def test_numbers_are_the_nearest_floats() -> None:
+    """Against the decimal text of each stamp, which Python rounds correctly."""
+    stamps = np.array([1, 100_000_000, 123_456_000_000, -10_000_001, 9_007_199_254_740_991], dtype=np.int64)
+    expected = [float(f"{'-' if s < 0 else ''}{abs(int(s)) // SECOND}.{abs(int(s)) % SECOND:09d}") for s in stamps]
+    np.testing.assert_array_equal(numbers(stamps, "s"), expected)
+    assert numbers(np.array([0, 2 * SECOND]), "s").dtype == np.int64
+    np.testing.assert_array_equal(numbers(np.array([0, 2_500_000]), "ms"), [0.0, 2.5])
+    np.testing.assert_array_equal(numbers(np.array([0, 90 * SECOND]), "min"), [0.0, 1.5])
+
+
+def test_time_keeps_its_name_where_the_recording_tells_it() -> None:
+    said = {"t_s": "t_s", "Time (s)": "Time (s)", "it's": "it's", "": "time", "wx": "time"}
+    for name, expected in said.items():
+        one = recording(Channel("wx", np.zeros(2)), interval_from=f"time column {name!r}")
+        assert time_name(one) == expected
+    assert time_name(recording(interval_from="flag")) == "time"
+
+
+def test_stamps_that_seconds_cannot_hold_go_in_nanoseconds_or_instants() -> None:
+    fine = np.array([0, 1]) + 10**17  # 0.1 years in steps of 1 ns
+    column = time_column(recording(Channel("a", np.zeros(2)), time_ns=fine), in_names=True)
+    assert column is not None
+    assert column.name == "time [ns]"
+    named = recording(Channel("a", np.zeros(2)), time_ns=UTC + fine, epoch="utc", interval_from="time column 'unix_s'")
+    column = time_column(named, in_names=True)
+    assert column is not None
+    assert column.values.dtype == "datetime64[ns]"
+
+
+def test_time_that_cannot_be_told_is_refused(tmp_path: Path) -> None:
+    elapsed = recording(Channel("a", np.zeros(2)), time_ns=np.array([UTC, UTC + 1]), epoch="elapsed")
+    early = recording(Channel("a", np.zeros(2)), time_ns=np.array([-(2**63) + 1, 0]), epoch="utc")
+    for one in (elapsed, early):
+        with pytest.raises(DataError, match="cannot be written so that they read back"):
+            write(tmp_path / "out.csv", one)
+    np.testing.assert_array_equal(there_and_back(tmp_path, ".parquet", early).time_ns, early.time_ns)
+    for ending in FORMATS:
+        flight = recording(Channel("time_of_flight", np.array([0.5, 0.7]), "s"))
+        with pytest.raises(DataError, match=r"time_of_flight.* would be read as the time"):
+            write(tmp_path / f"out{ending}", flight)
+        backward = recording(Channel("a", np.zeros(3)), time_ns=np.array([3, 2, 1]) * SECOND)
+        with pytest.raises(DataError, match="there would be no time"):
+            write(tmp_path / f"out{ending}", backward)
+
+
+# What is refused
+
+
+def test_the_input_is_never_replaced(tmp_path: Path) -> None:
+    source = tmp_path / "in.csv"
+    source.write_text("t_s,a\n0,1\n1,2\n2,3\n")
+    (tmp_path / "link.csv").symlink_to(source)
+    os.link(source, tmp_path / "hard.csv")
+    for name in ("in.csv", "link.csv", "hard.csv"):
+        with pytest.raises(DataError, match="would replace its own input") as caught:
+            write(tmp_path / name, read(source))
+        assert caught.value.problems[0].code == "overwrites_input"
+    assert source.read_text() == "t_s,a\n0,1\n1,2\n2,3\n"
+
+
+def test_a_file_is_complete_or_not_there(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one = recording(Channel("a", np.array([1.0, 2.0])))
+    write(tmp_path / "out.csv", one)
+    before = (tmp_path / "out.csv").read_bytes()
+
+    def broken(path: Path, _: Recording) -> tuple[()]:
+        path.write_text("half")
+        raise OSError(28, "No space left on device")
+
+    monkeypatch.setitem(WRITERS, ".csv", broken)
+    with pytest.raises(StoreError, match="No space left"):
+        write(tmp_path / "out.csv", one)
+    assert (tmp_path / "out.csv").read_bytes() == before
+    assert [path.name for path in tmp_path.iterdir()] == ["out.csv"]
+
+
+@pytest.mark.parametrize(("name", "words"), [("no/out.csv", "no folder"), ("a.csv", "a folder"), ("\0.csv", "a nul")])
+def test_places_that_cannot_be_written(tmp_path: Path, name: str, words: str) -> None:
+    (tmp_path / "a.csv").mkdir()
+    with pytest.raises(StoreError, match=words):
+        write(tmp_path / name, recording(Channel("a", np.array([1.0, 2.0]))))
+
+
+@pytest.mark.parametrize("name", ["out", "out.xlsx", "out.csv.gz"])
+def test_other_endings_are_wrong_usage(tmp_path: Path, name: str) -> None:
+    with pytest.raises(UsageError, match="tells no format that is written") as caught:
+        write(tmp_path / name, recording(Channel("a", np.array([1.0, 2.0]))))
+    assert ".csv, .parquet, .npz" in caught.value.problems[0].do
+
+
+@pytest.mark.parametrize("data", [np.array(["a", "b"]), np.array([1j, 2]), np.array([1, 2], np.longdouble)])
+def test_what_is_no_number_is_refused(tmp_path: Path, data: NDArray[Any]) -> None:
+    with pytest.raises(DataError, match="need whole numbers or floats") as caught:
+        write(tmp_path / "out.csv", recording(Channel("a", data)))
+    assert caught.value.problems[0].code == "not_numbers"
+
+
+def test_names_that_csv_cannot_hold_are_refused(tmp_path: Path) -> None:
+    for names in (("1", "2"), ("# a", "b")):
+        one = recording(*(Channel(name, np.array([1.5, 2.5])) for name in names))
+        with pytest.raises(DataError, match="would not be read as the header") as caught:
+            write(tmp_path / "out.csv", one)
+        assert "Parquet" in caught.value.problems[0].do
+        assert there_and_back(tmp_path, ".parquet", one).names == names
+
+
+def test_one_sample_and_no_channel(tmp_path: Path) -> None:
+    single = recording(Channel("a", np.array([1.5])), time_ns=np.array([5 * SECOND]))
+    with pytest.raises(DataError, match="need 2 for a NumPy file"):
+        write(tmp_path / "out.npz", single)
+    assert there_and_back(tmp_path, ".parquet", single).channel("a").data == [1.5]
+    with pytest.raises(DataError, match="without channels"):
+        write(tmp_path / "out.csv", recording())
+
+
+def test_what_is_not_kept_is_remarked(tmp_path: Path) -> None:
+    one = recording(Channel("a", np.array([1.5, 2.5])), averaging_time=1.0, source=Source("gone.csv"))
+    assert [remark.code for remark in write(tmp_path / "out.csv", one)] == ["averaging_time_not_kept"]
+
+
+def test_every_refusal_is_one_that_a_user_can_act_on(tmp_path: Path) -> None:
+    with pytest.raises(InertialcalError) as caught:
+        write(tmp_path / "no" / "out.csv", recording(Channel("a", np.array([1.5, 2.5]))))
+    assert caught.value.exit_status == 3

@@ -320,7 +320,7 @@ def test_dwell_mean_interval_holds_a_new_dwell_in_a_new_run():
     held, n = 0, 300
     for seed in range(1, n + 1):
         rng = np.random.default_rng(seed)
-        truth = replace(random_truth(rng), run_scale_std=0.0)
+        truth = replace(random_truth(rng), run_scale_std=1e-3)
         result = reduce(Plan(), simulate(Plan(), truth, rng))
         error = rate_errors(result.plan, result.readings, result.lines["x"], "dwell_mean")[0]
         new = simulate(Plan(), replace(truth, runs=1), rng)

@@ -6,7 +6,6 @@ Version 7.3 is HDF5; an ASCII ``.mat`` is text.
 from __future__ import annotations
 
 import io
-import math
 from collections.abc import Iterator, Sequence
 from typing import Any, Literal
 
@@ -15,10 +14,10 @@ import numpy as np
 from .arrays import NamedArray, columns_of
 from .columns import Content
 from .foreign import translated
-from .source import Loaded, check_size
+from .mat5_elements import check_elements
+from .source import Loaded
 
 DEEPEST = 8  # structures within structures
-BYTES = {"double": 8, "single": 4, "int64": 8, "uint64": 8, "int32": 4, "uint32": 4}  # others: 2 or fewer
 
 
 def read_matlab(loaded: Loaded, kind: Literal["mat4", "mat5"], variables: Sequence[str] | None = None) -> Content:
@@ -33,9 +32,8 @@ def read_matlab(loaded: Loaded, kind: Literal["mat4", "mat5"], variables: Sequen
 
     version = "4" if kind == "mat4" else "5 to 7"
     with translated(loaded.path, f"a MATLAB file of version {version}"):
-        listed = scipy_io.whosmat(io.BytesIO(loaded.data))
-        size = sum(math.prod(shape) * BYTES.get(type_name, 2) for _, shape, type_name in listed)
-        check_size(loaded.path, size, len(loaded.data))
+        if kind == "mat5":
+            check_elements(loaded.data, loaded.path)
         # mat_dtype: doubles that MATLAB packed as bytes come back as doubles; counts stay whole numbers.
         content = scipy_io.loadmat(io.BytesIO(loaded.data), mat_dtype=True)
         found = [item for name, value in content.items() if name[:2] != "__" for item in _flat(name, value)]

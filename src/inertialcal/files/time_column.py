@@ -20,7 +20,7 @@ from ..core.recording import SECOND, Recording, Times
 from .columns import Column
 from .headers import heading
 from .stamps import EARLIEST, LATEST, beyond_epoch, is_utc, to_ns
-from .titles import read_back, spelled
+from .titles import contradicts, read_back, spelled
 
 PLAIN = "time"
 EXACT = 2**53  # whole numbers up to here are floats without rounding
@@ -76,14 +76,14 @@ def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> I
     said = heading(name).unit
     by_name = said if said is not None and units.kind(said) == "time" else None
     utc = recording.epoch == "utc"
-    if utc and by_name is None and (instants or _tellable(time_ns)):
-        yield time_ns.astype("datetime64[ns]"), ""
-    for unit in dict.fromkeys([by_name or "s", "s", "ns"]):
+    instant = utc and (instants or _tellable(time_ns))
+    for unit in dict.fromkeys([by_name or ("" if instant else "s"), "" if instant else "s", "ns"]):
+        if not unit:
+            yield time_ns.astype("datetime64[ns]"), ""
+            continue
         values = numbers(time_ns, unit)
         if _keeps(values, unit, time_ns, utc):
             yield values, unit
-    if utc and by_name is not None and (instants or _tellable(time_ns)):
-        yield time_ns.astype("datetime64[ns]"), ""
 
 
 def numbers(time_ns: Times, unit: str) -> NDArray[Any]:
@@ -117,7 +117,8 @@ def _tellable(time_ns: Times) -> bool:
 
 def _titles(recording: Recording, name: str, unit: str, values: NDArray[Any], in_names: bool) -> Iterator[Any]:
     """Titles under which the column reads as time in that unit, and that no channel has."""
-    for one in dict.fromkeys((name, PLAIN, f"{PLAIN}_stamp")):
+    names = (PLAIN, f"{PLAIN}_stamp")
+    for one in names if unit and contradicts(name, unit) else dict.fromkeys((name, *names)):
         for title in spelled(one, unit or None, in_names):
             found = read_back(title, Column(title.name, values, title.unit))
             fits = found.unit in {None, unit} if not unit else found.unit == unit

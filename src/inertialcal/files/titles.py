@@ -1,8 +1,9 @@
 """Titles: names and units of channels as a file holds them, chosen so that they read back.
 
 A title is the name as it is, where name or metadata tell the unit; else ``name [unit]``. A name that would tell
-something else (``voltage_x [rad/s]`` reads as a voltage) gives way to ``gyro_x``, or to ``channel_3``, and a
-remark says so. The reader itself is asked: nothing is known here of how it reads names.
+something else (``voltage_x [rad/s]`` reads as a voltage), or that ends in another unit (``gyro_x_mv``), gives way
+to ``gyro_x``, or to ``channel_3``, and a remark says so. The reader itself is asked: nothing is known here of how
+it reads names.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
 from .columns import Column
 from .describe import Described, describe
-from .headers import bare_name
+from .headers import bare_name, heading
 
 
 @dataclass(frozen=True)
@@ -63,14 +64,18 @@ def read_back(title: Title, values: Channel | Column) -> Described:
 
 
 def _title(channel: Channel, number: int, taken: set[str], in_names: bool) -> Title:
-    names = [channel.name.strip(), f"{channel.quantity}_{channel.axis}", f"channel_{number}"]
-    if not (channel.quantity and channel.axis):
-        del names[1]
-    for name in names:
+    own, plain = channel.name.strip(), f"channel_{number}"
+    by_kind = [f"{channel.quantity}_{channel.axis}"] if channel.quantity and channel.axis else []
+    for name in [*by_kind, own, plain] if contradicts(own, channel.unit) else [own, *by_kind, plain]:
         for title in spelled(name, channel.unit, in_names):
             if _usable(title.name, taken) and read_back(title, channel).unit == channel.unit:
                 return title
-    return Title(_free(f"channel_{number}", taken), None if in_names else channel.unit)
+    return Title(_free(plain, taken), None if in_names else channel.unit)
+
+
+def contradicts(name: str, unit: str | None) -> bool:
+    """Whether the end of a name says another unit: ``gyro_x_mv`` in deg/s."""
+    return heading(bare_name(name)).unit not in {None, unit}
 
 
 def _usable(name: str, taken: set[str]) -> bool:

@@ -9,8 +9,8 @@ FAULTS: dict[str, Fault] = {
     "wrong_sign": Fault("the z sensor is not mounted inverted, as is said", "inverted", {"inverted": (-1, 1, 1)}),
     "saturated_step": Fault(
         "the highest rate lies beyond the converter",
-        "dwell_incomplete",
-        {"rates_deg_s": (0.0, 0.5, -0.5, 0.0, 1.5, -1.5, 0.0, 3.0, -3.0, 0.0, 6.0, -4.5, 0.0)},
+        "rail",
+        {"rates_deg_s": (0.0, 0.5, -0.5, 1.5, -1.5, 0.0, 3.0, -3.0, 6.0, -4.5, 0.0)},
     ),
     "missing_reference": Fault(
         "the reference voltages were not saved", "missing_reference", {"reference_saved": False}
@@ -19,7 +19,7 @@ FAULTS: dict[str, Fault] = {
     "only_positive": Fault(
         "the table turned one way only",
         "needs both senses of rotation",
-        {"rates_deg_s": (0.0, 0.5, 1.0, 0.0, 1.5, 2.0, 0.0, 3.0, 3.5, 0.0, 4.0, 4.5, 0.0)},
+        {"rates_deg_s": (0.0, 0.5, 1.0, 1.5, 2.0, 0.0, 3.0, 3.5, 4.0, 4.5, 0.0)},
     ),
     "axis_not_turned": Fault("the unit was not turned about z", "was not turned about z", {"turned": ("x", "y")}),
     "never_still": Fault(

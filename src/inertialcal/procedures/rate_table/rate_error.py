@@ -11,13 +11,15 @@ dwell_mean
 reading
     the error of a single sample: the scatter within a dwell once more.
 
-Scatter comes pooled from all rates (it is a scatter of readings, not of percentages); Type B terms of the
-table rate, the converter reference and the earth rate enter in full.
+Where a rate was met in two or more runs, the scatter of the runs' means at that rate gives the uncertainty, with one
+degree of freedom fewer than there are runs: scale factors that differ from run to run make it grow with the rate, and
+no assumption is needed. Where each rate belongs to one run, as in the NPS thesis, the scatter is pooled from all
+rates (it is a scatter of readings, not of percentages), which takes it as independent of the rate. Type B terms of
+the table rate, the converter reference and the earth rate enter in full.
 """
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Literal
 
@@ -79,62 +81,71 @@ def rate_errors(plan: Plan, everything: Readings, one: Line, of: Of = "dwell_mea
     s = one.sensor
     read = everything.take((everything.axis == s) & np.isfinite(everything.outputs[s]) & (everything.applied != 0.0))
     used = one.readings
-    spread = _spread(one, of)
     found = []
     for rate in np.unique(read.applied):
         all_errors = np.abs(read.outputs[s][read.applied == rate] / rate - 1.0)  # as the thesis has them
         at = (used.axis == s) & (used.applied == rate)
-        found.append(_at_rate(plan, s, float(rate), used.take(at), spread, float(all_errors.max())))
+        found.append(_at_rate(plan, one, float(rate), used.take(at), of, float(all_errors.max())))
     return tuple(found)
 
 
-def _spread(one: Line, of: Of) -> Callable[[int, int], tuple[float, float] | None]:
-    """Variance of the error of a reading [(rad/s)^2] with its degrees of freedom, by numbers of runs and dwells."""
-    readings = one.readings
-    per_run = len(readings) / readings.runs if readings.runs else 1.0
-    total = dwell_variance(one.levels, per_run)
-    sample = next(level for level in one.levels if level.name == "sample")
-
-    def spread(runs: int, dwells: int) -> tuple[float, float] | None:
-        if total is None:
-            return None
-        variance, dof = total
-        independent = runs if runs else dwells
-        scale = 1.0 / independent + (0.0 if of == "expected" else 1.0)
-        if of != "reading":
-            return variance * scale, dof
-        if sample.std is None:
-            return None
-        known = sample.dof if np.isfinite(sample.dof) else np.inf
-        parts = ((variance * scale, dof), (sample.std**2, known))
-        whole = sum(part for part, _ in parts)
-        return whole, whole**2 / sum(part**2 / d for part, d in parts)
-
-    return spread
-
-
-def _at_rate(
-    plan: Plan,
-    sensor: str,
-    rate: float,
-    here: Readings,
-    spread: Callable[[int, int], tuple[float, float] | None],
-    largest: float,
-) -> RateError:
+def _at_rate(plan: Plan, one: Line, rate: float, here: Readings, of: Of, largest: float) -> RateError:
+    sensor = one.sensor
     if not len(here):
         return RateError(sensor, rate, None, None, np.nan, 0, 0, largest, "every dwell at this rate was left out")
-    error = float(np.mean(here.outputs[sensor] - _earth(here, sensor)) / rate - 1.0)
-    runs = here.runs
-    found = spread(runs, len(here))
+    errors = here.outputs[sensor] - _earth(here, sensor) - rate
+    mean, found = _spread_of_runs(one, here, errors, of) if here.runs >= 2 else _pooled(one, here, errors, of)
+    error = mean / rate
     if found is None:
         reason = "no level of scatter that this needs was repeated or given"
-        return RateError(sensor, rate, error, None, np.nan, len(here), runs, largest, reason)
+        return RateError(sensor, rate, error, None, np.nan, len(here), here.runs, largest, reason)
     type_a, dof = found[0] / rate**2, found[1]
-    type_b = _type_b(plan, 1.0 + error) + _earth_variance(here, sensor) / rate**2
-    variance = type_a + type_b
-    return RateError(
-        sensor, rate, error, float(np.sqrt(variance)), dof * variance**2 / type_a**2, len(here), runs, largest
-    )
+    variance = type_a + _type_b(plan, 1.0 + error) + _earth_variance(here, sensor) / rate**2
+    known = dof * variance**2 / type_a**2 if type_a > 0.0 else np.inf
+    return RateError(sensor, rate, error, float(np.sqrt(variance)), known, len(here), here.runs, largest)
+
+
+Spread = tuple[float, float] | None  # variance [(rad/s)^2] and its degrees of freedom
+
+
+def _spread_of_runs(one: Line, here: Readings, errors: Array, of: Of) -> tuple[float, Spread]:
+    """Mean of the runs' means at one rate, and what scatters about it."""
+    _, at = np.unique(np.asarray(here.run), return_inverse=True)
+    dwells = np.bincount(at)
+    means = np.bincount(at, errors) / dwells
+    runs = len(means)
+    square, dof = float(np.var(means, ddof=1)), runs - 1.0
+    if of == "expected":
+        return float(means.mean()), (square / runs, dof)
+    dwell = next(level for level in one.levels if level.name == "dwell")
+    share = 1.0 - float(np.mean(1.0 / dwells))  # of the dwell scatter, that the mean of a run's dwells lacks
+    parts = [(square * (1.0 + 1.0 / runs), dof)]
+    if share > 0.0 and dwell.std is not None:
+        parts.append((share * dwell.std**2, dwell.dof))
+    return float(means.mean()), _with_samples(one, parts, of)
+
+
+def _pooled(one: Line, here: Readings, errors: Array, of: Of) -> tuple[float, Spread]:
+    """Mean of the dwells at one rate, and the scatter of all rates."""
+    readings = one.readings
+    total = dwell_variance(one.levels, len(readings) / readings.runs if readings.runs else 1.0)
+    mean = float(np.mean(errors))
+    if total is None:
+        return mean, None
+    scale = 1.0 / (here.runs or len(here)) + (0.0 if of == "expected" else 1.0)
+    return mean, _with_samples(one, [(total[0] * scale, total[1])], of)
+
+
+def _with_samples(one: Line, parts: list[tuple[float, float]], of: Of) -> Spread:
+    """Join the parts by Satterthwaite, with the scatter within a dwell where single readings are asked for."""
+    if of == "reading":
+        sample = next(level for level in one.levels if level.name == "sample")
+        if sample.std is None:
+            return None
+        parts = [*parts, (sample.std**2, sample.dof if np.isfinite(sample.dof) else np.inf)]
+    whole = sum(part for part, _ in parts)
+    spent = sum(part**2 / dof for part, dof in parts)
+    return whole, whole**2 / spent if spent > 0.0 else np.inf
 
 
 def _type_b(plan: Plan, gain: float) -> float:

@@ -1,0 +1,104 @@
+"""Requirements: OPEN without a test, simultaneous over a range, and a false PASS no more often than stated."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from inertialcal.campaign.requirements import Tested as Reduced
+from inertialcal.campaign.requirements import Verdict, judge, worst
+from inertialcal.campaign.schema import Requirement
+from inertialcal.campaign.schema import Test as Entry
+from inertialcal.core.results import Row
+from inertialcal.procedures.rate_table import Plan, Truth, reduce, simulate
+from inertialcal.statistics.intervals import binomial_interval
+
+ENTRY = Entry(id="one", procedure="rate_table", recordings=["a"])
+PLAN = Plan(zero_reference=True)  # no earth rate, so that the true error is the sensor's alone
+RISK = 0.05
+
+
+def requirement(**given: object) -> Requirement:
+    return Requirement.model_validate({"id": "R", "quantity": "rate_error", "limit": "5 %"} | given)
+
+
+def reduced(error: float, seed: int) -> Reduced:
+    """A unit whose scale factor error is the same at every rate."""
+    truth = Truth(np.eye(3) * (1.0 + error), run_scale_std=2e-3, axes=("x",))
+    result = reduce(PLAN, simulate(PLAN, truth, np.random.default_rng(seed)))
+    return Reduced(ENTRY, result, result.rows())
+
+
+def overall(error: float, seed: int, **given: object) -> str:
+    return worst(judge(requirement(axis="x", **given), [reduced(error, seed)])[0])
+
+
+def test_a_requirement_that_no_test_speaks_to_is_open_and_no_pass() -> None:
+    verdicts, rows = judge(requirement(quantity="angle_random_walk"), [reduced(0.0, 1)])
+    assert [one.verdict for one in verdicts] == ["OPEN"]
+    assert not rows
+    assert worst(verdicts) == "INCONCLUSIVE"
+
+
+def test_fail_goes_before_inconclusive_before_pass() -> None:
+    def of(word: str) -> Verdict:
+        return Verdict("R", "t", "x", None, "", 0.0, 0.0, "1", None, None, None, word)
+
+    assert worst([of("PASS"), of("INCONCLUSIVE"), of("FAIL")]) == "FAIL"
+    assert worst([of("PASS"), of("OPEN")]) == "INCONCLUSIVE"
+    assert worst([of("PASS")]) == "PASS"
+
+
+def test_far_inside_passes_and_far_outside_fails() -> None:
+    assert overall(0.0, 1) == "PASS"
+    assert overall(0.08, 1) == "FAIL"
+
+
+def test_a_requirement_speaks_to_tests_of_its_kind_only() -> None:
+    asked = requirement(zero_reference=False)
+    assert judge(asked, [reduced(0.0, 1)])[0][0].verdict == "OPEN"
+    assert judge(requirement(tests=["other"]), [reduced(0.0, 1)])[0][0].verdict == "OPEN"
+
+
+def test_the_band_over_several_rates_is_wider_than_at_one() -> None:
+    one = judge(requirement(axis="x", where="rate > 3 deg/s"), [reduced(0.0, 1)])[0]
+    many = judge(requirement(axis="x"), [reduced(0.0, 1)])[0]
+    alone = one[0].interval
+    together = next(v for v in many if v.at == one[0].at).interval
+    assert alone is not None
+    assert together is not None
+    assert together.p == pytest.approx(0.95 ** (1.0 / len(many)))
+    assert together.hi is not None
+    assert alone.hi is not None
+    assert together.hi > alone.hi
+
+
+def test_single_figures_are_judged_by_their_interval() -> None:
+    row = Row("bias", "x", 0.01, 0.001, "rad/s", 10.0)
+    at = Reduced(ENTRY, object(), [row])
+    for limit, word in (("0.02 rad/s", "PASS"), ("0.005 rad/s", "FAIL"), ("0.0105 rad/s", "INCONCLUSIVE")):
+        assert judge(requirement(quantity="bias", limit=limit), [at])[0][0].verdict == word
+    unknown = Row("bias", "x", None, None, "rad/s", status="not_estimated", reason="never turned")
+    verdict = judge(requirement(quantity="bias", limit="1 rad/s"), [Reduced(ENTRY, object(), [unknown])])[0][0]
+    assert (verdict.verdict, verdict.reason) == ("INCONCLUSIVE", "never turned")
+    wrong = judge(requirement(quantity="bias", limit="1 V"), [at])[0][0]
+    assert wrong.verdict == "INCONCLUSIVE"
+
+
+@pytest.mark.parametrize("error", [0.05, 0.0505, 0.052])
+def test_a_false_pass_is_no_more_frequent_than_stated(error: float) -> None:
+    passed = sum(overall(error, seed, of="expected") == "PASS" for seed in range(1, 201))
+    assert binomial_interval(passed, 200)[0] <= RISK
+
+
+@pytest.mark.parametrize("error", [0.05, 0.0495, 0.048])
+def test_a_false_fail_is_no_more_frequent_than_stated(error: float) -> None:
+    failed = sum(overall(error, seed, of="expected") == "FAIL" for seed in range(1, 201))
+    assert binomial_interval(failed, 200)[0] <= RISK
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("error", "word"), [(0.05, "PASS"), (0.05, "FAIL")])
+def test_false_verdicts_long(error: float, word: str) -> None:
+    count = sum(overall(error, seed, of="expected") == word for seed in range(1, 1001))
+    assert binomial_interval(count, 1000)[0] <= RISK

@@ -1,0 +1,169 @@
+"""Score: the truth beside the estimates, and how often the stated intervals hold it."""
+
+from __future__ import annotations
+
+import json
+import shutil
+from collections.abc import Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import numpy as np
+import pytest
+from inertialcal.campaign.run import run
+from inertialcal.campaign.score import Coverage, coverage, score, score_rig
+from inertialcal.campaign.twin import simulate
+from inertialcal.core.errors import DataError, PlanError, UsageError
+from inertialcal.core.influence import Influence
+from inertialcal.rigs import RIGS, rate_table
+from inertialcal.rigs.rate_table_setup import Bench, draw_gyro
+from inertialcal.rigs.twin import Twin
+
+# Standards about as uncertain as the scatter lets the estimates be: either kind alone would be seen to fail.
+BALANCED = {
+    "rate_table.rate": Influence(1e-4),
+    "rate_table.mounting": Influence(7e-5, "rad"),
+    "converter.reference": Influence(5e-5, distribution="rectangular"),
+    "site.latitude": Influence(1e-4, "rad"),
+}
+BENCH = Bench(rates_deg_s=(0.0, 1.0, -1.0, 4.5, -4.5, 0.0), dwell=30.0, runs=5, standards=BALANCED)
+ENTRIES = {f"{a}{b}" for a in "xyz" for b in "xyz" if a != b}
+WALK = 3e-6  # [rad/s/sqrt(s)]; 1e-4 rad/s in 20 min, as much as the run-to-run bias
+
+
+@pytest.fixture(scope="module")
+def scored(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
+    """A simulated campaign that was run."""
+    with pytest.MonkeyPatch.context() as patch:
+        rig = SimpleNamespace(twin=lambda seed, fault="": rate_table.build(BENCH, seed))
+        patch.setitem(RIGS, "small", rig)  # type: ignore[arg-type]
+        folder = simulate("small", tmp_path_factory.mktemp("score") / "campaign", 2).folder
+        run(folder)
+        yield folder
+
+
+def test_score_sets_the_truth_beside_every_estimate(scored: Path) -> None:
+    found = score(scored)
+    rows = {(row["test"], row["quantity"], row["axis"]): row for row in found.rows}
+    truth = json.loads((scored / ".truth" / "truth.json").read_text())["values"]
+    assert {("fit", one["quantity"], one["axis"]) for one in truth} <= set(rows)
+    bias = next(one["value"] for one in truth if (one["quantity"], one["axis"]) == ("bias", "x"))
+    row = rows["fit", "bias", "x"]
+    assert row["unit"] == "deg/s"
+    assert row["truth"] == pytest.approx(np.degrees(bias))
+    for row in found.rows:
+        assert row["inside"] == (row["interval"]["lo"] <= row["truth"] <= row["interval"]["hi"])
+    assert found.inside == sum(row["inside"] for row in found.rows)
+    assert found.estimated == len(found.rows)
+
+
+def test_an_estimate_far_from_the_truth_is_outside_and_none_is_no_hit(scored: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "campaign"
+    shutil.copytree(scored, copy)
+    path = copy / "out" / "results.json"
+    results = json.loads(path.read_text())
+    mine = [row for row in results["results"] if row["test"] == "fit" and row["quantity"] == "bias"]
+    mine[0] |= {"interval": {"lo": 7.0, "hi": 8.0, "p": 0.95}}
+    mine[1] |= {"interval": None, "value": None, "u": None, "status": "not_estimated", "reason": "gone"}
+    path.write_text(json.dumps(results))
+    before, after = score(scored), score(copy)
+    assert after.estimated == before.estimated - 1
+    inside = {row["axis"]: row["inside"] for row in after.rows if (row["test"], row["quantity"]) == ("fit", "bias")}
+    assert (inside["x"], inside["y"]) == (False, None)
+
+
+def test_other_ways_of_reduction_are_not_scored(scored: Path) -> None:
+    conditions = {row["condition"] for row in json.loads((scored / "out/results.json").read_text())["results"]}
+    assert "as_published" in conditions
+    assert {row["condition"] for row in score(scored).rows} == {""}
+
+
+def test_score_refuses_what_was_not_run_and_what_is_of_another_campaign(scored: Path, tmp_path: Path) -> None:
+    copy = tmp_path / "campaign"
+    shutil.copytree(scored, copy, ignore=shutil.ignore_patterns("out"))
+    with pytest.raises(DataError, match="no results in .*out.*inertialcal run"):
+        score(copy)
+    (copy / "out").mkdir()
+    results = json.loads((scored / "out/results.json").read_text())
+    results["campaign"]["source"] = "another"
+    (copy / "out/results.json").write_text(json.dumps(results))
+    with pytest.raises(DataError, match="of another campaign"):
+        score(copy)
+    with pytest.raises(PlanError, match="No campaign here"):
+        score(tmp_path)
+
+
+def test_coverage_counts_hits_and_what_is_missing() -> None:
+    assert Coverage("bias", "x", 285, 300, 0).verdict == "PASS"
+    assert Coverage("bias", "x", 240, 300, 0).verdict == "FAIL"
+    assert Coverage("bias", "x", 300, 300, 0).verdict == "FAIL"  # intervals that are far too wide
+    nothing = Coverage("bias", "x", 0, 0, 300)
+    assert (nothing.verdict, nothing.rate, nothing.to_dict()["interval"]) == ("FAIL", None, None)
+
+
+def test_wrong_truth_is_seen() -> None:
+    """A unit whose truth is told with a bias of the wrong sign fails the count."""
+
+    def lying(seed: int) -> Twin:
+        twin = rate_table.build(BENCH, seed)
+        return replace(twin, truth=tuple(replace(t, value=-t.value) for t in twin.truth))
+
+    verdicts = {(one.quantity, one.axis): one.verdict for one in coverage(lying, 12)}
+    assert set(verdicts.values()) == {"FAIL"}
+
+
+def test_a_quantity_that_is_not_estimated_is_missing() -> None:
+    found = coverage(lambda seed: rate_table.twin(seed, "only_positive"), 2)
+    assert not [one for one in found if one.quantity == "scale_factor_asymmetry"]
+
+
+def test_seeds_follow_the_first_and_progress_is_told() -> None:
+    told: list[tuple[int, int, str]] = []
+    seeds: list[int] = []
+
+    def make(seed: int) -> Twin:
+        seeds.append(seed)
+        return rate_table.build(BENCH, seed)
+
+    coverage(make, 3, 11, lambda done, total, what: told.append((done, total, what)))
+    assert seeds == [11, 12, 13]
+    assert told == [(0, 3, "seed 11"), (1, 3, "seed 12"), (2, 3, "seed 13"), (3, 3, "done")]
+
+
+def test_score_rig_refuses_what_it_cannot_count() -> None:
+    with pytest.raises(UsageError, match="no rig 'nothing'"):
+        score_rig("nothing", 3)
+    with pytest.raises(UsageError, match="0 campaigns from seed 1: need 1 or more"):
+        score_rig("rate_table", 0)
+
+
+def failures(found: tuple[Coverage, ...]) -> dict[str, Any]:
+    entries = {one.axis for one in found if one.quantity == "misalignment"}
+    assert entries == ENTRIES
+    assert {one.quantity for one in found} >= {"bias", "scale_factor_error", "cross_axis_sensitivity"}
+    return {f"{one.quantity}_{one.axis}": (one.hits, one.n) for one in found if one.verdict == "FAIL"}
+
+
+def test_coverage_of_the_rig() -> None:
+    """Bias and all nine matrix entries; earth rate, tilt, and scatter at every level (DESIGN, coverage)."""
+    assert not failures(coverage(lambda seed: rate_table.build(BENCH, seed), 300))
+
+
+@pytest.mark.slow
+def test_coverage_of_the_rig_as_it_is_long() -> None:
+    assert not failures(score_rig("rate_table", 1000))
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("walk", [0.0, WALK])
+@pytest.mark.parametrize("tilt_deg", [-36.4, 0.0])
+def test_coverage_with_balanced_standards_long(walk: float, tilt_deg: float) -> None:
+    bench = replace(BENCH, tilt_deg=tilt_deg, u_tilt_deg=3.0)
+
+    def make(seed: int) -> Twin:
+        unit = draw_gyro(bench.inverted, np.random.default_rng([seed, 1]))
+        return rate_table.build(bench, seed, replace(unit, walk=walk))
+
+    assert not failures(coverage(make, 1000))
