@@ -277,6 +277,7 @@ def test_every_key_of_the_results_is_documented(results: dict[str, Any]) -> None
     assert set(rows_after(page, "Rows of results")) == set(results["results"][0])
     assert set(rows_after(page, "Verdicts")) == set(results["verdicts"][0])
     assert set(rows_after(page, "Remarks")) == set(results["remarks"][0])
+    assert set(rows_after(page, "`closed_loop` holds")) == set(results["closed_loop"]["axes"][0])
     for part in ("covariances", "budgets", "curves"):
         assert all(f"`{key}`" in page for key in results[part][0]), part
     for column in (*ROW_COLUMNS, *VERDICT_COLUMNS):

@@ -44,7 +44,7 @@ def one_difference(first: Row, second: Row) -> Difference:
 def test_a_lone_difference_is_welchs_test(n: int, m: int) -> None:
     """scipy's Welch test from means, standard deviations and numbers of readings."""
     found = one_difference(row(1.0, 0.3 / math.sqrt(n), n - 1), row(1.4, 0.2 / math.sqrt(m), m - 1))
-    oracle = stats.ttest_ind_from_stats(1.4, 0.3 * 0 + 0.2, m, 1.0, 0.3, n, equal_var=False)
+    oracle = stats.ttest_ind_from_stats(1.4, 0.2, m, 1.0, 0.3, n, equal_var=False)
     assert found.p_value == pytest.approx(oracle.pvalue, rel=1e-12)
     variances = np.array([0.09 / n, 0.04 / m])
     dof = variances.sum() ** 2 / (variances**2 / [n - 1, m - 1]).sum()
@@ -74,7 +74,7 @@ def test_one_side_may_be_exact() -> None:
 
 
 NOT_COMPARED = [
-    (not_estimated("bias", "x", "deg/s", "no readings"), row(1.0), r"first: not estimated \(no readings\)", None),
+    (not_estimated("bias", "x", "deg/s", "no readings"), row(1.0), "first: not estimated (no readings)", None),
     (row(1.0), row(1.2, status="upper_limit"), "second: upper limit", 0.2),
     (row(1.0, None), row(1.2), "first: no uncertainty", 0.2),
     (row(1.0), row(1.2, 0.1, 0.0), "second: no degrees of freedom", 0.2),
@@ -89,11 +89,7 @@ def test_what_cannot_be_compared_says_why(first: Row, second: Row, reason: str, 
     assert found.p_value is None
     assert (found.row.status, found.row.u, found.row.interval) == ("not_estimated", None, None)
     assert found.row.value == (None if value is None else pytest.approx(value))
-    with pytest.raises(AssertionError, match="no match"):
-        assert found.row.reason == "", "no match"
-    import re
-
-    assert re.fullmatch(reason, found.row.reason)
+    assert found.row.reason == reason
 
 
 # Several figures
@@ -142,13 +138,8 @@ def test_coverage_of_the_difference() -> None:
     assert covers(hits, n)
 
 
-FIGURES = st.lists(
-    st.tuples(
-        st.floats(-10, 10), st.floats(-10, 10), st.floats(0.01, 1), st.floats(0.01, 1), st.floats(1, 50), st.floats(1, 50)
-    ),
-    min_size=1,
-    max_size=6,
-)  # fmt: skip
+VALUE, U, DOF = st.floats(-10, 10), st.floats(0.01, 1), st.floats(1, 50)
+FIGURES = st.lists(st.tuples(VALUE, VALUE, U, U, DOF, DOF), min_size=1, max_size=6)
 
 
 @settings(max_examples=50, deadline=None)
@@ -200,7 +191,8 @@ def test_the_second_is_turned_into_the_unit_of_the_first() -> None:
     assert pairs[0][1].u == pytest.approx(0.2)
     assert pairs[0][1].unit == "deg/s"
     warm, _ = matched([row(20.0, 0.1, unit="degC")], [row(293.15, 0.2, unit="K")])
-    assert (warm[0][1].value, warm[0][1].u) == (pytest.approx(20.0), pytest.approx(0.2))
+    assert warm[0][1].value == pytest.approx(20.0)
+    assert warm[0][1].u == pytest.approx(0.2)
 
 
 def test_units_of_two_kinds_are_counted() -> None:
@@ -323,7 +315,7 @@ def test_exit_status_of_an_allowed_change(tmp_path: Path, allowed: str, verdict:
     found = compare(results(tmp_path / "a", row(1.0, 0.1)), results(tmp_path / "b", row(1.5, 0.1)), [allowed])
     assert (found.verdict, found.exit_status) == (verdict, status)
     assert found.verdicts[0]["verdict"] == verdict
-    assert found.verdicts[0]["upper"] == pytest.approx(float(allowed.split()[0]))
+    assert found.verdicts[0]["upper"] == pytest.approx(float(allowed.removesuffix(" deg/s")))
 
 
 def test_what_both_share_is_remarked(tmp_path: Path) -> None:

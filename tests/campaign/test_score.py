@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+
 from inertialcal.campaign.run import run
 from inertialcal.campaign.score import Coverage, coverage, score, score_rig
 from inertialcal.campaign.twin import simulate
@@ -38,7 +39,7 @@ def scored(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A simulated campaign that was run."""
     with pytest.MonkeyPatch.context() as patch:
         rig = SimpleNamespace(twin=lambda seed, fault="": rate_table.build(BENCH, seed))
-        patch.setitem(RIGS, "small", rig)  # type: ignore[arg-type]
+        patch.setitem(RIGS, "small", rig)
         folder = simulate("small", tmp_path_factory.mktemp("score") / "campaign", 2).folder
         run(folder)
         yield folder
@@ -83,7 +84,7 @@ def test_other_ways_of_reduction_are_not_scored(scored: Path) -> None:
 def test_score_refuses_what_was_not_run_and_what_is_of_another_campaign(scored: Path, tmp_path: Path) -> None:
     copy = tmp_path / "campaign"
     shutil.copytree(scored, copy, ignore=shutil.ignore_patterns("out"))
-    with pytest.raises(DataError, match="no results in .*out.*inertialcal run"):
+    with pytest.raises(DataError, match=r"no results in .*out.*inertialcal run"):
         score(copy)
     (copy / "out").mkdir()
     results = json.loads((scored / "out/results.json").read_text())
@@ -133,7 +134,7 @@ def test_seeds_follow_the_first_and_progress_is_told() -> None:
 
 
 def test_score_rig_refuses_what_it_cannot_count() -> None:
-    with pytest.raises(UsageError, match="no rig 'nothing'"):
+    with pytest.raises(UsageError, match=r"no rig 'nothing'"):
         score_rig("nothing", 3)
     with pytest.raises(UsageError, match="0 campaigns from seed 1: need 1 or more"):
         score_rig("rate_table", 0)

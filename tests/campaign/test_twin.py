@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
 from inertialcal.campaign.in_memory import fit_results
 from inertialcal.campaign.load import load
 from inertialcal.campaign.run import check, run
@@ -28,7 +29,7 @@ def small() -> Iterator[str]:
     """Name of a rig with short recordings."""
     with pytest.MonkeyPatch.context() as patch:
         rig = SimpleNamespace(twin=lambda seed, fault="": rate_table.build(SMALL, seed))
-        patch.setitem(RIGS, "small", rig)  # type: ignore[arg-type]
+        patch.setitem(RIGS, "small", rig)
         yield "small"
 
 
@@ -102,14 +103,14 @@ def test_the_seal_stands_in_the_campaign_file_and_a_changed_truth_is_refused(fol
     shutil.copytree(folder, copy)
     path = copy / TRUTH
     path.write_text(path.read_text().replace('"seed": 3', '"seed": 4'))
-    with pytest.raises(DataError, match="campaign.source names another"):
+    with pytest.raises(DataError, match=r"campaign.source names another"):
         read_truth(copy)
 
 
 def test_a_campaign_that_was_not_simulated_has_no_truth(folder: Path, tmp_path: Path) -> None:
     copy = tmp_path / "campaign"
     shutil.copytree(folder, copy, ignore=shutil.ignore_patterns(".truth"))
-    with pytest.raises(DataError, match="no truth: .*only a simulated campaign can be scored"):
+    with pytest.raises(DataError, match=r"no truth: .*only a simulated campaign can be scored"):
         read_truth(copy)
 
 
@@ -143,7 +144,7 @@ def test_a_folder_with_something_in_it_is_refused(small: str, tmp_path: Path) ->
 
 
 def test_an_unknown_rig_and_a_negative_seed_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match="no rig 'rate_tabel'.*There are: rate_table"):
+    with pytest.raises(UsageError, match=r"no rig 'rate_tabel'.*There are: rate_table"):
         simulate("rate_tabel", tmp_path / "new", 1)
     with pytest.raises(UsageError, match="seed -1: need 0 or more"):
         simulate("rate_table", tmp_path / "new", -1)

@@ -89,6 +89,14 @@ def test_doubles_of_whole_numbers_stay_doubles_and_counts_stay_counts(tmp_path: 
     assert [recording.channel(name).data.dtype for name in "dc"] == [np.float64, np.uint16]
 
 
+def test_complex_matrices_are_left_out_not_halved(tmp_path: Path) -> None:
+    path = tmp_path / "a.mat"
+    scipy_io.savemat(path, {"z": GYRO[:, 0] + 1j, "x": GYRO[:, 0], "s": {"z": GYRO[:, 1] * 1j}})
+    recording = read(path)
+    assert recording.names == ("x",)
+    assert (recording.remarks[0].code, recording.remarks[0].count) == ("variables_left_out", 2)
+
+
 def test_units_and_records_of_hdf5(tmp_path: Path) -> None:
     path = tmp_path / "u.h5"
     with h5py.File(path, "w") as file:

@@ -97,7 +97,8 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
 
 def _place(recording: Recording, index: int) -> str:
     path, first = recording.source.path, recording.first_row
-    return f"{path}:{first + index}" if first else f"{path}: sample {index + 1}"
+    sample = f"{path}: sample {index + 1}" if path else f"sample {index + 1}"
+    return f"{path}:{first + index}" if path and first else sample
 
 
 def _check_units(model: SensorModel, recording: Recording, axes: Mapping[str, str]) -> None:

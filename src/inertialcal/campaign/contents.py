@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..core.estimate import Estimate
-from ..core.remarks import Remark, gather
+from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor
 from ..procedures import rate_table
@@ -55,7 +55,7 @@ def results_content(
         "covariances": [c for one in tested if (c := _covariance(one)) is not None],
         "budgets": [b for one in tested for b in _budget(one, sensor_of(campaign, one.test).unit)],
         "curves": [curve for one in tested for curve in _curves(one, sensor_of(campaign, one.test).unit)],
-        "remarks": [remark.to_dict() for remark in gather(remarks)],
+        "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": RULE,
         "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
         "closed_loop": _closed_loop(modelled, unit),
@@ -115,7 +115,7 @@ def _curves(one: Tested, unit: str) -> list[dict[str, Any]]:
         found.append(
             {
                 "name": "rate_error", "test": one.test.id, "axis": sensor, "of": "dwell_mean",
-                "x": {"name": "rate", "unit": unit, "values": rates.tolist()},
+                "x": {"name": "rate", "unit": unit, "values": [_shown_rate(rate) for rate in rates.tolist()]},
                 "y": {"name": "error", "unit": "%", "values": [scaled(error.error, 100.0) for error in errors]},
                 "u": [scaled(error.u, 100.0) for error in errors],
                 "dof": [finite(error.dof) for error in errors],
@@ -124,12 +124,17 @@ def _curves(one: Tested, unit: str) -> list[dict[str, Any]]:
     return found
 
 
+def _shown_rate(rate: float) -> float:
+    """Return a rate to ten digits: 3 deg/s went through radians and shall come out as 3."""
+    return float(f"{rate:.10g}")
+
+
 def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
     relative = verdict.unit == "1"
     unit = "%" if relative else display_unit("", verdict.unit, sensor_unit) if verdict.unit else ""
     scale = factor(verdict.unit, unit) if verdict.unit else 1.0
     interval = scaled_interval(verdict.interval, scale)
-    at = None if verdict.at is None else float(convert([verdict.at], "rad/s", sensor_unit)[0])
+    at = None if verdict.at is None else _shown_rate(float(convert([verdict.at], "rad/s", sensor_unit)[0]))
     return {
         "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
         "at": at, "at_unit": sensor_unit if at is not None else "", "of": verdict.of,

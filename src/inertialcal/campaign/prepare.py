@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..core.errors import InertialcalError, PlanError, Problem
+from ..core.remarks import Remark
 from ..core.units import parse_quantity, si_unit
 from ..procedures import rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
@@ -24,6 +25,7 @@ def prepare(campaign: Campaign, number: int) -> Prepared:
         sensor = sensor_of(campaign, test)
         plan = _plan(campaign, test, sensor)
         readings, inputs = test_readings(campaign, test, sensor, plan)
+        readings = replace(readings, remarks=tuple(_inside(campaign, remark) for remark in readings.remarks))
         return Prepared(test, plan, readings, inputs)
     except InertialcalError as error:
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
@@ -49,6 +51,12 @@ def test_readings(
     if turned:
         parts.append(readings_from(plan, turned))
     return together(parts), inputs
+
+
+def _inside(campaign: Campaign, remark: Remark) -> Remark:
+    """Tell files by their name in the campaign: results must not depend on where the folder lies."""
+    prefix = f"{campaign.folder}/"
+    return replace(remark, where=remark.where.replace(prefix, ""), what=remark.what.replace(prefix, ""))
 
 
 def placed(problem: Problem, campaign: Campaign, number: int) -> Problem:

@@ -32,7 +32,7 @@ def _json(command: str, outcome: Any) -> None:
 
 
 def _print_outcome(outcome: Any) -> None:
-    from .summary import remarks_text, results_text, verdicts_text
+    from .summary import closed_loop_text, remarks_text, results_text, verdicts_text
 
     results = outcome.results
     print(results_text(results))
@@ -40,6 +40,7 @@ def _print_outcome(outcome: Any) -> None:
         print("\nremarks")
         for text in remarks_text(results["remarks"]):
             print(f"  {text}")
+    print(f"\n{closed_loop_text(results)}")
     if results["verdicts"]:
         print(f"\nrequirements ({results['decision_rule']})")
         print(verdicts_text(results))

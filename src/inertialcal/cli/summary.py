@@ -108,6 +108,23 @@ def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
     return f"{len(rates)} rates, |rate| {abs(rates[0]):g} to {abs(rates[-1]):g} {unit}"
 
 
+def closed_loop_text(results: Mapping[str, Any]) -> str:
+    """Return one line an axis: error before and after compensation, on readings held out."""
+    loop = results["closed_loop"]
+    if not loop["axes"]:
+        return f"closed loop: {loop['verdict']} ({loop['reason']})"
+    rows = [
+        [
+            f"  {one['axis']}", number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+            f"{one['dwells']}", f"{one['runs']}", one["verdict"], one["reason"],
+        ]
+        for one in loop["axes"]
+    ]  # fmt: skip
+    heads = ["  axis", "rms error", "compensated", "unit", "dwells", "runs", "verdict", ""]
+    return f"closed loop, on readings held out: {loop['verdict']}
+{table(rows, heads)}"
+
+
 def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Yield each remark as text, the serious ones first."""
     order = {"error": 0, "warning": 1, "info": 2}

@@ -56,6 +56,27 @@ class Remark:
         return replace(self, where=f"{where}: {self.where}" if self.where else where)
 
 
+FEW = 3  # different texts of one kind that are listed one by one
+
+
+def condensed(remarks: Iterable[Remark]) -> tuple[Remark, ...]:
+    """Return the remarks gathered, and those of one code and severity with many texts as one line.
+
+    The line has the text of the first and says how many more there are; the count is that of all.
+    """
+    kinds: dict[tuple[str, str], list[Remark]] = {}
+    for remark in gather(remarks):
+        kinds.setdefault((remark.code, remark.severity), []).append(remark)
+    found = []
+    for alike in kinds.values():
+        if len(alike) <= FEW:
+            found += alike
+            continue
+        what = f"{alike[0].what}; and the like at {len(alike) - 1} other places"
+        found.append(replace(alike[0], what=what, count=sum(remark.count for remark in alike)))
+    return tuple(found)
+
+
 def gather(remarks: Iterable[Remark]) -> tuple[Remark, ...]:
     """Return the remarks with equal findings counted together, in order of first appearance."""
     seen: dict[tuple[str, str, str, str], Remark] = {}

@@ -18,9 +18,9 @@ from ..core.errors import DataError
 from .source import LARGEST, check_size, too_large
 
 HEADER = 128  # bytes of text, version and byte order
-INT8, MATRIX, COMPRESSED = 1, 14, 15
+MATRIX, COMPRESSED = 14, 15
 SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}  # by type
-FLAGS, DIMENSIONS, NAME = (5, 6), (5,), (1, 2, 16)  # types of the first three elements of a matrix
+FLAGS, DIMENSIONS, NAME = (5, 6), (5, 6), (1, 2, 16)  # types of the first three elements of a matrix
 OPAQUE = 17  # class of objects: their elements are others
 DEEPEST = 32  # matrices within matrices
 

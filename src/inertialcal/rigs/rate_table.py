@@ -19,6 +19,7 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import UsageError
 from ..core.estimate import Array
@@ -165,7 +166,7 @@ def _recording(bench: Bench, world: _World, gyro: Gyro, axis: str, run: int, rng
     )
     read = readings(gyro, rate, turning, bench.interval, bench.averaging, rng)
     signals = _signals(bench, read @ gyro.mounting.T * world.converter_gain, rng)
-    signals[APPLIED] = np.round(np.degrees(turning.rate), DIGITS) + 0.0  # no negative zero
+    signals[APPLIED] = np.asarray(np.round(np.degrees(turning.rate), DIGITS) + 0.0, dtype=np.float64)  # no -0.0
     saved = rng.random(len(turning.start)) >= bench.skipped
     return _saved(bench, turning, signals, saved, BEGIN + (run - 1) * RUN + AXES.index(axis) * SET_UP)
 
@@ -183,7 +184,7 @@ def _signals(bench: Bench, sensed: Array, rng: np.random.Generator) -> dict[str,
     return signals | {validity_column(axis): np.full(n, np.rint(bench.built_in_test / STEP)) for axis in AXES}
 
 
-def _saved(bench: Bench, turning: Motion, signals: dict[str, Array], saved: Array, begin: int) -> Recording:
+def _saved(bench: Bench, turning: Motion, signals: dict[str, Array], saved: NDArray[np.bool_], begin: int) -> Recording:
     """Return the recording of the saved averages, each stamped at its end; the rate comes first."""
     stamps = np.rint((begin + turning.start[saved] + bench.averaging) * SECOND).astype(np.int64)
     columns = [APPLIED, *(name for name in signals if name != APPLIED)]

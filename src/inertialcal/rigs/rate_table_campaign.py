@@ -8,9 +8,7 @@ from collections.abc import Iterable
 import numpy as np
 
 from ..core.influence import Influence
-from .rate_table_setup import (
-    AXES, CODES, INVERTED, SCALE_FACTOR_V_PER_DEG_S, VALID_VOLTS, Bench,
-)  # fmt: skip
+from .rate_table_setup import AXES, CODES, INVERTED, SCALE_FACTOR_V_PER_DEG_S, VALID_VOLTS, Bench
 from .twin import SEAL, SEED
 
 TIME = "unix_s"

@@ -7,11 +7,10 @@ start.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from ..core.estimate import Array
 
@@ -41,28 +40,28 @@ class Motion:
     dwell: NDArray[np.int64]
 
 
-def motion(rates: Sequence[float], dwell: float, ramps: Sequence[float], interval: float, averaging: float) -> Motion:
+def motion(rates: ArrayLike, dwell: float, ramps: ArrayLike, interval: float, averaging: float) -> Motion:
     """Return the motion of a table that goes through set rates.
 
     Parameters
     ----------
-    rates : sequence of float, length d
+    rates : array_like, shape (d,)
         Of the dwells, in order [rad/s].
     dwell : float
         Length of each [s].
-    ramps : sequence of float, length d - 1
+    ramps : array_like, shape (d - 1,)
         Time from each rate to the next [s].
     interval, averaging : float
         Time from save to save, and length of the window that is averaged [s].
     """
-    ends = np.cumsum(np.column_stack([np.full(len(rates), dwell), [*ramps, 0.0]]).ravel())[:-1]
-    knots = np.concatenate([[0.0], ends])  # start and end of each dwell in turn
-    held = np.repeat(np.asarray(rates, dtype=float), 2)
-    start = np.arange(int((knots[-1] - averaging) / interval) + 1) * interval
+    held = np.repeat(np.asarray(rates, dtype=np.float64), 2)
+    begin = np.concatenate([[0.0], np.cumsum(dwell + np.asarray(ramps, dtype=np.float64))])
+    knots = np.column_stack([begin, begin + dwell]).ravel()  # start and end of each dwell in turn
+    start = np.asarray(interval * np.arange(int((knots[-1] - averaging) / interval) + 1), dtype=np.float64)
     angle = _angle(knots, held, start)
     turned = _angle(knots, held, start + averaging) - angle
     within = np.searchsorted(knots[1::2], start, side="right")
-    return Motion(start, turned / averaging, angle, turned, np.minimum(within, len(rates) - 1))
+    return Motion(start, turned / averaging, angle, turned, np.minimum(within, len(begin) - 1))
 
 
 def _angle(knots: Array, rates: Array, at: Array) -> Array:

@@ -14,12 +14,13 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
-from ...signals.dwells import Dwell, tally
+from ...signals.dwells import Dwell, Tally, tally
 from ...signals.schedule import dwells_by_reference, dwells_by_windows
 from .earth_input import earth_in_dwells, gathered
 from .plan import AXES, Plan, Readings
@@ -87,8 +88,21 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         sensors=tuple(sensors),
         earth=earth,
         earth_sources=sources,
-        remarks=tuple(remark for part in parts for remark in part.remarks),
+        remarks=(*(remark for part in parts for remark in part.remarks), _counted(parts)),
     )  # fmt: skip
+
+
+def _counted(parts: Sequence[_Part]) -> Remark:
+    """Say where all samples went: one line for all recordings."""
+    samples, used, edges, bad = (
+        sum(getattr(part.tally, name) for part in parts) for name in ("samples", "used", "edge_dropped", "missing")
+    )
+    outliers = sum(part.tally.outliers for part in parts)
+    what = (
+        f"{len(parts)} recordings, {samples} samples: {used} used in {sum(part.dwells for part in parts)} dwells,"
+        f" {edges} dropped at their edges, {bad} missing or invalid in them, {outliers} outliers, the rest between them"
+    )
+    return Remark("dwells", "info", what)
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,6 +115,8 @@ class _Part:
     sources: dict[str, Array]
     where: tuple[str, ...]
     remarks: tuple[Remark, ...]
+    dwells: int
+    tally: Tally
 
 
 def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
@@ -130,9 +146,6 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         dwells = [dwell for dwell, turning in zip(dwells, moving, strict=True) if turning]
     else:
         remarks += _no_rest(applied, place)
-    counts = tally(dwells, len(recording))
-    used = f"{counts.used} of {counts.samples} samples in {len(dwells)} dwells"
-    used += f"; {counts.edge_dropped} at their edges dropped"
     return _Part(
         applied,
         means,
@@ -141,16 +154,24 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         earth,
         sources,
         tuple(f"{place}: dwell {i + 1} ({rate:+.6g} rad/s)" for i, rate in enumerate(applied)),
-        (*recording.remarks, *remarks, Remark("dwells", "info", used, place)),
+        (*recording.remarks, *remarks),
+        len(dwells),
+        tally(dwells, len(recording)),
     )
 
 
 def _cut(one: Turned, signal: Array, time_ns: Times) -> tuple[list[Dwell], Array]:
     if one.rates is not None:
         dwells = list(dwells_by_windows(one.windows, signal, time_ns))
-        return dwells, np.asarray(one.rates, dtype=float)
+        return dwells, _rounded(one.rates)
     found = dwells_by_reference(one.recording.array([APPLIED])[:, 0], signal, time_ns)
-    return list(found), np.array([float(np.ravel(dwell.applied)[0]) for dwell in found if dwell.applied is not None])
+    rates = [float(np.ravel(dwell.applied)[0]) for dwell in found if dwell.applied is not None]
+    return list(found), _rounded(rates)
+
+
+def _rounded(rates: ArrayLike) -> Array:
+    """Return rates to twelve digits, so that the same rate of two dwells is the same number."""
+    return np.array([float(f"{rate:.12g}") for rate in np.ravel(np.asarray(rates, dtype=float))])
 
 
 def _complete(plan: Plan, dwells: list[Dwell], applied: Array, place: str) -> tuple[list[Dwell], Array, list[Remark]]:
