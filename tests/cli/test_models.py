@@ -24,7 +24,9 @@ from inertialcal.sensors.model import Item, Provenance, SensorModel
 
 ENVELOPE = {"command", "version", "inputs", "results", "curves", "remarks", "verdicts", "errors", "exit"}
 ROW = {"quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "interval", "status", "reason"}
-DATA = "t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,temp [degC],n\n0,1,2,3,20,5\n0.5,1,2,,20,6\n3,-1,0.5,4,20,7\n"
+HEAD = "t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,temp [degC],n\n"
+ROWS = [f"{0.5 * i + 2.0 * (i > 5)},{(-1) ** i},{0.25 * i},{'' if i == 1 else 3},20,{i + 5}" for i in range(12)]
+DATA = HEAD + "\n".join(ROWS) + "\n"  # a gap of 4 samples after the sixth, an empty cell in the second
 Call = Callable[..., tuple[int, str, str]]
 
 
@@ -120,11 +122,11 @@ def test_compensate_keeps_time_gaps_and_other_columns(call: Call, tmp_path: Path
     raw, done = read(tmp_path / "data.csv"), read(tmp_path / "out.csv")
     assert done.names == raw.names
     np.testing.assert_array_equal(done.time_ns, raw.time_ns)
-    np.testing.assert_array_equal(done.channel("n").data, [5, 6, 7])
+    np.testing.assert_array_equal(done.channel("n").data, np.arange(5, 17))
     # x = (r - bias) / M_xx by hand, in deg/s
-    expected = (np.array([1.0, 1.0, -1.0]) - np.degrees(1e-3)) / 1.01
+    expected = (np.array([1.0, -1.0] * 6) - np.degrees(1e-3)) / 1.01
     np.testing.assert_allclose(done.channel("gyro_x_dps").data, expected, rtol=1e-14)
-    assert np.isnan(done.channel("gyro_z_dps").data).tolist() == [False, True, False]
+    assert np.isnan(done.channel("gyro_z_dps").data).tolist() == [i == 1 for i in range(12)]
 
 
 @pytest.mark.parametrize("ending", ["csv", "parquet", "npz"])
@@ -144,7 +146,7 @@ def test_compensate_with_uncertainty_in_any_format(call: Call, tmp_path: Path, e
 
 
 def test_compensate_takes_units_columns_and_temperature(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "plain.csv").write_text("a,b,c,t\n1,2,3,20\n1,2,3,25\n")
+    (tmp_path / "plain.csv").write_text("a,b,c,k\n1,2,3,20\n1,2,3,25\n")
     words = ["compensate", "published.json", "plain.csv", "-o", "out.csv"]
     words += [f"--column={axis}={name}" for axis, name in zip("xyz", "abc", strict=True)]
     assert as_json(call, *words)["errors"][0]["code"] == "no_unit"
@@ -152,11 +154,11 @@ def test_compensate_takes_units_columns_and_temperature(call: Call, tmp_path: Pa
     content = as_json(call, *words)
     assert content["errors"][0]["code"] == "no_temperature"
     assert "--temperature" in content["errors"][0]["do"]
-    assert as_json(call, *words, "--temperature", "t")["errors"][0]["do"] == "Say it: --unit t=degC"
+    assert as_json(call, *words, "--temperature", "k")["errors"][0]["do"] == "Say it: --unit k=degC"
     fixed = as_json(call, *words, "--temperature", "20 degC")
     assert fixed["columns"]["temperature"] == "20 degC"
     first = read(tmp_path / "out.csv").array()[0, :3]
-    assert as_json(call, *words, "--unit=t=degC", "--temperature", "t")["exit"] == 0
+    assert as_json(call, *words, "--unit=k=degC", "--temperature", "k")["exit"] == 0
     np.testing.assert_array_equal(read(tmp_path / "out.csv").array()[0, :3], first)
 
 
@@ -164,7 +166,7 @@ BAD_MODELS = [
     ("edited", [], "checksum", "the checksum does not fit the content"),
     ("model", ["--serial", "8"], "wrong_serial", "the model is for serial '7', the data are from serial '8'"),
     ("model", ["--unit", "x=g", "--column", "x=n"], "wrong_column", "no column"),
-    ("model", ["--column", "x=acc"], "wrong_unit", "column 'acc': the data are in 'g'"),
+    ("model", ["--column", "x=acc"], "wrong_unit", "column 'acc [g]': the data are in 'g'"),
     ("model", ["--column", "x=n"], "no_unit", "nothing says the unit of column 'n'"),
     ("singular", [], "not_invertible", "the matrix cannot be inverted"),
     ("turning", [], "not_unique", "slope comes down to"),
@@ -190,7 +192,7 @@ def test_models_that_cannot_be_applied(
     fields: dict[str, Any] = {"kind": "gyro", "axes": ("x", "y", "z"), "scale_factor": plain.scale_factor,
                               "output_unit": "V", "bias": plain.bias}  # fmt: skip
     write_model(tmp_path / "singular.json", SensorModel(**fields, matrix=np.ones((3, 3))))
-    curved = {"second_order": np.full(3, 10.0), "input_range": np.array([[-1.0, 1.0]] * 3)}
+    curved: dict[str, Any] = {"second_order": np.full(3, 10.0), "input_range": np.array([[-1.0, 1.0]] * 3)}
     write_model(tmp_path / "turning.json", SensorModel(**fields, matrix=np.eye(3), **curved))
     path = "data.csv" if name == "data" else f"{name}.json"
     if code == "wrong_column":
@@ -223,7 +225,7 @@ def test_convert_there_and_back(call: Call, tmp_path: Path) -> None:
     for source, target in (("data.csv", "a.parquet"), ("a.parquet", "b.npz"), ("b.npz", "c.csv")):
         content = as_json(call, "convert", source, target)
         assert content["written"] == target
-        assert content["rows"] == 3
+        assert content["rows"] == 12
         assert {one["code"] for one in content["remarks"]} >= {"gaps", "missing_cells"}
     raw, done = read(tmp_path / "data.csv"), read(tmp_path / "c.csv")
     assert (done.names, [c.unit for c in done.channels]) == (raw.names, [c.unit for c in raw.channels])

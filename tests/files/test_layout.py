@@ -39,6 +39,12 @@ def test_a_decimal_comma_that_comes_late() -> None:
     assert look("a;b\n" + "0;1\n" * 300 + "0,5;2\n").decimal == ","
 
 
+def test_pairs_of_whole_numbers_may_be_decimal_commas() -> None:
+    assert [remark.code for remark in look("1,5\n2,25\n").remarks] == ["decimal_comma"]
+    for text in ("a,b\n1,5\n2,25\n", "1,-5\n2,25\n", "1,5,0\n2,25,0\n", "1,5.0\n2,25\n"):
+        assert look(text).remarks == ()
+
+
 def test_header_and_place_of_the_first_row() -> None:
     found = look("# by hand\n\nt,x\n1,2\n")
     assert (found.names, found.row, found.start) == (("t", "x"), 4, len("# by hand\n\nt,x\n"))

@@ -120,10 +120,27 @@ def test_stuck_clipped_and_constant_channels(file: Path) -> None:
     assert "for 100 samples: stuck?" in by_code["stuck"].what
     assert by_code["stuck"].where == f"{file}:1002"
     assert by_code["clipped"].what == "'gyro_y' piles up at 0.19084: clipped?"
+    assert by_code["clipped"].where == f"{file}:{np.flatnonzero(columns['gyro_y'] == 25 * STEP)[0] + 2}"
     assert by_code["clipped"].count == np.count_nonzero(columns["gyro_y"] == 25 * STEP)
     assert by_code["constant_channel"].what == "'gyro_z' is 0.25 throughout"
     status = [remark for remark in found.remarks if "'status'" in remark.what]
     assert [remark.severity for remark in status] == ["info"]
+
+
+def test_places_count_the_samples_that_are_missing(file: Path) -> None:
+    values = [f"{value:.2f}" for value in RNG.normal(size=N)]
+    values[:300] = [""] * 300
+    values[1000:1100] = ["1.11"] * 100
+    (channel,) = survey(write(file, n=range(N), gyro_x=values)).channels[1:]
+    assert channel.missing == 300
+    assert channel.longest_run is not None
+    assert (channel.longest_run.start, channel.longest_run.length) == (1000, 100)
+
+
+def test_rows_with_comments_between_them_are_named_by_sample(file: Path) -> None:
+    file.write_text("gyro_x\n" + "1.5\n" * 20 + "# pause\n" + "1.5\n" * 20)
+    (remark,) = [r for r in survey(file).remarks if r.code == "constant_channel"]
+    assert remark.where == f"{file}: sample 1"
 
 
 def test_the_end_of_a_converter(file: Path) -> None:

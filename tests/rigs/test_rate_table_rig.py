@@ -197,12 +197,30 @@ def test_every_term_is_found_with_its_sign_and_at_its_place(inverted: tuple[int,
             assert truth[f"{name}_{one if i == j else one + other}"] == pytest.approx(wanted)
 
 
-def test_errors_of_the_standards_shift_the_estimates_as_their_sign_says() -> None:
-    plain = estimates(SHORT, quiet((-1, 1, -1)))
-    gain = estimates(replace(SHORT, table_gain=1.02), quiet((-1, 1, -1)))
+@pytest.mark.parametrize(
+    ("standard", "drawn"),
+    [("rate_table.rate", "table_rate_error"), ("converter.reference", "converter_reference_error")],
+)
+def test_an_error_of_rate_or_reference_shifts_all_scale_factors_by_what_was_drawn(standard: str, drawn: str) -> None:
+    bench = replace(SHORT, standards=EXACT | {standard: Influence(0.05)})
+    twin = rate_table.build(bench, 5, quiet((-1, 1, -1)))
+    error = twin.drawn[drawn]
+    assert isinstance(error, float)
+    assert abs(error) > 0.004  # seen above what the earth does
+    found = estimates(bench, quiet((-1, 1, -1)))
     for axis in "xyz":
-        change = gain[f"scale_factor_error_{axis}"] - plain[f"scale_factor_error_{axis}"]
-        assert change == pytest.approx(0.02, abs=1e-3)
+        assert found[f"scale_factor_error_{axis}"] == pytest.approx(error, abs=1e-3)
+
+
+def test_angles_of_the_mounting_shift_the_cross_terms_by_what_was_drawn() -> None:
+    bench = replace(SHORT, standards=EXACT | {"rate_table.mounting": Influence(0.02, "rad")})
+    drawn = rate_table.build(bench, 5, quiet((-1, 1, -1))).drawn
+    found = estimates(bench, quiet((-1, 1, -1)))
+    for i, axis in enumerate("xyz"):
+        angles = drawn[f"mounting_{axis}_turned"]
+        assert isinstance(angles, list)
+        for other, angle in zip(("xyz"[(i + 1) % 3], "xyz"[(i + 2) % 3]), angles, strict=True):
+            assert found[f"cross_axis_sensitivity_{other}{axis}"] == pytest.approx(angle, abs=1e-3)
 
 
 def test_each_run_has_a_bias_and_scale_factors_of_its_own() -> None:

@@ -55,9 +55,9 @@ def compensate(
     """
     check_item(model, serial=serial)
     chosen = taken(model, recording, columns, temperature)
-    conditions = _conditions(model, recording, chosen)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
     _check_units(model, recording, axes)
+    conditions = _conditions(model, recording, chosen)
     done = compensate_recording(model, recording, axes, **conditions)
     remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *_about(model, chosen))
     done = replace(done, remarks=remarks)

@@ -12,6 +12,7 @@ from dataclasses import dataclass, field
 from ..core.errors import DataError
 from ..core.recording import Recording
 from ..core.units import parse_quantity, same_dimension
+from ..files.headers import bare_name
 from ..sensors.model import SensorModel
 from ..sensors.on_recordings import QUANTITY
 from ..sensors.terms import FORCE_AXES
@@ -67,13 +68,19 @@ def taken(
             do=f"It takes: {', '.join(model.axes)}, and {', '.join(sorted(known - set(model.axes)))}",
             code="wrong_column",
         )
+    named = {what: full_name(recording, name) or recording.channel(name).name for what, name in named.items()}
     found = {axis: named[axis] if axis in named else _column_of(model, recording, axis) for axis in model.axes}
-    fixed = None
-    if isinstance(temperature, str) and temperature in recording.names:
-        named.setdefault("temperature", temperature)
-    elif temperature is not None:
-        fixed = _fixed_temperature(recording, temperature)
-    return Taken(found | named, fixed)
+    column = full_name(recording, temperature) if isinstance(temperature, str) else None
+    if column is not None:
+        return Taken({**found, "temperature": column, **named})
+    return Taken(found | named, None if temperature is None else _fixed_temperature(recording, temperature))
+
+
+def full_name(recording: Recording, name: str) -> str | None:
+    """Return the column of a name given with or without the unit in brackets; None where there is not one."""
+    exact = [known for known in recording.names if known == name]
+    found = exact or [known for known in recording.names if bare_name(known) == name]
+    return found[0] if len(found) == 1 else None
 
 
 def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:

@@ -121,8 +121,7 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
         for one in loop["axes"]
     ]  # fmt: skip
     heads = ["  axis", "rms error", "compensated", "unit", "dwells", "runs", "verdict", ""]
-    return f"closed loop, on readings held out: {loop['verdict']}
-{table(rows, heads)}"
+    return f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
 
 
 def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:

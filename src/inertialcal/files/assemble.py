@@ -70,8 +70,16 @@ def assemble(
         channels=channels,
         source=source,
         remarks=gather(remarks),
-        first_row=int(content.rows[0]) if content.rows is not None and len(content) else 0,
+        first_row=_first_row(content),
     )
+
+
+def _first_row(content: Content) -> int:
+    """Row of sample 0; 0 where comments or blank lines between the rows make it no help for the others."""
+    rows = content.rows
+    if rows is None or not len(rows) or rows[-1] - rows[0] != len(rows) - 1:
+        return 0
+    return int(rows[0])
 
 
 def _channels(described: Sequence[Described], clock: Clock, path: str) -> tuple[Channel, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -38,6 +38,8 @@ class ChannelSurvey:
         Whether it is far longer than the other stretches explain; a constant channel is stuck.
     rails : tuple of Rail
         Extremes at which samples pile up.
+    rails_at : tuple of int
+        Index of the first sample of each.
     """
 
     name: str
@@ -56,6 +58,7 @@ class ChannelSurvey:
     longest_run: Run | None = None
     stuck: bool = False
     rails: tuple[Rail, ...] = ()
+    rails_at: tuple[int, ...] = ()
 
     @property
     def is_constant(self) -> bool:
@@ -86,7 +89,8 @@ class ChannelSurvey:
 
 def survey_channel(channel: Channel) -> ChannelSurvey:
     """Return what a channel holds."""
-    numbers = channel.data[np.isfinite(channel.data)]
+    index = np.flatnonzero(np.isfinite(channel.data))
+    numbers = channel.data[index]
     said = (channel.name, channel.axis, channel.quantity, channel.unit, channel.unit_from)
     dtype, missing = str(channel.data.dtype), len(channel.data) - len(numbers)
     if not len(numbers):
@@ -96,6 +100,7 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
     values = numbers.astype(np.float64)
     with np.errstate(over="ignore", invalid="ignore"):  # values near the end of float64
         mean, std = float(values.mean()), float(values.std(ddof=1)) if len(values) > 1 else None
+    run, piles = longest_run(numbers), rails(levels) if with_codes else ()
     return ChannelSurvey(
         *said,
         dtype,
@@ -106,9 +111,10 @@ def survey_channel(channel: Channel) -> ChannelSurvey:
         mean=mean,
         std=std,
         resolution=resolution(levels),
-        longest_run=longest_run(numbers),
+        longest_run=replace(run, start=int(index[run.start])),
         stuck=with_codes and is_stuck(numbers),
-        rails=rails(levels) if with_codes else (),
+        rails=piles,
+        rails_at=tuple(int(index[np.argmax(values == pile.value)]) for pile in piles),
     )
 
 
@@ -132,9 +138,9 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple
         what = f"{survey.name!r} stays at {run.value:g} for {run.length} samples: stuck?"
         do = "Leave that stretch out, or record again"
         remarks.append(Remark("stuck", "warning", what, place(run.start), do=do))
-    for rail in survey.rails:
+    for rail, first in zip(survey.rails, survey.rails_at, strict=True):
         code = ", the end of a converter" if rail.is_code else ""
         what = f"{survey.name!r} piles up at {rail.value:g}{code}: clipped?"
         do = "Record with a larger range"
-        remarks.append(Remark("clipped", "warning", what, place(0), rail.count, do))
+        remarks.append(Remark("clipped", "warning", what, place(first), rail.count, do))
     return tuple(remarks)

@@ -166,7 +166,8 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
         comment=comment,
         across=len(lines) == 1 and header is None and width >= ACROSS,
         sample_rate=_sample_rate(comments + notes),
-        remarks=_remarks(notes, lines, names if from_comment else (), where),
+        remarks=_remarks(notes, lines, names if from_comment else (), where)
+        + _ambiguous(table[first:], separator, header, where),
     )
 
 
@@ -317,6 +318,17 @@ def _remarks(notes: list[str], lines: list[Line], from_comment: tuple[str, ...],
         what = f"columns named by the last comment: {', '.join(from_comment)[:120]}"
         remarks.append(Remark("header_from_comment", "info", what, where=where))
     return tuple(remarks)
+
+
+def _ambiguous(table: Table, separator: str | None, header: int | None, where: str) -> tuple[Remark, ...]:
+    """Remark on two columns of whole numbers that may be one of numbers with a decimal comma."""
+    pairs = separator == "," and header is None and all(len(cells) == 2 for cells in table)
+    if not pairs or not all(kind(cell) == "i" for cells in table for cell in cells):
+        return ()
+    if any(cells[1].startswith("-") for cells in table):
+        return ()
+    what = "read as two columns of whole numbers: or is it one column with decimal commas?"
+    return (Remark("decimal_comma", "warning", what, where=where, do="A header line settles it"),)
 
 
 def _sample_rate(comments: list[str]) -> float | None:

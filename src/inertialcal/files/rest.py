@@ -45,7 +45,7 @@ def rest_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tupl
     when = "; ".join(_when(recording, first, last) for first, last in stretches)
     peak = max(d.peak for s in found.values() for d in s.disturbances)
     what = f"not stationary: a disturbance or step {when} in {names}, up to {peak:.0f} times the noise"
-    do = "Leave that stretch out (--from, --to)"
+    do = "Leave that stretch out"
     return (Remark("disturbance", "warning", what, where=path, count=len(stretches), do=do),)
 
 

@@ -1,0 +1,109 @@
+"""Elements of MATLAB files: sound ones pass, each kind of damage is refused with its place."""
+
+from __future__ import annotations
+
+import io
+import struct
+import zlib
+from typing import Any
+
+import numpy as np
+import pytest
+from scipy import io as scipy_io
+
+from inertialcal.core.errors import DataError
+from inertialcal.files import source
+from inertialcal.files.mat5_elements import check_elements
+
+HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
+
+
+def element(kind: int, data: bytes, order: str = "<") -> bytes:
+    return struct.pack(order + "II", kind, len(data)) + data + bytes(-len(data) % 8)
+
+
+def matrix(values: bytes, count: int, flags: int = 6, order: str = "<") -> bytes:
+    parts = [
+        element(6, struct.pack(order + "II", flags, 0), order),
+        element(5, struct.pack(order + "ii", 1, count), order),
+        element(1, b"x", order),
+        element(9, values, order),
+    ]
+    return element(14, b"".join(parts), order)
+
+
+THREE = struct.pack("<3d", 1.0, 2.0, 3.0)
+
+
+def refused(data: bytes) -> str:
+    with pytest.raises(DataError) as caught:
+        check_elements(data, "a.mat")
+    (problem,) = caught.value.problems
+    assert (problem.where, problem.code) == ("a.mat", "damaged_file")
+    return problem.what.removeprefix("cannot be read as a MATLAB file: it holds ")
+
+
+@pytest.mark.parametrize("compression", [False, True])
+def test_what_scipy_writes(compression: bool) -> None:
+    content: dict[str, Any] = {
+        "x": np.arange(5) / 3, "i": np.arange(4, dtype=np.int16), "z": np.ones(3) * 1j, "t": "text",
+        "s": {"a": [1, 2], "b": {"c": "d"}}, "cell": np.array([[1], "a"], dtype=object), "l": np.ones(3, bool),
+        "e": np.zeros((0, 3)),
+    }  # fmt: skip
+    stream = io.BytesIO()
+    scipy_io.savemat(stream, content, do_compression=compression)
+    check_elements(stream.getvalue(), "a.mat")
+
+
+def test_both_byte_orders() -> None:
+    check_elements(HEADER + matrix(THREE, 3), "a.mat")
+    values = struct.pack(">3d", 1.0, 2.0, 3.0)
+    big = HEADER[:-4] + b"\x01\x00MI" + matrix(values, 3, order=">")
+    check_elements(big, "a.mat")
+    assert scipy_io.loadmat(io.BytesIO(big))["x"].tolist() == [[1.0, 2.0, 3.0]]
+
+
+def test_an_empty_file_and_an_empty_cell() -> None:
+    check_elements(HEADER, "a.mat")
+    check_elements(HEADER + element(14, b""), "a.mat")
+
+
+def test_a_type_that_there_is_not() -> None:
+    assert refused(HEADER + element(217, bytes(8))) == "type 217, which there is not, at byte 128"
+    inside = matrix(THREE, 3).replace(struct.pack("<II", 9, 24), struct.pack("<II", 217, 24))
+    assert refused(HEADER + inside) == "an element of type 217 out of place at byte 184"
+
+
+def test_an_element_longer_than_the_file() -> None:
+    assert refused((HEADER + matrix(THREE, 3))[:-8]) == "an element of 80 bytes at byte 128, where 72 are left"
+    assert refused(HEADER + b"\x09\x00\x00") == "an element that is cut off at byte 128"
+
+
+def test_more_or_fewer_numbers_than_announced() -> None:
+    assert refused(HEADER + matrix(THREE, 4)) == "24 bytes of numbers where 4 values are announced, at byte 184"
+    assert refused(HEADER + matrix(THREE, -3)) == "a matrix of -3 values at byte 152"
+    assert refused(HEADER + matrix(THREE, 3, flags=0x0806)).endswith("at byte 216")  # no imaginary part follows
+
+
+def test_compressed_elements() -> None:
+    packed = zlib.compress(matrix(THREE, 3))
+    check_elements(HEADER + element(15, packed)[: 8 + len(packed)], "a.mat")
+    assert refused(HEADER + element(15, packed[:-6])) == "a compressed element that is cut off"
+    assert refused(HEADER + element(15, b"nonsense")).startswith("a compressed element that cannot be unpacked")
+    assert refused(HEADER + element(15, zlib.compress(matrix(THREE, 4)))).startswith("24 bytes of numbers where 4")
+
+
+def test_matrices_without_end() -> None:
+    nested = matrix(THREE, 3)
+    for _ in range(40):
+        head = element(6, struct.pack("<II", 1, 0)) + element(5, struct.pack("<ii", 1, 1)) + element(1, b"")
+        nested = element(14, head + nested)
+    assert refused(HEADER + nested) == "more than 32 matrices within each other"
+
+
+def test_compressed_zeros_stop_early(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inertialcal.files.mat5_elements.LARGEST", 10**6)
+    with pytest.raises(DataError, match=r"holds .* GiB or more") as caught:
+        check_elements(HEADER + element(15, zlib.compress(bytes(10**7))), "a.mat")
+    assert caught.value.problems[0].code == "too_large"
+    assert source.LARGEST > 10**9
