@@ -158,9 +158,8 @@ def test_coverage_of_the_rig_as_it_is_long() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("walk", [0.0, WALK])
-@pytest.mark.parametrize("tilt_deg", [-36.4, 0.0])
-def test_coverage_with_balanced_standards_long(walk: float, tilt_deg: float) -> None:
+@pytest.mark.parametrize(("tilt_deg", "walk"), [(-36.4, WALK), (0.0, 0.0)], ids=["random walk", "level table"])
+def test_coverage_with_balanced_standards_long(tilt_deg: float, walk: float) -> None:
     bench = replace(BENCH, tilt_deg=tilt_deg, u_tilt_deg=3.0)
 
     def make(seed: int) -> Twin:

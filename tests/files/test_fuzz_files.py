@@ -79,12 +79,21 @@ def mutate(content: bytes, choice: random.Random) -> bytes:
     return content
 
 
-@settings(QUICK, max_examples=500)
+@settings(QUICK, max_examples=300)
 @given(seed=st.sampled_from(SEEDS), choice=st.randoms(use_true_random=False))
 def test_mutated_tables(tmp_path: Path, seed: bytes, choice: random.Random) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(mutate(seed, choice))
     opens_or_says_why(path)
+
+
+@pytest.mark.slow
+def test_two_thousand_mutated_tables(tmp_path: Path) -> None:
+    path = tmp_path / "a.csv"
+    choice = random.Random(1)
+    for _ in range(2000):
+        path.write_bytes(mutate(choice.choice(SEEDS), choice))
+        opens_or_says_why(path)
 
 
 def _npz(path: Path) -> None:

@@ -56,9 +56,7 @@ def file(readings: Array, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.mark.slow
 @pytest.mark.parametrize("case", CASES)
-def test_compensating_takes_at_most_three_times_reading(
-    benchmark: Any, case: str, readings: Array, file: Path
-) -> None:
+def test_compensating_takes_at_most_three_times_reading(benchmark: Any, case: str, readings: Array, file: Path) -> None:
     model, kind = CASES[case]
     conditions: Conditions = {"temperature": np.linspace(-20.0, 60.0, ROWS)} if kind == "column" else {}
     compensate(model, readings, **conditions)  # compiled once, kept on disk
