@@ -14,16 +14,41 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .campaign.compare import compare
+    from .campaign.compensation import compensate
+    from .campaign.models import load_model
     from .campaign.run import check, run
+    from .campaign.score import score
     from .campaign.single import rate_table
+    from .campaign.twin import simulate
     from .files import read
     from .files.survey import survey as info
     from .files.table import read_table
+    from .files.write import write
 
-__all__ = ["check", "info", "rate_table", "read", "read_table", "run"]
+__all__ = [
+    "check",
+    "compare",
+    "compensate",
+    "info",
+    "load_model",
+    "rate_table",
+    "read",
+    "read_table",
+    "run",
+    "score",
+    "simulate",
+    "write",
+]
 
 _HOMES = {
     "check": ("campaign.run", "check"),
+    "compare": ("campaign.compare", "compare"),
+    "compensate": ("campaign.compensation", "compensate"),
+    "load_model": ("campaign.models", "load_model"),
+    "score": ("campaign.score", "score"),
+    "simulate": ("campaign.twin", "simulate"),
+    "write": ("files.write", "write"),
     "info": ("files.survey", "survey"),
     "rate_table": ("campaign.single", "rate_table"),
     "read": ("files", "read"),

@@ -225,12 +225,32 @@ def test_init_writes_a_file_that_check_accepts_once_filled(capsys: pytest.Captur
     lines = path.read_text().splitlines()
     assert content["to_fill"]
     assert all(lines[number - 1].endswith("# FILL IN") for number in content["to_fill"])
-    assert call(capsys, "check", str(folder))[0] == 3 or "?" not in path.read_text()
-    filled = [line.replace('"?"', '"deg/s"') if line.endswith("# FILL IN") else line for line in lines]
+    refused = call_json(capsys, "check", str(folder))
+    assert [one["where"] for one in refused["errors"]] == [f"campaign.toml:{n}" for n in content["to_fill"]]
+    filled = [line.replace('"?"', '"deg/s"').removesuffix("# FILL IN").rstrip() for line in lines]
     path.write_text("\n".join(filled) + "\n")
     status, _, err = call(capsys, "check", str(folder))
     assert (status, err) == (0, "")
     assert call(capsys, "init", str(folder))[0] == 3  # never written over
+
+
+def test_init_takes_recordings_with_gyro_channels(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    rows = [f"{0.01 * i:.2f},{(i // 500) % 3 - 1},{(i // 500) % 3 - 1 + 0.01 * (i % 7)},0,0" for i in range(6000)]
+    (tmp_path / "log.csv").write_text(
+        "t [s],table,gyro_x [deg/s],gyro_y [deg/s],gyro_z [deg/s]\n" + "\n".join(rows) + "\n"
+    )
+    assert call(capsys, "init", str(tmp_path))[0] == 0
+    path = tmp_path / "campaign.toml"
+    text = path.read_text()
+    assert '[[tests]]\nid = "rate"' in text
+    text = text.replace('applied = { column = "?", unit = "?" }', 'applied = { column = "table", unit = "deg/s" }')
+    text = text.replace('axis = "?"', 'axis = "x"').replace('run = "?"', 'run = "1"').replace('"? s"', '"0.01 s"')
+    path.write_text("\n".join(line.removesuffix("# FILL IN").rstrip() for line in text.splitlines()) + "\n")
+    status, _, err = call(capsys, "check", str(tmp_path))
+    assert (status, err) == (0, "")
+    rows_found = call_json(capsys, "run", str(tmp_path))["results"]
+    error = next(r for r in rows_found if r["quantity"] == "scale_factor_error" and r["test"] == "rate")
+    assert error["value"] == pytest.approx(0.0, abs=0.01)
 
 
 def test_rate_table_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:

@@ -46,7 +46,9 @@ def results_content(
     for requirement in campaign.file.requirements:
         found, more = judge(requirement, tested)
         verdicts += found
-        rows += [displayed(row, unit) for row in more]
+        known = {(row.test, row.quantity, row.axis, row.condition) for row in rows}
+        new = [row for row in more if (row.test, row.quantity, row.axis, row.condition) not in known]
+        rows += [displayed(row, unit) for row in new]
     results = {
         "schema": 1,
         "campaign": campaign.file.campaign.model_dump(),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator
+from difflib import get_close_matches
 from pathlib import Path
 
 from ..core.errors import DataError, InertialcalError, Problem
@@ -11,9 +12,28 @@ from ..procedures import PROCEDURES
 from .chains import build_chain, scale_factors
 from .conditions import parse_condition
 from .plans import plan_values
-from .schema import CampaignFile, RecordingEntry, Rows, Sensor, Test
+from .schema import CampaignFile, RecordingEntry, Requirement, Rows, Sensor, Test
 
 At = Callable[..., str]
+
+RATE = ("angular_rate", "acceleration")
+RELATIVE = ("dimensionless",)
+# Quantities that tests give, with the kinds of unit that their limits can have.
+QUANTITIES: dict[str, tuple[str, ...]] = {
+    "rate_error": RELATIVE,
+    "bias": RATE,
+    "scale_factor": ("other",),
+    "scale_factor_error": RELATIVE,
+    "scale_factor_asymmetry": RELATIVE,
+    "cross_axis_sensitivity": RELATIVE,
+    "misalignment": ("angle",),
+    "linearity_error": RELATIVE,
+    "scatter_sample": RATE,
+    "scatter_dwell": RATE,
+    "scatter_run": RATE,
+    "scatter_recording": RATE,
+    "resolution": RATE,
+}
 
 
 def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
@@ -130,6 +150,11 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
             do = f"There are: {', '.join(file.recordings)}"
             what = f"test {test.id!r}: no recording {name!r}"
             yield Problem(what, at("tests", number, "recordings"), do=do, code="unknown_name")
+    kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
+             and file.recordings[n].sensor in file.sensors}  # fmt: skip
+    if test.procedure == "rate_table" and "accelerometer" in kinds:
+        what = f"test {test.id!r}: a rate table tests gyros, the sensor is an accelerometer"
+        yield Problem(what, where, code="wrong_value")
     if len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1:
         yield Problem(f"test {test.id!r}: recordings of different sensors", at("tests", number, "recordings"))
     values, problems = plan_values(test.procedure, test.plan, at("tests", number, "plan"))
@@ -181,7 +206,8 @@ def _requirements(file: CampaignFile, at: At) -> Iterator[Problem]:
         for key in ("limit", "lower", "upper"):
             text = getattr(one, key)
             if text is not None:
-                yield from _limit(one.id, text, at("requirements", number, key))
+                yield from _limit(one, text, at("requirements", number, key))
+        yield from _spelling(one, at("requirements", number, "quantity"))
         try:
             parse_condition(one.where)
         except DataError as error:
@@ -189,8 +215,24 @@ def _requirements(file: CampaignFile, at: At) -> Iterator[Problem]:
                           do=error.problems[0].do, code="wrong_value")  # fmt: skip
 
 
-def _limit(name: str, text: str, where: str) -> Iterator[Problem]:
+def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
     try:
-        normalise(parse_quantity(text).unit)
+        unit = normalise(parse_quantity(text).unit)
     except DataError as error:
-        yield Problem(f"requirement {name!r}: {error.problems[0].what}", where, code="wrong_value")
+        yield Problem(f"requirement {one.id!r}: {error.problems[0].what}", where, code="wrong_value")
+        return
+    needed = QUANTITIES.get(one.quantity)
+    if needed is not None and kind(unit) not in needed:
+        what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
+        yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
+
+
+def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
+    """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
+    near = get_close_matches(one.quantity, list(QUANTITIES), n=1, cutoff=0.8)
+    if one.quantity not in QUANTITIES and near:
+        what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
+        yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
+    if one.where and one.quantity != "rate_error":
+        what = f"requirement {one.id!r}: where is about rate_error, not {one.quantity}"
+        yield Problem(what, where, "it would have no effect", code="wrong_value")

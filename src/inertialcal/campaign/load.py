@@ -20,6 +20,7 @@ from .toml_lines import Path as KeyPath
 from .toml_lines import key_lines, nearest_line
 
 FILE = "campaign.toml"
+MARK = "# FILL IN"  # at the end of a line that `init` could not fill in
 LARGEST = 1_000_000  # bytes; a campaign file is written by hand
 
 
@@ -76,6 +77,10 @@ def load(folder: str | Path) -> Campaign:
     text = _decode(raw)
     document = _parse(text)
     lines = key_lines(text)
+    marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
+    if marked:
+        do = f"Fill the line in, then delete its mark ({MARK})"
+        raise PlanError([Problem("not filled in", f"{FILE}:{number}", do=do, code="fill_in") for number in marked])
     try:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:

@@ -8,7 +8,9 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, InertialcalError, Problem
+from ..core.frames import frame
 from ..core.remarks import Remark, gather
+from ..core.rounding import with_uncertainty
 from ..files.model_json import dump_model
 from ..procedures import rate_table
 from .contents import results_content
@@ -52,9 +54,29 @@ class Outcome:
     changed: list[str]
 
     @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What the campaign brought up."""
+        return tuple(Remark(**one) for one in self.results["remarks"])
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame, a row a figure, as ``results.csv`` has them."""
+        rows = [flat(row) for row in self.results["results"]]
+        return frame({name: [row[name] for row in rows] for name in ROW_COLUMNS})
+
+    def __str__(self) -> str:
+        """Return the figures that were estimated, a line each."""
+        shown = [row for row in self.results["results"] if row["status"] == "estimated" and not row["condition"]]
+        lines = [f"{row['test']:<20} {row['quantity']:<24} {row['axis']:<3} {_figure(row)}" for row in shown]
+        return "\n".join([*lines, f"verdict: {self.verdict or 'no requirement stated'}"])
+
+    @property
     def exit_status(self) -> int:
         """0 PASS or no requirement, 1 FAIL, 4 INCONCLUSIVE."""
         return EXIT[self.verdict] if self.verdict else 0
+
+
+def _figure(row: dict[str, Any]) -> str:
+    return f"{with_uncertainty(row['value'], row['u'])} {row['unit']}"
 
 
 def check(folder: str | Path) -> tuple[Campaign, dict[str, str], tuple[Remark, ...]]:

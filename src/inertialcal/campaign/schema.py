@@ -282,7 +282,7 @@ class Requirement(Strict):
     id: Name
     text: Text = ""
     quantity: Name
-    axis: Text | None = None
+    axis: Annotated[str, Field(pattern="^[xyz]{1,2}$")] | None = None
     of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"
     limit: str | None = None
     lower: str | None = None

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
 from ..core.frames import frame
+from ..core.remarks import Remark
 from ..core.results import Row
 from ..core.units import normalise, parse_quantity, si_unit
 from ..files.table import read_table
 from ..procedures import rate_table as procedure
+from ..procedures.rate_table.plan import AXES
 from .display import displayed
 from .schema import Chain, RecordingEntry, Rows, Sensor, Test
 from .table_columns import Guess, guess
@@ -42,6 +44,11 @@ class RateTableFile:
     columns: dict[str, Any]
     sha256: str
     unit: str
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What the reduction brought up."""
+        return self.result.remarks
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
@@ -98,8 +105,11 @@ def rate_table(
         If it is not clear which column is what, or in which unit.
     """
     file = Path(path)
-    found = guess(read_table(file))
-    chosen = _columns(found, applied, reading, axis, file)
+    read = read_table(file)
+    found, table_names = guess(read), read.names
+    if axis is not None and axis not in AXES:
+        raise UsageError(f"axis {axis!r}", do=f"There are: {', '.join(AXES)}", code="unknown_name")
+    chosen = _columns(found, table_names, applied, reading, axis, file)
     spoken = unit or found.unit
     if spoken is None:
         raise UsageError(
@@ -149,7 +159,12 @@ def _rate_unit(unit: str) -> str:
 
 
 def _columns(
-    found: Guess, applied: str | None, reading: str | Mapping[str, str] | None, axis: str | None, file: Path
+    found: Guess,
+    names: Sequence[str],
+    applied: str | None,
+    reading: str | Mapping[str, str] | None,
+    axis: str | None,
+    file: Path,
 ) -> dict[str, Any]:
     if applied is None and found.applied is None:
         raise UsageError(
@@ -157,6 +172,7 @@ def _columns(
         )
     if reading is None and len(found.readings) != 1 and not found.by_axis:
         have = f" ({', '.join(found.readings)})" if found.readings else ""
+        have = have or f"; it has {', '.join(names)}"
         what = f"{file}: {len(found.readings)} columns can be the reading{have}"
         raise UsageError(what, do="Say it: --reading COLUMN", code="no_column")
     by_axis = dict(found.by_axis) if len(found.by_axis) > 1 else None

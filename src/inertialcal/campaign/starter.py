@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import json
+import re
 from pathlib import Path
 
-from ..core.errors import DataError, PlanError, StoreError, UsageError
+from ..core.errors import InertialcalError, PlanError, StoreError, UsageError
+from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
+from ..core.units import kind
+from ..files import read
 from ..files.table import Table, read_table
-from .load import FILE
+from .load import FILE, MARK
 from .table_columns import Guess, guess
 
-MARK = "# FILL IN"
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz")
 MOST = 200  # files
+LONGEST_TABLE = 10_000  # rows; a longer file is no table of dwells
+CLOCK_COLUMN = re.compile(r"time column '(.*)'")
 
 
 def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
@@ -37,11 +42,11 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     path = root / FILE
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
-    tables, remarks = _tables(root)
-    if not tables:
-        do = "Put tables in, a row a dwell, with a column for the rate and one for the reading"
-        raise PlanError(f"no table of readings in {root}", do=do, code="nothing_found")
-    text = starter_text(root.resolve().name, tables)
+    tables, raw, remarks = _files(root)
+    if not tables and not raw:
+        do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels"
+        raise PlanError(f"no recording of a rate table in {root}", do=do, code="nothing_found")
+    text = starter_text(root.resolve().name, tables, raw)
     try:
         with path.open("x", encoding="utf-8") as handle:
             handle.write(text)
@@ -51,8 +56,10 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     return path, lines, tuple(remarks)
 
 
-def _tables(root: Path) -> tuple[dict[str, Guess], list[Remark]]:
+def _files(root: Path) -> tuple[dict[str, Guess], dict[str, Recording], list[Remark]]:
+    """Return the reduced tables and the recordings of a folder, by file, and what was left out."""
     tables: dict[str, Guess] = {}
+    raw: dict[str, Recording] = {}
     remarks: list[Remark] = []
     for path in sorted(root.rglob("*"))[:MOST]:
         name = path.relative_to(root).as_posix()
@@ -60,22 +67,32 @@ def _tables(root: Path) -> tuple[dict[str, Guess], list[Remark]]:
             continue
         try:
             table = read_table(path)
-        except DataError as error:
+            found = guess(table)
+            if found.applied and found.readings and table.rows.size <= LONGEST_TABLE:
+                tables[name] = found
+                continue
+            recording = read(path)
+        except InertialcalError as error:
             remarks.append(Remark("not_read", "warning", error.problems[0].what, name))
             continue
-        found = guess(table)
-        if len(table.names) < 2 or not (found.applied and found.readings):
-            remarks.append(Remark("no_table", "info", f"no columns of rate and reading ({_names(table)})", name))
-            continue
-        tables[name] = found
-    return tables, remarks
+        if recording.time_ns is not None and _gyros(recording):
+            raw[name] = recording
+        else:
+            what = f"neither columns of rate and reading, nor gyro channels with time ({_names(table)})"
+            remarks.append(Remark("not_taken", "info", what, name))
+    return tables, raw, remarks
+
+
+def _gyros(recording: Recording) -> dict[str, Channel]:
+    """Return the gyro channels by axis."""
+    return {c.axis: c for c in recording.channels if c.quantity == "gyro" and c.axis in {"x", "y", "z"}}
 
 
 def _names(table: Table) -> str:
     return ", ".join(table.names[:8]) + (", ..." if len(table.names) > 8 else "")
 
 
-def starter_text(name: str, tables: dict[str, Guess]) -> str:
+def starter_text(name: str, tables: dict[str, Guess], raw: dict[str, Recording]) -> str:
     """Return the text of a campaign file.
 
     Parameters
@@ -83,12 +100,16 @@ def starter_text(name: str, tables: dict[str, Guess]) -> str:
     name : str
         Of the campaign.
     tables : mapping of str to Guess
-        By file.
+        Reduced tables by file.
+    raw : mapping of str to Recording
+        Recordings by file.
     """
     identifier = (
         "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in name).strip("-_") or "campaign"
     )
-    unit = next((found.unit for found in tables.values() if found.unit), None)
+    said = [found.unit for found in tables.values()]
+    said += [c.unit for one in raw.values() for c in _gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
+    unit = next((one for one in said if one), None)
     unit_line = f"unit = {_text(unit)}" if unit else f'unit = "?"  {MARK}'
     parts = [
         f'schema = 1\n\n[campaign]\nid = "{identifier}"\n',
@@ -97,11 +118,13 @@ def starter_text(name: str, tables: dict[str, Guess]) -> str:
         '# [standards.rate_table]\n# rate = { u = "0.05 %", certificate = "..." }\n# mounting = { u = "0.1 deg" }\n',
         f'[sensors.suite]\nkind = "gyro"\naxes = ["x", "y", "z"]\n{unit_line}\n'
         '# range = ["-100 deg/s", "100 deg/s"]\n# chain = { kind = "none", scale_factor = "0.5 V/(deg/s)" }\n',
+        *(_raw_entry(number, file, one) for number, (file, one) in enumerate(raw.items(), 1)),
+        _raw_test(len(raw)),
         *(_entry(number, file, found) for number, (file, found) in enumerate(tables.items(), 1)),
         '# [[requirements]]\n# id = "R1"\n# quantity = "rate_error"\n# of = "dwell_mean"\n# limit = "5 %"\n'
         '# where = "abs(rate) >= 0.1 deg/s"\n',
     ]
-    return "\n".join(parts)
+    return "\n".join(part for part in parts if part)
 
 
 def _entry(number: int, file: str, found: Guess) -> str:
@@ -121,6 +144,29 @@ def _entry(number: int, file: str, found: Guess) -> str:
         f'[recordings.table{number}]\nsensor = "suite"\nfile = {_text(file)}\nrows = {{ {", ".join(rows)} }}{mark}\n\n'
         f'[[tests]]\nid = "rate{number}"\nprocedure = "rate_table"\nrecordings = ["table{number}"]\n{plan}'
     )
+
+
+def _raw_entry(number: int, file: str, one: Recording) -> str:
+    column = CLOCK_COLUMN.search(one.interval_from)
+    clock = [f"column = {_text(column[1])}"] if column else []
+    clock += ['stamp = "middle"', 'interval = "? s"', 'averaging = "? s"']
+    channels = ['applied = { column = "?", unit = "?" }']
+    channels += [
+        f"{axis} = {{ column = {_text(c.name)}, unit = {_text(c.unit or '?')} }}" for axis, c in _gyros(one).items()
+    ]
+    return (
+        f'[recordings.rec{number}]\nsensor = "suite"\nfile = {_text(file)}\n'
+        f'axis = "?"  {MARK}\nrun = "?"  {MARK}\n'
+        f"clock = {{ {', '.join(clock)} }}  {MARK}\nchannels = {{ {', '.join(channels)} }}  {MARK}\n"
+    )
+
+
+def _raw_test(count: int) -> str:
+    """Return one test of all recordings: which axis was turned stands with each."""
+    if not count:
+        return ""
+    names = ", ".join(f'"rec{number}"' for number in range(1, count + 1))
+    return f'[[tests]]\nid = "rate"\nprocedure = "rate_table"\nrecordings = [{names}]\n'
 
 
 def _reading(found: Guess) -> str:

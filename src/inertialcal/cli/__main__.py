@@ -52,6 +52,9 @@ def _other(given: list[str], error: Exception, as_json: bool) -> int:
     name = type(error).__name__
     if name == "Abort":
         return 130
+    if name == "NoArgsIsHelpError" and not as_json:
+        print(str(error))
+        return UsageError.exit_status
     if hasattr(error, "format_message"):
         return errors_out(given, [Problem(error.format_message(), do=_help(error))], UsageError.exit_status, as_json)
     if isinstance(error, MemoryError):

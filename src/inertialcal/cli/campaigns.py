@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 import sys
 from pathlib import Path
 from typing import Annotated, Any
@@ -63,10 +64,9 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     elif not quiet:
         for remark in remarks:
             print(wrapped(str(remark), "    "))
-        tests = len(campaign.file.tests)
-        print(
-            f"ok: {tests} test{'s' if tests != 1 else ''}, {len(inputs) - 1} recordings. Next: inertialcal run {folder}"
-        )
+        tests, recordings = len(campaign.file.tests), len(campaign.file.recordings)
+        said = f"{tests} test{'s' * (tests != 1)}, {recordings} recording{'s' * (recordings != 1)}"
+        print(f"ok: {said}. Next: inertialcal run {shlex.quote(str(folder))}")
     return 0
 
 

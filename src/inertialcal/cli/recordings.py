@@ -47,7 +47,7 @@ def info(
         }
         json_out("info", content, 3 if errors else 0)
         return 3 if errors else 0
-    if not quiet:
+    if not quiet and found:
         print("\n\n".join(survey_text(one) for one in found))
     if errors:
         raise InertialcalError(errors)

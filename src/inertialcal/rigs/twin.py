@@ -69,7 +69,7 @@ class Twin:
     truth : tuple of TrueValue
         What the results are measured by.
     drawn : mapping
-        Errors of the standards and of single runs, SI: what the results should not know.
+        Errors of the standards, and how the bench really stood, SI: what nobody told the reduction.
     """
 
     rig: str

@@ -127,7 +127,16 @@ def line(plan: Plan, readings: Readings, sensor: str, asymmetry: bool) -> Line:
             where=used.where[0] if used.where else "",
             code="too_few_dwells",
         )
-    found = fit(columns, y, names=names)
+    try:
+        found = fit(columns, y, names=names)
+    except DataError as error:
+        if error.problems[0].code != "rank_deficient":
+            raise
+        rates = ", ".join(f"{rate:+g}" for rate in np.unique(np.degrees(used.applied).round(9))[:8])
+        what = f"{sensor} sensor: the rates ({rates} deg/s) do not tell {', '.join(names)} apart"
+        raise DataError(
+            what, used.where[0] if used.where else "", do="Turn at more rates", code="rank_deficient"
+        ) from None
     covariance, dof, level = _type_a(used, sensor, found)
     return Line(sensor, axes, asymmetry, found, covariance, dof, level, scatter_levels(used, sensor, found), used)
 

@@ -10,7 +10,7 @@ from ...core.estimate import Estimate
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from .linearity import linearity_row
-from .plan import INFLUENCES
+from .plan import INFLUENCES, Plan
 from .published import published_rows
 from .regression import Level, Line
 
@@ -121,12 +121,16 @@ def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> str:
         return f"no readings of the {sensor} sensor while {', '.join(turned)} is turned"
     if sensor in result.reasons:
         return result.reasons[sensor]
-    if sensor not in result.lines[sensor].axes:
+    return _why_not_by(result.plan, result.lines[sensor], sensor, quantity)
+
+
+def _why_not_by(plan: Plan, one: Line, sensor: str, quantity: str) -> str:
+    if sensor not in one.axes and quantity != "bias":
         return f"the unit was not turned about {sensor} in this test"
+    if one.covariance is not None and np.any(one.dof == 0.0):
+        return "it rests on what one run alone shows: how it differs between runs cannot be told"
     if quantity == "scale_factor_asymmetry":
-        if not result.plan.asymmetry:
-            return "the plan leaves asymmetry out"
-        return "needs both senses of rotation and three rates or more"
+        return "needs both senses of rotation and three rates or more" if plan.asymmetry else "the plan leaves it out"
     return "no level of scatter was repeated or given"
 
 

@@ -1,0 +1,69 @@
+"""Two standard deviations of normal readings compared: test of equality, interval of their difference.
+
+A standard deviation is no normal value: with few degrees of freedom a t test of two of them goes wrong both ways.
+The squares over one another have Fisher's F distribution where the true ones are equal [1]_. The interval of the
+difference joins the exact chi-square interval of each by the method of variance estimates recovery [2]_.
+
+References
+----------
+.. [1] NIST/SEMATECH e-Handbook of Statistical Methods, 1.3.5.9 (F test for equality of two variances).
+.. [2] Zou and Donner, Statistics in Medicine 27 (2008) 1693-1702.
+"""
+
+from __future__ import annotations
+
+import math
+
+from scipy import special
+
+from ..core.errors import DataError
+from ..core.results import Interval
+from .intervals import chi_square_interval, ends
+
+
+def equality_p_value(first: float, first_dof: float, second: float, second_dof: float) -> float:
+    """Return the two-sided p value of equal true standard deviations.
+
+    Parameters
+    ----------
+    first, second : float
+        Standard deviations found, in one unit.
+    first_dof, second_dof : float
+        Degrees of freedom behind each, finite.
+
+    Raises
+    ------
+    DataError
+        If a standard deviation or its degrees of freedom are not positive and finite.
+    """
+    for std, dof in ((first, first_dof), (second, second_dof)):
+        if not (std > 0.0 and dof > 0.0 and math.isfinite(std) and math.isfinite(dof)):
+            raise DataError(
+                f"standard deviation {std:g} with {dof:g} degrees of freedom",
+                do="Need positive finite numbers",
+                code="no_dof",
+            )
+    ratio = (second / first) ** 2
+    below = float(special.fdtr(second_dof, first_dof, ratio))
+    above = float(special.fdtrc(second_dof, first_dof, ratio))
+    return min(2.0 * min(below, above), 1.0)
+
+
+def difference_interval(
+    first: float, first_dof: float, second: float, second_dof: float, p: float = 0.95
+) -> Interval:
+    """Return the interval of second less first, of probability about ``p``, in their unit.
+
+    Raises
+    ------
+    DataError, PlanError
+        As ``intervals.chi_square_interval``.
+    """
+    low_1, high_1 = ends(chi_square_interval(first, first_dof, p))
+    low_2, high_2 = ends(chi_square_interval(second, second_dof, p))
+    difference = second - first
+    return Interval(
+        difference - math.hypot(second - low_2, high_1 - first),
+        difference + math.hypot(high_2 - second, first - low_1),
+        p,
+    )
