@@ -392,3 +392,33 @@ def test_provenance_that_cannot_be_read_is_no_provenance(tmp_path: Path) -> None
     one, other = (results(tmp_path / name, replace(row(1.0), value=value)) for name, value in (("a", 1.0), ("b", 2.0)))
     (one / "out/provenance.json").write_text("{")
     assert "same_recordings" not in codes(compare(one, other))
+
+
+# Standard deviations
+
+
+def scatter(value: float, dof: float | None) -> Row:
+    return row(value, value / math.sqrt(2.0 * (dof or 1.0)), dof, quantity="scatter_run")
+
+
+def test_scatters_are_compared_by_their_ratio() -> None:
+    found = one_difference(scatter(1.0, 3), scatter(3.0, 30))
+    assert found.p_value == pytest.approx(2.0 * stats.f.sf(9.0, 30, 3))
+    assert found.row.interval is not None
+    assert (found.row.interval.lo or 0.0) < 0.0 < (found.row.interval.hi or 0.0)
+    assert one_difference(scatter(1.0, None), scatter(3.0, 30)).row.reason.startswith("first: a standard deviation")
+
+
+def test_no_change_of_a_scatter_goes_by_its_own_interval() -> None:
+    pair = differences([(scatter(1.0, 20), scatter(1.1, 20))])
+    interval = pair[0].row.interval
+    assert interval is not None
+    reach = max(-(interval.lo or 0.0), interval.hi or 0.0)
+    for limit, status in ((reach * 1.01, "PASS"), (reach * 0.99, "INCONCLUSIVE")):
+        verdict = judged(pair, parse_allowed([f"scatter_run={limit} deg/s"]))[0][0].no_change
+        assert verdict is not None
+        assert (verdict.status, verdict.interval) == (status, interval)
+    apart = differences([(scatter(1.0, 200), scatter(9.0, 200))])
+    failed = judged(apart, parse_allowed(["1 deg/s"]))[0][0].no_change
+    assert failed is not None
+    assert failed.status == "FAIL"

@@ -13,11 +13,12 @@ from typing import Any
 
 from ..core.errors import DataError
 from ..core.remarks import Remark
-from ..core.results import finite
-from ..statistics.decision import Verdict, no_change, overall
+from ..core.results import Interval, finite
+from ..statistics.decision import Status, Verdict, no_change, overall
+from ..statistics.intervals import ends
 from .allowed import Allowed, allowed_for, is_named, parse_allowed
 from .compared_sources import Kind, load_both, shared_remarks
-from .differences import Difference, P, differences
+from .differences import Difference, P, differences, is_scatter
 from .matched_rows import matched, rows_remark
 
 BESIDE = ("as_published", "all_readings")  # other ways of reducing the same readings
@@ -128,7 +129,18 @@ def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
     if not (general or is_named(one.row, stated)):
         return None
     limit = allowed_for(one.first, stated)
-    return None if limit is None else no_change(one.row.value, one.row.u, one.row.dof, limit, P)
+    if limit is None:
+        return None
+    verdict = no_change(one.row.value, one.row.u, one.row.dof, limit, P)
+    interval = one.row.interval
+    return verdict if interval is None or not is_scatter(one.row) else _by_interval(verdict, interval, limit)
+
+
+def _by_interval(verdict: Verdict, interval: Interval, limit: float) -> Verdict:
+    """Return the verdict by an interval that is not Student's."""
+    lo, hi = ends(interval)
+    status: Status = "PASS" if max(-lo, hi) <= limit else "FAIL" if lo > limit or hi < -limit else "INCONCLUSIVE"
+    return replace(verdict, status=status, interval=interval, reason=f"{lo:.6g} to {hi:.6g} against ±{limit:g}")
 
 
 def _verdict(one: Difference, verdict: Verdict) -> dict[str, Any]:

@@ -84,7 +84,7 @@ def shared_remarks(one: Compared, other: Compared) -> tuple[Remark, ...]:
     remarks = []
     same = [path for digest, path in one.recordings.items() if digest in other.recordings]
     if one.sha256 == other.sha256:
-        remarks.append(Remark("same_file", "warning", "both are the same file: every difference is 0"))
+        remarks.append(Remark("same_file", "warning", "both files have the same content: every difference is 0"))
     elif same:
         what = f"recordings that went into both: {', '.join(same)[:120]}: not independent, u of a difference is wrong"
         remarks.append(Remark("same_recordings", "warning", what, count=len(same), do="Compare separate recordings"))

@@ -3,7 +3,8 @@
 A difference is second less first; variances add, degrees of freedom follow by Welch-Satterthwaite [1]_. It is
 called ``different`` if its t test rejects equality, with Holm's step-down over all figures compared [2]_: where
 nothing differs, the word falls in at most 5 % of all comparisons. The interval beside it holds for each figure by
-itself.
+itself. Standard deviations (``scatter_...``) are no normal values: they have the F test and the interval of
+``statistics.scatters``.
 
 References
 ----------
@@ -22,12 +23,14 @@ import numpy as np
 from scipy import special
 
 from ..core.estimate import Component, Estimate
-from ..core.results import Row, finite
+from ..core.results import Interval, Row, finite
 from ..statistics.decision import Verdict, holm
 from ..statistics.intervals import t_interval
+from ..statistics.scatters import difference_interval, equality_p_value
 
 Word = Literal["different", "not shown different", "not compared"]
 P = 0.95
+SCATTER = "scatter_"  # quantities that are standard deviations
 
 
 @dataclass(frozen=True)
@@ -70,7 +73,8 @@ def differences(pairs: Sequence[tuple[Row, Row]]) -> tuple[Difference, ...]:
     reasons = [_not_comparable(*pair) for pair in pairs]
     usable = [pair for pair, reason in zip(pairs, reasons, strict=True) if not reason]
     estimate = _independent(usable)
-    p_values = [_p_value(d / u, dof) for d, u, dof in zip(estimate.values, estimate.u, estimate.dof, strict=True)]
+    tested = zip(usable, estimate.values, estimate.u, estimate.dof, strict=True)
+    p_values = [_scatter_p(*pair) if is_scatter(pair[0]) else _p_value(d / u, dof) for pair, d, u, dof in tested]
     rejected = iter(holm(p_values, 1.0 - P))
     each = iter(zip(estimate.values, estimate.u, estimate.dof, p_values, strict=True))
     found = []
@@ -100,9 +104,26 @@ def _not_comparable(one: Row, other: Row) -> str:
             return f"{name}: no uncertainty"
         if row.dof is not None and not row.dof > 0.0:
             return f"{name}: no degrees of freedom"
+        if is_scatter(row) and (row.dof is None or not row.value > 0.0):
+            return f"{name}: a standard deviation without degrees of freedom"
     if not ((one.u or 0.0) > 0.0 or (other.u or 0.0) > 0.0):
         return "both have an uncertainty of 0"
     return ""
+
+
+def is_scatter(row: Row) -> bool:
+    """Whether a figure is a standard deviation."""
+    return row.quantity.startswith(SCATTER)
+
+
+def _scatter_p(one: Row, other: Row) -> float:
+    return equality_p_value(*(float(number or 0.0) for row in (one, other) for number in (row.value, row.dof)))
+
+
+def _interval(one: Row, other: Row, d: float, u: float, dof: float) -> Interval:
+    if is_scatter(one):
+        return difference_interval(*(float(number or 0.0) for row in (one, other) for number in (row.value, row.dof)))
+    return t_interval(d, u, dof, P)
 
 
 def _independent(pairs: Sequence[tuple[Row, Row]]) -> Estimate:
@@ -131,7 +152,7 @@ def _row(
     one: Row, other: Row, d: float | None = None, u: float | None = None, dof: float = math.inf, reason: str = ""
 ) -> Row:
     test = one.test if one.test == other.test else f"{one.test} / {other.test}"
-    interval = None if d is None or u is None else t_interval(d, u, dof, P)
+    interval = None if d is None or u is None else _interval(one, other, d, u, dof)
     return Row(
         one.quantity,
         one.axis,

@@ -49,9 +49,7 @@ def equality_p_value(first: float, first_dof: float, second: float, second_dof: 
     return min(2.0 * min(below, above), 1.0)
 
 
-def difference_interval(
-    first: float, first_dof: float, second: float, second_dof: float, p: float = 0.95
-) -> Interval:
+def difference_interval(first: float, first_dof: float, second: float, second_dof: float, p: float = 0.95) -> Interval:
     """Return the interval of second less first, of probability about ``p``, in their unit.
 
     Raises
