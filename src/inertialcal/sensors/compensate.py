@@ -15,7 +15,9 @@ References
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
 from typing import Any, Unpack
 
 import numpy as np
@@ -26,11 +28,12 @@ from ..core.remarks import Remark
 from .equation import Columns, Conditions, condition_columns, curve, matrix_at, offset, rows
 from .matrices import inverted, mixed
 from .model import SensorModel
-from .nonlinearity import inverse
+from .nonlinearity import endless_slope, inverse, rising_branch
 from .uniqueness import check_unique
 
 CHUNK = 16_384  # rows that stay in the cache from step to step
 KERNEL_ROWS = 1_000_000  # from here on the compiled loop is worth its compilation
+WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
 
 
 def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditions]) -> Array:
@@ -58,7 +61,7 @@ def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditi
     columns = condition_columns(model, len(r), conditions)
     check_unique(model, columns)
     out = np.empty(r.shape)
-    if len(r) >= KERNEL_ROWS and _straight(model, columns, r, out):
+    if len(r) >= KERNEL_ROWS and len(model.axes) == 3 and _compiled(model, columns, r, out):
         return out
     for part, here in pieces(columns, len(r)):
         out[part] = _inverse(model, r[part], here)
@@ -121,26 +124,52 @@ def _remark(code: str, text: str, where: NDArray[Any], do: str = "The model extr
     return Remark(code, "warning", f"{count} of {len(where)} row(s): {text}", first, count, do)
 
 
-def _straight(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:
-    """Compensate in one compiled pass where the model allows it: three straight sensors, one matrix for all rows.
+def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:
+    """Fill ``out`` by compiled loops over the rows of three sensors, which threads share.
 
-    What changes from row to row may be the temperature in the bias, and nothing else.
+    Return False where M is singular at a temperature of the data: the plain path says so.
     """
-    changing = {name for name, column in columns.items() if len(column) > 1}
-    if not model.linear or len(model.axes) != 3 or model.matrix.shape[0] > 1:
-        return False
-    powers, reference, temperature = np.empty((0, 3)), np.zeros(3), np.zeros((1, 1))
-    if not changing:
-        shift = offset(model, columns)[0]
-    elif changing == set(columns) == {"temperature"}:
-        shift, temperature = model.bias, columns["temperature"]
-        powers, reference = model.terms["bias_temperature"], model.terms["reference_temperature"]
-    else:
-        return False
-    from ._kernels import straight_3  # noqa: PLC0415 - importing numba takes longer than a short recording
+    from . import _kernels  # noqa: PLC0415 - importing numba takes longer than a short recording
 
-    straight_3(inverted(model.matrix)[0], shift, powers, reference, temperature, readings, out)
-    return True
+    bent = curve(model)
+    branch = rising_branch(bent)
+    curves = np.column_stack([bent.asymmetry, bent.second, bent.third, branch, endless_slope(bent, branch)]).tolist()
+    one = None
+    if model.matrix.shape[0] == 1 or len(columns["temperature"]) == 1:
+        one = inverted(matrix_at(model, columns))[0]
+    many, asymmetry = model.matrix.copy(), bent.asymmetry.copy()
+    asymmetry[(bent.second != 0.0) | (bent.third != 0.0)] = 0.0
+
+    def fill(piece: tuple[slice, dict[str, Array]]) -> bool:
+        part, here = piece
+        x = out[part]
+        shift, powers, reference, temperature = _thermal(model, here)
+        _kernels.subtract_bias_3(shift, powers, reference, temperature, np.ascontiguousarray(readings[part]), x)
+        if np.any(asymmetry):
+            _kernels.straighten_3(asymmetry, x)
+        for i, terms in enumerate(curves):
+            if terms[1] or terms[2]:
+                _kernels.unbend(*terms, x[:, i])
+        if one is None:
+            return bool(_kernels.solve_3(many, reference, temperature, x))
+        _kernels.mix_3(one, x)
+        return True
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        return all(pool.map(fill, pieces(columns, len(readings))))
+
+
+def _thermal(model: SensorModel, columns: Columns) -> tuple[Array, Array, Array, Array]:
+    """Return the bias as the kernel takes it: shift, powers of temperature, T_ref, T.
+
+    The powers are left to the kernel where temperature alone changes; else the shift holds all, a row a reading.
+    """
+    temperature = np.ascontiguousarray(columns.get("temperature", np.zeros((1, 1))))
+    reference = np.array(model.terms.get("reference_temperature", np.zeros(len(model.axes))))
+    if set(columns) == {"temperature"} and len(temperature) > 1:
+        powers = np.array(model.terms.get("bias_temperature", np.empty((0, len(model.axes)))))
+        return model.bias[np.newaxis].copy(), powers, reference, temperature
+    return np.array(offset(model, columns)), np.empty((0, len(model.axes))), reference, temperature
 
 
 def pieces(columns: Columns, n: int) -> Iterator[tuple[slice, dict[str, Array]]]:

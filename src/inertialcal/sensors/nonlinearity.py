@@ -91,8 +91,8 @@ def _first_zero(c0: float, c1: float, c2: float) -> float:
 def inverse(curve: Curve, readings: Array) -> Array:
     """Return u with g(u) = reading on the rising branch around zero, shape (n, k).
 
-    Newton's method, kept inside a bracket that shrinks at each step (bisection where Newton leaves it).
-    Readings beyond the ends of the branch have no inverse there: NaN.
+    In closed form where K2 and K3 are zero. Else by Newton's method, kept inside a bracket that shrinks at each
+    step (bisection where Newton leaves it). Readings beyond the ends of the branch have no inverse there: NaN.
 
     Parameters
     ----------
@@ -100,9 +100,19 @@ def inverse(curve: Curve, readings: Array) -> Array:
         Without bias [unit].
     """
     side = np.where(readings < 0.0, -1.0, 1.0)
+    rate = 1.0 + 0.5 * side * curve.asymmetry
+    u: Array = readings / np.where(rate > 0.0, rate, np.nan)
+    bent = np.flatnonzero((curve.second != 0.0) | (curve.third != 0.0))
+    if bent.size:
+        picked = Curve(curve.asymmetry[bent], curve.second[bent], curve.third[bent])
+        u[:, bent] = _by_newton(picked, readings[:, bent], side[:, bent])
+    return u
+
+
+def _by_newton(curve: Curve, readings: Array, side: Array) -> Array:
     branch = rising_branch(curve)
     end = np.where(side < 0.0, branch[:, 0], branch[:, 1])
-    near, far = np.zeros_like(readings), _far_end(curve, readings, end)
+    near, far = np.zeros_like(readings), np.where(np.isfinite(end), end, 2.0 * readings / endless_slope(curve, branch))
     with np.errstate(invalid="ignore"):
         possible = side * (curve.reading(far) - readings) >= 0.0
     first = side * np.minimum(side * readings / (1.0 + 0.5 * side * curve.asymmetry), side * far)
@@ -125,8 +135,9 @@ def inverse(curve: Curve, readings: Array) -> Array:
     return u
 
 
-def _far_end(curve: Curve, readings: Array, end: Array) -> Array:
-    """Return a bound of u away from zero: the end of the branch, else twice what the smallest slope would need."""
-    branch = rising_branch(curve)
-    slope = smallest_slope(curve, np.where(np.isfinite(branch), 0.0, branch))
-    return np.where(np.isfinite(end), end, 2.0 * readings / slope)
+def endless_slope(curve: Curve, branch: Array) -> Array:
+    """Smallest slope of each curve on the sides where it rises without end, shape (k,).
+
+    Twice a reading over it bounds u away from zero there.
+    """
+    return smallest_slope(curve, np.where(np.isfinite(branch), 0.0, branch))

@@ -32,7 +32,7 @@ from .plan import INFLUENCES, Plan, Readings
 from .quantities import estimate
 from .rate_error import RateError, Resolution, rate_errors, resolution
 from .regression import Line, can_tell_asymmetry, line
-from .rows import rows
+from .rows import applies, rows
 from .simulation import Truth, simulate
 
 __all__ = [
@@ -106,6 +106,20 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     """
     if not len(readings):
         raise DataError("no dwells", why="there is nothing to fit", code="no_dwells")
+    if readings.run is not None and 0 < np.sum(readings.run == "") < len(readings):
+        at = int(np.flatnonzero(readings.run == "")[0])
+        where = readings.where[at] if readings.where else ""
+        what = f"{int(np.sum(readings.run == ''))} of {len(readings)} dwells do not name their run"
+        raise DataError(
+            what, where, "the scatter between runs could not be told", "Name the run of all, or of none", "mixed_runs"
+        )
+    if readings.samples is not None and np.any(readings.samples < 1.0):
+        at = int(np.flatnonzero(readings.samples < 1.0)[0])
+        raise DataError(
+            f"{readings.samples[at]:g} samples in a dwell",
+            readings.where[at] if readings.where else "",
+            code="wrong_value",
+        )
     if readings.earth is None:
         readings = with_earth(plan, readings)
     lines, straight, everything, reasons = {}, {}, {}, {}
@@ -126,6 +140,9 @@ def reduce(plan: Plan, readings: Readings) -> Result:
             where=readings.where[0] if readings.where else "",
         )
     check_agreement(plan, readings, lines)
+    if any(one.level == "dwell" for one in lines.values()) and readings.runs >= 2:
+        what = "some axis was turned in one run only: the uncertainty is the scatter between dwells, not between runs"
+        remarks.append(Remark("not_repeated_between_runs", "warning", what, do="Turn every axis in every run"))
     repeated = any(lines[sensor] is not everything[sensor] for sensor in lines)
     return Result(
         plan,
@@ -155,7 +172,7 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
     if readings.runs < 2:
         what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"
         found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))
-    missing = [name for name in INFLUENCES if name not in plan.standards and _applies(name, plan, readings)]
+    missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]
     if missing:
         effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in missing)
         what = f"standards without a stated uncertainty: {effects}: results are relative to the fixture"
@@ -164,9 +181,3 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
         what = "how the table stands is not given: earth rate along the axes (at most 0.0042 deg/s) is unknown, Type B"
         found.append(Remark("attitude_unknown", "warning", what, do="Give plan.attitude and site.latitude"))
     return found
-
-
-def _applies(name: str, plan: Plan, readings: Readings) -> bool:
-    if name == "rate_table.mounting":
-        return any(bool(np.any(readings.axis != sensor)) for sensor in readings.outputs)
-    return name != "converter.reference" or plan.scale_factor is not None

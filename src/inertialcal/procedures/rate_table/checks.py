@@ -27,16 +27,25 @@ def check_agreement(plan: Plan, readings: Readings, lines: dict[str, Line]) -> N
     problems = []
     for axis in np.unique(readings.axis):
         entries = {s: one.coefficient(f"M_{s}{axis}") for s, one in lines.items() if axis in one.axes}
-        problem = _problem(plan, str(axis), entries)
+        problem = _problem(plan, str(axis), entries, _doubt(lines, str(axis)))
         if problem is not None:
             problems.append(problem)
     if problems:
         raise DataError(problems)
 
 
-def _problem(plan: Plan, axis: str, entries: dict[str, float]) -> Problem | None:
+def _doubt(lines: dict[str, Line], axis: str) -> float:
+    """Return two standard errors of the sensor's own entry: low rates alone tell little of it."""
+    one = lines.get(axis)
+    if one is None or one.covariance is None or axis not in one.axes:
+        return 0.0
+    at = one.names.index(f"M_{axis}{axis}")
+    return 2.0 * float(np.sqrt(one.covariance[at, at]))
+
+
+def _problem(plan: Plan, axis: str, entries: dict[str, float], doubt: float) -> Problem | None:
     own = entries.get(axis)
-    if own is None or abs(own - 1.0) <= plan.agreement:
+    if own is None or abs(own - 1.0) <= plan.agreement + doubt:
         return None
     others = [s for s, entry in entries.items() if s != axis and abs(abs(entry) - 1.0) <= plan.agreement]
     if abs(own) < CLEAR and others:

@@ -8,8 +8,8 @@ The correction ``delta`` is fixed by the model; ``r - x`` scatters, and its part
 for all dwells of it. So the variance of the sum of ``d`` over a run is observed where runs are: it is that of
 ``2 sum(delta * residual)`` over the runs of the fit, with the correction that the model makes there. Dwells of one
 run do not count as independent, and nothing is assumed of how runs differ, but that those held out differ as those of
-the fit do. Without runs the dwells take their place. Tests are one-sided t tests; Holm's rule holds the risk over the
-axes at 5 %.
+the fit do. A fit of one run, or of runs not named, cannot judge another power-up: INCONCLUSIVE. Tests are
+one-sided t tests; Holm's rule holds the risk over the axes at 5 %.
 
 A model made from a finite test is off by its own (Type A) uncertainty even where it is right; that much is
 allowed: an axis FAILs if it is worse beyond the mean square of that uncertainty. It PASSes if it is shown better;
@@ -33,7 +33,7 @@ from scipy import stats
 
 from ...core.estimate import Array
 from ...statistics.decision import holm
-from .plan import AXES, Readings
+from .plan import AXES, Labels, Readings
 from .regression import Line
 
 RISK = 0.05  # of calling a model wrong that is not, over all axes; and the same for calling it better
@@ -178,14 +178,29 @@ def _variance(view: _View, delta: Array, in_fit: Array) -> tuple[float, float]:
     n, lost = len(view.dwells), len(fit.coefficients)
     product = in_fit * fit.residuals
     if readings.runs < 2 or readings.run is None:
-        if fit.dof < 1 or fit.mean_square is None:
-            return np.inf, 1.0
+        same = readings.run is not None and view.dwells.run is not None and set(view.dwells.run) <= set(readings.run)
+        if fit.dof < 1 or fit.mean_square is None or not same:
+            return np.inf, 1.0  # how another power-up differs was not observed
         return 4.0 * fit.mean_square * float(delta @ delta) / n**2, float(fit.dof)
     _, at = np.unique(readings.run, return_inverse=True)
     sums = np.bincount(at, product)
     freedom = len(sums) / max(len(sums) - 1.0, 1.0) * len(product) / max(len(product) - lost, 1.0)
-    share = float(delta @ delta) / max(float(in_fit @ in_fit), np.finfo(float).tiny)
+    share = max(
+        float(delta @ delta) / max(float(in_fit @ in_fit), np.finfo(float).tiny),
+        _run_weight(view.dwells.run, delta) / max(_run_weight(readings.run, in_fit), np.finfo(float).tiny),
+    )
     return 4.0 * freedom * share * float(sums @ sums) / n**2, float(len(sums) - 1)
+
+
+def _run_weight(run: Labels | None, delta: Array) -> float:
+    """Sum over the runs of the squared sum of corrections, all taken as of one sign [(rad/s)^2].
+
+    What a run has in common adds up over its dwells, so a longer run weighs more than its number of dwells; without
+    runs all dwells are one.
+    """
+    at = np.zeros(len(delta), dtype=np.intp) if run is None else np.unique(run, return_inverse=True)[1]
+    sums = np.bincount(at, np.abs(delta))
+    return float(sums @ sums)
 
 
 def _model_variance(one: Line, dwells: Readings) -> Array:

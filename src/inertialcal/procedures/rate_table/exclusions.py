@@ -74,7 +74,8 @@ def odd_scatter(plan: Plan, readings: Readings, scatter: Array) -> Mask:
         near = np.argsort(distance, axis=1, kind="stable")[:, : plan.neighbours]
         usual = np.median(scatter[at][near], axis=1)
         own = scatter[at]
-        odd[at] = (own > plan.scatter_ratio * usual) | (own * plan.scatter_ratio < usual)
+        told = (own > 0.0) & (usual > 0.0)  # a scatter printed as zero is one below its rounding
+        odd[at] = told & ((own > plan.scatter_ratio * usual) | (own * plan.scatter_ratio < usual))
     return odd
 
 

@@ -71,6 +71,8 @@ class Plan:
         matter and not for a mistake.
     missing : float
         A dwell of a recording with a larger part of its samples missing, invalid or at the rail is left out.
+    applied_tolerance : float
+        Wander of the ``applied`` channel that is no step, and no motion at rest [rad/s]; for an encoder.
     attitude : Attitude, optional
         Of the table; without it the earth rate along the axes is unknown.
     latitude : float, optional
@@ -92,6 +94,7 @@ class Plan:
     rail_scatters: float = field(default=3.0, metadata={"above": 0.0})
     agreement: float = field(default=0.1, metadata={"above": 0.0})
     missing: float = field(default=0.1, metadata={"above": 0.0})
+    applied_tolerance: float = field(default=0.0, metadata={"unit": "rad/s"})
     attitude: Attitude | None = None
     latitude: float | None = field(default=None, metadata={"from": "site"})
     input_range: tuple[float, float] | None = field(default=None, metadata={"from": "sensor"})
@@ -165,4 +168,4 @@ class Readings:
     @property
     def runs(self) -> int:
         """Number of runs that can be told apart; 0 where none is given."""
-        return 0 if self.run is None or np.any(self.run == "") else len(np.unique(self.run))
+        return 0 if self.run is None or np.all(self.run == "") else len(np.unique(self.run))

@@ -11,8 +11,8 @@ table rate
     a relative error r of every rate changes all matrix entries by -r in proportion.
 mounting
     the axis turned is off the one named by two small angles, each with the stated uncertainty u, anew for
-    each axis that is mounted: a misalignment takes u, a scale factor the second-order term 1 - cos, whose
-    root mean square is sqrt(2) u^2.
+    each axis that is mounted: a sensor then reads its own entries of the other axes too, so a misalignment takes u
+    and a scale factor u times the misalignments; and all entries shrink by 1 - cos, root mean square sqrt(2) u^2.
 converter reference
     a relative error changes all scale factors in proportion (and the bias, by its own size times that).
 """
@@ -45,7 +45,11 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
     names = tuple(name for part in parts for name in part[0])
     values = np.concatenate([part[1] for part in parts])
     units = tuple(_unit(name) for name in names)
-    components = [_type_a(parts, usable, len(names)), *_type_b(plan, names, values), *_earth(parts, usable)]
+    components = [
+        _type_a(parts, usable, len(names)),
+        *_type_b(plan, names, values, parts, usable),
+        *_earth(parts, usable),
+    ]
     return Estimate(names, values, units, tuple(components))
 
 
@@ -125,23 +129,16 @@ def _type_a(parts: list[Part], lines: list[Line], k: int) -> Component:
     return Component(source, "A", covariance, dof, "t")
 
 
-def _type_b(plan: Plan, names: tuple[str, ...], values: Array) -> list[Component]:
+def _type_b(plan: Plan, names: tuple[str, ...], values: Array, parts: list[Part], lines: list[Line]) -> list[Component]:
     proportional = np.array([_proportional(name, value) for name, value in zip(names, values, strict=True)])
     found = []
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
-        found.append(
-            Component(
-                "table rate",
-                "B",
-                rate.u**2 * np.outer(proportional, proportional),
-                rate.dof,
-                rate.distribution,
-            )
-        )
+        covariance = rate.u**2 * np.outer(proportional, proportional)
+        found.append(Component("table rate", "B", covariance, rate.dof, rate.distribution))
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
-        covariance = _mounting(names, mounting.u)
+        covariance = _mounting(parts, lines, mounting.u)
         found.append(Component("mounting on the table", "B", covariance, mounting.dof, mounting.distribution))
     reference = plan.standards.get("converter.reference")
     if reference is not None:
@@ -151,6 +148,36 @@ def _type_b(plan: Plan, names: tuple[str, ...], values: Array) -> list[Component
         covariance = reference.u**2 * np.outer(gain, gain)
         found.append(Component("converter reference", "B", covariance, reference.dof, reference.distribution))
     return found
+
+
+def _mounting(parts: list[Part], lines: list[Line], u: float) -> Array:
+    """Covariance from the angles between the axes turned and those named.
+
+    With axis a turned, an angle towards j adds ``M_sj`` times the angle to what every sensor s reads of a; the
+    angles are others for each axis turned. Second order, all entries of a shrink together.
+    """
+    patterns = []
+    for a in sorted({axis for one in lines for axis in one.axes}):
+        for j in (axis for axis in AXES if axis != a):
+            patterns.append(_through(parts, lines, a, [u * matrix_entry(one, j) for one in lines]))
+        patterns.append(_through(parts, lines, a, [np.sqrt(2.0) * u**2 * matrix_entry(one, a) for one in lines]))
+    whole = np.array(patterns)
+    covariance: Array = whole.T @ whole
+    return 0.5 * (covariance + covariance.T)
+
+
+def _through(parts: list[Part], lines: list[Line], axis: str, changes: list[float]) -> Array:
+    """Change of all quantities for a change of the entry of one axis, given for every line."""
+    found = []
+    for (_, _, jacobian, _), one, change in zip(parts, lines, changes, strict=True):
+        name = f"M_{one.sensor}{axis}"
+        found.append(jacobian[:, one.names.index(name)] * change if name in one.names else np.zeros(len(jacobian)))
+    return np.concatenate(found)
+
+
+def matrix_entry(one: Line, axis: str) -> float:
+    """Return what a sensor reads of an axis, as fitted; as ideal where the axis was not turned."""
+    return one.coefficient(f"M_{one.sensor}{axis}") if axis in one.axes else float(axis == one.sensor)
 
 
 def _earth(parts: list[Part], lines: list[Line]) -> list[Component]:
@@ -166,9 +193,7 @@ def _earth(parts: list[Part], lines: list[Line]) -> list[Component]:
 
 def _earth_change(part: Part, one: Line, source: str) -> Array:
     """Change of the quantities of a sensor for each pattern of a source, shape (names, s)."""
-    row = (np.array(AXES) == one.sensor).astype(float)
-    for axis in one.axes:
-        row[AXES.index(axis)] = one.coefficient(f"M_{one.sensor}{axis}")
+    row = np.array([matrix_entry(one, axis) for axis in AXES])
     readings = one.readings.earth_sources[source] @ row  # (s, n): what the sensor reads of each pattern
     changes: Array = -part[2] @ (np.linalg.pinv(one.fit.design) @ readings.T)
     return changes
@@ -179,19 +204,3 @@ def _proportional(name: str, value: float) -> float:
     if name.startswith("scale_factor_error"):
         return 1.0 + value
     return value if name.startswith("cross_axis") else 0.0
-
-
-def _mounting(names: tuple[str, ...], u: float) -> Array:
-    """Covariance of the mounting angles: entries ``sa`` and ``ta`` of one axis a are different angles."""
-    covariance = np.zeros((len(names), len(names)))
-    for i, one in enumerate(names):
-        for j, other in enumerate(names):
-            if one.startswith("scale_factor_error") and one == other:
-                covariance[i, j] = 2.0 * u**4
-            elif {_kind(one), _kind(other)} <= {"cross_axis", "misalignment"} and one[-2:] == other[-2:]:
-                covariance[i, j] = u**2
-    return covariance
-
-
-def _kind(name: str) -> str:
-    return "cross_axis" if name.startswith("cross_axis") else name.split("_", maxsplit=1)[0]

@@ -28,6 +28,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from .plan import AXES, Plan, Readings
+from .quantities import matrix_entry
 from .regression import Line, dwell_variance
 
 Of = Literal["expected", "dwell_mean", "reading"]
@@ -100,8 +101,10 @@ def _at_rate(plan: Plan, one: Line, rate: float, here: Readings, of: Of, largest
         reason = "no level of scatter that this needs was repeated or given"
         return RateError(sensor, rate, error, None, np.nan, len(here), here.runs, largest, reason)
     type_a, dof = found[0] / rate**2, found[1]
-    variance = type_a + _type_b(plan, 1.0 + error) + _earth_variance(here, sensor) / rate**2
-    known = dof * variance**2 / type_a**2 if type_a > 0.0 else np.inf
+    parts = [(type_a, dof), *_type_b(plan, one, 1.0 + error), (_earth_variance(here, sensor) / rate**2, np.inf)]
+    variance = sum(part for part, _ in parts)
+    spent = sum(part**2 / d for part, d in parts)
+    known = variance**2 / spent if spent > 0.0 else np.inf
     return RateError(sensor, rate, error, float(np.sqrt(variance)), known, len(here), here.runs, largest)
 
 
@@ -148,10 +151,18 @@ def _with_samples(one: Line, parts: list[tuple[float, float]], of: Of) -> Spread
     return whole, whole**2 / spent if spent > 0.0 else np.inf
 
 
-def _type_b(plan: Plan, gain: float) -> float:
-    """Variance of the relative error from the standards (1)."""
-    known = (plan.standards.get(name) for name in ("rate_table.rate", "converter.reference"))
-    return float(sum((gain * influence.u) ** 2 for influence in known if influence is not None))
+def _type_b(plan: Plan, one: Line, gain: float) -> list[tuple[float, float]]:
+    """Variances of the relative error from the standards (1), with their degrees of freedom."""
+    parts = []
+    for name in ("rate_table.rate", "converter.reference"):
+        influence = plan.standards.get(name)
+        if influence is not None:
+            parts.append(((gain * influence.u) ** 2, influence.dof))
+    mounting = plan.standards.get("rate_table.mounting")
+    if mounting is not None:
+        others = sum(matrix_entry(one, axis) ** 2 for axis in AXES if axis != one.sensor)
+        parts.append((others * mounting.u**2 + 2.0 * mounting.u**4, mounting.dof))
+    return parts
 
 
 def _earth(here: Readings, sensor: str) -> Array:

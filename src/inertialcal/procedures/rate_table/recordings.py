@@ -72,14 +72,14 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     if not turned:
         raise DataError("no recordings", code="no_dwells")
     parts = [_of_recording(plan, number, one) for number, one in enumerate(turned)]
-    sensors = [name for name in AXES if name in turned[0].recording.names]
+    sensors = [name for name in AXES if any(name in part.names for part in parts)]
     runs = [one.run for one in turned]
     earth, sources = gathered([(part.earth, part.sources) for part in parts])
     return Readings(
         applied=np.concatenate([part.applied for part in parts]),
         axis=np.concatenate([np.full(len(part.applied), one.axis) for part, one in zip(parts, turned, strict=True)]),
-        outputs={s: np.concatenate([part.means[:, i] for part in parts]) for i, s in enumerate(sensors)},
-        scatters={s: np.concatenate([part.scatters[:, i] for part in parts]) for i, s in enumerate(sensors)},
+        outputs={s: np.concatenate([part.column(part.means, s) for part in parts]) for s in sensors},
+        scatters={s: np.concatenate([part.column(part.scatters, s) for part in parts]) for s in sensors},
         samples=np.concatenate([part.samples for part in parts]),
         run=None if not any(runs) else np.concatenate(
             [np.full(len(part.applied), run) for part, run in zip(parts, runs, strict=True)]
@@ -107,6 +107,7 @@ def _counted(parts: Sequence[_Part]) -> Remark:
 
 @dataclass(frozen=True, eq=False)
 class _Part:
+    names: tuple[str, ...]
     applied: Array
     means: Array
     scatters: Array
@@ -118,22 +119,30 @@ class _Part:
     dwells: int
     tally: Tally
 
+    def column(self, values: Array, sensor: str) -> Array:
+        """Return the values of one sensor; NaN where the recording does not have it."""
+        return values[:, self.names.index(sensor)] if sensor in self.names else np.full(len(values), np.nan)
+
 
 def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
     recording = one.recording
-    names = [name for name in AXES if name in recording.names]
+    there = [name for name in AXES if name in recording.names]
+    names = [name for name in there if np.isfinite(recording.channel(name).data).any()]
     signal = recording.array(names)
     place = recording.source.path or f"recording {number + 1}"
     if recording.time_ns is None:
         raise DataError("no time: dwells cannot be placed", place, do="Name the time column in clock", code="no_time")
-    if not np.isfinite(signal).all(axis=1).any():
+    if not names or not np.isfinite(signal).all(axis=1).any():
         what = "no sample is valid in all sensors"
         raise DataError(what, place, do="Check the built-in test, the rails and the columns", code="no_valid_sample")
     try:
-        dwells, applied = _cut(one, signal, recording.time_ns)
+        dwells, applied = _cut(plan, one, signal, recording.time_ns)
     except DataError as error:
         raise DataError([replace(problem, where=place) for problem in error.problems]) from None
     dwells, applied, remarks = _complete(plan, dwells, applied, place)
+    remarks += [
+        Remark("sensor_invalid", "warning", f"{s} sensor: no valid sample", place) for s in there if s not in names
+    ]
     means = np.array([dwell.mean for dwell in dwells])
     earth, sources = earth_in_dwells(plan, one.axis, *_angles(one, dwells, applied))
     if plan.zero_reference:
@@ -147,6 +156,7 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
     else:
         remarks += _no_rest(applied, place)
     return _Part(
+        tuple(names),
         applied,
         means,
         np.array([dwell.scatter for dwell in dwells]),
@@ -160,13 +170,17 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
     )
 
 
-def _cut(one: Turned, signal: Array, time_ns: Times) -> tuple[list[Dwell], Array]:
+def _cut(plan: Plan, one: Turned, signal: Array, time_ns: Times) -> tuple[list[Dwell], Array]:
     if one.rates is not None:
+        if not np.isfinite(one.rates).all():
+            raise DataError("a rate of the schedule is missing", code="nan_in_required")
         dwells = list(dwells_by_windows(one.windows, signal, time_ns))
         return dwells, _rounded(one.rates)
-    found = dwells_by_reference(one.recording.array([APPLIED])[:, 0], signal, time_ns)
+    commanded = one.recording.array([APPLIED])[:, 0]
+    found = dwells_by_reference(commanded, signal, time_ns, tolerance=plan.applied_tolerance)
     rates = [float(np.ravel(dwell.applied)[0]) for dwell in found if dwell.applied is not None]
-    return list(found), _rounded(rates)
+    still = [0.0 if abs(rate) <= plan.applied_tolerance else rate for rate in rates]
+    return list(found), _rounded(still)
 
 
 def _rounded(rates: ArrayLike) -> Array:

@@ -11,7 +11,7 @@ runs (two or more)
     cluster-robust covariance CR2 over the runs, Satterthwaite degrees of freedom per coefficient [1]_ [2]_.
     Where every run has the same rates this is the scatter of the runs' own fits over the number of
     runs, with one degree of freedom fewer than there are runs: exact.
-dwells (no runs, more dwells than coefficients)
+dwells (no runs, or some coefficient rests on one run alone; more dwells than coefficients)
     residual mean square, n - p degrees of freedom.
 samples (as many dwells as coefficients)
     scatter within the dwells over the number of samples, where both are given.
@@ -177,7 +177,9 @@ def _type_a(readings: Readings, sensor: str, found: Fit) -> tuple[Array | None, 
     if readings.runs >= 2 and found.dof > 0:
         assert readings.run is not None  # noqa: S101 - for the type checker
         covariance, dof = clustered_covariance(found, readings.run)
-        return covariance, dof, "run"
+        if np.all(dof > 0.0):
+            return covariance, dof, "run"
+        # Something rests on one run alone: the runs cannot tell its scatter, the dwells about the line do.
     if found.dof > 0:
         return found.covariance, np.full(p, float(found.dof)), "dwell"
     scatter, samples = readings.scatters.get(sensor), readings.samples
@@ -202,6 +204,9 @@ def _sample_level(readings: Readings, sensor: str) -> Level:
         std = float(np.sqrt(np.mean(scatter[given] ** 2)))
         return Level("sample", std, reason="the number of samples of a dwell was not given")
     weight = readings.samples[given] - 1.0
+    if not np.all(np.isfinite(weight)) or weight.sum() <= 0.0:
+        std = float(np.sqrt(np.mean(scatter[given] ** 2)))
+        return Level("sample", std, reason="the number of samples of a dwell is missing, or one")
     return Level("sample", float(np.sqrt(np.sum(weight * scatter[given] ** 2) / np.sum(weight))), float(weight.sum()))
 
 

@@ -10,7 +10,7 @@ from ...core.estimate import Estimate
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from .linearity import linearity_row
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Plan, Readings
 from .published import published_rows
 from .regression import Level, Line
 
@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from . import Result
 
 ALL_READINGS = "all_readings"
+RESIDUAL = "residual_bias"  # what is left of the bias after the reading at rest was subtracted
+REFERENCED = "the reading at rest was subtracted"
 LEVELS = ("sample", "dwell", "run")
 
 
@@ -48,7 +50,11 @@ def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, condition
     found = []
     for quantity, axis, unit in _wanted(result, sensor):
         name = f"{quantity}_{axis}"
-        if quantity == "scale_factor":
+        if quantity == "bias" and result.plan.zero_reference:
+            found.append(not_estimated(quantity, axis, unit, REFERENCED, condition))
+        elif quantity == RESIDUAL and estimate is not None and f"bias_{axis}" in estimate.names:
+            found.append(_row(result, estimate, f"bias_{axis}", quantity, axis, condition))
+        elif quantity == "scale_factor":
             found.append(_scale_factor_row(result, sensor, estimate, condition))
         elif estimate is not None and name in estimate.names:
             found.append(_row(result, estimate, name, quantity, axis, condition))
@@ -61,6 +67,8 @@ def _wanted(result: Result, sensor: str) -> list[tuple[str, str, str]]:
     wanted = []
     if sensor in result.readings.outputs or np.any(result.readings.axis == sensor):
         wanted.append(("bias", sensor, "rad/s"))
+        if result.plan.zero_reference:
+            wanted.append((RESIDUAL, sensor, "rad/s"))
         if result.plan.scale_factor is not None:
             wanted.append(("scale_factor", sensor, "V/(rad/s)"))
         wanted += [("scale_factor_error", sensor, "1"), ("scale_factor_asymmetry", sensor, "1")]
@@ -108,8 +116,16 @@ def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, co
     )
 
 
+def applies(name: str, plan: Plan, readings: Readings) -> bool:
+    """Tell whether an influence can change a result of these readings."""
+    if name == "rate_table.mounting":
+        return any(bool(np.any(readings.axis != sensor)) for sensor in readings.outputs)
+    return name != "converter.reference" or plan.scale_factor is not None
+
+
 def _limits(result: Result) -> str:
-    missing = [name for name in INFLUENCES if name not in result.plan.standards]
+    plan, readings = result.plan, result.readings
+    missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]
     return "relative to the fixture" if missing else ""
 
 

@@ -1,0 +1,53 @@
+"""A compensated reading of a new power-up lies where its stated uncertainty says."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from inertialcal.campaign.modelling import Prepared, joint, sensor_model
+from inertialcal.campaign.schema import Test as Entry
+from inertialcal.core.influence import Influence
+from inertialcal.procedures.rate_table import Plan, Truth, simulate
+from inertialcal.procedures.rate_table.closed_loop import true_input
+from inertialcal.sensors.compensate import compensate
+from inertialcal.sensors.uncertainty import compensated_uncertainty
+from inertialcal.statistics.intervals import coverage_factor, covers
+
+AXES = ("x", "y", "z")
+PLAN = Plan(zero_reference=True, standards={"rate_table.rate": Influence(3e-5)})
+RUNS = 6
+
+
+def inside(seed: int) -> list[bool]:
+    """Whether the true rate lies in the 95 % interval, per axis, at one dwell of a power-up that the fit has not seen.
+
+    The noise of the dwell itself is not in the uncertainty of the model; here it is small and known.
+    """
+    rng = np.random.default_rng(seed)
+    matrix = np.eye(3) + rng.normal(0.0, 0.01, (3, 3))
+    quiet = {"dwell_std": 1e-6, "sample_std": 1e-6, "run_scale_std": 0.0}
+    truth = Truth(matrix, rng.normal(0.0, 1e-3, 3), rng.normal(0.0, 2e-3, 3), runs=RUNS, **quiet)
+    result = joint([Prepared(Entry(id="fit", procedure="rate_table", recordings=["a"]), PLAN, simulate(PLAN, truth, rng), {})])
+    assert result.estimate is not None
+    model = sensor_model(result, result.estimate, AXES)
+    new = simulate(replace(PLAN, standards={}), replace(truth, runs=1), rng)
+    new = replace(new, earth=np.zeros((len(new), 3)))
+    readings = np.column_stack([new.outputs[axis] for axis in AXES])[:1]
+    x, u = compensate(model, readings)[0], compensated_uncertainty(model, readings)[0]
+    half = coverage_factor(RUNS - 1.0) * u
+    return [bool(abs(x[i] - true_input(new, axis)[0]) <= half[i]) for i, axis in enumerate(AXES)]
+
+
+def hits(n: int) -> np.ndarray:
+    return np.sum([inside(seed) for seed in range(1, n + 1)], axis=0)
+
+
+def test_compensated_readings_are_covered() -> None:
+    assert all(covers(int(count), 300) for count in hits(300))
+
+
+@pytest.mark.slow
+def test_compensated_readings_are_covered_long() -> None:
+    assert all(covers(int(count), 1500) for count in hits(1500))
