@@ -6,11 +6,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from inertialcal.campaign.modelling import Prepared, joint, sensor_model
+
+from inertialcal.campaign.modelling import Prepared, joint
 from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.rate_table import Plan, Truth, simulate
 from inertialcal.procedures.rate_table.closed_loop import true_input
+from inertialcal.sensors.assemble import model_from
 from inertialcal.sensors.compensate import compensate
 from inertialcal.sensors.uncertainty import compensated_uncertainty
 from inertialcal.statistics.intervals import coverage_factor, covers
@@ -18,6 +20,7 @@ from inertialcal.statistics.intervals import coverage_factor, covers
 AXES = ("x", "y", "z")
 PLAN = Plan(zero_reference=True, standards={"rate_table.rate": Influence(3e-5)})
 RUNS = 6
+PARAMETERS = ("bias", "scale_factor_error", "misalignment", "scale_factor_asymmetry")
 
 
 def inside(seed: int) -> list[bool]:
@@ -29,9 +32,19 @@ def inside(seed: int) -> list[bool]:
     matrix = np.eye(3) + rng.normal(0.0, 0.01, (3, 3))
     quiet = {"dwell_std": 1e-6, "sample_std": 1e-6, "run_scale_std": 0.0}
     truth = Truth(matrix, rng.normal(0.0, 1e-3, 3), rng.normal(0.0, 2e-3, 3), runs=RUNS, **quiet)
-    result = joint([Prepared(Entry(id="fit", procedure="rate_table", recordings=["a"]), PLAN, simulate(PLAN, truth, rng), {})])
+    result = joint(
+        [Prepared(Entry(id="fit", procedure="rate_table", recordings=["a"]), PLAN, simulate(PLAN, truth, rng), {})]
+    )
     assert result.estimate is not None
-    model = sensor_model(result, result.estimate, AXES)
+    names = [name for name in result.estimate.names if name.rpartition("_")[0] in PARAMETERS]
+    runs = [level.std for axis in AXES for level in result.lines[axis].levels if level.name == "run"]
+    model = model_from(
+        result.estimate.select(names),
+        "gyro",
+        AXES,
+        input_range=np.full((3, 2), [-9, 9]),
+        bias_run_to_run=np.array(runs, float),
+    )
     new = simulate(replace(PLAN, standards={}), replace(truth, runs=1), rng)
     new = replace(new, earth=np.zeros((len(new), 3)))
     readings = np.column_stack([new.outputs[axis] for axis in AXES])[:1]

@@ -144,3 +144,42 @@ def test_a_link_out_of_the_folder_is_refused(campaign: Write, tmp_path: Path) ->
 def test_hostile_text_is_refused(tmp_path: Path, text: str) -> None:
     (tmp_path / "campaign.toml").write_text(text)
     assert problems(tmp_path)
+
+
+SAME = 'recordings = ["one"]\n'
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        (SAME, 'recordings = ["one", "one"]\n', "a recording appears twice"),
+        (SAME, SAME + 'groups = ["1"]\n', ""),
+        ('limit = "5 %"', 'limit = "-5 %"', "must be above zero"),
+        ('limit = "5 %"', 'limit = "5 V"', "rate_error cannot be compared with '5 V'"),
+        ('quantity = "rate_error"', 'quantity = "rate_eror"', "Did you mean rate_error?"),
+        ("[[requirements]]", '[model]\nterms = { scale_factor = ["frist"] }\n[[requirements]]', "'frist' is no test"),
+        ("zero_reference = true", 'zero_reference = true, attitude = { tilt = "1 deg" }', "needs site.latitude"),
+        ('unit = "deg/s"\nrange', 'unit = "deg/s"\nmounting = [[1,0,0],[0,1,0],[0,0,1]]\nrange', "mounting"),
+        ('kind = "gyro"', 'kind = "accelerometer"', "no unit of acceleration"),
+    ],
+)
+def test_what_does_not_fit_together_is_refused(campaign: Write, old: str, new: str, words: str) -> None:
+    folder = campaign((old, new))
+    if not words:
+        load(folder)
+        return
+    assert any(words in f"{p.what} {p.do}" for p in problems(folder))
+
+
+def test_the_same_file_under_two_names_is_no_data_held_out(campaign: Write) -> None:
+    other = '[[tests]]\nid = "judge"\nuse = "hold_out"\nprocedure = "rate_table"\nrecordings = ["two"]\n'
+    other += 'plan = { axis = "x" }\n'
+    entry = '[recordings.two]\nsensor = "suite"\nfile = "one.csv"\n'
+    entry += 'rows = { applied = "rate", reading = "x", unit = "deg/s" }\n'
+    folder = campaign(("[[tests]]", entry + "[[tests]]"), ("[[requirements]]", other + "[[requirements]]"))
+    assert problems(folder)[0].code == "overlap"
+
+
+def test_a_line_marked_by_init_must_be_filled_in(campaign: Write) -> None:
+    found = problems(campaign(('serial = "7"', 'serial = "7"  # FILL IN')))
+    assert (found[0].code, found[0].where) == ("fill_in", "campaign.toml:5")

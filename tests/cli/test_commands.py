@@ -165,7 +165,8 @@ def test_counts_go_through_the_chain(capsys: pytest.CaptureFixture[str], campaig
     folder = campaign(('run = "run", unit = "deg/s" }', counts), data="\n".join(lines) + "\n")
     rows = {r["quantity"]: r for r in call_json(capsys, "run", str(folder))["results"] if not r["condition"]}
     assert rows["scale_factor_error"]["value"] == pytest.approx(1.0, abs=1e-3)  # %
-    assert rows["bias"]["value"] == pytest.approx(0.02, abs=1e-5)  # deg/s
+    assert rows["bias"]["status"] == "not_estimated"  # the reading at rest was subtracted
+    assert rows["residual_bias"]["value"] == pytest.approx(0.02, abs=1e-5)  # deg/s
     assert rows["scale_factor"]["value"] == pytest.approx(0.505, abs=1e-5)  # V/(deg/s)
 
 
@@ -291,3 +292,32 @@ def test_our_own_fault_ends_with_70_and_a_log(campaign: Write) -> None:
     log = Path(done.stderr.split("report it with ")[1].strip().split("\n")[0])
     assert "ZeroDivisionError" in log.read_text()
     log.unlink()
+
+
+def test_a_closed_pipe_does_not_change_the_verdict(example: Path) -> None:
+    words = f"{sys.executable} -m inertialcal.cli run {example} --json | head -c 20 >/dev/null; echo ${{PIPESTATUS[0]}}"
+    done = subprocess.run(["bash", "-c", words], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "4"
+
+
+def test_a_rate_without_a_reading_is_no_pass(capsys: pytest.CaptureFixture[str], campaign: Write) -> None:
+    lines = ["rate,x,std,set,run"]
+    for run in range(1, 7):
+        for rate in (-4.0, -2.0, 2.0, 4.0):
+            lines.append(f"{rate},{'' if rate == 4.0 else rate + 0.001 * run},0.004,1,{run}")
+    content = call_json(capsys, "run", str(campaign(data="\n".join(lines) + "\n")))
+    assert content["exit"] == 4
+    missing = next(v for v in content["verdicts"] if v["at"] == 4.0)
+    assert missing["verdict"] == "INCONCLUSIVE"
+    assert "no reading at this rate" in missing["reason"]
+
+
+def test_one_sense_of_rotation_is_no_pass_for_both(capsys: pytest.CaptureFixture[str], campaign: Write) -> None:
+    lines = [
+        "rate,x,std,set,run",
+        *(f"{r},{r + 0.001 * n},0.004,1,{n}" for n in range(1, 7) for r in (0.0, 1.0, 2.0, 4.0)),
+    ]
+    content = call_json(capsys, "run", str(campaign(data="\n".join(lines) + "\n")))
+    assert content["exit"] == 4
+    assert any(one["reason"] == "negative rates were not turned" for one in content["verdicts"])
+    assert any(one["code"] == "one_sense" for one in content["remarks"])

@@ -1,6 +1,8 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,11 +13,14 @@ from hypothesis import strategies as st
 from random_models import conditions, inputs, random_model
 
 from inertialcal.core.errors import DataError
+from inertialcal.core.estimate import Array
+from inertialcal.sensors import _kernels
 from inertialcal.sensors import compensate as module
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.compensate import compensate, first_order, outside
-from inertialcal.sensors.equation import Conditions, predict
+from inertialcal.sensors.equation import Conditions, condition_columns, curve, offset, predict
 from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.nonlinearity import rising_branch
 from inertialcal.sensors.uniqueness import felt_range
 
 IDENTITY = 1e-12  # of full scale
@@ -96,56 +101,133 @@ STILL: Conditions = {
 }
 
 
-def straight_models() -> list[tuple[SensorModel, Conditions]]:
-    """Straight models with one matrix: all conditions constant; bias over one temperature, and over three."""
-    constant = random_model(5, linear=True, k=3)
-    constant = replace(constant, matrix=constant.matrix[0])
-    flight = flight_unit().models["corrected"]
-    drawn = np.random.default_rng(3).uniform(-20.0, 60.0, (40_000, 3))
-    return [(constant, STILL), (flight, {"temperature": drawn[:, 0]}), (flight, {"temperature": drawn})]
+def forms(seed: int) -> list[tuple[SensorModel, Conditions]]:
+    """One random model of three sensors in the forms that the compiled loops tell apart."""
+    rng = np.random.default_rng(seed)
+    whole = random_model(seed, k=3)
+    drawn = conditions(whole, seed)
+    straight = replace(whole, scale_factor_asymmetry=None, second_order=None, third_order=None)
+    alone = dict.fromkeys(("bias_pressure", "bias_warm_up", "warm_up_time", "bias_temperature_rate"))
+    alone |= dict.fromkeys(("bias_hysteresis", "g_sensitivity"))
+    halves = rng.normal(0.0, 0.1, 3) * (rng.random(3) < 0.7)
+    asymmetric = replace(straight, scale_factor_asymmetry=halves, matrix=whole.matrix[0], **alone)  # type: ignore[arg-type]
+    shared: Conditions = {**drawn, "temperature": np.asarray(drawn["temperature"])[:, 0]}
+    uncoupled = replace(asymmetric, matrix=np.diag(rng.uniform(0.9, 1.1, 3)))
+    some = None if whole.second_order is None else whole.second_order * [1.0, 0.0, 1.0]
+    return [
+        (whole, drawn),
+        (whole, shared),
+        (whole, STILL),
+        (straight, shared),
+        (asymmetric, drawn),
+        (asymmetric, shared),
+        (uncoupled, shared),
+        (replace(whole, second_order=some, third_order=None, **alone), drawn),  # type: ignore[arg-type]
+        (flight_unit().models["corrected"], shared),
+    ]
 
 
-@pytest.mark.parametrize(("model", "given_"), straight_models())
-def test_kernel_gives_the_bits_of_the_plain_path(
-    model: SensorModel, given_: Conditions, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    r = np.random.default_rng(1).normal(0.0, 1.0, (40_000, 3))
-    expected = compensate(model, r, **given_)
-    monkeypatch.setattr(module, "KERNEL_ROWS", 1)
-    monkeypatch.setattr(module, "_inverse", None)  # the plain path is not taken
-    np.testing.assert_array_equal(compensate(model, r, **given_), expected)
+def awkward_readings(model: SensorModel, seed: int, given_: Conditions) -> Array:
+    """Readings over the range and far beyond it, missing ones, zeros, and the ends of the rising branch."""
+    rng = np.random.default_rng(seed)
+    full_scale = 1.0 if model.input_range is None else float(model.input_range.max())
+    r = rng.uniform(-1.5, 1.5, (50, 3)) * full_scale
+    r[10:20] *= 10.0 ** rng.uniform(-12, 6, (10, 3))
+    bent = curve(model)
+    turns = rising_branch(bent)
+    at_turns = bent.reading(np.where(np.isfinite(turns), turns, full_scale).T)
+    columns = condition_columns(model, 50, given_)
+    shift = np.broadcast_to(offset(model, columns), (50, 3))
+    r[20:22] = at_turns + shift[20:22]
+    r[22:24] = at_turns * (1.0 + 1e-12) + shift[22:24]
+    r[24:26] = at_turns * (1.0 - 1e-12) + shift[24:26]
+    r[26], r[27] = shift[26], 0.0
+    r[28:40][rng.random((12, 3)) < 0.3] = np.nan
+    return r
 
 
-@pytest.mark.parametrize("seed", range(5))
-def test_other_models_take_the_plain_path_at_any_length(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
-    model = random_model(seed, k=3)
-    given_ = conditions(model, seed)
-    r = predict(model, inputs(model, seed), **given_)
-    expected = compensate(model, r, **given_)
-    monkeypatch.setattr(module, "KERNEL_ROWS", 1)
-    np.testing.assert_array_equal(compensate(model, r, **given_), expected)
+@contextmanager
+def compiled_from(rows: int) -> Iterator[None]:
+    """The compiled loops from so many rows on, and chunks that leave one row over."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(module, "KERNEL_ROWS", rows)
+        patch.setattr(module, "CHUNK", 7)
+        yield
 
 
-def test_straight_model_with_another_changing_condition_takes_the_plain_path(monkeypatch: pytest.MonkeyPatch) -> None:
-    model = replace(flight_unit().models["corrected"], bias_pressure=np.full(3, 1e-8), reference_pressure=1e5)
-    still: Conditions = {"temperature": 21.0, "pressure": np.linspace(0.0, 1e5, 10)}
-    r = np.zeros((10, 3))
-    expected = compensate(model, r, **still)
-    monkeypatch.setattr(module, "KERNEL_ROWS", 1)
-    np.testing.assert_array_equal(compensate(model, r, **still), expected)
+def assert_compiled_gives_the_bits_of_the_plain_path(seed: int) -> None:
+    for model, given_ in forms(seed):
+        r = awkward_readings(model, seed, given_)
+        with compiled_from(1000):
+            expected = compensate(model, r, **given_)
+        with compiled_from(1), pytest.MonkeyPatch.context() as patch:
+            patch.setattr(module, "_inverse", None)  # the plain path is not taken
+            np.testing.assert_array_equal(compensate(model, r, **given_), expected)
 
 
-def test_kernel_without_the_compiler() -> None:
-    from inertialcal.sensors._kernels import straight_3
+@settings(max_examples=30, deadline=None)
+@given(SEEDS)
+def test_compiled_loops_give_the_bits_of_the_plain_path(seed: int) -> None:
+    assert_compiled_gives_the_bits_of_the_plain_path(seed)
 
-    rng = np.random.default_rng(2)
-    matrix, shift, x = rng.normal(size=(3, 3)), rng.normal(size=3), rng.normal(size=(20, 3))
-    powers, reference, temperature = rng.normal(size=(2, 3)), rng.normal(size=3), rng.normal(size=(20, 3))
-    away = temperature - reference
-    out = np.empty((20, 3))
-    straight_3.py_func(matrix, shift, powers, reference, temperature, x, out)
-    expected = (x - shift - powers[0] * away - powers[1] * away**2) @ matrix.T
-    np.testing.assert_allclose(out, expected, rtol=1e-12, atol=1e-13)
+
+@pytest.mark.parametrize("seed", range(3))
+def test_loops_without_the_compiler_give_the_same_bits(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    loops = {name: loop for name, loop in vars(_kernels).items() if hasattr(loop, "py_func")}
+    assert len(loops) == 7
+    for name, loop in loops.items():
+        monkeypatch.setattr(_kernels, name, loop.py_func)
+    assert_compiled_gives_the_bits_of_the_plain_path(seed)
+
+
+def test_compiled_loops_give_the_same_bits_with_any_number_of_threads(monkeypatch: pytest.MonkeyPatch) -> None:
+    model, given_ = forms(4)[0]
+    r = awkward_readings(model, 4, given_)
+    found = []
+    for workers in (1, 2, 5):
+        monkeypatch.setattr(module, "WORKERS", workers)
+        with compiled_from(1):
+            found.append(compensate(model, r, **given_).tobytes())
+    assert found[0] == found[1] == found[2]
+
+
+def test_compiled_loops_undo_the_equation() -> None:
+    """The truth itself, not the plain path."""
+    for seed in range(20):
+        model = random_model(seed, k=3)
+        x, given_ = inputs(model, seed), conditions(model, seed)
+        assert model.input_range is not None
+        with compiled_from(1):
+            back = compensate(model, predict(model, x, **given_), **given_)
+        assert np.max(np.abs(back - x)) <= IDENTITY * model.input_range.max()
+
+
+def test_matrix_that_is_singular_at_a_temperature_beyond_the_range_is_refused_by_both_paths() -> None:
+    """M = I (1 - (T - 20) / 100) vanishes at 120 degC."""
+    matrix = np.array([np.eye(3), np.eye(3) * -0.01])
+    model = SensorModel(
+        "gyro",
+        ("x", "y", "z"),
+        np.ones(3),
+        "rad/s",
+        matrix,
+        np.zeros(3),
+        reference_temperature=np.full(3, 20.0),
+        temperature_range=(0.0, 40.0),
+    )
+    for rows_ in (1, 1000):
+        with compiled_from(rows_), pytest.raises(DataError, match="singular at a temperature of the data"):
+            compensate(model, np.ones((40, 3)), temperature=np.linspace(20.0, 120.0, 40))
+
+
+def test_other_than_three_sensors_take_the_plain_path_at_any_length() -> None:
+    for k in (1, 2, 4):
+        model = random_model(k, k=k)
+        given_ = conditions(model, k)
+        r = predict(model, inputs(model, k), **given_)
+        expected = compensate(model, r, **given_)
+        with compiled_from(1):
+            np.testing.assert_array_equal(compensate(model, r, **given_), expected)
 
 
 @pytest.mark.slow

@@ -63,6 +63,26 @@ def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Any:
     return None if given is None else per_axis(given, f"V/({si_unit(sensor.unit)})", axes)
 
 
+def body_scale_factors(sensor: Sensor) -> dict[str, float] | None:
+    """Return the ideal scale factor behind each body axis [V/SI unit].
+
+    With a mounting that only exchanges or turns axes, that of the sensor that feels the body axis; None where there
+    is none, or where the mounting mixes sensors.
+    """
+    factors = scale_factors(sensor, tuple(sensor.axes))
+    if factors is None:
+        return None
+    own = dict(zip(sensor.axes, factors.tolist(), strict=True))
+    if sensor.mounting is None:
+        return own
+    mounting = np.abs(np.array(sensor.mounting))
+    if not np.all(np.isclose(mounting, 0.0) | np.isclose(mounting, 1.0)):
+        return None
+    letters = ("x", "y", "z")
+    felt = {letters[body]: letters[int(np.argmax(mounting[:, body]))] for body in range(3)}
+    return {body: own[sensed] for body, sensed in felt.items() if sensed in own}
+
+
 def per_axis(given: Any, unit: str, axes: tuple[str, ...]) -> Any:
     """Return a quantity of each axis in a unit, shape (k,).
 

@@ -18,6 +18,7 @@ from .clock_text import read_instant
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 
 AXES = ("x", "y", "z")
+SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
 
 def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Sensor) -> Recording:
@@ -69,7 +70,11 @@ def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Se
 
 def _timed(recording: Recording, clock: Clock) -> Recording:
     """Move the stamps to the middle of their averaging windows."""
-    interval = clock.interval or recording.sample_interval
+    seen = recording.sample_interval
+    if clock.interval and seen and abs(clock.interval / seen - 1.0) > SAME_INTERVAL:
+        what = f"clock.interval is {clock.interval:g} s, but the stamps are {seen:g} s apart"
+        raise DataError(what, recording.source.path, do="Mend the one that is wrong", code="clock_disagrees")
+    interval = clock.interval or seen
     recording = replace(recording, sample_interval=interval, averaging_time=clock.averaging)
     shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (clock.averaging or 0.0)
     if recording.time_ns is None or shift == 0.0:
@@ -130,6 +135,9 @@ def turned_recording(
         return Turned(recording, str(axis), run), hashes
     windows, rates, digest = _scheduled(folder, entry.schedule, recording, sensor)
     hashes[entry.schedule.file] = digest
+    if test.windows:
+        inside = [any(a <= start and stop <= b for a, b in test.windows) for start, stop in windows]
+        windows, rates = tuple(w for w, use in zip(windows, inside, strict=True) if use), rates[np.array(inside)]
     return Turned(recording, str(axis), run, windows, rates), hashes
 
 
@@ -139,6 +147,9 @@ def _scheduled(
     """Windows [ns], rates [SI] and SHA-256 of a schedule."""
     table = read_table(folder / schedule.file)
     rates = convert(table.numbers(schedule.rate), schedule.unit, si_unit(sensor.unit))
+    if not np.all(np.isfinite(rates)):
+        where = f"{schedule.file}:{table.rows[int(np.flatnonzero(~np.isfinite(rates))[0])]}"
+        raise DataError(f"column {schedule.rate!r}: no rate", where, do="Fill it in", code="nan_in_required")
     utc = recording.epoch == "utc"
     starts, stops = (
         [

@@ -163,14 +163,15 @@ def _model_rows(modelled: Modelled) -> list[Row]:
             rows.append(Row(quantity, axis, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
     for name, reason in modelled.model.not_estimated.items():
         quantity, _, axis = name.rpartition("_")
-        rows.append(not_estimated(quantity, axis, "rad" if quantity == "misalignment" else "1", reason))
+        unit = {"misalignment": "rad", "bias": "rad/s"}.get(quantity, "1")
+        rows.append(not_estimated(quantity, axis, unit, reason))
     return rows
 
 
 def _closed_loop(modelled: Modelled | None, unit: str) -> dict[str, Any]:
     """Say what the closed loop gave, in the unit of the sensor."""
     if modelled is None or not modelled.loops:
-        reason = "no test is for a fit" if modelled is None else "no test is held out"
+        reason = "no model" if modelled is None else "no test is held out"
         return {"verdict": "not run", "reason": reason, "axes": []}
     scale = factor("rad/s", unit)
     axes = [

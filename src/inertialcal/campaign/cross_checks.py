@@ -32,7 +32,6 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "scatter_dwell": RATE,
     "scatter_run": RATE,
     "scatter_recording": RATE,
-    "resolution": RATE,
 }
 
 
@@ -54,7 +53,8 @@ def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
         *(p for number, test in enumerate(file.tests) for p in _test(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
-        *_held_out_apart(file, at),
+        *_apart(file, at),
+        *_model_terms(file, at),
         *_requirements(file, at),
     ]
 
@@ -86,6 +86,22 @@ def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntr
     if entry.schedule is not None:
         yield from _file(folder, name, entry.schedule.file, at("recordings", name, "schedule"))
     sensor = file.sensors.get(entry.sensor)
+    if sensor is not None and entry.rows is not None and sensor.mounting is not None:
+        what = f"recordings.{name}: the sensor has a mounting, which is for recordings of channels"
+        do = "Give the table in body axes, and another sensor without mounting for it"
+        yield Problem(what, at("recordings", name, "rows"), "the columns' axes would be ambiguous", do, "wrong_value")
+    clock = entry.clock
+    if clock is not None and clock.stamp != "middle" and clock.averaging is None:
+        what = f"recordings.{name}: stamp = {clock.stamp!r} needs averaging: by how much is the stamp off the middle?"
+        yield Problem(what, at("recordings", name, "clock"), code="missing_key")
+    if (
+        clock is not None
+        and clock.averaging is not None
+        and clock.interval is not None
+        and clock.averaging > clock.interval * 1.001
+    ):
+        what = f"recordings.{name}: averaging over {clock.averaging:g} s, but saved every {clock.interval:g} s"
+        yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
     if sensor is not None and entry.rows is not None:
         yield from _row_units(name, entry.rows, sensor, at)
     elif sensor is not None:
@@ -150,11 +166,11 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
             do = f"There are: {', '.join(file.recordings)}"
             what = f"test {test.id!r}: no recording {name!r}"
             yield Problem(what, at("tests", number, "recordings"), do=do, code="unknown_name")
-    kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
-             and file.recordings[n].sensor in file.sensors}  # fmt: skip
-    if test.procedure == "rate_table" and "accelerometer" in kinds:
-        what = f"test {test.id!r}: a rate table tests gyros, the sensor is an accelerometer"
-        yield Problem(what, where, code="wrong_value")
+    yield from _test_sensor(file, number, test, at)
+    yield from _test_recordings(file, number, test, at)
+    if test.plan.get("attitude") is not None and file.site.latitude is None:
+        what = f"test {test.id!r}: plan.attitude needs site.latitude"
+        yield Problem(what, at("tests", number, "plan", "attitude"), "earth rate depends on both", code="missing_key")
     if len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1:
         yield Problem(f"test {test.id!r}: recordings of different sensors", at("tests", number, "recordings"))
     values, problems = plan_values(test.procedure, test.plan, at("tests", number, "plan"))
@@ -167,6 +183,35 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
         yield Problem(what, at("tests", number, "plan", "axis"), code="unknown_name")
 
 
+def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a kind of sensor that the procedure does not test."""
+    where = at("tests", number, "procedure")
+    kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
+             and file.recordings[n].sensor in file.sensors}  # fmt: skip
+    if test.procedure == "rate_table" and "accelerometer" in kinds:
+        what = f"test {test.id!r}: a rate table tests gyros, the sensor is an accelerometer"
+        yield Problem(what, where, code="wrong_value")
+
+
+def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find recordings that a test names twice, cannot choose groups from, or that turn another axis."""
+    files = [(file.recordings[n].file, repr(file.recordings[n].rows)) for n in test.recordings if n in file.recordings]
+    if len(set(files)) < len(files):
+        what = f"test {test.id!r}: a recording appears twice"
+        yield Problem(what, at("tests", number, "recordings"), "its readings would count twice", code="duplicate_id")
+    for name in test.recordings:
+        entry = file.recordings.get(name)
+        if entry is not None and test.groups is not None and (entry.rows is None or entry.rows.group is None):
+            what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
+            yield Problem(
+                what, at("tests", number, "groups"), do="Choose by windows, or give rows.group", code="wrong_value"
+            )
+        own = test.plan.get("axis")
+        if entry is not None and own and entry.axis not in (None, own):
+            what = f"test {test.id!r}: plan.axis = {own!r}, but recording {name!r} says axis = {entry.axis!r}"
+            yield Problem(what, at("tests", number, "plan", "axis"), do="Say it in one place", code="wrong_value")
+
+
 def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
     for number, one in enumerate(ids):
         if one in ids[:number]:
@@ -175,16 +220,40 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
             yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
 
 
-def _held_out_apart(file: CampaignFile, at: At) -> Iterator[Problem]:
-    """Find readings that the model is fitted on and judged by."""
-    for number, judge in enumerate(file.tests):
-        if judge.use != "hold_out":
-            continue
-        for fitted in file.tests:
-            if fitted.use == "fit" and set(fitted.recordings) & set(judge.recordings) and _share(fitted, judge):
-                what = f"test {judge.id!r} (hold_out) and {fitted.id!r} (fit) use the same readings"
-                do = "Give them different recordings, groups or windows"
-                yield Problem(what, at("tests", number), "a model must be judged on data held out", do, "overlap")
+def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find readings that the model is fitted on twice, or fitted on and judged by."""
+    do = "Give them different recordings, groups or windows"
+    for number, one in enumerate(file.tests):
+        for other in file.tests[:number]:
+            uses = {one.use, other.use}
+            if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
+                continue
+            what = f"tests {other.id!r} ({other.use}) and {one.id!r} ({one.use}) use the same readings"
+            why = "a model must be judged on data held out" if "hold_out" in uses else "they would count twice"
+            yield Problem(what, at("tests", number), why, do, "overlap")
+
+
+def _same_readings(file: CampaignFile, one: Test, other: Test) -> bool:
+    """Tell by the files, not by the names of recordings, whether two tests share readings."""
+    files = [{file.recordings[n].file for n in test.recordings if n in file.recordings} for test in (one, other)]
+    return bool(files[0] & files[1]) and _share(one, other)
+
+
+def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
+    uses = {test.id: test.use for test in file.tests}
+    lists = {}
+    for term, names in file.model.terms.items():
+        where = at("model", "terms", term)
+        for name in names:
+            if uses.get(name) != "fit":
+                what = f"model.terms.{term}: {name!r} is no test with use = 'fit'"
+                have = ", ".join(test for test, use in uses.items() if use == "fit")
+                yield Problem(what, where, do=f"There are: {have or 'none'}", code="unknown_name")
+        if term != "bias":
+            lists[term] = set(names)
+    if len({frozenset(names) for names in lists.values()}) > 1:
+        what = f"model.terms: {', '.join(lists)} come from one reduction and need the same tests"
+        yield Problem(what, at("model", "terms"), code="wrong_value")
 
 
 def _share(one: Test, other: Test) -> bool:
@@ -221,6 +290,9 @@ def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
     except DataError as error:
         yield Problem(f"requirement {one.id!r}: {error.problems[0].what}", where, code="wrong_value")
         return
+    if text == one.limit and parse_quantity(text).value <= 0.0:
+        what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
+        yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
     needed = QUANTITIES.get(one.quantity)
     if needed is not None and kind(unit) not in needed:
         what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"

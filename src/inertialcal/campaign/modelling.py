@@ -22,7 +22,7 @@ from ..procedures.rate_table.closed_loop import AxisLoop, Find, closed_loop, ove
 from ..sensors.assemble import model_from
 from ..sensors.compensate import compensate
 from ..sensors.model import Item, Provenance, SensorModel
-from .chains import scale_factors
+from .chains import body_scale_factors
 from .load import Campaign
 from .schema import Sensor, Test
 from .tables import together
@@ -94,6 +94,9 @@ def make_model(campaign: Campaign, prepared: Sequence[Prepared], sensor: Sensor)
         return None
     model = _model(campaign, sensor, result, estimate, {"matrix": matrix, "bias": bias})
     held = [one for one in prepared if one.test.use == "hold_out"]
+    if any(one.plan.zero_reference != fitted[0].plan.zero_reference for one in [*fitted, *held]):
+        what = "tests of a fit and those held out differ in zero_reference: their biases mean different things"
+        raise PlanError(what, do="Give them the same zero_reference", code="plans_differ")
     if not held:
         return Modelled(model, result, (), "not run", ())
     loops, remarks = _judge(model, result, [*matrix, *bias], held)
@@ -163,18 +166,21 @@ def _model(
     tests: Mapping[str, list[Prepared]],
 ) -> SensorModel:
     axes = tuple(axis for axis in sensor.axes if axis in result.lines)
+    referenced = all(one.plan.zero_reference for one in tests["bias"])
     names = [
         name for name in estimate.names
         if name.rpartition("_")[0] in TERM and set(name.rpartition("_")[2]) <= set(axes)
+        and not (name.startswith("bias") and referenced)
     ]  # fmt: skip
-    factors = scale_factors(sensor, axes)
+    volts = None if sensor.mounting is not None else body_scale_factors(sensor)
     item = campaign.file.item
     return model_from(
         estimate.select(names),
         sensor.kind,
         axes,
-        scale_factor=1.0 if factors is None else factors,
-        output_unit=None if factors is None else "V",
+        scale_factor=1.0 if volts is None else np.array([volts[axis] for axis in axes]),
+        output_unit=None if volts is None else "V",
+        source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
@@ -239,11 +245,11 @@ def held_out(held: Sequence[Prepared]) -> rate_table.Readings:
 
 
 def _runs(tests: Sequence[Prepared]) -> set[Any]:
-    """Return runs by file, so that equal numbers in different files are not taken for one run."""
+    """Return what tells power-ups apart: run labels, which hold in the whole campaign, and files."""
     found: set[Any] = set()
     for one in tests:
-        if one.readings.run is not None:
-            found |= {(tuple(sorted(one.inputs)), str(run)) for run in np.unique(one.readings.run)}
+        labels = [] if one.readings.run is None else [str(run) for run in np.unique(one.readings.run)]
+        found |= {("run", label) for label in labels if label} | {("file", path) for path in one.inputs}
     return found
 
 
@@ -254,17 +260,20 @@ def mixed_up(model: SensorModel) -> dict[str, Find]:
     with axes exchanged, row and column (or bias) of one axis stand at another.
     """
     matrix, bias, k = model.matrix[0], model.bias, len(model.axes)
-    forms = {"the transposed matrix": (matrix.T, bias)} if k > 1 else {}
-    forms["the matrix with its sign turned"] = (2.0 * np.eye(k) - matrix, bias)
+    whole = not any(name.startswith(("misalignment", "scale_factor_error")) for name in model.not_estimated)
+    forms = {"the matrix with its sign turned": (2.0 * np.eye(k) - matrix, bias)}
     forms["the bias with its sign turned"] = (matrix, -bias)
+    if whole and k > 1:
+        forms["the transposed matrix"] = (matrix.T, bias)
     for order in permutations(range(k)):
         if order == tuple(range(k)):
             continue
         places = ", ".join(f"{model.axes[i]} for {model.axes[j]}" for j, i in enumerate(order) if i != j)
         moved, shifted = matrix[np.ix_(order, order)], bias[list(order)]
-        forms[f"the matrix with {places}"] = (moved, bias)
         forms[f"the bias with {places}"] = (matrix, shifted)
-        forms[f"the model with {places}"] = (moved, shifted)
+        if whole:  # an entry that was not estimated is no error of the axes
+            forms[f"the matrix with {places}"] = (moved, bias)
+            forms[f"the model with {places}"] = (moved, shifted)
     return {name: partial(_inverted, model, *terms) for name, terms in forms.items()}
 
 

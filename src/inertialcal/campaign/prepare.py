@@ -9,7 +9,7 @@ from ..core.remarks import Remark
 from ..core.units import parse_quantity, si_unit
 from ..procedures import rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
-from .chains import scale_factors
+from .chains import body_scale_factors
 from .channels import turned_recording
 from .load import Campaign
 from .modelling import Prepared
@@ -76,8 +76,7 @@ def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
         raise PlanError(problems)
     si = si_unit(sensor.unit)
     ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
-    factors = scale_factors(sensor, tuple(sensor.axes))
-    volts = None if factors is None else dict(zip(sensor.axes, factors.tolist(), strict=True))
+    volts = body_scale_factors(sensor)
     return rate_table.Plan(
         **values,
         input_range=None if ends is None else (min(ends), max(ends)),

@@ -55,6 +55,21 @@ def _cell(value: Any) -> Any:
     return f"'{text}" if isinstance(value, str) and text[:1] in "=+-@\t\r" and text[1:2] != "" else text
 
 
+def check_writable(folder: Path) -> None:
+    """Refuse before the work what could not be written after it.
+
+    Raises
+    ------
+    StoreError
+        If the folder cannot be written, or something of the user's stands where ``out/`` goes.
+    """
+    target = folder / OUT
+    if target.is_symlink() or (target.exists() and not target.is_dir()):
+        raise StoreError(f"{target} is not a folder of ours", do="Move it away", code="not_writable")
+    if not os.access(folder, os.W_OK):
+        raise StoreError(f"cannot write into {folder}", do="Make the folder writable, or copy it", code="not_writable")
+
+
 def swap_in(folder: Path, files: Mapping[str, str]) -> None:
     """Replace ``folder/out`` by the files, all or nothing.
 
@@ -89,8 +104,6 @@ def swap_in(folder: Path, files: Mapping[str, str]) -> None:
 
 
 def _swap(new: Path, target: Path) -> None:
-    if target.is_symlink() or (target.exists() and not target.is_dir()):
-        raise StoreError(f"{target} is not a folder of ours", do="Move it away", code="not_writable")
     old = target.with_name(f".{target.name}-old-{os.getpid()}")
     if target.exists():
         target.rename(old)

@@ -25,7 +25,7 @@ from ..core.results import Interval, Row, not_estimated
 from ..core.units import parse_quantity
 from ..procedures import rate_table
 from ..statistics.decision import decide
-from .conditions import parse_condition
+from .conditions import Condition, parse_condition
 from .schema import Requirement, Test
 
 LEVEL = 0.95
@@ -159,8 +159,25 @@ def _rate_errors(requirement: Requirement, about: Sequence[Tested]) -> tuple[lis
                 p = LEVEL ** (1.0 / max(sum(inside), 1))
                 judged = [_rate_verdict(requirement, one.test.id, error, p) for error in errors]
                 verdicts += [verdict for verdict, use in zip(judged, inside, strict=True) if use]
+                verdicts += _untested_sense(requirement, one.test.id, sensor, [e.applied for e in errors], condition)
                 rows += _resolution_rows(requirement, one.test, sensor, errors, judged)
     return verdicts, rows
+
+
+def _untested_sense(
+    requirement: Requirement, test: str, sensor: str, rates: list[float], condition: Condition
+) -> list[Verdict]:
+    """Return INCONCLUSIVE for a sense of rotation that the condition takes in and the test does not."""
+    found = []
+    for sign, word in ((1.0, "positive"), (-1.0, "negative")):
+        if any(sign * rate > 0.0 for rate in rates):
+            continue
+        if any(condition.holds({"rate": -rate}) for rate in rates):
+            reason = f"{word} rates were not turned"
+            nothing = (None, requirement.of, None, None, "1", None)
+            limits = _limits(requirement, "1")
+            found.append(Verdict(requirement.id, test, sensor, *nothing, *limits, "INCONCLUSIVE", reason))
+    return found
 
 
 def _rate_verdict(requirement: Requirement, test: str, error: rate_table.RateError, p: float) -> Verdict:
@@ -228,6 +245,10 @@ def _figure(requirement: Requirement, test: str, row: Row) -> Verdict:
         reason = error.problems[0].what
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, None, None,
                        "INCONCLUSIVE", reason)  # fmt: skip
+    below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
+    if below and (lower is None or lower <= 0.0):
+        return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
+                       "PASS", row.reason)  # fmt: skip
     if row.status != "estimated":
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
                        "INCONCLUSIVE", row.reason)  # fmt: skip

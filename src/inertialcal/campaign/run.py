@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from ..core.errors import DataError, InertialcalError, Problem
+from ..core.errors import DataError, InertialcalError, PlanError, Problem
 from ..core.frames import frame
 from ..core.remarks import Remark, gather
 from ..core.rounding import with_uncertainty
@@ -18,7 +18,7 @@ from .load import Campaign, load
 from .modelling import Modelled, Prepared, make_model
 from .prepare import placed, prepare, sensor_of
 from .provenance import provenance
-from .publish import ROW_COLUMNS, changes, csv_text, flat, json_text, previous, swap_in
+from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
@@ -129,6 +129,8 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
         If ``out/`` cannot be written.
     """
     campaign = load(folder)
+    if write:
+        check_writable(campaign.folder)
     tell = progress or (lambda done, total, what: None)
     prepared, tested, remarks = _reduce_all(campaign, tell)
     inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
@@ -154,6 +156,11 @@ def _modelled(campaign: Campaign, prepared: Sequence[Prepared]) -> Modelled | No
     if not fitted:
         return None
     sensor = sensor_of(campaign, fitted[0].test)
+    others = {one.test.id for one in fitted if sensor_of(campaign, one.test) is not sensor}
+    if others:
+        what = f"tests {', '.join(sorted(others))} are for a fit of another sensor: a campaign makes one model"
+        number = next(i for i, test in enumerate(campaign.file.tests) if test.id in others)
+        raise PlanError(what, campaign.at("tests", number), do='Give them use = "report_only", or their own campaign')
     mine = [one for one in prepared if sensor_of(campaign, one.test) is sensor]
     number = campaign.file.tests.index(fitted[0].test)
     try:

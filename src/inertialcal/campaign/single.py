@@ -109,6 +109,9 @@ def rate_table(
     found, table_names = guess(read), read.names
     if axis is not None and axis not in AXES:
         raise UsageError(f"axis {axis!r}", do=f"There are: {', '.join(AXES)}", code="unknown_name")
+    if axis is not None and found.axis is not None:
+        what = f"{file}: column {found.axis!r} says which axis was turned, and --axis says {axis}"
+        raise UsageError(what, do="Leave --axis out", code="wrong_value")
     chosen = _columns(found, table_names, applied, reading, axis, file)
     spoken = unit or found.unit
     if spoken is None:

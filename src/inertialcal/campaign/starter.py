@@ -130,11 +130,7 @@ def starter_text(name: str, tables: dict[str, Guess], raw: dict[str, Recording])
 def _entry(number: int, file: str, found: Guess) -> str:
     reading = _reading(found)
     rows = [f"applied = {_text(found.applied or '?')}", f"reading = {reading}"]
-    rows += [
-        f"{key} = {_text(value)}"
-        for key in ("scatter", "samples", "axis", "group", "run")
-        if (value := getattr(found, key))
-    ]
+    rows += [f"{key} = {_text(value)}" for key in _keys(found) if (value := getattr(found, key))]
     rows.append(f"unit = {_text(found.unit or '?')}")
     sure = found.unit is not None and (len(found.readings) == 1 or bool(found.by_axis))
     mark = "" if sure else f"  {MARK}"
@@ -144,6 +140,12 @@ def _entry(number: int, file: str, found: Guess) -> str:
         f'[recordings.table{number}]\nsensor = "suite"\nfile = {_text(file)}\nrows = {{ {", ".join(rows)} }}{mark}\n\n'
         f'[[tests]]\nid = "rate{number}"\nprocedure = "rate_table"\nrecordings = ["table{number}"]\n{plan}'
     )
+
+
+def _keys(found: Guess) -> tuple[str, ...]:
+    """Columns to name; one scatter column beside several readings cannot be told whose it is."""
+    one = len(found.readings) == 1
+    return ("scatter", "samples", "axis", "group", "run") if one else ("samples", "axis", "group", "run")
 
 
 def _raw_entry(number: int, file: str, one: Recording) -> str:

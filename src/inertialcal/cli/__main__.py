@@ -9,7 +9,7 @@ import traceback
 from collections.abc import Sequence
 
 from ..core.errors import InertialcalError, Problem, UsageError
-from .output import errors_out
+from .output import FOUND, errors_out
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -36,13 +36,14 @@ def _run(given: list[str]) -> int:
 
         status = get_command(app).main(args=given, prog_name="inertialcal", standalone_mode=False)
         return int(status or 0)
+    except SystemExit as left:  # the parser's own way out of a pipe that the reader has closed
+        return FOUND[0] if left.code == 1 else int(left.code or 0)
     except InertialcalError as error:
         return errors_out(given, list(error.problems), error.exit_status, as_json)
     except BrokenPipeError:
-        return 0
+        return FOUND[0]
     except KeyboardInterrupt:
-        print("interrupted", file=sys.stderr)
-        return 130
+        return _interrupted(given, as_json)
     except Exception as error:
         return _other(given, error, as_json)
 
@@ -51,7 +52,7 @@ def _other(given: list[str], error: Exception, as_json: bool) -> int:
     """Wrong usage as the parser tells it, interruption, or a fault of ours."""
     name = type(error).__name__
     if name == "Abort":
-        return 130
+        return _interrupted(given, as_json)
     if name == "NoArgsIsHelpError" and not as_json:
         print(str(error))
         return UsageError.exit_status
@@ -63,6 +64,10 @@ def _other(given: list[str], error: Exception, as_json: bool) -> int:
         traceback.print_exc(file=log)
     what = f"internal error ({name}): this is a fault of inertialcal, not of your input"
     return errors_out(given, [Problem(what, do=f"Please report it with {log.name}", code="internal")], 70, as_json)
+
+
+def _interrupted(given: list[str], as_json: bool) -> int:
+    return errors_out(given, [Problem("interrupted: nothing was written", code="interrupted")], 130, as_json)
 
 
 def _help(error: Exception) -> str:

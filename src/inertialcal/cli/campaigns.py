@@ -10,7 +10,7 @@ from typing import Annotated, Any
 import typer
 
 from .options import Folder, Json, Quiet
-from .output import clean, json_out, wrapped
+from .output import clean, found, json_out, wrapped
 from .progress import progress
 
 
@@ -20,6 +20,7 @@ def run(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
 
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(folder, tell)
+    found(outcome.exit_status)
     if as_json:
         _json("run", outcome)
     elif not quiet:

@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from ..files.channel_survey import ChannelSurvey
     from ..files.survey import Survey
 
-STEPS = 6  # kinds of step of the time axis that are listed
+LONGEST = 40  # characters of a name in the table; --json has it whole
 
 
 def survey_text(one: Survey) -> str:
@@ -39,9 +39,14 @@ def _channel(one: ChannelSurvey) -> list[str]:
     figures = (one.minimum, one.maximum, one.mean, one.std, one.resolution)
     said = one.unit or "?"
     return [
-        f"  {one.name}", one.axis, one.quantity, said, one.dtype, *(number(figure, 5) for figure in figures),
+        f"  {_short(one.name)}", one.axis, one.quantity, said, one.dtype, *(number(figure, 5) for figure in figures),
         str(one.missing), ", ".join(notes),
     ]  # fmt: skip
+
+
+def _short(name: str) -> str:
+    """Return a name cut to what a table can show."""
+    return name if len(name) <= LONGEST else f"{name[: LONGEST - 1]}…"
 
 
 def _time(one: Survey) -> str:

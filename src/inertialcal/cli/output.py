@@ -12,6 +12,8 @@ from typing import Any
 
 from ..core.errors import Problem
 
+# Exit status that the command has found, for a reader that closes the pipe before all is printed.
+FOUND = [0]
 PARTS = ("results", "curves", "remarks", "verdicts", "errors")
 WIDTH = 110  # of wrapped text where there is no terminal
 
@@ -39,6 +41,12 @@ def json_out(command: str, content: Mapping[str, Any], status: int = 0) -> None:
     whole: dict[str, Any] = {"command": command, "version": package_version(), "inputs": []}
     whole |= {name: [] for name in PARTS} | dict(content) | {"exit": status}
     print(json.dumps(whole, ensure_ascii=False, allow_nan=False))
+
+
+def found(status: int) -> int:
+    """Keep the exit status of the command, before anything is printed; return it."""
+    FOUND[0] = status
+    return status
 
 
 def errors_out(given: Sequence[str], problems: Sequence[Problem], status: int, as_json: bool) -> int:

@@ -11,6 +11,7 @@ from .output import table, wrapped
 
 PUBLISHED = "as_published"
 ALL = "all_readings"
+MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 
 def results_text(results: Mapping[str, Any]) -> str:
@@ -64,7 +65,9 @@ def _interval(row: Mapping[str, Any] | None) -> str:
 
 
 def _dof(row: Mapping[str, Any] | None) -> str:
-    return "" if row is None or row["dof"] is None else number(row["dof"], 3)
+    if row is None:
+        return ""
+    return "inf" if row["dof"] is None or row["dof"] > MANY else number(row["dof"], 3)
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -36,22 +36,20 @@ def subtract_bias_3(
 
 @compiled
 def straighten_3(asymmetry: Array, out: Array) -> None:
-    """Undo the asymmetry of three sensors in place, as ``nonlinearity.inverse``; NaN on a side that does not rise."""
-    falling, rising = 1.0 - 0.5 * asymmetry, 1.0 + 0.5 * asymmetry
-    for i in range(3):
-        falling[i] = falling[i] if falling[i] > 0.0 else np.nan
-        rising[i] = rising[i] if rising[i] > 0.0 else np.nan
+    """Undo the asymmetry of three sensors in place, as ``nonlinearity.inverse``; each within -2 to 2."""
+    half = 0.5 * asymmetry
     for n in range(out.shape[0]):
         for i in range(3):
-            out[n, i] = out[n, i] / (falling[i] if out[n, i] < 0.0 else rising[i])
+            out[n, i] = out[n, i] / (1.0 + half[i] * np.copysign(1.0, out[n, i]))
 
 
 @compiled
-def unbend(asymmetry: float, second: float, third: float, low: float, high: float, lowest: float, out: Array) -> None:
+def unbend(curve: Array, out: Array) -> None:
     """Undo the curve of one sensor in place, (n,), as ``nonlinearity.inverse``; NaN beyond the branch.
 
-    ``low`` and ``high`` are the ends of the rising branch, ``lowest`` the smallest slope where it has none.
+    ``curve`` is K1', K2, K3, the ends of the rising branch, and the smallest slope where that has no end.
     """
+    asymmetry, second, third, low, high, lowest = curve[0], curve[1], curve[2], curve[3], curve[4], curve[5]
     for n in range(out.shape[0]):
         reading = out[n]
         side = -1.0 if reading < 0.0 else 1.0

@@ -133,10 +133,10 @@ def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array)
 
     bent = curve(model)
     branch = rising_branch(bent)
-    curves = np.column_stack([bent.asymmetry, bent.second, bent.third, branch, endless_slope(bent, branch)]).tolist()
+    curves = np.column_stack([bent.asymmetry, bent.second, bent.third, branch, endless_slope(bent, branch)])
     one = None
     if model.matrix.shape[0] == 1 or len(columns["temperature"]) == 1:
-        one = inverted(matrix_at(model, columns))[0]
+        one = np.ascontiguousarray(inverted(matrix_at(model, columns))[0])
     many, asymmetry = model.matrix.copy(), bent.asymmetry.copy()
     asymmetry[(bent.second != 0.0) | (bent.third != 0.0)] = 0.0
 
@@ -149,7 +149,7 @@ def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array)
             _kernels.straighten_3(asymmetry, x)
         for i, terms in enumerate(curves):
             if terms[1] or terms[2]:
-                _kernels.unbend(*terms, x[:, i])
+                _kernels.unbend(terms, x[:, i])
         if one is None:
             return bool(_kernels.solve_3(many, reference, temperature, x))
         _kernels.mix_3(one, x)

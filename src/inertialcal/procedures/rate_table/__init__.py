@@ -172,6 +172,15 @@ def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
     if readings.runs < 2:
         what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"
         found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))
+    for axis in np.unique(readings.axis):
+        rates = readings.applied[readings.axis == axis]
+        if not (np.any(rates > 0.0) and np.any(rates < 0.0)):
+            what = f"{axis} was turned in one sense only: its asymmetry, and how it reads the other sense, are unknown"
+            found.append(Remark("one_sense", "warning", what, do="Turn it both ways"))
+    for axis in readings.sensors:
+        if axis not in readings.axis and plan.axis == "":
+            what = f"{axis} was never turned: its scale factor, and what the others read of it, are unknown"
+            found.append(Remark("axis_not_turned", "warning", what, do="Turn it"))
     missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]
     if missing:
         effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in missing)

@@ -80,20 +80,31 @@ def rate_errors(plan: Plan, everything: Readings, one: Line, of: Of = "dwell_mea
     if of not in ("expected", "dwell_mean", "reading"):
         raise DataError(f"of = {of!r}", do="There are: expected, dwell_mean, reading")
     s = one.sensor
-    read = everything.take((everything.axis == s) & np.isfinite(everything.outputs[s]) & (everything.applied != 0.0))
+    asked = everything.take((everything.axis == s) & (everything.applied != 0.0))
     used = one.readings
     found = []
-    for rate in np.unique(read.applied):
-        all_errors = np.abs(read.outputs[s][read.applied == rate] / rate - 1.0)  # as the thesis has them
+    for rate in np.unique(asked.applied):
+        read = asked.outputs[s][asked.applied == rate]
+        all_errors = np.abs(read[np.isfinite(read)] / rate - 1.0)  # as the thesis has them
         at = (used.axis == s) & (used.applied == rate)
-        found.append(_at_rate(plan, one, float(rate), used.take(at), of, float(all_errors.max())))
+        found.append(_at_rate(plan, one, float(rate), used.take(at), of, float(all_errors.max(initial=0.0))))
     return tuple(found)
 
 
 def _at_rate(plan: Plan, one: Line, rate: float, here: Readings, of: Of, largest: float) -> RateError:
     sensor = one.sensor
     if not len(here):
-        return RateError(sensor, rate, None, None, np.nan, 0, 0, largest, "every dwell at this rate was left out")
+        return RateError(
+            sensor,
+            rate,
+            None,
+            None,
+            np.nan,
+            0,
+            0,
+            largest,
+            "no reading at this rate: every dwell was left out, or is empty",
+        )
     errors = here.outputs[sensor] - _earth(here, sensor) - rate
     mean, found = _spread_of_runs(one, here, errors, of) if here.runs >= 2 else _pooled(one, here, errors, of)
     error = mean / rate

@@ -139,7 +139,7 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         dwells, applied = _cut(plan, one, signal, recording.time_ns)
     except DataError as error:
         raise DataError([replace(problem, where=place) for problem in error.problems]) from None
-    dwells, applied, remarks = _complete(plan, dwells, applied, place)
+    dwells, applied, lost, remarks = _complete(plan, dwells, applied, _lost(plan, one, dwells), place)
     remarks += [
         Remark("sensor_invalid", "warning", f"{s} sensor: no valid sample", place) for s in there if s not in names
     ]
@@ -155,14 +155,17 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         dwells = [dwell for dwell, turning in zip(dwells, moving, strict=True) if turning]
     else:
         remarks += _no_rest(applied, place)
+    unread = np.full((len(lost), len(names)), np.nan)
+    none = np.zeros((len(lost), 3))
+    applied = np.concatenate([applied, lost])
     return _Part(
         tuple(names),
         applied,
-        means,
-        np.array([dwell.scatter for dwell in dwells]),
-        np.array([float(np.min(dwell.n_effective)) for dwell in dwells]),
-        earth,
-        sources,
+        np.vstack([means, unread]),
+        np.vstack([np.array([dwell.scatter for dwell in dwells]), unread]),
+        np.array([float(np.min(dwell.n_effective)) for dwell in dwells] + [np.nan] * len(lost)),
+        np.vstack([earth, none]),
+        {name: np.concatenate([p, np.zeros((len(p), len(lost), 3))], axis=1) for name, p in sources.items()},
         tuple(f"{place}: dwell {i + 1} ({rate:+.6g} rad/s)" for i, rate in enumerate(applied)),
         (*recording.remarks, *remarks),
         len(dwells),
@@ -188,17 +191,31 @@ def _rounded(rates: ArrayLike) -> Array:
     return np.array([float(f"{rate:.12g}") for rate in np.ravel(np.asarray(rates, dtype=float))])
 
 
-def _complete(plan: Plan, dwells: list[Dwell], applied: Array, place: str) -> tuple[list[Dwell], Array, list[Remark]]:
-    """Leave out dwells with too many samples missing, invalid or at the rail."""
+def _lost(plan: Plan, one: Turned, dwells: list[Dwell]) -> Array:
+    """Rates that were commanded where not one sample is valid [rad/s]: no dwell is left of them."""
+    if one.rates is not None or one.recording.time_ns is None:
+        return np.zeros(0)
+    commanded = one.recording.array([APPLIED])[:, 0]
+    every = dwells_by_reference(commanded, commanded, one.recording.time_ns, tolerance=plan.applied_tolerance)
+    gone = [d for d in every if not any(d.start < own.stop and own.start < d.stop for own in dwells)]
+    rates = _rounded([float(np.ravel(d.applied)[0]) for d in gone if d.applied is not None])
+    return np.where(np.abs(rates) <= plan.applied_tolerance, 0.0, rates)
+
+
+def _complete(
+    plan: Plan, dwells: list[Dwell], applied: Array, gone: Array, place: str
+) -> tuple[list[Dwell], Array, Array, list[Remark]]:
+    """Leave out dwells with too many samples missing, invalid or at the rail; their rates are kept as not read."""
     keep = np.array([dwell.missing <= plan.missing * (dwell.missing + dwell.n) for dwell in dwells])
-    if keep.all():
-        return dwells, applied, []
-    rates = ", ".join(f"{np.degrees(rate):+g}" for rate in np.unique(applied[~keep]))
+    lost = np.concatenate([applied[~keep], gone])
+    if not len(lost):
+        return dwells, applied, lost, []
+    rates = ", ".join(f"{rate:+g}" for rate in np.unique(np.degrees(lost).round(9)))
     what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: left out ({rates} deg/s)"
-    remark = Remark("dwell_incomplete", "warning", what, place, int(np.sum(~keep)))
+    remark = Remark("dwell_incomplete", "warning", what, place, len(lost))
     if not keep.any():
         raise DataError("every dwell is missing, invalid or saturated", place, do=what, code="no_valid_sample")
-    return [dwell for dwell, kept in zip(dwells, keep, strict=True) if kept], applied[keep], [remark]
+    return [dwell for dwell, kept in zip(dwells, keep, strict=True) if kept], applied[keep], lost, [remark]
 
 
 def _rest_weights(dwells: list[Dwell], applied: Array, place: str) -> Array:

@@ -218,10 +218,10 @@ def _dwell_and_run_levels(readings: Readings, found: Fit) -> tuple[Level, Level]
         return _dwell_level(total, found.dof), Level("run", None, reason="one run: not repeated")
     assert readings.run is not None  # noqa: S101 - for the type checker
     labels, at = np.unique(readings.run, return_inverse=True)
-    within = _within(found, at, len(labels))
-    residuals = within @ found.residuals  # part of the residuals that no run offset can take up
+    basis = _line_and_runs(found, at, len(labels))
+    residuals = found.residuals - basis @ (basis.T @ found.residuals)  # what no run offset can take up
     square = float(residuals @ residuals)
-    dof = float(np.round(np.trace(within)))
+    dof = float(len(residuals) - basis.shape[1])
     dof_run = found.dof - dof
     dwell = _dwell_level(square, dof)
     if dof_run < 1:
@@ -236,13 +236,12 @@ def _dwell_level(square: float, dof: float) -> Level:
     return Level("dwell", float(np.sqrt(square / dof)), float(dof))
 
 
-def _within(found: Fit, at: Labels, runs: int) -> Array:
-    """Projection onto what neither the line nor an offset per run can describe, shape (n, n)."""
+def _line_and_runs(found: Fit, at: Labels, runs: int) -> Array:
+    """Orthonormal basis of what the line and an offset per run can describe, shape (n, rank)."""
     columns = np.column_stack([found.design, np.eye(runs)[at]])
     left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-    basis = left[:, singular > singular[0] * 1e-10]
-    projection: Array = np.eye(len(at)) - basis @ basis.T
-    return projection
+    basis: Array = left[:, singular > singular[0] * 1e-10]
+    return basis
 
 
 def dwell_variance(levels: tuple[Level, ...], per_run: float) -> tuple[float, float] | None:
