@@ -41,7 +41,7 @@ def imported(path: Path) -> Iterator[tuple[int, str]]:
                 yield from ((node.lineno, f"{module}.{alias.name}") for alias in node.names)
 
 
-def test_every_folder_stands_in_the_order():
+def test_every_folder_stands_in_the_order() -> None:
     found = {path.name for path in PACKAGE.iterdir() if path.is_dir() and path.name not in {"__pycache__", "examples"}}
     assert found <= set(ORDER)
     assert all((PACKAGE / name / "__init__.py").is_file() for name in found)
@@ -87,14 +87,14 @@ def test_no_pickle_no_eval(path: Path) -> None:
     }
 
 
-def test_tests_mirror_the_tree():
+def test_tests_mirror_the_tree() -> None:
     tests = Path(__file__).parent
     for path in tests.rglob("test_*.py"):
         where = path.relative_to(tests).parts
         assert len(where) == 1 or where[0] in ORDER, f"{path} mirrors no folder"
 
 
-def test_help_loads_nothing_heavy():
+def test_help_loads_nothing_heavy() -> None:
     code = (
         "import sys\n"
         "from inertialcal.cli.__main__ import main\n"
@@ -105,7 +105,7 @@ def test_help_loads_nothing_heavy():
     assert done.stdout.rstrip().endswith("LOADED []")
 
 
-def test_importing_the_package_loads_nothing_heavy():
+def test_importing_the_package_loads_nothing_heavy() -> None:
     code = f"import sys, inertialcal\nprint([name for name in {HEAVY!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "[]"

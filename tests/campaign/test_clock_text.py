@@ -7,7 +7,7 @@ import pytest
 from inertialcal.campaign.clock_text import read_instant
 
 
-def test_text_and_number_are_the_same_instant():
+def test_text_and_number_are_the_same_instant() -> None:
     assert read_instant("2010-04-28T15:10:00Z") == read_instant(1272467400) == 1272467400 * 10**9
     assert read_instant("2010-04-28T17:10:00+02:00") == read_instant(1272467400.0)
     assert read_instant("1970-01-01T00:00:00.000001Z") == 1000

@@ -16,7 +16,7 @@ def at(text: str, deg_s: float) -> bool:
     return parse_condition(text).holds({"rate": math.radians(deg_s)})
 
 
-def test_comparisons_convert_units():
+def test_comparisons_convert_units() -> None:
     assert at("abs(rate) >= 0.1 deg/s", -0.2)
     assert not at("abs(rate) >= 0.1 deg/s", 0.05)
     assert at("rate > 1 deg/s and rate < 3 deg/s", 2.0)
@@ -25,7 +25,7 @@ def test_comparisons_convert_units():
     assert at("", 1.0)
 
 
-def test_the_limit_itself_holds_whatever_the_rounding():
+def test_the_limit_itself_holds_whatever_the_rounding() -> None:
     assert at("abs(rate) >= 0.1 deg/s", 0.1)
     assert at("abs(rate) <= 0.1 deg/s", -0.1)
     assert not at("abs(rate) > 0.1 deg/s", 0.1)

@@ -26,7 +26,7 @@ def reduced(error: float, seed: int) -> Reduced:
     """A unit whose scale factor error is the same at every rate."""
     truth = Truth(np.eye(3) * (1.0 + error), run_scale_std=2e-3, axes=("x",))
     result = reduce(PLAN, simulate(PLAN, truth, np.random.default_rng(seed)))
-    return Reduced(ENTRY, result, result.rows())
+    return Reduced(ENTRY, result, ())
 
 
 def overall(error: float, seed: int, **given: object) -> str:
@@ -102,3 +102,9 @@ def test_a_false_fail_is_no_more_frequent_than_stated(error: float) -> None:
 def test_false_verdicts_long(error: float, word: str) -> None:
     count = sum(overall(error, seed, of="expected") == word for seed in range(1, 1001))
     assert binomial_interval(count, 1000)[0] <= RISK
+
+
+def test_an_axis_that_was_not_turned_is_no_pass() -> None:
+    verdicts, _ = judge(requirement(), [reduced(0.0, 1)])
+    assert {v.axis: v.verdict for v in verdicts if v.at is None} == {"y": "INCONCLUSIVE", "z": "INCONCLUSIVE"}
+    assert worst(verdicts) == "INCONCLUSIVE"

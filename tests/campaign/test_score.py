@@ -153,17 +153,11 @@ def test_coverage_of_the_rig() -> None:
 
 
 @pytest.mark.slow
-def test_coverage_of_the_rig_as_it_is_long() -> None:
-    assert not failures(score_rig("rate_table", 1000))
-
-
-@pytest.mark.slow
-@pytest.mark.parametrize(("tilt_deg", "walk"), [(-36.4, WALK), (0.0, 0.0)], ids=["random walk", "level table"])
-def test_coverage_with_balanced_standards_long(tilt_deg: float, walk: float) -> None:
-    bench = replace(BENCH, tilt_deg=tilt_deg, u_tilt_deg=3.0)
+def test_coverage_with_balanced_standards_long() -> None:
+    bench = replace(BENCH, u_tilt_deg=3.0)
 
     def make(seed: int) -> Twin:
         unit = draw_gyro(bench.inverted, np.random.default_rng([seed, 1]))
-        return rate_table.build(bench, seed, replace(unit, walk=walk))
+        return rate_table.build(bench, seed, replace(unit, walk=WALK))
 
     assert not failures(coverage(make, 1000))

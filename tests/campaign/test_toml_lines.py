@@ -39,7 +39,7 @@ windows = [["a", "b"],
 '''
 
 
-def test_lines_of_a_document_with_everything():
+def test_lines_of_a_document_with_everything() -> None:
     lines = key_lines(TEXT)
     assert lines[("schema",)] == 1
     assert lines[("campaign", "id")] == 3
@@ -53,7 +53,7 @@ def test_lines_of_a_document_with_everything():
     assert lines[("tests", 1, "windows", 1, 0)] == 25
 
 
-def test_nearest_line_goes_up_to_what_stands_there():
+def test_nearest_line_goes_up_to_what_stands_there() -> None:
     lines = key_lines(TEXT)
     assert nearest_line(lines, ("tests", 1, "plan", "axis")) == 21
     assert nearest_line(lines, ("nowhere",)) is None

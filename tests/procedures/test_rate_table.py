@@ -78,7 +78,7 @@ def test_published_fits_are_reproduced(appendix, name, axis, column, slope, inte
     assert zero.value == pytest.approx(intercept, abs=INTERCEPT_Y if axis == "y" else INTERCEPT)
 
 
-def test_published_standard_errors_are_reproduced_within_four_percent():
+def test_published_standard_errors_are_reproduced_within_four_percent() -> None:
     # Appendix E1: slope 2.09496e-4, intercept 4.11762e-4
     result = reduce(Plan(axis="x", scale_factor=IDEAL), table("table10_x", "x", "minus_ref"))
     slope_u, zero_u = (row(result, name, "x", "as_published").u for name in ("scale_factor", "intercept"))
@@ -88,7 +88,7 @@ def test_published_standard_errors_are_reproduced_within_four_percent():
     assert zero_u == pytest.approx(4.11762e-4, rel=0.04)
 
 
-def test_wild_scatter_of_table_10_is_left_out_and_both_results_are_shown():
+def test_wild_scatter_of_table_10_is_left_out_and_both_results_are_shown() -> None:
     readings = table("table10_x", "x", "minus_ref")
     plan = Plan(axis="x", scale_factor=IDEAL, input_range=(-np.radians(5.0), np.radians(5.0)))
     result = reduce(plan, readings)
@@ -109,7 +109,7 @@ def test_wild_scatter_of_table_10_is_left_out_and_both_results_are_shown():
     assert np.radians(published) == pytest.approx(0.49994, abs=1e-5)
 
 
-def test_cross_axis_fits_that_are_not_printed_are_named():
+def test_cross_axis_fits_that_are_not_printed_are_named() -> None:
     result = reduce(Plan(axis="x"), table("table10_x", "x", "minus_ref"))
     for axis in ("yx", "zx"):
         found = row(result, "misalignment", axis)
@@ -122,7 +122,7 @@ def straight_readings(rates: np.ndarray, slope: float, zero: float, noise: np.nd
     return Readings(**(values | more))  # type: ignore[arg-type]
 
 
-def test_line_through_exact_readings_is_exact():
+def test_line_through_exact_readings_is_exact() -> None:
     rates = np.array([-2.0, -1.0, 0.0, 1.0, 2.0])
     result = reduce(Plan(axis="x"), straight_readings(rates, 1.01, 0.003, np.zeros(5)))
     estimate = result.estimate
@@ -132,7 +132,7 @@ def test_line_through_exact_readings_is_exact():
     assert estimate.value("scale_factor_asymmetry_x") == pytest.approx(0.0, abs=1e-12)
 
 
-def test_asymmetry_is_the_difference_of_the_two_scale_factors_over_their_mean():
+def test_asymmetry_is_the_difference_of_the_two_scale_factors_over_their_mean() -> None:
     rates = np.array([-2.0, -1.0, 0.0, 1.0, 2.0, 3.0])
     reading = np.where(rates > 0, 1.02 * rates, 0.98 * rates)
     result = reduce(Plan(axis="x"), Readings(rates, np.full(6, "x"), {"x": reading}))
@@ -140,14 +140,14 @@ def test_asymmetry_is_the_difference_of_the_two_scale_factors_over_their_mean():
     assert result.estimate.value("scale_factor_asymmetry_x") == pytest.approx((1.02 - 0.98) / 1.0)
 
 
-def test_reading_too_much_is_positive():
+def test_reading_too_much_is_positive() -> None:
     rates = np.array([-1.0, -0.5, 0.5, 1.0])
     result = reduce(Plan(axis="x"), straight_readings(rates, 1.05, 0.0, np.zeros(4)))
     errors = rate_errors(result.plan, result.readings, result.lines["x"])
     assert [error.error for error in errors] == pytest.approx([0.05] * 4)
 
 
-def test_matrix_entry_zx_is_what_the_z_sensor_reads_of_x_motion():
+def test_matrix_entry_zx_is_what_the_z_sensor_reads_of_x_motion() -> None:
     matrix = np.eye(3)
     matrix[2, 0] = 0.0129
     truth = Truth(matrix, sample_std=0.0, dwell_std=1e-9, run_bias_std=1e-9, run_scale_std=0.0)
@@ -174,14 +174,14 @@ def test_shift_and_scale_of_the_readings(seed, shift, scale):  # type: ignore[no
     assert two.u[0] == pytest.approx(scale * one.u[0], rel=1e-9)
 
 
-def test_only_one_sense_of_rotation_leaves_asymmetry_not_estimated():
+def test_only_one_sense_of_rotation_leaves_asymmetry_not_estimated() -> None:
     rates = np.array([1.0, 2.0, 3.0, 4.0])
     result = reduce(Plan(axis="x"), straight_readings(rates, 1.0, 0.0, np.array([1e-4, -1e-4, 1e-4, -1e-4])))
     found = row(result, "scale_factor_asymmetry", "x")
     assert (found.status, found.reason) == ("not_estimated", "needs both senses of rotation and three rates or more")
 
 
-def test_levels_that_were_not_repeated_are_named():
+def test_levels_that_were_not_repeated_are_named() -> None:
     rates = np.array([-2.0, -1.0, 1.0, 2.0])
     result = reduce(Plan(axis="x"), straight_readings(rates, 1.0, 0.0, np.array([1e-4, -2e-4, 1e-4, 0.0])))
     assert row(result, "scatter_sample", "x").reason == "the scatter within the dwells was not given"
@@ -190,13 +190,13 @@ def test_levels_that_were_not_repeated_are_named():
     assert {"no_runs", "relative_to_fixture"} <= {remark.code for remark in result.remarks}
 
 
-def test_as_many_dwells_as_coefficients_without_samples_has_no_uncertainty():
+def test_as_many_dwells_as_coefficients_without_samples_has_no_uncertainty() -> None:
     result = reduce(Plan(axis="x", asymmetry=False), straight_readings(np.array([-1.0, 1.0]), 1.0, 0.1, np.zeros(2)))
     assert result.estimate is None
     assert row(result, "bias", "x").reason == "no level of scatter was repeated or given"
 
 
-def test_few_runs_are_remarked():
+def test_few_runs_are_remarked() -> None:
     truth = Truth(runs=3)
     result = reduce(Plan(), simulate(Plan(), truth, np.random.default_rng(3)))
     assert any(remark.code == "few_runs" for remark in result.remarks)
@@ -204,19 +204,19 @@ def test_few_runs_are_remarked():
     assert np.ravel(result.estimate.components[0].dof)[0] == pytest.approx(2.0)
 
 
-def test_too_few_dwells_are_refused():
+def test_too_few_dwells_are_refused() -> None:
     with pytest.raises(DataError, match="no sensor can be reduced: x sensor: 1 dwells, need 2 or more"):
         reduce(Plan(axis="x"), straight_readings(np.array([1.0]), 1.0, 0.0, np.zeros(1)))
     with pytest.raises(DataError, match="no dwells"):
         reduce(Plan(axis="x"), straight_readings(np.zeros(0), 1.0, 0.0, np.zeros(0)))
 
 
-def test_one_rate_only_is_refused():
+def test_one_rate_only_is_refused() -> None:
     with pytest.raises(DataError, match="no sensor can be reduced"):
         reduce(Plan(axis="x"), straight_readings(np.full(5, 1.0), 1.0, 0.0, np.arange(5) * 1e-3))
 
 
-def test_table_rate_error_does_not_shrink_with_more_dwells():
+def test_table_rate_error_does_not_shrink_with_more_dwells() -> None:
     plan = Plan(standards={"rate_table.rate": Influence(5e-4)})
     for runs in (5, 40):
         result = reduce(plan, simulate(plan, Truth(runs=runs), np.random.default_rng(runs)))
@@ -224,7 +224,7 @@ def test_table_rate_error_does_not_shrink_with_more_dwells():
         assert result.estimate.u[result.estimate.index("scale_factor_error_x")] >= 5e-4
 
 
-def test_linearity_error_is_seen_when_it_is_there():
+def test_linearity_error_is_seen_when_it_is_there() -> None:
     rates = np.repeat(np.linspace(-4.0, 4.0, 9), 6)
     rng = np.random.default_rng(5)
     cubic = 1e-3 * (rates / 4.0) ** 3 * 4.0
@@ -238,7 +238,7 @@ def test_linearity_error_is_seen_when_it_is_there():
     assert hidden.status == "upper_limit"
 
 
-def test_resolution_is_the_lowest_rate_from_which_all_hold():
+def test_resolution_is_the_lowest_rate_from_which_all_hold() -> None:
     rates = np.array([-3.0, -2.0, -1.0, 1.0, 2.0, 3.0])
     found = resolution(rates, np.array([True, True, False, True, True, True]))
     assert (found.value, found.below) == (2.0, 1.0)
@@ -247,7 +247,7 @@ def test_resolution_is_the_lowest_rate_from_which_all_hold():
     assert resolution(rates, np.ones(6, dtype=bool)).below is None
 
 
-def test_a_single_reading_scatters_more_than_a_dwell_and_that_more_than_the_expected_error():
+def test_a_single_reading_scatters_more_than_a_dwell_and_that_more_than_the_expected_error() -> None:
     result = reduce(Plan(), simulate(Plan(), Truth(), np.random.default_rng(2)))
     us = [
         rate_errors(result.plan, result.readings, result.lines["x"], of)[0].u
@@ -312,11 +312,11 @@ def test_coverage(plan: Plan) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("plan", [Plan(), Plan(standards=STANDARDS)], ids=["type A", "type A and B"])
 def test_coverage_long(plan: Plan) -> None:
-    failed = {name: count for name, count in hits(2000, plan).items() if not covers(count, 2000)}
+    failed = {name: count for name, count in hits(1000, plan).items() if not covers(count, 1000)}
     assert not failed
 
 
-def test_dwell_mean_interval_holds_a_new_dwell_in_a_new_run():
+def test_dwell_mean_interval_holds_a_new_dwell_in_a_new_run() -> None:
     held, n = 0, 300
     for seed in range(1, n + 1):
         rng = np.random.default_rng(seed)

@@ -161,7 +161,21 @@ def _rate_errors(requirement: Requirement, about: Sequence[Tested]) -> tuple[lis
                 verdicts += [verdict for verdict, use in zip(judged, inside, strict=True) if use]
                 verdicts += _untested_sense(requirement, one.test.id, sensor, [e.applied for e in errors], condition)
                 rows += _resolution_rows(requirement, one.test, sensor, errors, judged)
-    return verdicts, rows
+    return [*verdicts, *_unturned(requirement, about, {verdict.axis for verdict in verdicts})], rows
+
+
+def _unturned(requirement: Requirement, about: Sequence[Tested], judged: set[str]) -> list[Verdict]:
+    """Return INCONCLUSIVE for each axis of the unit that the requirement is about and no test has turned."""
+    sensors = dict.fromkeys(
+        s for one in about if isinstance(one.result, rate_table.Result) for s in one.result.readings.sensors
+    )
+    limits = _limits(requirement, "1")
+    return [
+        Verdict(requirement.id, "", axis, None, requirement.of, None, None, "1", None, *limits, "INCONCLUSIVE", reason)
+        for axis in sensors
+        if axis not in judged and requirement.axis in (None, axis)
+        for reason in [f"the unit was not turned about {axis}"]
+    ]
 
 
 def _untested_sense(

@@ -96,10 +96,10 @@ def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
     parts = []
     for name in ("PASS", "FAIL", "INCONCLUSIVE", "OPEN"):
         at = [one for one in verdicts if one["verdict"] == name]
-        if at and at[0]["at"] is not None:
-            parts.append(f"{name} at {_rates(at)}")
-        elif at:
-            parts.append(at[0]["reason"])
+        rated = [one for one in at if one["at"] is not None]
+        if rated:
+            parts.append(f"{name} at {_rates(rated)}")
+        parts += [one["reason"] for one in at if one["at"] is None]
     return word, "; ".join(part for part in parts if part)
 
 
