@@ -10,10 +10,10 @@ demo: $(READY)  ## the published campaign of three rate gyros, end to end
 	$(BIN)/inertialcal demo
 
 test: $(READY)  ## the default suite
-	$(BIN)/python -m pytest -m "not slow" --durations=20
+	$(BIN)/python -m pytest -m "not slow and not bench" --durations=20
 
 slow: $(READY)  ## long coverage runs
-	$(BIN)/python -m pytest -m slow --durations=20
+	$(BIN)/python -m pytest -m "slow and not bench" --durations=20
 
 check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff format --check src tests
@@ -22,7 +22,7 @@ check: $(READY)  ## format, lint, types, manual
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
 bench: $(READY)  ## speed as ratios against named peers
-	$(BIN)/python -m pytest --benchmark-only -q tests
+	$(BIN)/python -m pytest -m bench -q -s tests
 
 docs: $(READY)
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs

@@ -1,10 +1,8 @@
 from __future__ import annotations
 
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -228,28 +226,6 @@ def test_other_than_three_sensors_take_the_plain_path_at_any_length() -> None:
         expected = compensate(model, r, **given_)
         with compiled_from(1):
             np.testing.assert_array_equal(compensate(model, r, **given_), expected)
-
-
-@pytest.mark.slow
-def test_ten_million_rows_take_less_than_three_times_their_reading(tmp_path: Path) -> None:
-    """Best of three each; the first call, which compiles, is not counted."""
-    import pyarrow as pa
-    import pyarrow.parquet as pq
-
-    n = 10_000_000
-    r = np.random.default_rng(0).normal(0.0, 1.0, (n, 3))
-    pq.write_table(pa.table({axis: r[:, i] for i, axis in enumerate("xyz")}), tmp_path / "r.parquet")
-    flight = replace(flight_unit().models["corrected"], bias_temperature=None)
-    compensate(flight, r)
-    reading, compensating = [], []
-    for _ in range(3):
-        start = time.perf_counter()
-        pq.read_table(tmp_path / "r.parquet")
-        reading.append(time.perf_counter() - start)
-        start = time.perf_counter()
-        compensate(flight, r)
-        compensating.append(time.perf_counter() - start)
-    assert min(compensating) < 3.0 * min(reading)
 
 
 def test_one_sensor_by_hand() -> None:

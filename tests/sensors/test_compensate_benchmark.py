@@ -70,13 +70,13 @@ def file(readings: Array, tmp_path_factory: pytest.TempPathFactory) -> Path:
     return path
 
 
-@pytest.mark.slow
+@pytest.mark.bench
 @pytest.mark.parametrize("case", WITHIN)
 def test_compensating_takes_at_most_three_times_reading(benchmark: Any, case: str, readings: Array, file: Path) -> None:
     assert ratio(benchmark, case, WITHIN[case], readings, file) <= LIMIT
 
 
-@pytest.mark.slow
+@pytest.mark.bench
 @pytest.mark.parametrize("case", REPORTED)
 def test_time_of_what_takes_more_work_a_row(benchmark: Any, case: str, readings: Array, file: Path) -> None:
     assert ratio(benchmark, case, REPORTED[case], readings, file) > 0.0

@@ -443,7 +443,7 @@ class TestRealRecordings:
         found = detect(counts, time_ns, plan=Detection(false_alarm=false_alarm))
         assert len(static_intervals(found, min_duration=1.5)) == 38
 
-    @pytest.mark.slow
+    @pytest.mark.bench
     def test_xsens_takes_less_than_50_ms(self, shared: Path) -> None:
         _, counts = self.xsens(shared)
         assert best_time(lambda: static_intervals(detect(counts, sample_interval=0.01)), 20) < 0.05
@@ -469,7 +469,7 @@ class TestRealRecordings:
         assert still(detect(gyro)) == [(0, len(gyro))]
 
 
-@pytest.mark.slow
+@pytest.mark.bench
 def test_a_million_samples_of_three_channels_take_less_than_a_second() -> None:
     rng = np.random.default_rng(1)
     x = rng.normal(size=(1_000_000, 3)) + np.repeat(50.0 * rng.normal(size=(1000, 1)), 1000, axis=0)
