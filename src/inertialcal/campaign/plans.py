@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
+from functools import cache
 from typing import Any, get_args, get_type_hints
 
 from pydantic import ConfigDict, Field, ValidationError, create_model
@@ -38,6 +39,7 @@ def plan_values(procedure: str, given: dict[str, Any], where: str) -> tuple[dict
     return {name: _value(getattr(read, name), plan, name) for name in given}, []
 
 
+@cache
 def _model(plan: Any) -> Any:
     """Return the pydantic model of a dataclass of settings."""
     settings = plan_settings(plan)

@@ -15,7 +15,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -227,7 +227,7 @@ def _resolution_rows(
         keep = known if condition != "as_published" else np.ones_like(known)
         found = rate_table.resolution(rates[keep], holds[keep])
         row = _resolution_row(found, sensor, condition, requirement)
-        yield Row(**{**row.__dict__, "test": test.id})
+        yield replace(row, test=test.id)
 
 
 def _resolution_row(found: rate_table.Resolution, sensor: str, condition: str, requirement: Requirement) -> Row:

@@ -6,7 +6,7 @@ reference); applied rates in ``rows.applied_unit``, or that same unit.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
@@ -173,7 +173,7 @@ def _chosen(source: _Source, test: Test, readings: Readings) -> Readings:
             first = chosen.where[int(np.flatnonzero(missing)[0])]
             what = f"{axis} sensor: empty cells, taken as not read"
             remarks.append(Remark("empty_cells", "info", what, first, int(missing.sum())))
-    return Readings(**{**chosen.__dict__, "remarks": tuple(remarks)})
+    return replace(chosen, remarks=tuple(remarks))
 
 
 def _group(source: _Source, readings: Readings) -> NDArray[Any]:

@@ -126,6 +126,7 @@ def known_units() -> tuple[str, ...]:
     return tuple(by_symbol())
 
 
+@lru_cache(_REMEMBERED)
 def parse_quantity(text: str) -> Quantity:
     """Return the quantity that a text gives, number first.
 

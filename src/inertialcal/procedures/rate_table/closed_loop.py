@@ -26,10 +26,10 @@ Errors of the table that are the same in fit and judgement cancel: the loop says
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy import stats
+from scipy import special
 
 from ...core.estimate import Array
 from ...statistics.decision import holm
@@ -246,7 +246,7 @@ def _p_rival(view: _View, find: Find) -> float:
     variance += 4.0 * float(moved @ one.covariance @ moved)
     if not (np.isfinite(variance) and variance > 0.0):
         return 1.0
-    return float(stats.t.sf(gain / np.sqrt(variance), dof))
+    return float(special.stdtr(dof, -gain / np.sqrt(variance)))
 
 
 def _p_worse(one: AxisLoop) -> float:
@@ -261,16 +261,16 @@ def _p(size: float, one: AxisLoop) -> float:
     """Probability of so negative a size or less, if its expectation were zero."""
     if not (np.isfinite(one.u) and one.u > 0.0):
         return 1.0
-    return float(stats.t.cdf(size / one.u, one.dof))
+    return float(special.stdtr(one.dof, size / one.u))
 
 
 def _judged(one: AxisLoop, worse: bool, better: bool, rival: str) -> AxisLoop:
     if rival:
         reason = f"{rival} does better on readings held out: the model is mixed up"
-        return AxisLoop(**(one.__dict__ | {"verdict": "FAIL", "reason": reason}))
+        return replace(one, verdict="FAIL", reason=reason)
     if worse:
         reason = "worse on readings held out, beyond the uncertainty of the model"
-        return AxisLoop(**(one.__dict__ | {"verdict": "FAIL", "reason": reason}))
+        return replace(one, verdict="FAIL", reason=reason)
     if better:
-        return AxisLoop(**(one.__dict__ | {"verdict": "PASS"}))
-    return AxisLoop(**(one.__dict__ | {"reason": "not shown better, nor worse, on readings held out"}))
+        return replace(one, verdict="PASS")
+    return replace(one, reason="not shown better, nor worse, on readings held out")

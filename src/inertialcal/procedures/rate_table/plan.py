@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
@@ -165,7 +166,7 @@ class Readings:
             where=tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else (),
         )
 
-    @property
+    @cached_property
     def runs(self) -> int:
         """Number of runs that can be told apart; 0 where none is given."""
         return 0 if self.run is None or np.all(self.run == "") else len(np.unique(self.run))
