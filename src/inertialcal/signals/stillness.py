@@ -1,9 +1,8 @@
-"""Disturbances in a recording of a sensor at rest: stretches that its own noise does not explain.
+"""Rest and its disturbances: a selection from the one detector of still and moving stretches (``segments``).
 
-Level and scatter are taken per block (median and median absolute deviation), so that a slow drift is no
-disturbance and a short disturbance does not hide itself. Samples further from the level than seven standard
-deviations belong to a disturbance if at least five of them lie within a block length of each other; a
-single spike is none.
+A moving stretch, or a short still one at another level, counts as a disturbance if at least five of its samples lie
+further from the level around it than five standard deviations of the noise at rest; a single spike is none, nor is a
+slow drift. A record of which too little is still, or whose level steps too often, is not at rest.
 """
 
 from __future__ import annotations
@@ -13,14 +12,15 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..core.estimate import Array
+from .segments import Detection, detect
 
-BLOCKS = 60
-SMALLEST_BLOCK = 50  # samples
-SIGMAS = 7.0
+SHORTEST = 200  # samples from which rest can be told
+SIGMAS = 5.0
+LONG = 0.02  # part of the record from which a still stretch is rest and not part of a disturbance
 FEWEST = 5  # samples of a disturbance
-MAD_TO_SIGMA = 1.4826
-QUIET = 0.25  # quantile of the blocks' scatter that stands for the noise at rest
-MOVING_SHARE = 0.25  # share of blocks off the common level or scatter from which nothing is at rest
+STILL_SHARE = 0.75  # least part of a record at rest that is still
+MOST_STEPS = 3  # of the level
+PLAN = Detection(false_alarm=1e-3)
 
 
 @dataclass(frozen=True)
@@ -50,29 +50,23 @@ def judge(values: Array, floor: float = 0.0) -> Stillness | None:
     floor : float
         Smallest standard deviation that the noise may have: the resolution step.
     """
-    size = max(SMALLEST_BLOCK, len(values) // BLOCKS)
-    count = len(values) // size
-    if count < 4:
+    if len(values) < SHORTEST:
         return None
-    blocks = values[: count * size].reshape(count, size)
-    level = np.median(blocks, axis=1)
-    scatter = MAD_TO_SIGMA * np.median(np.abs(blocks - level[:, None]), axis=1)
-    sigma = max(float(np.quantile(scatter, QUIET)), floor)
-    if sigma == 0.0:
+    found = detect(values, plan=PLAN)
+    sigma = max(float(found.noise.scale[0]), floor)
+    length = found.stop - found.start
+    still = np.flatnonzero(found.still & (length >= LONG * len(values)))
+    hidden = bool(found.noise.step[0] > 0.0 and not found.noise.live[0])
+    if sigma == 0.0 or (hidden and floor == 0.0):
         return None
-    residual = np.abs(values - np.interp(np.arange(len(values)), (np.arange(count) + 0.5) * size, level))
-    stretches = _stretches(residual > SIGMAS * sigma, size)
-    # A step of the level within one block is motion; a drift moves less than the noise from block to block.
-    moved = (scatter > 3.0 * sigma) | (np.abs(np.diff(level, prepend=level[0])) > SIGMAS * sigma)
-    found = tuple(Disturbance(a, b, float(residual[a : b + 1].max()) / sigma) for a, b in stretches)
-    return Stillness(bool(moved.mean() < MOVING_SHARE), found)
-
-
-def _stretches(outside: np.ndarray[tuple[int], np.dtype[np.bool_]], reach: int) -> list[tuple[int, int]]:
-    """First and last index of each group of marked samples no further apart than ``reach``."""
-    at = np.flatnonzero(outside)
-    if not len(at):
-        return []
-    cuts = np.flatnonzero(np.diff(at) > reach) + 1
-    groups = np.split(at, cuts)
-    return [(int(group[0]), int(group[-1])) for group in groups if len(group) >= FEWEST]
+    if not len(still):
+        return Stillness(False, ())
+    level = np.interp(np.arange(len(found)), still, found.level[still, 0])
+    disturbances = []
+    for i in np.setdiff1d(np.arange(len(found)), still):
+        far = np.abs(values[found.start[i] : found.stop[i]] - level[i])
+        if np.sum(far > SIGMAS * sigma) >= FEWEST:
+            disturbances.append(Disturbance(int(found.start[i]), int(found.stop[i]) - 1, float(far.max()) / sigma))
+    steps = int(np.sum(np.abs(np.diff(found.level[still, 0])) > SIGMAS * sigma))
+    share = float(np.sum(length[still])) / len(values)
+    return Stillness(share >= STILL_SHARE and steps <= MOST_STEPS, tuple(disturbances))
