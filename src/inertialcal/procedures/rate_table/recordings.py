@@ -139,7 +139,7 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         dwells, applied = _cut(plan, one, signal, recording.time_ns)
     except DataError as error:
         raise DataError([replace(problem, where=place) for problem in error.problems]) from None
-    dwells, applied, lost, remarks = _complete(plan, dwells, applied, _lost(plan, one, dwells), place)
+    dwells, applied, lost, remarks = _complete(plan, dwells, applied, _lost(plan, one, signal, dwells), place)
     remarks += [
         Remark("sensor_invalid", "warning", f"{s} sensor: no valid sample", place) for s in there if s not in names
     ]
@@ -191,9 +191,9 @@ def _rounded(rates: ArrayLike) -> Array:
     return np.array([float(f"{rate:.12g}") for rate in np.ravel(np.asarray(rates, dtype=float))])
 
 
-def _lost(plan: Plan, one: Turned, dwells: list[Dwell]) -> Array:
+def _lost(plan: Plan, one: Turned, signal: Array, dwells: list[Dwell]) -> Array:
     """Rates that were commanded where not one sample is valid [rad/s]: no dwell is left of them."""
-    if one.rates is not None or one.recording.time_ns is None:
+    if one.rates is not None or one.recording.time_ns is None or np.isfinite(signal).all():
         return np.zeros(0)
     commanded = one.recording.array([APPLIED])[:, 0]
     every = dwells_by_reference(commanded, commanded, one.recording.time_ns, tolerance=plan.applied_tolerance)
