@@ -286,7 +286,7 @@ def test_every_key_of_the_results_is_documented(results: dict[str, Any]) -> None
 
 def test_every_file_of_out_is_documented(example: Path) -> None:
     page, out = (DOCS / "results.md").read_text(encoding="utf-8"), example / "out"
-    assert set(rows_after(page, "Results: what `run` writes")) == set(os.listdir(out))
+    assert set(rows_after(page, "Results: what a run writes")) == set(os.listdir(out))
     record = json.loads((out / "provenance.json").read_text(encoding="utf-8"))
     assert set(rows_after(page, "provenance.json")) == set(record)
 
