@@ -261,7 +261,7 @@ def test_every_setting_of_a_plan_is_documented(procedure: str) -> None:
 def example(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("manual") / "example"
     with contextlib.redirect_stdout(io.StringIO()), pytest.raises(SystemExit):
-        main(["demo", str(folder), "--quiet"])
+        main(["demo", "npsat2011", "-o", str(folder), "--quiet"])
     return folder
 
 

@@ -208,10 +208,27 @@ def test_demo_ends_with_zero_and_uses_its_own_copy(
     assert status == 0
     assert "overall: INCONCLUSIVE" in out
     assert (tmp_path / "inertialcal-demo/out/results.json").is_file()
-    assert call(capsys, "demo")[0] == 0
+    assert "misalignment            zy" in out  # the simulated one, all of the matrix beside its truth
+    assert "stated 95 % intervals hold the truth" in out
+    assert (tmp_path / "inertialcal-demo-rate_table/out/results.json").is_file()
+    assert call(capsys, "demo", "npsat2011")[0] == 0
     (tmp_path / "other").mkdir()
     (tmp_path / "other/file").write_text("mine")
-    assert call(capsys, "demo", "other")[0] == 2
+    assert call(capsys, "demo", "-o", "other")[0] == 2
+    status, _, err = call(capsys, "demo", "other")
+    assert status == 2
+    assert "no example 'other'" in err
+    assert "rate_table" in err
+
+
+def test_demo_of_a_rig_alone_says_how_many_intervals_hold(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    content = call_json(capsys, "demo", "rate_table")
+    assert content["example"] == "rate_table"
+    assert 0 < content["score"]["inside"] <= content["score"]["estimated"]
+    assert not (tmp_path / "inertialcal-demo").exists()
 
 
 def test_init_writes_a_file_that_check_accepts_once_filled(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

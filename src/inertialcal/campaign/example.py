@@ -1,4 +1,4 @@
-"""The examples that ship with the package."""
+"""The examples: published campaigns that ship with the package, and simulated ones that are made."""
 
 from __future__ import annotations
 
@@ -7,14 +7,71 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from ..core.errors import StoreError, UsageError
-from .load import FILE
+from ..rigs import RIGS
+from .load import FILE, load
 from .publish import OUT
+from .twin import TRUTH, simulate
 
 
 def examples() -> list[str]:
     """Return the names of the examples."""
     root = files("inertialcal") / "examples"
     return sorted(entry.name for entry in root.iterdir() if (entry / FILE).is_file())
+
+
+DEMONSTRATED = ("npsat2011", "rate_table")  # what `demo` shows where nothing is named
+SEED = 1996  # of the simulated ones
+
+
+def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
+    """Return which examples to show, each with the folder it goes to: `target`, or `target` and its name.
+
+    Parameters
+    ----------
+    name : str
+        Of an example or a rig; empty for the first of each.
+    target : path
+        Folder of the first.
+
+    Raises
+    ------
+    UsageError
+        If there is none of that name.
+    """
+    known = [*examples(), *RIGS]
+    if name and name not in known:
+        raise UsageError(f"no example {name!r}", do=f"There are: {', '.join(known)}. A folder is given by -o")
+    wanted = (name,) if name else DEMONSTRATED
+    return [(one, target if one == DEMONSTRATED[0] else target.with_name(f"{target.name}-{one}")) for one in wanted]
+
+
+def build(name: str, target: Path) -> Path:
+    """Copy a published example, or simulate a rig, into a folder; return the folder.
+
+    Raises
+    ------
+    UsageError, StoreError
+        As `copy_example`.
+    """
+    if name in examples():
+        return copy_example(name, target)
+    if (target / FILE).is_file():
+        return target
+    return simulate(name, target, SEED).folder
+
+
+def has_truth(folder: Path) -> bool:
+    """Tell whether the truth of a campaign lies beside it."""
+    return (folder / TRUTH).is_file()
+
+
+def title(name: str) -> str:
+    """Return one line on an example, as its campaign file has it."""
+    if name in RIGS:
+        return f"a simulated campaign of the rig {name}, seed {SEED}"
+    with as_file(files("inertialcal") / "examples" / name) as source:
+        campaign = load(source).file.campaign
+    return f"{campaign.title} ({campaign.source})"
 
 
 def copy_example(name: str, target: Path) -> Path:
@@ -34,7 +91,7 @@ def copy_example(name: str, target: Path) -> Path:
     if (target / FILE).is_file():
         return target
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
-        raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo FOLDER")
+        raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo -o FOLDER")
     try:
         with as_file(files("inertialcal") / "examples" / name) as source:
             shutil.copytree(source, target, ignore=shutil.ignore_patterns(OUT, ".out*"), dirs_exist_ok=True)

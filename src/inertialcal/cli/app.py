@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, models, recordings, twins
+from . import campaigns, demos, models, recordings, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -39,7 +39,7 @@ app.command("rate-table")(recordings.rate_table)
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)
-app.command("demo")(campaigns.demo)
+app.command("demo")(demos.demo)
 app.command("show")(models.show)
 app.command("compensate")(models.compensate)
 app.command("convert")(models.convert)

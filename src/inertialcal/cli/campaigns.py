@@ -22,18 +22,20 @@ def run(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
         outcome = run_campaign(folder, tell)
     found(outcome.exit_status)
     if as_json:
-        _json("run", outcome)
+        json_out("run", outcome_content(outcome), outcome.exit_status)
     elif not quiet:
-        _print_outcome(outcome)
+        print_outcome(outcome)
     return outcome.exit_status
 
 
-def _json(command: str, outcome: Any) -> None:
+def outcome_content(outcome: Any) -> dict[str, Any]:
+    """Return what ``--json`` says of a run."""
     inputs = [{"path": path, "sha256": digest} for path, digest in sorted(outcome.inputs.items())]
-    json_out(command, {"inputs": inputs} | outcome.results | {"changed": outcome.changed}, outcome.exit_status)
+    return {"inputs": inputs} | outcome.results | {"changed": outcome.changed}
 
 
-def _print_outcome(outcome: Any) -> None:
+def print_outcome(outcome: Any) -> None:
+    """Print figures, remarks, closed loop and verdicts of a run."""
     from .summary import closed_loop_text, remarks_text, results_text, verdicts_text
 
     results = outcome.results
@@ -89,27 +91,4 @@ def init(
             print(wrapped(str(remark), "    "))
         print(f"written: {path}")
         print(f"fill in the {len(marked)} lines marked FILL IN, then: inertialcal check {folder}")
-    return 0
-
-
-def demo(
-    target: Annotated[Path, typer.Argument(help="Where to put the example.", show_default=True)] = Path(
-        "inertialcal-demo"
-    ),
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> int:
-    """Copy the published campaign of a satellite's three rate gyros here, and run it."""
-    from ..campaign.example import copy_example
-    from ..campaign.run import run as run_campaign
-
-    folder = copy_example("npsat2011", target)
-    if not as_json and not quiet:
-        print(f"the rate transfer test of Badescu (NPS, 2011), Tables 9-11, in {folder}", file=sys.stderr)
-    with progress(quiet or as_json) as tell:
-        outcome = run_campaign(folder, tell)
-    if as_json:
-        _json("demo", outcome)
-    elif not quiet:
-        _print_outcome(outcome)
     return 0

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -65,12 +65,22 @@ def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
         counts = {"inside": found.inside, "estimated": found.estimated, "known": len(found.rows)}
         json_out("score", {"results": list(found.rows)} | truth | counts)
     elif not quiet:
-        heads = ["test", "quantity", "axis", "estimate ± u", "truth", "unit", "inside"]
-        print(table([_cells(row) for row in found.rows], heads))
-        print(f"\n{found.inside} of {found.estimated} stated 95 % intervals hold the truth")
-        if found.estimated < len(found.rows):
-            print(f"{len(found.rows) - found.estimated} not estimated")
+        print(truth_table(found.rows))
+        print(f"\n{held_text(found)}")
     return 0
+
+
+def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return estimates beside the truth, a line each."""
+    heads = ["test", "quantity", "axis", "estimate ± u", "truth", "unit", "inside"]
+    return table([_cells(row) for row in rows], heads)
+
+
+def held_text(found: Any) -> str:
+    """Say how many of the stated intervals hold the truth."""
+    missing = len(found.rows) - found.estimated
+    said = f"{found.inside} of {found.estimated} stated 95 % intervals hold the truth"
+    return f"{said}\n{missing} not estimated" if missing else said
 
 
 def _cells(row: Mapping[str, Any]) -> list[str]:

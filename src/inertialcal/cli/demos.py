@@ -1,0 +1,66 @@
+"""demo: an example built, run and, where its truth is known, scored; offline."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .campaigns import outcome_content, print_outcome
+from .options import Json, Quiet
+from .output import json_out
+from .progress import progress
+
+
+def demo(
+    rig: Annotated[
+        str, typer.Argument(help="Example: npsat2011 or rate_table; both where not given.", show_default=False)
+    ] = "",
+    output: Annotated[Path, typer.Option("--output", "-o", help="Where to put the published one.")] = Path(
+        "inertialcal-demo"
+    ),
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Build and run the examples: a published campaign of three gyros, and a simulated one, held against its truth."""
+    from ..campaign.example import demonstrations
+
+    content: dict[str, Any] = {}
+    for name, folder in demonstrations(rig, output):
+        content[name] = _one(name, folder, as_json, quiet)
+    if as_json:
+        first, *others = content.values()
+        json_out("demo", first | {"others": others})
+    return 0
+
+
+def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
+    """Build, run and score one example; return what ``--json`` says of it."""
+    from ..campaign.example import build, has_truth, title
+    from ..campaign.run import run as run_campaign
+    from ..campaign.score import score
+
+    built = build(name, folder)
+    if not as_json and not quiet:
+        print(f"{title(name)}, in {built}", file=sys.stderr)
+    with progress(quiet or as_json) as tell:
+        outcome = run_campaign(built, tell)
+    found = score(built) if has_truth(built) else None
+    if not as_json and not quiet:
+        print_outcome(outcome) if found is None else _print_scored(outcome, found)
+    scored = {} if found is None else {"score": {"inside": found.inside, "estimated": found.estimated}}
+    return {"example": name} | outcome_content(outcome) | scored
+
+
+def _print_scored(outcome: Any, found: Any) -> None:
+    """Print the model beside the truth, not every figure of every test."""
+    from .summary import closed_loop_text
+    from .twins import held_text, truth_table
+
+    print(f"\n{outcome.results['campaign']['title']}: the model that was found beside the truth that was simulated")
+    print(truth_table([row for row in found.rows if row["test"] == "model"]))
+    print(f"\n{held_text(found)}")
+    print(f"\n{closed_loop_text(outcome.results)}")
+    print(f"overall: {outcome.verdict}\n\nresults in {outcome.campaign.folder / 'out'}")
