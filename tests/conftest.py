@@ -3,11 +3,25 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+import shutil
+from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import pytest
+from hypothesis import settings
+
+from inertialcal.campaign.example import copy_example
+from inertialcal.campaign.run import run
+from inertialcal.campaign.twin import simulate
+from ran_campaigns import Ran, lossy_twin, ran
+
+if TYPE_CHECKING:
+    from playwright.sync_api import Browser
+
+settings.register_profile("house", deadline=None)  # a busy machine is no failure
+settings.load_profile("house")
 
 ROOT = Path(__file__).resolve().parent.parent
 
@@ -19,6 +33,20 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip(f"no recordings of others: {folder} is absent (set INERTIALCAL_SHARED)")
     return folder
+
+
+@pytest.fixture(scope="session")
+def need() -> Callable[[str], str]:
+    """Path of a program that tests need; absent, the test is skipped, or fails if INERTIALCAL_REQUIRE names it."""
+    required = os.environ.get("INERTIALCAL_REQUIRE", "").split(",")
+
+    def find(part: str) -> str:
+        path = shutil.which(part)
+        if path is None:
+            (pytest.fail if part in required else pytest.skip)(f"{part} is not installed")
+        return path
+
+    return find
 
 
 CAMPAIGN = """\
@@ -55,12 +83,12 @@ where = "abs(rate) >= 0.5 deg/s"
 def table() -> str:
     rng = np.random.default_rng(1)
     lines = ["rate,x,std,set,run"]
-    for run in range(1, 7):
+    for power_up in range(1, 7):
         offset = rng.normal(0.0, 0.002)
         for group in ("1", "2"):
             for rate in (-4.0, -2.0, -1.0, -0.5, 0.5, 1.0, 2.0, 4.0):
                 reading = 1.01 * rate + 0.01 + offset + rng.normal(0.0, 0.001)
-                lines.append(f"{rate},{reading:.6f},0.004,{group},{run}")
+                lines.append(f"{rate},{reading:.6f},0.004,{group},{power_up}")
     return "\n".join(lines) + "\n"
 
 
@@ -78,3 +106,52 @@ def campaign(tmp_path: Path) -> Callable[..., Path]:
         return tmp_path
 
     return write
+
+
+# Campaigns that were run: the published one, and a short simulated one with every kind of loss
+
+
+@pytest.fixture(scope="session")
+def published(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    folder = tmp_path_factory.mktemp("published") / "npsat2011"
+    example = ROOT / "src/inertialcal/examples/npsat2011"
+    shutil.copytree(example, folder, ignore=shutil.ignore_patterns("out"))
+    return ran(folder)
+
+
+@pytest.fixture(scope="session")
+def simulated(tmp_path_factory: pytest.TempPathFactory) -> Ran:
+    return ran(lossy_twin(tmp_path_factory.mktemp("simulated")))
+
+
+@pytest.fixture(params=["published", "simulated"])
+def campaign_ran(request: pytest.FixtureRequest) -> Ran:
+    """Each of the two in turn."""
+    found: Ran = request.getfixturevalue(request.param)
+    return found
+
+
+# A browser, and the reports that it looks at: of the published campaign, and of a simulated one with recordings
+
+
+@pytest.fixture(scope="session")
+def browser(need: Callable[[str], str]) -> Iterator[Browser]:
+    program = need("chromium")
+    from browsing import FLAGS
+    from playwright.sync_api import sync_playwright
+
+    with sync_playwright() as playwright:
+        started = playwright.chromium.launch(executable_path=program, args=list(FLAGS))
+        yield started
+        started.close()
+
+
+@pytest.fixture(scope="session")
+def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+    """Report of each campaign, its other results beside it."""
+    folder = tmp_path_factory.mktemp("reports")
+    copy_example("npsat2011", folder / "published")
+    simulate("rate_table", folder / "simulated", seed=1)
+    for name in ("published", "simulated"):
+        run(folder / name)
+    return {name: folder / name / "out" / "report.html" for name in ("published", "simulated")}

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .files.survey import survey as info
     from .files.table import read_table
     from .files.write import write
+    from .report.plot import plot
 
 __all__ = [
     "check",
@@ -32,6 +33,7 @@ __all__ = [
     "compensate",
     "info",
     "load_model",
+    "plot",
     "rate_table",
     "read",
     "read_table",
@@ -46,6 +48,7 @@ _HOMES = {
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),
     "load_model": ("campaign.models", "load_model"),
+    "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),
     "write": ("files.write", "write"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -89,8 +90,10 @@ def test_value_and_index_by_name() -> None:
 
 def test_as_text_and_as_frame() -> None:
     lines = str(estimate()).splitlines()
-    assert lines[0].split() == ["scale_factor", "0.5", "±", "0.0022", "V/(deg/s)", "(dof", "17.2)"]
-    assert len(lines) == 2
+    assert lines[0].startswith("2 value(s); uncertainty from: ")
+    assert lines[1].split() == ["name", "value", "±", "u", "unit", "dof"]
+    assert lines[2].split() == ["scale_factor", "0.5000", "±", "0.0022", "V/(deg/s)", "17.2"]
+    assert len(lines) == 4
     frame = estimate().to_frame()
     assert list(frame.index) == list(NAMES)
     assert list(frame.columns) == ["value", "u", "unit", "dof"]
@@ -126,3 +129,14 @@ def test_shapes_that_disagree(names: Any, values: Array, units: Any, words: str)
 def test_components_that_are_none(covariance: Array, dof: Array | float, words: str) -> None:
     with pytest.raises(DataError, match=f"drift: .*{words}"):
         estimate(Component("drift", "A", covariance, dof))
+
+
+def test_the_sources_own_uncertainty_stays_with_a_selection() -> None:
+    rate = replace(TABLE, stated=(5e-4, "1"))
+    chosen = estimate(SCATTER, rate).select(NAMES[:1])
+    assert [component.stated for component in chosen.components] == [None, (5e-4, "1")]
+
+
+def test_a_source_that_contributes_has_an_uncertainty_of_its_own() -> None:
+    with pytest.raises(DataError, match="table rate: contributes, but its own uncertainty is 0"):
+        estimate(replace(TABLE, stated=(0.0, "1")))

@@ -3,6 +3,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,7 @@ from inertialcal.files.model_json import checksum, dump_model, parse_model, read
 from inertialcal.sensors.assemble import model_from
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model import Item, Provenance, SensorModel
-from inertialcal.sensors.model_dict import to_dict
+from inertialcal.sensors.model_dict import from_dict, to_dict
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 
@@ -157,3 +158,18 @@ def test_mutated_files_never_raise_anything_else(data: st.DataObject) -> None:
 def test_write_leaves_nothing_beside(tmp_path: Path) -> None:
     write_model(tmp_path / "model.json", model())
     assert os.listdir(tmp_path) == ["model.json"]
+
+
+def test_the_own_uncertainty_of_a_source_is_kept_and_older_files_lack_it() -> None:
+    one = model()
+    assert one.estimate is not None
+    part = replace(one.estimate.components[0], kind="B", stated=(0.05, "%"))
+    stated = replace(one, estimate=replace(one.estimate, components=(part,)))
+    again = parse_model(dump_model(stated))
+    assert again.estimate is not None
+    assert again.estimate.components[0].stated == (0.05, "%")
+    older = to_dict(stated)
+    del older["estimate"]["components"][0]["stated"]
+    read = from_dict(older).estimate
+    assert read is not None
+    assert read.components[0].stated is None

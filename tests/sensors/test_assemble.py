@@ -79,3 +79,10 @@ def test_wrong_dimension_is_refused() -> None:
 def test_same_units_are_left_alone() -> None:
     one = estimate(("bias_x",), [1.0], ("rad/s",))
     assert in_units(one, ("rad/s",)) is one
+
+
+def test_the_own_uncertainty_of_a_source_stays_in_other_units() -> None:
+    part = Component("table rate", "B", np.eye(1), stated=(0.05, "%"))
+    found = in_units(Estimate(("bias_x",), np.array([1.0]), ("deg/s",), (part,)), ("rad/s",))
+    assert found.components[0].stated == (0.05, "%")
+    assert found.u[0] == pytest.approx(np.radians(1.0))

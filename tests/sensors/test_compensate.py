@@ -150,6 +150,7 @@ def compiled_from(rows: int) -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(module, "KERNEL_ROWS", rows)
         patch.setattr(module, "CHUNK", 7)
+        patch.setattr(module, "KERNEL_CHUNK", 7)
         yield
 
 
@@ -172,7 +173,7 @@ def test_compiled_loops_give_the_bits_of_the_plain_path(seed: int) -> None:
 @pytest.mark.parametrize("seed", range(3))
 def test_loops_without_the_compiler_give_the_same_bits(seed: int, monkeypatch: pytest.MonkeyPatch) -> None:
     loops = {name: loop for name, loop in vars(_kernels).items() if hasattr(loop, "py_func")}
-    assert len(loops) == 7
+    assert len(loops) == 10
     for name, loop in loops.items():
         monkeypatch.setattr(_kernels, name, loop.py_func)
     assert_compiled_gives_the_bits_of_the_plain_path(seed)
@@ -187,6 +188,66 @@ def test_compiled_loops_give_the_same_bits_with_any_number_of_threads(monkeypatc
         with compiled_from(1):
             found.append(compensate(model, r, **given_).tobytes())
     assert found[0] == found[1] == found[2]
+
+
+def test_missing_reading_does_not_spread_where_the_cross_term_is_zero_at_that_temperature() -> None:
+    """M = I + 1e-3 (T - 20) off the diagonal: at 20 degC each axis stands alone, one degree off it does not."""
+    k = 3
+    matrix = np.array([np.eye(k), 1e-3 * (1.0 - np.eye(k))])
+    model = SensorModel(
+        "gyro", ("x", "y", "z"), np.ones(k), "rad/s", matrix, np.zeros(k), reference_temperature=np.full(k, 20.0)
+    )
+    temperature = np.where(np.arange(40) % 3 == 0, 20.0, 21.0)
+    r = np.tile([1.0, np.nan, 2.0], (40, 1))
+    expected = np.where((temperature == 20.0)[:, np.newaxis], r, np.nan)
+    for rows_ in (1, 1000):
+        with compiled_from(rows_):
+            np.testing.assert_array_equal(compensate(model, r, temperature=temperature), expected)
+    for i in range(4):
+        np.testing.assert_array_equal(compensate(model, r[i : i + 1], temperature=temperature[i])[0], expected[i])
+
+
+@pytest.mark.parametrize("chunk", [1, 511, 512, 513, 5000])
+def test_compiled_loops_give_the_same_bits_whatever_the_blocks(chunk: int, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Rows of more than one block of the loops, and blocks that are not full."""
+    model = random_model(4, k=3)
+    x, given_ = inputs(model, 4, 1500), conditions(model, 4, 1500)
+    r = predict(model, x, **given_)
+    expected = compensate(model, r, **given_)
+    monkeypatch.setattr(module, "KERNEL_ROWS", 1)
+    monkeypatch.setattr(module, "KERNEL_CHUNK", chunk)
+    np.testing.assert_array_equal(compensate(model, r, **given_), expected)
+
+
+@settings(max_examples=30, deadline=None)
+@given(SEEDS)
+def test_readings_that_cannot_be_do_not_come_out_of_a_curve_by_either_path(seed: int) -> None:
+    """Infinite and enormous readings of a sensor with K2 or K3 are empty, and end."""
+    span = 2.0
+    model = replace(
+        random_model(seed, k=3, linear=True),
+        second_order=np.array([0.03, -0.02, 0.0]) / span,
+        third_order=np.array([0.01, 0.02, 0.03]) / span**2,
+        input_range=np.array([[-span, span]] * 3),
+    )
+    given_ = conditions(model, seed, 4)
+    r = np.tile([[np.inf], [-np.inf], [np.nan], [1e300]], 3)
+    with compiled_from(1000):
+        expected = compensate(model, r, **given_)
+    assert np.isnan(expected).all()
+    with compiled_from(1):
+        np.testing.assert_array_equal(compensate(model, r, **given_), expected)
+
+
+def test_temperatures_that_are_missing_do_not_count_for_the_range_of_a_matrix() -> None:
+    matrix = np.array([np.eye(3), 1e-3 * np.eye(3)])
+    model = SensorModel(
+        "gyro", ("x", "y", "z"), np.ones(3), "rad/s", matrix, np.zeros(3), reference_temperature=np.full(3, 20.0)
+    )
+    x = compensate(model, np.ones((3, 3)), temperature=np.array([np.nan, 20.0, 120.0]))
+    np.testing.assert_allclose(x, [[np.nan] * 3, [1.0] * 3, [1.0 / 1.1] * 3], rtol=1e-15)
+    with pytest.raises(DataError, match="matrix cannot be inverted"):  # M is zero at -980 degC
+        compensate(model, np.ones((3, 3)), temperature=np.array([np.nan, 20.0, -980.0]))
 
 
 def test_compiled_loops_undo_the_equation() -> None:

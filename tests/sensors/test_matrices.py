@@ -33,6 +33,13 @@ def test_missing_reading_spreads_along_the_entries_that_are_there() -> None:
     np.testing.assert_array_equal(mixed(matrix, x), [[np.nan, 1.0, np.nan]])
 
 
+def test_entry_of_zero_takes_nothing_whatever_the_rows_around_it() -> None:
+    matrices = np.array([np.eye(2), [[1.0, 0.5], [0.0, 1.0]]])
+    x = np.array([[3.0, np.nan], [3.0, np.nan]])
+    np.testing.assert_array_equal(mixed(matrices, x), [[3.0, np.nan], [np.nan, np.nan]])
+    np.testing.assert_array_equal(mixed(matrices, np.array([[3.0, np.inf]] * 2)), [[3.0, np.inf], [np.inf, np.inf]])
+
+
 @pytest.mark.parametrize("k", [2, 3])
 def test_matrix_that_is_singular_beyond_the_range_is_refused(k: int) -> None:
     """M = I (1 - (T - 20)/100) is zero at 120 degC, far from the range that was checked."""

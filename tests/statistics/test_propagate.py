@@ -111,13 +111,14 @@ def test_a_linear_function_is_exact() -> None:
 
 def test_the_budget_survives() -> None:
     scatter = Component("scatter between runs", "A", np.diag([4.0, 1.0]), 3.0)
-    table = Component("table rate", "B", np.array([[1.0, 2.0], [2.0, 4.0]]), math.inf, "rectangular")
+    table = Component("table rate", "B", np.array([[1.0, 2.0], [2.0, 4.0]]), math.inf, "rectangular", (0.05, "%"))
     inputs = Estimate(("x", "y"), np.array([1.0, 2.0]), ("V", "V"), (scatter, table))
     found = linear(total, inputs, ("sum",), ("V",))
     assert [(c.source, c.kind, c.distribution) for c in found.components] == [
         ("scatter between runs", "A", "normal"),
         ("table rate", "B", "rectangular"),
     ]
+    assert [c.stated for c in found.components] == [None, (0.05, "%")]
     assert [c.u[0] for c in found.components] == pytest.approx([math.sqrt(5.0), 3.0], rel=1e-9)
     assert found.dof[0] == pytest.approx(14.0**2 / (5.0**2 / 3.0), rel=1e-9)  # Welch-Satterthwaite
 
@@ -304,3 +305,11 @@ def test_refusals_by_their_words() -> None:
         compare(linear(total, inputs, ("z",), ("",)), drawn)
     with pytest.raises(DataError, match="numerical tolerance of a standard uncertainty 0"):
         tolerance(0.0)
+
+
+def test_the_cosine_of_an_unknown_angle_has_an_arcsine_distribution() -> None:
+    """Amplitude a = sqrt(2) u; its quantile p is a sin(pi (p - 1/2)), as JCGM 101, 6.4.6, has it."""
+    drawn = monte_carlo(total, single(1.0, 0.1, distribution="arcsine"), ("y",), ("m",), np.random.default_rng(1))
+    end = 0.1 * math.sqrt(2.0) * math.sin(math.pi * 0.475)
+    assert [drawn.intervals[0].lo, drawn.intervals[0].hi] == pytest.approx([1.0 - end, 1.0 + end], abs=2e-4)
+    assert drawn.estimate.u[0] == pytest.approx(0.1, rel=5e-3)

@@ -15,6 +15,7 @@ from ..procedures.rate_table.recordings import APPLIED, Turned
 from ..sensors.on_recordings import apply_chain
 from .chains import build_chain
 from .clock_text import read_instant
+from .origins import Origin
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 
 AXES = ("x", "y", "z")
@@ -112,15 +113,17 @@ def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Rec
 
 def turned_recording(
     folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, test: Test
-) -> tuple[Turned, dict[str, str]]:
-    """Return a recording of a stepped table as ``rate_table`` wants it, and SHA-256 of its files by path.
+) -> tuple[Turned, dict[str, str], Origin]:
+    """Return a recording of a stepped table as ``rate_table`` wants it, SHA-256 of its files by path, its origin.
 
     Raises
     ------
     DataError
         If nothing says which axis was turned, or at which rates; or as `prepare_recording`.
     """
-    recording = _windowed(prepare_recording(folder, name, entry, sensor), test)
+    whole = prepare_recording(folder, name, entry, sensor)
+    recording = _windowed(whole, test)
+    origin = Origin(name, entry.file, whole.source.sha256, "recording", len(whole), len(recording))
     hashes = {entry.file: recording.source.sha256}
     recording = replace(recording, source=replace(recording.source, path=entry.file))
     axis = entry.axis or test.plan.get("axis")
@@ -132,13 +135,13 @@ def turned_recording(
         if APPLIED not in recording.names:
             do = "Give channels.applied (the rate of the table), or a schedule"
             raise DataError(f"recordings.{name}: nothing says the rate of the table", do=do, code="no_applied")
-        return Turned(recording, str(axis), run), hashes
+        return Turned(recording, str(axis), run, name=name), hashes, origin
     windows, rates, digest = _scheduled(folder, entry.schedule, recording, sensor)
     hashes[entry.schedule.file] = digest
     if test.windows:
         inside = [any(a <= start and stop <= b for a, b in test.windows) for start, stop in windows]
         windows, rates = tuple(w for w, use in zip(windows, inside, strict=True) if use), rates[np.array(inside)]
-    return Turned(recording, str(axis), run, windows, rates), hashes
+    return Turned(recording, str(axis), run, windows, rates, name), hashes, origin
 
 
 def _scheduled(

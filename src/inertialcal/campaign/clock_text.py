@@ -34,6 +34,19 @@ def read_instant(given: object) -> int:
     return round(given * SECOND)
 
 
+def instant_text(instant: int) -> str:
+    """Return UTC nanoseconds since 1970 as text that ``read_instant`` takes, with the digits it needs.
+
+    Examples
+    --------
+    >>> instant_text(read_instant("2010-04-28T15:10:00.5Z"))
+    '2010-04-28T15:10:00.5Z'
+    """
+    whole, part = divmod(instant, SECOND)
+    fraction = f".{part:09d}".rstrip("0") if part else ""
+    return f"{datetime.fromtimestamp(whole, UTC):%Y-%m-%dT%H:%M:%S}{fraction}Z"
+
+
 def _from_text(given: str) -> int:
     try:
         instant = datetime.fromisoformat(given)

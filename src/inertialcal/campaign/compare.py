@@ -13,15 +13,15 @@ from typing import Any
 
 from ..core.errors import DataError
 from ..core.remarks import Remark
-from ..core.results import Interval, finite
+from ..core.results import BESIDE, Interval, finite
+from ..core.tables import Part, html, text
 from ..statistics.decision import Status, Verdict, no_change, overall
 from ..statistics.intervals import ends
 from .allowed import Allowed, allowed_for, is_named, parse_allowed
 from .compared_sources import Kind, load_both, shared_remarks
+from .comparison_tables import comparison_parts
 from .differences import Difference, P, differences, is_scatter
 from .matched_rows import matched, rows_remark
-
-BESIDE = ("as_published", "all_readings")  # other ways of reducing the same readings
 
 
 @dataclass(frozen=True)
@@ -44,6 +44,20 @@ class Comparison:
     differences: tuple[Difference, ...]
     remarks: tuple[Remark, ...]
     inputs: Mapping[str, str]
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a figure, test by test, why others were not compared, how many remarks."""
+        return comparison_parts(self.kind, self.differences, self.remarks, self.verdict)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
     @property
     def verdict(self) -> str:

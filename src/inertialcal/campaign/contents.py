@@ -1,4 +1,4 @@
-"""What ``results.json`` holds: rows, covariances, budgets, curves, verdicts, closed loop, verification matrix."""
+"""What ``results.json`` holds: set-up, sequence, rows, covariances, budgets, curves, verdicts, closed loop, matrix."""
 
 from __future__ import annotations
 
@@ -10,18 +10,28 @@ from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor
-from ..procedures import rate_table
 from ..statistics.intervals import t_interval
+from .budgets import budget_rows
+from .curves import curves_content, ten_digits
 from .display import display_unit, displayed, scaled, scaled_interval
+from .exclusions import exclusion_rows
 from .load import Campaign
-from .modelling import Modelled
+from .margins import margin
+from .modelling import Modelled, Prepared
 from .prepare import sensor_of
 from .requirements import RULE, Tested, Verdict, judge, worst
 from .schema import Sensor, Test
+from .sequence import sequence_rows
+from .set_up import sensors_content, site_content
+from .standards import standards_rows
 
 
 def results_content(
-    campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None, remarks: Sequence[Remark]
+    campaign: Campaign,
+    prepared: Sequence[Prepared],
+    tested: Sequence[Tested],
+    modelled: Modelled | None,
+    remarks: Sequence[Remark],
 ) -> tuple[dict[str, Any], list[Verdict]]:
     """Return the content of ``results.json``, and the verdicts behind it.
 
@@ -29,6 +39,8 @@ def results_content(
     ----------
     campaign : Campaign
         As read.
+    prepared : sequence of Prepared
+        Every test, ready to be reduced.
     tested : sequence of Tested
         Every test, with its rows, SI; they come out in the units of the campaign.
     modelled : Modelled or None
@@ -49,14 +61,20 @@ def results_content(
         known = {(row.test, row.quantity, row.axis, row.condition) for row in rows}
         new = [row for row in more if (row.test, row.quantity, row.axis, row.condition) not in known]
         rows += [displayed(row, unit) for row in new]
+    left_out = exclusion_rows(campaign, prepared)
     results = {
         "schema": 1,
         "campaign": campaign.file.campaign.model_dump(),
         "item": campaign.file.item.model_dump(),
+        "site": site_content(campaign.file.site),
+        "sensors": sensors_content(campaign.file.sensors),
+        "standards": standards_rows(campaign, tested),
+        "sequence": sequence_rows(prepared, left_out),
+        "exclusions": left_out,
         "results": [row.to_dict() for row in rows],
         "covariances": [c for one in tested if (c := _covariance(one)) is not None],
-        "budgets": [b for one in tested for b in _budget(one, sensor_of(campaign, one.test).unit)],
-        "curves": [curve for one in tested for curve in _curves(one, sensor_of(campaign, one.test).unit)],
+        "budgets": _budgets(campaign, tested, modelled),
+        "curves": curves_content(campaign, tested, modelled),
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": RULE,
         "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
@@ -71,6 +89,17 @@ def _conditioned(row: Any, test: Test) -> Any:
     return replace(row, condition=test.condition) if test.condition and not row.condition else row
 
 
+def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None) -> list[dict[str, Any]]:
+    """Return the budgets of all tests, then those of the model that is delivered."""
+    found = []
+    for one in tested:
+        unit = sensor_of(campaign, one.test).unit
+        found += budget_rows(one.test.id, one.result.estimate, unit, one.result.plan)
+    if modelled is not None:
+        found += budget_rows("model", modelled.model.estimate, _model_sensor(campaign).unit)
+    return found
+
+
 def _covariance(one: Tested) -> dict[str, Any] | None:
     estimate: Estimate | None = one.result.estimate
     if estimate is None:
@@ -83,67 +112,20 @@ def _covariance(one: Tested) -> dict[str, Any] | None:
     }
 
 
-def _budget(one: Tested, sensor_unit: str) -> list[dict[str, Any]]:
-    """Return the sources of uncertainty of each quantity, in the unit that it is shown in."""
-    estimate: Estimate | None = one.result.estimate
-    if estimate is None:
-        return []
-    rows = []
-    for i, name in enumerate(estimate.names):
-        quantity, _, axis = name.rpartition("_")
-        unit = display_unit(quantity, estimate.units[i], sensor_unit)
-        scale = factor(estimate.units[i], unit)
-        for component in estimate.components:
-            u = float(component.u[i]) * scale
-            if u > 0.0:
-                dof = component.dof if isinstance(component.dof, float) else float(component.dof[i])
-                rows.append(
-                    {
-                        "test": one.test.id, "quantity": quantity, "axis": axis, "source": component.source,
-                        "kind": component.kind, "distribution": component.distribution, "u": u, "unit": unit,
-                        "dof": finite(dof),
-                    }
-                )  # fmt: skip
-    return rows
-
-
-def _curves(one: Tested, unit: str) -> list[dict[str, Any]]:
-    found = []
-    for sensor, line in one.result.lines.items():
-        if sensor not in line.axes:
-            continue
-        errors = rate_table.rate_errors(one.result.plan, one.result.readings, line, "dwell_mean")
-        rates = convert([error.applied for error in errors], "rad/s", unit)
-        found.append(
-            {
-                "name": "rate_error", "test": one.test.id, "axis": sensor, "of": "dwell_mean",
-                "x": {"name": "rate", "unit": unit, "values": [_shown_rate(rate) for rate in rates.tolist()]},
-                "y": {"name": "error", "unit": "%", "values": [scaled(error.error, 100.0) for error in errors]},
-                "u": [scaled(error.u, 100.0) for error in errors],
-                "dof": [finite(error.dof) for error in errors],
-            }
-        )  # fmt: skip
-    return found
-
-
-def _shown_rate(rate: float) -> float:
-    """Return a rate to ten digits: 3 deg/s went through radians and shall come out as 3."""
-    return float(f"{rate:.10g}")
-
-
 def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
     relative = verdict.unit == "1"
     unit = "%" if relative else display_unit("", verdict.unit, sensor_unit) if verdict.unit else ""
     scale = factor(verdict.unit, unit) if verdict.unit else 1.0
     interval = scaled_interval(verdict.interval, scale)
-    at = None if verdict.at is None else _shown_rate(float(convert([verdict.at], "rad/s", sensor_unit)[0]))
+    lower, upper = scaled(verdict.lower, scale), scaled(verdict.upper, scale)
+    at = None if verdict.at is None else ten_digits(float(convert([verdict.at], "rad/s", sensor_unit)[0]))
     return {
         "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
         "at": at, "at_unit": sensor_unit if at is not None else "", "of": verdict.of,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else
         {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
-        "lower": scaled(verdict.lower, scale), "upper": scaled(verdict.upper, scale),
+        "lower": lower, "upper": upper, "margin": margin(interval, lower, upper),
         "verdict": verdict.verdict, "reason": verdict.reason,
     }  # fmt: skip
 

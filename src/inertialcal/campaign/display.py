@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..core.results import Interval, Row
-from ..core.units import factor, kind
+from ..core.units import factor, kind, si_unit
 
 PERCENT = ("scale_factor_error", "scale_factor_asymmetry", "cross_axis_sensitivity")
 
@@ -27,6 +27,23 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     if kind(unit) == kind(sensor_unit):
         return sensor_unit
     return f"V/({sensor_unit})" if unit in {"V/(rad/s)", "V/(m/s^2)"} else unit
+
+
+def stated_unit(unit: str, sensor_unit: str) -> str:
+    """Return the unit that the uncertainty of a source is shown in: as it was stated, SI as people speak of it.
+
+    Parameters
+    ----------
+    unit : str
+        That it was stated in, or SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    """
+    if unit == "1":
+        return "%"
+    if unit == "rad":
+        return "rad" if "rad" in sensor_unit else "deg"
+    return sensor_unit if unit == si_unit(sensor_unit) else unit
 
 
 def displayed(row: Row, sensor_unit: str) -> Row:

@@ -18,12 +18,13 @@ from ..core.errors import PlanError
 from ..core.estimate import Array, Component, Estimate
 from ..core.remarks import Remark
 from ..procedures import rate_table
-from ..procedures.rate_table.closed_loop import AxisLoop, Find, closed_loop, overall
+from ..procedures.rate_table.closed_loop import AxisLoop, Find, HeldOut, closed_loop, held_out_errors, overall
 from ..sensors.assemble import model_from
 from ..sensors.compensate import compensate
 from ..sensors.model import Item, Provenance, SensorModel
 from .chains import body_scale_factors
 from .load import Campaign
+from .origins import Origin
 from .schema import Sensor, Test
 from .tables import together
 
@@ -38,12 +39,13 @@ TERM = {
 
 @dataclass(frozen=True, eq=False)
 class Prepared:
-    """A test ready to be reduced: entry, plan, readings, SHA-256 of its files by path."""
+    """A test ready to be reduced: entry, plan, readings, SHA-256 of its files by path, and its recordings."""
 
     test: Test
     plan: rate_table.Plan
     readings: rate_table.Readings
     inputs: Mapping[str, str]
+    origins: tuple[Origin, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,6 +64,8 @@ class Modelled:
         ``PASS``, ``FAIL``, ``INCONCLUSIVE``, or ``not run``.
     remarks : tuple of Remark
         Findings.
+    errors : tuple of HeldOut
+        Of each axis in ``loops``: the dwells behind it, before and after compensation.
     """
 
     model: SensorModel
@@ -69,6 +73,7 @@ class Modelled:
     loops: tuple[AxisLoop, ...]
     verdict: str
     remarks: tuple[Remark, ...]
+    errors: tuple[HeldOut, ...] = ()
 
 
 def make_model(campaign: Campaign, prepared: Sequence[Prepared], sensor: Sensor) -> Modelled | None:
@@ -100,8 +105,9 @@ def make_model(campaign: Campaign, prepared: Sequence[Prepared], sensor: Sensor)
     if not held:
         return Modelled(model, result, (), "not run", ())
     loops, remarks = _judge(model, result, [*matrix, *bias], held)
+    errors = held_out_errors(result.lines, held_out(held), partial(compensated_dwells, model))
     verdict = overall(loops)
-    return Modelled(replace(model, judged=verdict == "PASS"), result, loops, verdict, remarks)
+    return Modelled(replace(model, judged=verdict == "PASS"), result, loops, verdict, remarks, errors)
 
 
 def _chosen(campaign: Campaign, fitted: Sequence[Prepared], terms: Sequence[str]) -> list[Prepared]:

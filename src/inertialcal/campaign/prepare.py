@@ -4,17 +4,21 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from ..core.errors import InertialcalError, PlanError, Problem
 from ..core.remarks import Remark
 from ..core.units import parse_quantity, si_unit
+from ..files.table import Table
 from ..procedures import rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
 from .chains import body_scale_factors
 from .channels import turned_recording
 from .load import Campaign
 from .modelling import Prepared
+from .origins import Origin
 from .plans import plan_values
-from .schema import Sensor, Test
+from .schema import RecordingEntry, Sensor, Test
 from .tables import rate_table_readings, together
 
 
@@ -24,33 +28,42 @@ def prepare(campaign: Campaign, number: int) -> Prepared:
     try:
         sensor = sensor_of(campaign, test)
         plan = _plan(campaign, test, sensor)
-        readings, inputs = test_readings(campaign, test, sensor, plan)
+        readings, inputs, origins = test_readings(campaign, test, sensor, plan)
         readings = replace(readings, remarks=tuple(_inside(campaign, remark) for remark in readings.remarks))
-        return Prepared(test, plan, readings, inputs)
+        return Prepared(test, plan, readings, inputs, origins)
     except InertialcalError as error:
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
 
 
 def test_readings(
     campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan
-) -> tuple[rate_table.Readings, dict[str, str]]:
-    """Return the readings of all recordings of a test, and SHA-256 of their files by path."""
+) -> tuple[rate_table.Readings, dict[str, str], tuple[Origin, ...]]:
+    """Return the readings of all recordings of a test, SHA-256 of their files by path, and the recordings."""
     parts: list[rate_table.Readings] = []
     turned: list[Turned] = []
     inputs: dict[str, str] = {}
+    origins: list[Origin] = []
     for name in test.recordings:
         entry = campaign.file.recordings[name]
         if entry.rows is None:
-            one, hashes = turned_recording(campaign.folder, name, entry, sensor, test)
+            one, hashes, origin = turned_recording(campaign.folder, name, entry, sensor, test)
             turned.append(one)
+            origins.append(origin)
             inputs |= hashes
         else:
             readings, table = rate_table_readings(campaign.folder, name, entry, sensor, test)
             parts.append(readings)
             inputs[entry.file] = table.source.sha256
+            origins.append(_of_table(name, entry, table, len(readings)))
     if turned:
         parts.append(readings_from(plan, turned))
-    return together(parts), inputs
+    return together(parts), inputs, tuple(origins)
+
+
+def _of_table(name: str, entry: RecordingEntry, table: Table, chosen: int) -> Origin:
+    assert entry.rows is not None  # noqa: S101 - for the type checker
+    without = int(np.count_nonzero(~np.isfinite(table.numbers(entry.rows.applied))))
+    return Origin(name, entry.file, table.source.sha256, "table", len(table), chosen, without)
 
 
 def _inside(campaign: Campaign, remark: Remark) -> Remark:

@@ -2,20 +2,24 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from ..core.errors import DataError, InertialcalError, PlanError, Problem
 from ..core.frames import frame
 from ..core.remarks import Remark, gather
-from ..core.rounding import with_uncertainty
+from ..core.result_tables import told
+from ..core.tables import Grid, Part, html, text
 from ..files.model_json import dump_model
 from ..procedures import rate_table
+from ..report.page import report_html
 from .contents import results_content
 from .load import Campaign, load
 from .modelling import Modelled, Prepared, make_model
+from .outcome_tables import outcome_parts
 from .prepare import placed, prepare, sensor_of
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
@@ -24,7 +28,7 @@ from .requirements import Tested, worst
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
     "requirement", "test", "axis", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower", "upper",
-    "verdict", "reason",
+    "margin", "verdict", "reason",
 )  # fmt: skip
 Progress = Callable[[int, int, str], None]
 
@@ -63,11 +67,19 @@ class Outcome:
         rows = [flat(row) for row in self.results["results"]]
         return frame({name: [row[name] for row in rows] for name in ROW_COLUMNS})
 
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: figures test by test, requirements, closed loop, how many remarks."""
+        return outcome_parts(self.results, self.verdict, self.remarks)
+
     def __str__(self) -> str:
-        """Return the figures that were estimated, a line each."""
-        shown = [row for row in self.results["results"] if row["status"] == "estimated" and not row["condition"]]
-        lines = [f"{row['test']:<20} {row['quantity']:<24} {row['axis']:<3} {_figure(row)}" for row in shown]
-        return "\n".join([*lines, f"verdict: {self.verdict or 'no requirement stated'}"])
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
     @property
     def exit_status(self) -> int:
@@ -75,17 +87,48 @@ class Outcome:
         return EXIT[self.verdict] if self.verdict else 0
 
 
-def _figure(row: dict[str, Any]) -> str:
-    return f"{with_uncertainty(row['value'], row['u'])} {row['unit']}"
+class Checked(NamedTuple):
+    """A campaign whose inputs were judged.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    inputs : dict of str to str
+        SHA-256 of each input by its path.
+    remarks : tuple of Remark
+        What reading the inputs brought up.
+    """
+
+    campaign: Campaign
+    inputs: dict[str, str]
+    remarks: tuple[Remark, ...]
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: the inputs that can be read, how many remarks."""
+        file = self.campaign.file
+        caption = f"campaign {file.campaign.id}: {len(file.tests)} test(s), every input can be read"
+        return (Grid(("input", "SHA-256"), list(self.inputs.items()), caption, (1,)), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    def __repr__(self) -> str:
+        return text(self.parts())
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
 
-def check(folder: str | Path) -> tuple[Campaign, dict[str, str], tuple[Remark, ...]]:
+def check(folder: str | Path) -> Checked:
     """Judge the inputs of a campaign without reducing them.
 
     Returns
     -------
-    (campaign, inputs, remarks)
-        SHA-256 of each input by its path; what reading the inputs brought up.
+    Checked
+        A tuple of the campaign, the SHA-256 of each input by its path, and what reading the inputs brought up.
 
     Raises
     ------
@@ -106,7 +149,7 @@ def check(folder: str | Path) -> tuple[Campaign, dict[str, str], tuple[Remark, .
         remarks += prepared.readings.remarks
     if problems:
         raise DataError(list(dict.fromkeys(problems)))
-    return campaign, inputs, gather(remarks)
+    return Checked(campaign, inputs, gather(remarks))
 
 
 def run(folder: str | Path, progress: Progress | None = None, write: bool = True) -> Outcome:
@@ -138,7 +181,7 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     modelled = _modelled(campaign, prepared)
     if modelled is not None:
         remarks += [remark.at("closed loop") for remark in modelled.remarks]
-    results, verdicts = results_content(campaign, tested, modelled, remarks)
+    results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
     stated = [worst(verdicts)] if campaign.file.requirements else []
     if modelled is not None and modelled.loops:
         stated.append(modelled.verdict)
@@ -194,13 +237,15 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
 def _files(
     campaign: Campaign, results: dict[str, Any], modelled: Modelled | None, inputs: dict[str, str], folder: str
 ) -> dict[str, str]:
-    record = provenance(inputs, folder, {})
+    record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
     model = {} if modelled is None or modelled.verdict == "FAIL" else {"model.json": dump_model(modelled.model)}
+    content = json.loads(model["model.json"]) if model else None
     return model | {
         "results.json": json_text(results),
         "results.csv": csv_text([flat(row) for row in results["results"]], ROW_COLUMNS),
         "verdicts.csv": csv_text([flat(row) for row in results["verdicts"]], VERDICT_COLUMNS),
-        "provenance.json": json_text(record | {"campaign": campaign.file.campaign.id}),
+        "report.html": report_html(results, content, record),
+        "provenance.json": json_text(record),
     }
 
 

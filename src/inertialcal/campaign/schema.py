@@ -90,11 +90,13 @@ class StandardEntry(Strict):
         text, divisor = (self.u, 1.0) if self.u is not None else (self.expanded, self.k or 1.0)
         if self.half_width is not None:
             text, divisor = self.half_width, math.sqrt(3.0)
-        u = parse_quantity(text or "").to(unit, difference=True) / divisor
+        quantity = parse_quantity(text or "")
+        u = quantity.to(unit, difference=True) / divisor
         if not (u >= 0.0 and math.isfinite(u)):
             raise ValueError(f"{text!r}: an uncertainty is positive and finite")
         shape = "rectangular" if self.half_width is not None else "normal"
-        return Influence(u, unit, math.inf if self.dof is None else self.dof, shape, self.certificate)
+        dof = math.inf if self.dof is None else self.dof
+        return Influence(u, unit, dof, shape, self.certificate, (quantity.value / divisor, quantity.unit))
 
 
 class Thermometer(Strict):

@@ -6,12 +6,15 @@ binomial interval of its hit rate overlaps 93 to 97 %.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
+from ..core.results import BESIDE
+from ..core.rounding import number, with_uncertainty
+from ..core.tables import Grid, Part, html, text
 from ..core.units import convert
 from ..rigs.twin import Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
@@ -21,7 +24,6 @@ from .twin import Truth, read_truth, rig_named
 
 RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
 P = 0.999
-OTHER_WAYS = ("as_published", "all_readings")  # conditions that mark another way of reduction
 STEPS = 20  # times that progress is told
 Progress = Callable[[int, int, str], None]
 
@@ -51,6 +53,35 @@ class Score:
     def inside(self) -> int:
         """Number of rows whose interval holds the truth."""
         return sum(row["inside"] is True for row in self.rows)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: estimates beside the truth, how many intervals hold it."""
+        missing = len(self.rows) - self.estimated
+        said = f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth"
+        caption = f"rig {self.truth.rig}, seed {self.truth.seed}"
+        return (truth_grid(self.rows, caption), said, *((f"{missing} not estimated",) if missing else ()))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def truth_grid(rows: Sequence[Mapping[str, Any]], caption: str = "") -> Grid:
+    """Return estimates beside the truth, a row each."""
+    heads = ("test", "quantity", "axis", "estimate ± u", "truth", "unit", "inside")
+    return Grid(heads, [_cells(row) for row in rows], caption, (3, 4))
+
+
+def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
+    estimate = with_uncertainty(row["value"], row["u"]) if row["inside"] is not None else "not estimated"
+    word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
+    return row["test"], row["quantity"], row["axis"], estimate, number(row["truth"]), row["unit"], word
 
 
 @dataclass(frozen=True)
@@ -118,7 +149,7 @@ def score(folder: str | Path) -> Score:
         why = "they were made before the campaign was"
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
                         "stale_results")  # fmt: skip
-    rows = [row for row in results["results"] if row["condition"] not in OTHER_WAYS]
+    rows = [row for row in results["results"] if row["condition"] not in BESIDE]
     return Score(truth, tuple(_scored(row, truth) for row in rows if (row["quantity"], row["axis"]) in truth.values))
 
 

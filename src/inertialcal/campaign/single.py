@@ -1,24 +1,29 @@
-"""One table without a campaign file: what `rate-table FILE` and ``inertialcal.rate_table`` do."""
+"""One file without a campaign file: what `rate-table FILE` and ``inertialcal.rate_table`` do."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
 from ..core.frames import frame
+from ..core.recording import Recording
 from ..core.remarks import Remark
-from ..core.results import Row
-from ..core.units import normalise, parse_quantity, si_unit
+from ..core.result_tables import figures, told
+from ..core.results import BESIDE, Row
+from ..core.tables import Part, html, text
+from ..core.units import parse_quantity, si_unit
+from ..files import read
 from ..files.table import read_table
 from ..procedures import rate_table as procedure
 from ..procedures.rate_table.plan import AXES
 from .display import displayed
-from .schema import Chain, RecordingEntry, Rows, Sensor, Test
-from .table_columns import Guess, guess
-from .tables import rate_table_readings
+from .schema import Chain, Sensor
+from .single_recording import is_stepped, stepped_columns, stepped_readings
+from .single_table import table_columns, table_readings, turned_axis
+from .table_columns import guess
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +60,22 @@ class RateTableFile:
         rows = [row.to_dict() for row in self.rows]
         return frame({name: [row[name] for row in rows] for name in rows[0]})
 
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: which column was what, the figures in the unit of the file, how many remarks."""
+        taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
+        rows = [row.to_dict() for row in self.rows if row.condition not in BESIDE]
+        dwells = f"rate table: {len(self.result.readings)} dwells"
+        return (f"columns: {taken}", *figures(rows, dwells), *told(self.remarks))
+
     def __str__(self) -> str:
-        """Return the estimate as a table."""
-        return str(self.result)
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
 
 def rate_table(
@@ -74,7 +92,7 @@ def rate_table(
     input_range: str | None = None,
     zero_reference: bool = False,
 ) -> RateTableFile:
-    """Reduce a table of rate-table dwells, a row a dwell.
+    """Reduce a rate-table test in one file: dwells, a row each, or a recording of a table turned in steps.
 
     Columns that are not named are taken by their names in the header, where only one can be meant.
 
@@ -105,43 +123,37 @@ def rate_table(
         If it is not clear which column is what, or in which unit.
     """
     file = Path(path)
-    read = read_table(file)
-    found, table_names = guess(read), read.names
     if axis is not None and axis not in AXES:
         raise UsageError(f"axis {axis!r}", do=f"There are: {', '.join(AXES)}", code="unknown_name")
-    if axis is not None and found.axis is not None:
-        what = f"{file}: column {found.axis!r} says which axis was turned, and --axis says {axis}"
-        raise UsageError(what, do="Leave --axis out", code="wrong_value")
-    chosen = _columns(found, table_names, applied, reading, axis, file)
-    spoken = unit or found.unit
-    if spoken is None:
-        raise UsageError(
-            f"{file}: nothing says the unit of rate and reading", do="Say it: --unit deg/s", code="no_unit"
-        )
-    rows = Rows(
-        applied=chosen["applied"],
-        reading=chosen["reading"],
-        unit=normalise(spoken),
-        scatter=scatter or (found.scatter if isinstance(chosen["reading"], str) else None),
-        run=run or found.run,
-        group=group or found.group,
-        samples=found.samples,
-        axis=None if axis else found.axis,
-    )
+    table = read_table(file)
+    found = guess(table)
+    said = {"applied": applied, "reading": reading, "axis": axis, "unit": unit, "scatter": scatter, "run": run,
+            "group": group}  # fmt: skip
+    recording = None if scatter or run or group else _recorded(file, applied or found.applied)
+    if recording is not None:
+        columns = stepped_columns(recording, said | {"applied": applied or found.applied})
+    else:
+        columns = table_columns(found, table.names, said, file)
     sensor = Sensor(
         kind="gyro",
         axes=["x", "y", "z"],
-        unit=_rate_unit(normalise(spoken)),
+        unit=_rate_unit(columns["unit"]),
         chain=Chain(kind="none", scale_factor=scale_factor),
     )
-    entry = RecordingEntry(sensor="sensor", file=file.name, rows=rows)
-    turned = {"axis": chosen["axis"]} if chosen["axis"] else {}
-    test = Test(id="rate_table", procedure="rate_table", recordings=["file"], plan=turned)
-    readings, table = rate_table_readings(file.parent, "file", entry, sensor, test)
-    result = procedure.reduce(_plan(chosen["axis"], zero_reference, scale_factor, input_range, sensor), readings)
-    columns = {name: value for name, value in rows.model_dump().items() if value is not None} | turned
+    plan = _plan(turned_axis(columns), zero_reference, scale_factor, input_range, sensor)
+    if recording is not None:
+        readings, sha256 = stepped_readings(file, columns, plan, sensor)
+    else:
+        readings, sha256 = table_readings(file, columns, sensor)
+    result = procedure.reduce(plan, readings)
     shown = tuple(displayed(replace(row, test="rate_table"), sensor.unit) for row in result.rows())
-    return RateTableFile(result, shown, columns, table.source.sha256, sensor.unit)
+    return RateTableFile(result, shown, columns, sha256, sensor.unit)
+
+
+def _recorded(file: Path, applied: str | None) -> Recording | None:
+    """Return the recording of a stepped table; None where the file is a table of dwells."""
+    recording = None if applied is None else read(file)
+    return recording if recording is not None and is_stepped(recording, applied) else None
 
 
 def _plan(axis: str, zero_reference: bool, volts: str | None, largest: str | None, sensor: Sensor) -> procedure.Plan:
@@ -159,36 +171,6 @@ def _rate_unit(unit: str) -> str:
     if si_unit(unit) != "rad/s":
         raise UsageError(f"unit {unit!r} is no unit of angular rate", do="Say it: --unit deg/s", code="no_unit")
     return unit
-
-
-def _columns(
-    found: Guess,
-    names: Sequence[str],
-    applied: str | None,
-    reading: str | Mapping[str, str] | None,
-    axis: str | None,
-    file: Path,
-) -> dict[str, Any]:
-    if applied is None and found.applied is None:
-        raise UsageError(
-            f"{file}: no column is clearly the applied rate", do="Say it: --applied COLUMN", code="no_column"
-        )
-    if reading is None and len(found.readings) != 1 and not found.by_axis:
-        have = f" ({', '.join(found.readings)})" if found.readings else ""
-        have = have or f"; it has {', '.join(names)}"
-        what = f"{file}: {len(found.readings)} columns can be the reading{have}"
-        raise UsageError(what, do="Say it: --reading COLUMN", code="no_column")
-    by_axis = dict(found.by_axis) if len(found.by_axis) > 1 else None
-    chosen: Any = reading or by_axis or found.readings[0]
-    turned = axis or (None if found.axis else _only_axis(found, chosen))
-    if turned is None and found.axis is None:
-        raise UsageError(f"{file}: nothing says which axis was turned", do="Say it: --axis x", code="no_axis")
-    return {"applied": applied or found.applied, "reading": chosen, "axis": turned or ""}
-
-
-def _only_axis(found: Guess, chosen: Any) -> str | None:
-    axes = [axis for axis, name in found.by_axis.items() if name == chosen]
-    return axes[0] if len(axes) == 1 else None
 
 
 __all__ = ["DataError", "RateTableFile", "rate_table"]

@@ -225,6 +225,7 @@ def together(parts: list[Readings]) -> Readings:
     if len({part.run is None for part in parts}) > 1:
         raise DataError("some recordings of the test name their runs and some do not", do="Give rows.run for all")
     sensors = list(dict.fromkeys(name for part in parts for name in part.outputs))
+    before = np.cumsum([0, *(len(part) for part in parts)])
     earth: Array | None = None
     sources: dict[str, Array] = {}
     if all(part.earth is not None for part in parts):
@@ -239,11 +240,20 @@ def together(parts: list[Readings]) -> Readings:
         else np.concatenate([part.samples for part in parts if part.samples is not None]),
         run=None if parts[0].run is None
         else np.concatenate([part.run for part in parts if part.run is not None]),
+        group=None if all(part.group is None for part in parts)
+        else np.concatenate([np.full(len(part), "") if part.group is None else part.group for part in parts]),
         where=tuple(place for part in parts for place in part.where),
         sensors=parts[0].sensors,
         earth=earth,
         earth_sources=sources,
         remarks=tuple(remark for part in parts for remark in part.remarks),
+        incomplete=None if all(part.incomplete is None for part in parts) else np.concatenate(
+            [np.zeros(len(part), dtype=bool) if part.incomplete is None else part.incomplete for part in parts]
+        ),
+        tallies=tuple(one for part in parts for one in part.tallies),
+        traces=tuple(
+            one.shifted(int(rows)) for part, rows in zip(parts, before[:-1], strict=True) for one in part.traces
+        ),
     )  # fmt: skip
 
 

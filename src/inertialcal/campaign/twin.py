@@ -17,6 +17,7 @@ from types import ModuleType
 
 from ..core.errors import DataError, StoreError, UsageError
 from ..core.recording import SECOND, Recording
+from ..core.tables import Grid, Part, html, text
 from ..rigs import RIGS
 from ..rigs.twin import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load
@@ -33,6 +34,23 @@ class Written:
     recordings: tuple[str, ...]
     seal: str
     fault: str
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: the recordings, the seal of the truth, what to type next."""
+        rows = [(name,) for name in self.recordings]
+        mistake = f"mistake put in: {self.fault}\n" if self.fault else ""
+        said = f"{mistake}truth sealed, SHA-256 {self.seal}\nnext: ic.run({str(self.folder)!r}), then ic.score(...)"
+        return (Grid(("recording",), rows, f"simulated campaign in {self.folder}"), said)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
 
 @dataclass(frozen=True)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import shlex
-import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -14,9 +13,15 @@ from .output import clean, found, json_out, wrapped
 from .progress import progress
 
 
-def run(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
-    """Run a campaign: every test, every requirement, results into DIR/out/."""
+def run(
+    folder: Folder,
+    open_report: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Run a campaign: every test, every requirement, results and report into DIR/out/."""
     from ..campaign.run import run as run_campaign
+    from .opening import open_page
 
     with progress(quiet or as_json) as tell:
         outcome = run_campaign(folder, tell)
@@ -25,13 +30,20 @@ def run(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
         json_out("run", outcome_content(outcome), outcome.exit_status)
     elif not quiet:
         print_outcome(outcome)
+    if open_report:
+        open_page(report_path(outcome))
     return outcome.exit_status
+
+
+def report_path(outcome: Any) -> Path:
+    """Return the page that a run wrote."""
+    return Path(outcome.campaign.folder) / "out" / "report.html"
 
 
 def outcome_content(outcome: Any) -> dict[str, Any]:
     """Return what ``--json`` says of a run."""
     inputs = [{"path": path, "sha256": digest} for path, digest in sorted(outcome.inputs.items())]
-    return {"inputs": inputs} | outcome.results | {"changed": outcome.changed}
+    return {"inputs": inputs, **outcome.results, "changed": outcome.changed}
 
 
 def print_outcome(outcome: Any) -> None:
@@ -53,7 +65,7 @@ def print_outcome(outcome: Any) -> None:
         print(f"\nchanged since the last run: {len(outcome.changed)}")
         for line in outcome.changed[:20]:
             print(f"  {clean(line)}")
-    print(f"\nresults in {outcome.campaign.folder / 'out'}")
+    print(f"\nresults in {outcome.campaign.folder / 'out'}; to read: {report_path(outcome)}")
 
 
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:

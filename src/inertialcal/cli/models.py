@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from . import figures
 from .options import Json, Quiet, Units
 from .output import clean, json_out, wrapped
 from .pairs import pairs
@@ -22,16 +23,39 @@ TimeColumn = Annotated[
 ]
 
 
-def show(model: Model, as_json: Json = False, quiet: Quiet = False) -> int:
-    """Show a model: equation, matrix in words, every coefficient, where it holds and where it comes from."""
+def show(
+    model: Annotated[
+        Path, typer.Argument(help="model.json, results.json, or the folder of a campaign.", show_default=False)
+    ],
+    output: figures.FigureFile = None,
+    figure: figures.FigureName = None,
+    test: Annotated[str | None, typer.Option(help="Figure of results: of which test.")] = None,
+    axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Show a model in words, or results as a table; with -o, a figure of either."""
+    from ..campaign.results_file import find_results
+    from .show_results import show_results
+
+    figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
+    chosen = {"figure": figure, "test": test, "axis": axis}
+    results = find_results(model, of_campaign=any(chosen.values()))
+    if results is not None:
+        return show_results(results, output, chosen, as_json, quiet)
+    return _show_model(model, output, chosen, as_json, quiet)
+
+
+def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:
     from ..campaign.model_rows import model_rows
     from ..campaign.models import find_model
     from ..sensors.model_dict import to_dict
     from ..sensors.words import equation, lines
     from .model_text import model_text
 
-    found = find_model(model)
+    found = find_model(path)
     rows = [row.to_dict() for row in model_rows(found.model)]
+    line = "" if output is None else figures.write(output, found.model, [found.path], chosen)
     if as_json:
         words = [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(found.model)]
         content = {
@@ -41,10 +65,10 @@ def show(model: Model, as_json: Json = False, quiet: Quiet = False) -> int:
             "words": words,
             "judged": found.model.judged,
             "model": to_dict(found.model),
-        }
+        } | ({} if output is None else {"written": str(output)})
         json_out("show", content)
     elif not quiet:
-        print(model_text(found.model, rows))
+        print(line or model_text(found.model, rows))
     return 0
 
 

@@ -11,6 +11,10 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from ..core.errors import Problem
+from ..core.tables import aligned as table
+from ..core.tables import clean
+
+__all__ = ["clean", "errors_out", "found", "json_out", "package_version", "problem_text", "table", "width", "wrapped"]
 
 # Exit status that the command has found, for a reader that closes the pipe before all is printed.
 FOUND = [0]
@@ -69,40 +73,12 @@ def problem_text(problem: Problem) -> str:
     return "\n".join([f"error: {clean(head)}", *(f"       {clean(part)}" for part in below)])
 
 
-def clean(text: str) -> str:
-    """Return text without control characters: names from files must not steer a terminal."""
-    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
-
-
 def width() -> int:
     """Return the width of the terminal, or a fixed one elsewhere."""
     try:
         return os.get_terminal_size(sys.stdout.fileno()).columns
     except (OSError, ValueError):
         return WIDTH
-
-
-def table(rows: Sequence[Sequence[str]], heads: Sequence[str] | None = None, right: Sequence[int] = ()) -> str:
-    """Return rows as aligned columns.
-
-    Parameters
-    ----------
-    rows : sequence of sequence of str
-        Cells.
-    heads : sequence of str, optional
-        Column heads.
-    right : sequence of int
-        Columns set to the right.
-    """
-    cells = [[clean(cell) for cell in row] for row in ([list(heads)] if heads else []) + [list(row) for row in rows]]
-    if not cells:
-        return ""
-    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
-    lines = [
-        "  ".join(c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in enumerate(zip(row, widths, strict=True)))
-        for row in cells
-    ]
-    return "\n".join(line.rstrip() for line in lines)
 
 
 def wrapped(text: str, indent: str = "  ") -> str:

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from . import figures
 from .options import Json, Quiet, Units
 from .output import clean, json_out, wrapped
 
@@ -22,14 +23,18 @@ def info(
     time_column: Annotated[
         str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
     ] = None,
+    output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
-    from ..core.errors import InertialcalError
+    from ..core.errors import InertialcalError, UsageError
     from ..files.survey import survey
     from .info_text import survey_text
 
+    figures.check_figure(output)
+    if output is not None and len(files) != 1:
+        raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
     units = _units(unit)
     found, errors = [], []
     for path in files:
@@ -39,16 +44,22 @@ def info(
             )
         except InertialcalError as error:
             errors += list(error.problems)
+    line = ""
+    if output is not None and not errors:
+        from ..files import read
+
+        recording = read(files[0], units=units, sample_rate=sample_rate, time_column=time_column)
+        line = figures.write(output, recording, files, {})
     if as_json:
         content = {
             "inputs": [{"path": one.path, "sha256": one.sha256} for one in found],
             "results": [one.to_dict() for one in found],
             "errors": [problem.to_dict() for problem in errors],
-        }
+        } | ({"written": str(output)} if line else {})
         json_out("info", content, 3 if errors else 0)
         return 3 if errors else 0
     if not quiet and found:
-        print("\n\n".join(survey_text(one) for one in found))
+        print("\n\n".join([*(survey_text(one) for one in found), *([line] if line else [])]))
     if errors:
         raise InertialcalError(errors)
     return 0
@@ -87,23 +98,32 @@ def rate_table(
     scale_factor: Annotated[str | None, typer.Option(help='Ideal scale factor: "0.5 V/(deg/s)".')] = None,
     input_range: Annotated[str | None, typer.Option("--range", help='Largest rate: "5 deg/s".')] = None,
     zero_reference: Annotated[bool, typer.Option(help="The reading at rest was subtracted.")] = False,
+    output: figures.FigureFile = None,
+    figure: figures.FigureName = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
     """Scale factor, bias, asymmetry and misalignment from a table of dwells at known rates."""
     from ..campaign.single import rate_table as reduce_file
 
+    figures.check_figure(output, {"--figure": figure})
     found = reduce_file(
         file, applied=applied, reading=_readings(reading), axis=axis, unit=unit, scatter=scatter, run=run,
         scale_factor=scale_factor, input_range=input_range, zero_reference=zero_reference,
     )  # fmt: skip
     rows = [row.to_dict() for row in found.rows]
     remarks = [remark.to_dict() for remark in found.result.remarks]
+    line = (
+        "" if output is None else figures.write(output, found, [file], {"figure": figure}, most=len(found.result.lines))
+    )
     if as_json:
         inputs = [{"path": str(file), "sha256": found.sha256}]
-        json_out("rate-table", {"inputs": inputs, "results": rows, "remarks": remarks, "columns": found.columns})
+        content = {"inputs": inputs, "results": rows, "remarks": remarks, "columns": found.columns}
+        json_out("rate-table", content | ({} if output is None else {"written": str(output)}))
     elif not quiet:
         _print(found.columns, rows, remarks)
+        if line:
+            print(line)
     return 0
 
 

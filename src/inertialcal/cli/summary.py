@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 from ..core.remarks import Remark
-from ..core.rounding import number, with_uncertainty
+from ..core.result_tables import degrees, figure, interval
+from ..core.rounding import number
 from .output import table, wrapped
 
 PUBLISHED = "as_published"
 ALL = "all_readings"
-MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 
 def results_text(results: Mapping[str, Any]) -> str:
@@ -37,8 +37,8 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
         name = row["quantity"] if way or not row["condition"] else f"{row['quantity']} ({row['condition']})"
         groups.setdefault((name, row["axis"], row["unit"]), {})[way] = row
     cells = [
-        [f"  {name}", axis, _figure(ways.get("")), unit, _interval(ways.get("")), _dof(ways.get("")),
-         *(_figure(ways.get(way)) for way in beside)]
+        [f"  {name}", axis, figure(ways.get("")), unit, interval(ways.get("")), degrees(ways.get("")),
+         *(figure(ways.get(way)) for way in beside)]
         for (name, axis, unit), ways in groups.items()
     ]  # fmt: skip
     heads = [
@@ -51,23 +51,6 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
         *(way.replace("_", " ") for way in beside),
     ]
     return table(cells, heads)
-
-
-def _figure(row: Mapping[str, Any] | None) -> str:
-    if row is None:
-        return ""
-    return ("< " if row["status"] == "upper_limit" else "") + with_uncertainty(row["value"], row["u"])
-
-
-def _interval(row: Mapping[str, Any] | None) -> str:
-    interval = row["interval"] if row is not None else None
-    return "" if interval is None else f"{number(interval['lo'], 5)} .. {number(interval['hi'], 5)}"
-
-
-def _dof(row: Mapping[str, Any] | None) -> str:
-    if row is None:
-        return ""
-    return "inf" if row["dof"] is None or row["dof"] > MANY else number(row["dof"], 3)
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -72,8 +72,10 @@ def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
 
 def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return estimates beside the truth, a line each."""
-    heads = ["test", "quantity", "axis", "estimate ± u", "truth", "unit", "inside"]
-    return table([_cells(row) for row in rows], heads)
+    from ..campaign.score import truth_grid
+
+    grid = truth_grid(rows)
+    return table(grid.rows, grid.heads)
 
 
 def held_text(found: Any) -> str:
@@ -81,14 +83,6 @@ def held_text(found: Any) -> str:
     missing = len(found.rows) - found.estimated
     said = f"{found.inside} of {found.estimated} stated 95 % intervals hold the truth"
     return f"{said}\n{missing} not estimated" if missing else said
-
-
-def _cells(row: Mapping[str, Any]) -> list[str]:
-    from ..core.rounding import number, with_uncertainty
-
-    estimate = with_uncertainty(row["value"], row["u"]) if row["inside"] is not None else "not estimated"
-    word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
-    return [row["test"], row["quantity"], row["axis"], estimate, number(row["truth"]), row["unit"], word]
 
 
 def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:

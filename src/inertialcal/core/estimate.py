@@ -17,7 +17,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 import numpy as np
@@ -25,6 +25,9 @@ from numpy.typing import NDArray
 
 from .errors import DataError
 from .frames import frame
+from .result_tables import dof
+from .rounding import with_uncertainty
+from .tables import Grid, Part, html, text
 
 Array = NDArray[np.float64]
 
@@ -47,6 +50,10 @@ class Component:
         Degrees of freedom, per value or for all; infinite where the size is taken as known.
     distribution : str
         Of the underlying quantity: ``"normal"``, ``"rectangular"``, ``"t"``.
+    stated : (float, str), optional
+        Standard uncertainty of the underlying quantity itself, and its unit: 0.05 % of the table's rate. The
+        sensitivity of a value to it is ``u / stated``; where several unknowns of that size enter (two mounting
+        angles), the root sum of squares over them. Absent for scatter, which is observed in the values.
     """
 
     source: str
@@ -54,6 +61,7 @@ class Component:
     covariance: Array
     dof: Array | float = np.inf
     distribution: str = "normal"
+    stated: tuple[float, str] | None = None
 
     @property
     def u(self) -> Array:
@@ -143,9 +151,7 @@ class Estimate:
         """Return the estimate of some of the values, in the order given."""
         at = [self.index(name) for name in names]
         grid = np.ix_(at, at)
-        components = tuple(
-            Component(c.source, c.kind, c.covariance[grid], _take(c.dof, at), c.distribution) for c in self.components
-        )
+        components = tuple(replace(c, covariance=c.covariance[grid], dof=_take(c.dof, at)) for c in self.components)
         return Estimate(tuple(names), self.values[at], tuple(self.units[i] for i in at), components)
 
     def to_frame(self) -> Any:
@@ -155,10 +161,23 @@ class Estimate:
             index=list(self.names),
         )
 
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a value, rounded to its uncertainty."""
+        columns = zip(self.names, self.values, self.u, self.units, self.dof, strict=True)
+        rows = [(name, with_uncertainty(v, u), unit, dof(d) if u > 0.0 else "-") for name, v, u, unit, d in columns]
+        sources = ", ".join(component.source for component in self.components)
+        caption = f"{len(self.names)} value(s); uncertainty from: {sources or 'nothing stated'}"
+        return (Grid(("name", "value ± u", "unit", "dof"), rows, caption, (1, 3)),)
+
     def __str__(self) -> str:
         """Return a table with a row a value."""
-        rows = zip(self.names, self.values, self.u, self.units, self.dof, strict=True)
-        return "\n".join(f"{n:<28} {v: .9g} ± {u:.2g} {unit} (dof {d:.3g})" for n, v, u, unit, d in rows)
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())
 
 
 def _take(dof: Array | float, at: list[int]) -> Array | float:
@@ -180,3 +199,5 @@ def _check_covariance(component: Component, k: int) -> None:
         raise DataError(
             f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
         )
+    if component.stated is not None and not component.stated[0] > 0.0 and np.any(np.diag(c) > 0.0):
+        raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")

@@ -32,6 +32,8 @@ class Influence:
         Of the unknown value.
     certificate : str
         Where ``u`` comes from.
+    as_stated : (float, str), optional
+        ``u`` in the unit in which the certificate gives it; by default in ``unit``.
     """
 
     u: float
@@ -39,6 +41,12 @@ class Influence:
     dof: float = math.inf
     distribution: str = "normal"
     certificate: str = ""
+    as_stated: tuple[float, str] | None = None
+
+    @property
+    def stated(self) -> tuple[float, str]:
+        """Standard uncertainty and its unit, as the certificate gives them."""
+        return self.as_stated or (self.u, self.unit)
 
 
 Standards = Mapping[str, Influence]

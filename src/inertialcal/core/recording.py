@@ -18,6 +18,9 @@ from numpy.typing import NDArray
 from .errors import DataError
 from .estimate import Array
 from .remarks import Remark
+from .result_tables import told
+from .rounding import number
+from .tables import Grid, Part, ending, html, text
 
 Times = NDArray[np.int64]
 SECOND = 1_000_000_000  # [ns]
@@ -186,8 +189,56 @@ class Recording:
         """Nominal sampling frequency [Hz]."""
         return 1.0 / self.sample_interval if self.sample_interval else None
 
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: source and clock, a row a channel, how many remarks."""
+        heads = ("channel", "axis", "quantity", "unit", "type", "min", "max", "missing")
+        rows = [_cells(channel) for channel in self.channels]
+        path = ending(self.source.path) or "recording"
+        kind = f" ({self.source.format})" if self.source.format else ""
+        grid = Grid(heads, rows, f"{path}{kind}: {len(self)} samples, {len(rows)} channel(s)", (5, 6, 7))
+        return (grid, _clock(self), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return a table with a row a channel."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())
+
     def with_unit(self, names: Sequence[str], unit: str, unit_from: str) -> Recording:
         """Return the recording with a unit said for some channels (their numbers stay as they are)."""
         wanted = {self.channel(name).name for name in names}
         channels = tuple(replace(c, unit=unit, unit_from=unit_from) if c.name in wanted else c for c in self.channels)
         return replace(self, channels=channels)
+
+
+def _cells(channel: Channel) -> tuple[str, ...]:
+    said = (channel.name, channel.axis, channel.quantity, channel.unit or "?", str(channel.data.dtype))
+    if channel.data.dtype.kind not in "biuf":
+        return (*said, "-", "-", "-")
+    numbers = channel.data[np.isfinite(channel.data)]
+    ends = (float(numbers.min()), float(numbers.max())) if len(numbers) else (None, None)
+    return (*said, number(ends[0]), number(ends[1]), str(len(channel.data) - len(numbers)))
+
+
+def _clock(recording: Recording) -> str:
+    """Return one line on rate, averaging and span."""
+    said = []
+    if recording.sample_rate is not None:
+        origin = f" ({recording.interval_from})" if recording.interval_from else ""
+        said.append(f"{number(recording.sample_rate)} Hz{origin}")
+    if recording.averaging_time is not None:
+        said.append(f"each the mean of {number(recording.averaging_time)} s")
+    if recording.seconds is not None and recording.time_ns is not None:
+        said.append(f"{number(recording.seconds[-1])} s from {_instant(recording)}")
+    return f"time: {'; '.join(said) or 'none'}"
+
+
+def _instant(recording: Recording) -> str:
+    first = int(recording.time_ns[0]) if recording.time_ns is not None else 0
+    if recording.epoch == "utc":
+        return f"{np.datetime64(first, 'ns').astype('datetime64[ms]')}Z"
+    return f"{number(first / SECOND)} s"

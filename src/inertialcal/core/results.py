@@ -10,6 +10,7 @@ import math
 from dataclasses import dataclass
 from typing import Any, Literal
 
+BESIDE = ("as_published", "all_readings")  # conditions that mark other ways of reducing the same readings
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
 

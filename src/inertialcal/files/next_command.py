@@ -42,7 +42,8 @@ def next_command(
     if options:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
     moving = any(remark.code == "not_at_rest" for remark in remarks)
-    wanted = ["positions", "rate-table"] if moving else ["allan", "psd"]
+    turned = any(REDUCED.search(channel.name) for channel in recording.channels)
+    wanted = ["rate-table"] if moving and turned else ["positions"] if moving else ["allan", "psd"]
     if not moving and len(recording) < SHORT:
         wanted = []
     word = next((word for word in wanted if word in commands), None)

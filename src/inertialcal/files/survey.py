@@ -12,6 +12,7 @@ import numpy as np
 from ..core.recording import Recording, Source
 from ..core.remarks import Remark, gather
 from ..core.results import finite
+from ..core.tables import Part, html, text
 from ..signals.time_axis import TimeAxis, analyse
 from . import read
 from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
@@ -19,6 +20,7 @@ from .hints import Hint, unit_hints
 from .next_command import next_command
 from .plausible import time_remarks
 from .rest import rest_remarks
+from .survey_tables import survey_parts
 
 
 @dataclass(frozen=True)
@@ -116,6 +118,20 @@ class Survey:
     def sha256(self) -> str:
         """SHA-256 of the file."""
         return self.source.sha256
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a channel, the time, hints, how many remarks, what to type next."""
+        return survey_parts(self)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
     def to_dict(self) -> dict[str, Any]:
         """Return plain values, for ``--json``."""

@@ -14,6 +14,8 @@ from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.recording import Source
 from ..core.remarks import Remark
+from ..core.result_tables import told
+from ..core.tables import Grid, Part, ending, html, text
 from .cells import BLANKS, Decimal, judge, kind, to_float
 from .columns import Content, Rows
 from .content import parse_content
@@ -24,6 +26,8 @@ from .headers import bare_name, heading
 from .layout import sniff
 from .missing import missing_remarks, nan_in_required
 from .source import Loaded, load
+
+SHOWN = 4  # cells of a column
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,6 +62,25 @@ class Table:
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a column, its first cells, how many remarks."""
+        rows = [
+            (name, (self.units[i] if i < len(self.units) else None) or "?", ", ".join(cells[:SHOWN]))
+            for i, (name, cells) in enumerate(zip(self.names, self.cells, strict=True))
+        ]
+        caption = f"{ending(self.source.path) or 'table'}: {len(self)} rows, {len(self.names)} columns"
+        return (Grid(("column", "unit", "first cells"), rows, caption), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
     def where(self, index: int) -> str:
         """``file:row`` of a row of the table, counted from 0."""

@@ -2,6 +2,9 @@
 
 The same operations in the same order as ``equation``, ``nonlinearity`` and ``matrices``, row by row. They hold no
 lock of the interpreter, and no row looks at another: threads may share the rows, and the bits stay.
+
+A block of rows is taken through all steps while it lies in the fastest cache, as columns: a loop over one column
+without a branch in it becomes vector instructions.
 """
 
 from __future__ import annotations
@@ -10,133 +13,201 @@ import numba
 import numpy as np
 
 from ..core.estimate import Array
-from .nonlinearity import DIGITS, STEPS
+from .nonlinearity import DIGITS, HALLEY_STEPS, LEFT_OVER, STEEP, STEPS, UNDONE
 
+BLOCK = 512  # rows
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
 
 @compiled
-def subtract_bias_3(
-    shift: Array, powers: Array, reference: Array, temperature: Array, readings: Array, out: Array
-) -> None:
-    """Fill ``out`` with readings - shift - sum_j powers[j - 1] (temperature - reference)^j, by Horner's rule.
+def undo_3(
+    shift: Array,
+    powers: Array,
+    reference: Array,
+    temperature: Array,
+    curves: Array,
+    matrices: Array,
+    readings: Array,
+    out: Array,
+) -> bool:
+    """Fill ``out``, (n, 3), with the inputs of readings; return False if M is singular at some temperature.
 
-    Readings (n, 3); ``shift`` has one row or n, ``temperature`` too, and one column or three.
+    Parameters
+    ----------
+    shift : ndarray, shape (1 or n, 3)
+        Bias, but for ``powers``, (j, 3), of the temperature away from ``reference``, (3,).
+    temperature : ndarray, shape (n, 1 or 3)
+        Not looked at where there are no powers and one matrix.
+    curves : ndarray, shape (3, 6)
+        Of each sensor K1', K2, K3, the ends of the rising branch, the smallest slope where that has no end.
+    matrices : ndarray, shape (j, 3, 3)
+        M_0, M_1, ...; one alone is M^-1 of all rows.
     """
-    down, below = (1 if temperature.shape[0] > 1 else 0), (1 if shift.shape[0] > 1 else 0)
-    across = 1 if temperature.shape[1] > 1 else 0
-    for n in range(readings.shape[0]):
+    away, u = np.empty((3, BLOCK)), np.empty((3, BLOCK))
+    spare = np.empty((9, BLOCK))
+    regular = True
+    for start in range(0, len(out), BLOCK):
+        stop = min(start + BLOCK, len(out))
         for i in range(3):
-            away = temperature[n * down, i * across] - reference[i]
-            bent = 0.0
-            for j in range(powers.shape[0] - 1, -1, -1):
-                bent = (bent + powers[j, i]) * away
-            out[n, i] = readings[n, i] - (shift[n * below, i] + bent)
+            if len(powers) > 0 or len(matrices) > 1:
+                _heat(reference[i], temperature[start:stop, i if temperature.shape[1] > 1 else 0], away[i])
+            base = shift[start:stop, i] if len(shift) > 1 else shift[:, i]
+            _subtract_bias(base, powers[:, i], away[i], readings[start:stop, i], u[i, : stop - start], spare[0])
+            _unbend(curves[i], u[i, : stop - start], spare[0])
+        if len(matrices) > 1:
+            _matrices_at(matrices, away, spare, stop - start)
+            regular = _solve(spare, u, out[start:stop]) and regular
+        else:
+            _mix(matrices[0], u, out[start:stop])
+    return regular
 
 
 @compiled
-def straighten_3(asymmetry: Array, out: Array) -> None:
-    """Undo the asymmetry of three sensors in place, as ``nonlinearity.inverse``; each within -2 to 2."""
-    half = 0.5 * asymmetry
-    for n in range(out.shape[0]):
-        for i in range(3):
-            out[n, i] = out[n, i] / (1.0 + half[i] * np.copysign(1.0, out[n, i]))
+def _heat(reference: float, temperature: Array, away: Array) -> None:
+    for n in range(len(temperature)):
+        away[n] = temperature[n] - reference
 
 
 @compiled
-def unbend(curve: Array, out: Array) -> None:
-    """Undo the curve of one sensor in place, (n,), as ``nonlinearity.inverse``; NaN beyond the branch.
-
-    ``curve`` is K1', K2, K3, the ends of the rising branch, and the smallest slope where that has no end.
-    """
-    asymmetry, second, third, low, high, lowest = curve[0], curve[1], curve[2], curve[3], curve[4], curve[5]
-    for n in range(out.shape[0]):
-        reading = out[n]
-        side = -1.0 if reading < 0.0 else 1.0
-        near, far = 0.0, low if side < 0.0 else high
-        if np.isinf(far):
-            far = 2.0 * reading / lowest
-        u = far
-        if not side * (u * (1.0 + u * (second + u * third)) + 0.5 * asymmetry * abs(u) - reading) >= 0.0:
-            out[n] = np.nan
-            continue
-        first = reading / (1.0 + 0.5 * side * asymmetry)
-        if side * first < side * far:
-            u = first
-        for _ in range(STEPS):
-            excess = side * (u * (1.0 + u * (second + u * third)) + 0.5 * asymmetry * abs(u) - reading)
-            if excess >= 0.0:
-                far = u
-            if excess <= 0.0:
-                near = u
-            slope = 1.0 + 0.5 * asymmetry * np.sign(u) + u * (2.0 * second + 3.0 * third * u)
-            new = u - side * excess / slope if slope > 0.0 else np.nan
-            if not (side * new >= side * near and side * new <= side * far):
-                new = 0.5 * (near + far)
-            still = abs(new - u) <= DIGITS * abs(new)
-            u = new
-            if still:
-                break
-        out[n] = u
+def _subtract_bias(shift: Array, powers: Array, away: Array, readings: Array, u: Array, spare: Array) -> None:
+    """Fill ``u`` with readings - shift - sum_j powers[j - 1] away^j, by Horner's rule; one shift or one a reading."""
+    spare[:] = 0.0
+    for j in range(len(powers) - 1, -1, -1):
+        coefficient = powers[j]
+        for n in range(len(u)):
+            spare[n] = (spare[n] + coefficient) * away[n]
+    if len(shift) == 1:
+        same = shift[0]
+        for n in range(len(u)):
+            u[n] = readings[n] - (same + spare[n])
+    else:
+        for n in range(len(u)):
+            u[n] = readings[n] - (shift[n] + spare[n])
 
 
 @compiled
-def _mix(matrix: Array, row: Array) -> None:
-    """Replace a row by matrix times it; an entry of zero takes nothing, not even a missing reading."""
-    a, b, c = row[0], row[1], row[2]
+def _unbend(curve: Array, u: Array, spare: Array) -> None:
+    """Undo the curve of one sensor in place, as ``nonlinearity.inverse``; NaN beyond the branch."""
+    if curve[1] != 0.0 or curve[2] != 0.0:
+        _approach(curve, u, spare)
+        for n in range(len(u)):
+            u[n] = _bracket(curve, u[n]) if np.isnan(spare[n]) else spare[n]
+    elif curve[0] != 0.0:
+        half = 0.5 * curve[0]
+        for n in range(len(u)):
+            rate = 1.0 - half if u[n] < 0.0 else 1.0 + half
+            u[n] = u[n] / (rate if rate > 0.0 else np.nan)
+
+
+@compiled
+def _approach(curve: Array, readings: Array, found: Array) -> None:
+    """Fill ``found`` as ``nonlinearity.approached``: NaN where the steps do not settle."""
+    second, third, low, high = curve[1], curve[2], curve[3], curve[4]
+    up, down = 1.0 + 0.5 * curve[0], 1.0 - 0.5 * curve[0]
+    bend_up, bend_down = second / up, second / down
+    turn_up, turn_down = 2.0 * bend_up * bend_up - third / up, 2.0 * bend_down * bend_down - third / down
+    for n in range(len(readings)):
+        reading = readings[n]
+        negative = reading < 0.0
+        rate = down if negative else up
+        bend = bend_down if negative else bend_up
+        turn = turn_down if negative else turn_up
+        lowest = low if negative else 0.0
+        highest = 0.0 if negative else high
+        u = reading / rate
+        u = u * (1.0 - u * (bend - u * turn))
+        slope, curvature, step = 0.0, 0.0, 0.0
+        for _ in range(HALLEY_STEPS):
+            excess = u * (rate + u * (second + u * third)) - reading
+            curvature = second + 3.0 * third * u
+            slope = rate + u * (second + curvature)
+            step = excess * slope / (slope * slope - excess * curvature)
+            u = u - step
+        left = abs((curvature * curvature - third * slope) * step * step * step)
+        final = (left <= LEFT_OVER * abs(u * slope * slope)) & (slope >= STEEP) & (u >= lowest) & (u <= highest)
+        found[n] = u if final else np.nan
+
+
+@compiled
+def _bracket(curve: Array, reading: float) -> float:
+    """Return one input as ``nonlinearity.bracketed``."""
+    asymmetry, second, third = curve[0], curve[1], curve[2]
+    side = -1.0 if reading < 0.0 else 1.0
+    near, far = 0.0, curve[3] if side < 0.0 else curve[4]
+    if np.isinf(far):
+        far = 2.0 * reading / curve[5]
+    u = far
+    if not side * (u * (1.0 + u * (second + u * third)) + 0.5 * asymmetry * abs(u) - reading) >= 0.0:
+        return np.nan
+    first = reading / (1.0 + 0.5 * side * asymmetry)
+    if side * first < side * far:
+        u = first
+    for _ in range(STEPS):
+        excess = side * (u * (1.0 + u * (second + u * third)) + 0.5 * asymmetry * abs(u) - reading)
+        if excess >= 0.0:
+            far = u
+        if excess <= 0.0:
+            near = u
+        slope = 1.0 + 0.5 * asymmetry * np.sign(u) + u * (2.0 * second + 3.0 * third * u)
+        new = u - side * excess / slope if slope > 0.0 else np.nan
+        if not (side * new >= side * near and side * new <= side * far):
+            new = 0.5 * (near + far)
+        if abs(new - u) <= DIGITS * abs(new):
+            return new
+        u = new
+    missed = abs(u * (1.0 + u * (second + u * third)) + 0.5 * asymmetry * abs(u) - reading)
+    return u if missed <= UNDONE * abs(reading) else np.nan
+
+
+@compiled
+def _mix(matrix: Array, u: Array, out: Array) -> None:
+    """Fill the rows of ``out`` with one matrix times each; an entry of zero takes nothing, not even a missing one."""
+    a, b, c = matrix[0, 0], matrix[0, 1], matrix[0, 2]
+    d, e, f = matrix[1, 0], matrix[1, 1], matrix[1, 2]
+    g, h, k = matrix[2, 0], matrix[2, 1], matrix[2, 2]
+    for n in range(len(out)):
+        x, y, z = u[0, n], u[1, n], u[2, n]
+        out[n, 0] = 0.0 + _share(a, x) + _share(b, y) + _share(c, z)
+        out[n, 1] = 0.0 + _share(d, x) + _share(e, y) + _share(f, z)
+        out[n, 2] = 0.0 + _share(g, x) + _share(h, y) + _share(k, z)
+
+
+@compiled
+def _share(entry: float, u: float) -> float:
+    return entry * u if entry != 0.0 else 0.0
+
+
+@compiled
+def _matrices_at(matrices: Array, away: Array, entries: Array, size: int) -> None:
+    """Fill the rows of ``entries`` with M_00, M_01, ... of each reading; a row of M has the heat of its sensor."""
+    last = len(matrices) - 1
     for i in range(3):
-        total = 0.0
-        if matrix[i, 0] != 0.0:
-            total += matrix[i, 0] * a
-        if matrix[i, 1] != 0.0:
-            total += matrix[i, 1] * b
-        if matrix[i, 2] != 0.0:
-            total += matrix[i, 2] * c
-        row[i] = total
-
-
-@compiled
-def mix_3(matrix: Array, out: Array) -> None:
-    """Replace each row of ``out``, (n, 3), by one matrix times it."""
-    for n in range(out.shape[0]):
-        _mix(matrix, out[n])
-
-
-@compiled
-def _invert(matrix: Array, out: Array) -> bool:
-    """Fill ``out`` with the inverse of a matrix by cofactors; return False if it is singular."""
-    for i in range(3):
-        p, q = (i + 1) % 3, (i + 2) % 3
-        out[0, i] = matrix[p, 1] * matrix[q, 2] - matrix[p, 2] * matrix[q, 1]
-        out[1, i] = matrix[p, 2] * matrix[q, 0] - matrix[p, 0] * matrix[q, 2]
-        out[2, i] = matrix[p, 0] * matrix[q, 1] - matrix[p, 1] * matrix[q, 0]
-    determinant = matrix[0, 0] * out[0, 0] + matrix[0, 1] * out[1, 0] + matrix[0, 2] * out[2, 0]
-    if determinant == 0.0:
-        return False
-    for i in range(3):
+        heat = away[i, :size]
         for j in range(3):
-            out[i, j] = out[i, j] / determinant
-    return True
+            entry = entries[3 * i + j, :size]
+            entry[:] = matrices[last, i, j]
+            for power in range(last - 1, -1, -1):
+                coefficient = matrices[power, i, j]
+                for n in range(size):
+                    entry[n] = entry[n] * heat[n] + coefficient
 
 
 @compiled
-def solve_3(matrices: Array, reference: Array, temperature: Array, out: Array) -> bool:
-    """Replace each row of ``out``, (n, 3), by M(T)^-1 times it; return False at the first M that is singular.
-
-    ``matrices`` are M_0, M_1, ...; each row of M is taken at the temperature of its sensor, shape (n, 1 or 3).
-    """
-    across = 1 if temperature.shape[1] > 1 else 0
-    last = matrices.shape[0] - 1
-    here, inverse = np.empty((3, 3)), np.empty((3, 3))
-    for n in range(out.shape[0]):
-        for i in range(3):
-            away = temperature[n, i * across] - reference[i]
-            for j in range(3):
-                total = matrices[last, i, j]
-                for power in range(last - 1, -1, -1):
-                    total = total * away + matrices[power, i, j]
-                here[i, j] = total
-        if not _invert(here, inverse):
-            return False
-        _mix(inverse, out[n])
-    return True
+def _solve(entries: Array, u: Array, out: Array) -> bool:
+    """Fill the rows of ``out`` with the inverse, by cofactors, times each; return False if one is singular."""
+    singular = 0
+    for n in range(len(out)):
+        a, b, c = entries[0, n], entries[1, n], entries[2, n]
+        d, e, f = entries[3, n], entries[4, n], entries[5, n]
+        g, h, k = entries[6, n], entries[7, n], entries[8, n]
+        x, y, z = u[0, n], u[1, n], u[2, n]
+        first, second, third = e * k - f * h, f * g - d * k, d * h - e * g
+        determinant = a * first + b * second + c * third
+        singular += determinant == 0.0
+        p, q, r = first / determinant, (h * c - k * b) / determinant, (b * f - c * e) / determinant
+        out[n, 0] = 0.0 + _share(p, x) + _share(q, y) + _share(r, z)
+        p, q, r = second / determinant, (k * a - g * c) / determinant, (c * d - a * f) / determinant
+        out[n, 1] = 0.0 + _share(p, x) + _share(q, y) + _share(r, z)
+        p, q, r = third / determinant, (g * b - h * a) / determinant, (a * e - b * d) / determinant
+        out[n, 2] = 0.0 + _share(p, x) + _share(q, y) + _share(r, z)
+    return singular == 0

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from ..core.errors import DataError
-from ..core.estimate import Array, Component, Estimate
+from ..core.estimate import Array, Estimate
 from ..core.units import factor
 from .model import Kind, SensorModel
 from .terms import FORCE_AXES, PER_AXIS, orders, with_values
@@ -73,9 +74,7 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
         return estimate
     factors = np.array([factor(own, other) for own, other in zip(estimate.units, units, strict=True)])
     grid = np.outer(factors, factors)
-    components = tuple(
-        Component(one.source, one.kind, one.covariance * grid, one.dof, one.distribution) for one in estimate.components
-    )
+    components = tuple(replace(one, covariance=one.covariance * grid) for one in estimate.components)
     return Estimate(estimate.names, estimate.values * factors, units, components)
 
 

@@ -33,6 +33,7 @@ from .uniqueness import check_unique
 
 CHUNK = 16_384  # rows that stay in the cache from step to step
 KERNEL_ROWS = 1_000_000  # from here on the compiled loop is worth its compilation
+KERNEL_CHUNK = 131_072  # rows of which a thread takes one lot after the other
 WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
 
 
@@ -134,29 +135,16 @@ def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array)
     bent = curve(model)
     branch = rising_branch(bent)
     curves = np.column_stack([bent.asymmetry, bent.second, bent.third, branch, endless_slope(bent, branch)])
-    one = None
-    if model.matrix.shape[0] == 1 or len(columns["temperature"]) == 1:
-        one = np.ascontiguousarray(inverted(matrix_at(model, columns))[0])
-    many, asymmetry = model.matrix.copy(), bent.asymmetry.copy()
-    asymmetry[(bent.second != 0.0) | (bent.third != 0.0)] = 0.0
+    changing = model.matrix.shape[0] > 1 and len(columns["temperature"]) > 1
+    matrices = model.matrix.copy() if changing else np.ascontiguousarray(inverted(matrix_at(model, columns)))
 
     def fill(piece: tuple[slice, dict[str, Array]]) -> bool:
         part, here = piece
-        x = out[part]
-        shift, powers, reference, temperature = _thermal(model, here)
-        _kernels.subtract_bias_3(shift, powers, reference, temperature, np.ascontiguousarray(readings[part]), x)
-        if np.any(asymmetry):
-            _kernels.straighten_3(asymmetry, x)
-        for i, terms in enumerate(curves):
-            if terms[1] or terms[2]:
-                _kernels.unbend(terms, x[:, i])
-        if one is None:
-            return bool(_kernels.solve_3(many, reference, temperature, x))
-        _kernels.mix_3(one, x)
-        return True
+        r = np.ascontiguousarray(readings[part])
+        return bool(_kernels.undo_3(*_thermal(model, here), curves, matrices, r, out[part]))
 
     with ThreadPoolExecutor(WORKERS) as pool:
-        return all(pool.map(fill, pieces(columns, len(readings))))
+        return all(pool.map(fill, pieces(columns, len(readings), KERNEL_CHUNK)))
 
 
 def _thermal(model: SensorModel, columns: Columns) -> tuple[Array, Array, Array, Array]:
@@ -172,10 +160,11 @@ def _thermal(model: SensorModel, columns: Columns) -> tuple[Array, Array, Array,
     return np.array(offset(model, columns)), np.empty((0, len(model.axes))), reference, temperature
 
 
-def pieces(columns: Columns, n: int) -> Iterator[tuple[slice, dict[str, Array]]]:
-    """Rows in chunks, and the conditions of each."""
-    for start in range(0, n, CHUNK):
-        part = slice(start, min(start + CHUNK, n))
+def pieces(columns: Columns, n: int, size: int | None = None) -> Iterator[tuple[slice, dict[str, Array]]]:
+    """Rows in chunks, of CHUNK rows where no size is given, and the conditions of each."""
+    step = CHUNK if size is None else size
+    for start in range(0, n, step):
+        part = slice(start, min(start + step, n))
         yield part, {name: column if len(column) == 1 else column[part] for name, column in columns.items()}
 
 

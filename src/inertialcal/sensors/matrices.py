@@ -11,8 +11,8 @@ from ..core.estimate import Array
 def mixed(matrix: Array, x: Array) -> Array:
     """Return rows of x times a matrix, shape (n, k), summed in the order of the columns (not left to a BLAS).
 
-    So the last digit of a row depends neither on the rows around it nor on the number of threads. A column of
-    entries that are zero throughout takes nothing from x, not even a missing reading.
+    So the last digit of a row depends neither on the rows around it nor on the number of threads. An entry of
+    zero takes nothing from x, not even a missing reading.
 
     Parameters
     ----------
@@ -26,7 +26,7 @@ def mixed(matrix: Array, x: Array) -> Array:
     for i, row in enumerate(np.any(matrix != 0.0, axis=0)):
         total = np.zeros(len(out))
         for j in np.flatnonzero(row):
-            total += matrix[:, i, j] * columns[j]
+            total += matrix[:, i, j] * np.where(matrix[:, i, j] != 0.0, columns[j], 0.0)
         out[:, i] = total
     return out
 

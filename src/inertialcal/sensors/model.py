@@ -36,6 +36,7 @@ import numpy as np
 
 from ..core.errors import DataError
 from ..core.estimate import Array, Estimate
+from ..core.tables import Part, html, text
 from ..core.units import normalise, same_dimension
 from .terms import FORCE_AXES, Parameter, parameters, values
 
@@ -207,6 +208,22 @@ class SensorModel:
     def parameters(self) -> tuple[Parameter, ...]:
         """Every number of the equation that a test can give, with name and unit."""
         return parameters(self.axes, self.unit, self.terms)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: whose it is, equation, matrix, a row a parameter, where it holds."""
+        from .words import parts  # noqa: PLC0415 - words are written about a model, and import it
+
+        return parts(self)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
     @property
     def linear(self) -> bool:

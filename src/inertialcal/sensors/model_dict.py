@@ -138,6 +138,7 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
                 "covariance": one.covariance.tolist(),
                 "dof": _dof_to_plain(one.dof),
                 "distribution": one.distribution,
+                "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
             }
             for one in estimate.components
         ],
@@ -152,6 +153,7 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
             np.array(one["covariance"], dtype=float),
             _dof(one["dof"]),
             one["distribution"],
+            _stated(one.get("stated")),
         )
         for one in content["components"]
     )
@@ -163,6 +165,11 @@ def _dof_to_plain(dof: Array | float) -> Any:
     if isinstance(dof, np.ndarray):
         return [None if math.isinf(one) else float(one) for one in dof]
     return None if math.isinf(dof) else float(dof)
+
+
+def _stated(plain: Any) -> tuple[float, str] | None:
+    """Own uncertainty of a source; models written before it was kept do not have it."""
+    return None if plain is None else (float(plain["u"]), str(plain["unit"]))
 
 
 def _dof(plain: Any) -> Array | float:

@@ -48,11 +48,19 @@ def check_unique(model: SensorModel, columns: Columns) -> None:
 def _matrices(model: SensorModel, columns: Columns) -> Array:
     if model.matrix.shape[0] == 1:
         return model.matrix
-    given = columns["temperature"][np.isfinite(columns["temperature"])]
-    if not given.size:
-        given = np.asarray(model.reference_temperature)
-    ends = model.temperature_range or (float(given.min()), float(given.max()))
+    ends = model.temperature_range or _extremes(columns["temperature"], np.asarray(model.reference_temperature))
     return matrix_at(model, {"temperature": np.linspace(*ends, NODES)[:, np.newaxis]})
+
+
+def _extremes(temperature: Array, reference: Array) -> tuple[float, float]:
+    """Lowest and highest finite temperature; those of the reference where none is finite."""
+    if temperature.size:
+        lowest, highest = float(temperature.min()), float(temperature.max())
+        if np.isfinite(lowest) and np.isfinite(highest):
+            return lowest, highest
+    given = temperature[np.isfinite(temperature)]
+    given = given if given.size else reference
+    return float(given.min()), float(given.max())
 
 
 def _check_curves(model: SensorModel, matrices: Array) -> None:

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core.estimate import Array
 from ..core.rounding import number, with_uncertainty
+from ..core.tables import Folded, Grid, Part
 from ..core.units import convert, divide, factor
 from .model import SensorModel
 from .model_dict import WORDS
@@ -87,6 +88,21 @@ def show(model: SensorModel) -> str:
     parts += _table(lines(model)) + _run_to_run(model)
     parts += ["", "Compensation: " + "; ".join(WORDS["apply_order"])]
     return "\n".join([*parts, *_validity(model)])
+
+
+def parts(model: SensorModel) -> tuple[Part, ...]:
+    """Return a model as tables: whose it is, equation, matrix, a row a parameter, where it holds."""
+    order = WORDS["matrix_order"]
+    entries = [(axis, *(f"{x:.8f}" for x in row)) for axis, row in zip(model.axes, model.matrix[0], strict=True)]
+    matrix = Grid(("", *model.axes), entries, f"Matrix M_0 ({order})", tuple(range(1, len(model.axes) + 1)))
+    rows = [(row.name, with_uncertainty(row.value, row.u), row.unit) for row in lines(model)]
+    table = Grid(("parameter", "value ± u", "unit"), rows, "Parameters, SI and degC", (1,))
+    words = Folded("In words: inertialcal show", tuple(f"{row.name}: {row.words}" for row in lines(model)))
+    bare = sum(row.u is None for row in lines(model))
+    missing = (f"{bare} of {len(rows)} parameters have no uncertainty",) if bare else ()
+    said = [_head(model), *(f"  {row}" for row in equation(model))]
+    ends = [*missing, *(row.strip() for row in _run_to_run(model)), *_validity(model)]
+    return ("\n".join(said), matrix, table, words, *ends)
 
 
 def _table(rows: tuple[Line, ...]) -> list[str]:

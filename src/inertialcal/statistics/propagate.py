@@ -18,7 +18,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -97,9 +97,9 @@ def linear(
 ) -> Estimate:
     """Return a function of an estimate, linearised at its values (JCGM 100, 5.1.2 and 5.2.2).
 
-    Every component keeps its source and kind. Its degrees of freedom stay where all values share them; else
-    a result takes the fewest of the values that it depends on. So independent sources belong in
-    components of their own: there Welch-Satterthwaite counts them in full.
+    Every component keeps its source, kind and stated uncertainty. Its degrees of freedom stay where all values
+    share them; else a result takes the fewest of the values that it depends on. So independent sources belong
+    in components of their own: there Welch-Satterthwaite counts them in full.
 
     Parameters
     ----------
@@ -135,7 +135,7 @@ def linear(
     for component in estimate.components:
         factor = slopes @ _factor(component)
         dof = _carried_dof(component, slopes)
-        components.append(Component(component.source, component.kind, factor @ factor.T, dof, component.distribution))
+        components.append(replace(component, covariance=factor @ factor.T, dof=dof))
     return Estimate(tuple(names), values, tuple(units), tuple(components))
 
 
@@ -157,7 +157,7 @@ def monte_carlo(
     function : callable
         (k,) -> (m,); with ``vectorised`` (draws, k) -> (draws, m).
     estimate : Estimate
-        k values. A component that is ``"rectangular"`` or ``"triangular"`` is drawn so along each of the
+        k values. A component that is ``"rectangular"``, ``"triangular"`` or ``"arcsine"`` is drawn so along each of the
         independent quantities behind it; its degrees of freedom are not used.
     names, units : sequence of str
         One a result.
@@ -337,7 +337,7 @@ def _draw(component: Component, draws: int, rng: np.random.Generator) -> Array:
     errors = _standard(component, (draws, factor.shape[1]), rng) @ factor.T
     dof = np.broadcast_to(np.asarray(component.dof, dtype=float), component.u.shape)
     finite = np.isfinite(dof) & (component.u > 0.0)
-    if component.distribution in ("rectangular", "triangular") or not finite.any():
+    if component.distribution in ("rectangular", "triangular", "arcsine") or not finite.any():
         return np.asarray(errors, dtype=float)
     if not np.all(dof[finite] > 2.0):
         raise DataError(
@@ -361,7 +361,9 @@ def _standard(component: Component, shape: tuple[int, int], rng: np.random.Gener
         return rng.uniform(-math.sqrt(3.0), math.sqrt(3.0), shape)
     if component.distribution == "triangular":
         return rng.triangular(-math.sqrt(6.0), 0.0, math.sqrt(6.0), shape)
+    if component.distribution == "arcsine":  # the cosine of an unknown angle
+        return math.sqrt(2.0) * np.cos(rng.uniform(0.0, 2.0 * math.pi, shape))
     raise DataError(
         f"{component.source}: distribution {component.distribution!r}",
-        do="Known are: normal, t, rectangular, triangular",
+        do="Known are: normal, t, rectangular, triangular, arcsine",
     )

@@ -24,8 +24,11 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
-from ...core.results import Row
+from ...core.result_tables import figures, told
+from ...core.results import BESIDE, Row
+from ...core.tables import Part, html, text
 from .checks import check_agreement
+from .curves import curves
 from .earth_input import with_earth
 from .exclusions import exclusions
 from .plan import INFLUENCES, Plan, Readings
@@ -44,6 +47,7 @@ __all__ = [
     "Resolution",
     "Result",
     "Truth",
+    "curves",
     "exclusions",
     "rate_errors",
     "reduce",
@@ -91,9 +95,23 @@ class Result:
         """Rows of ``results.json``, SI."""
         return tuple(rows(self))
 
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
+        runs = f", {self.readings.runs} run(s)" if self.readings.run is not None else ""
+        caption = f"rate table: {len(self.readings)} dwells{runs}"
+        found = figures([row.to_dict() for row in self.rows() if row.condition not in BESIDE], caption)
+        reasons = tuple(f"sensor {sensor}: {reason}" for sensor, reason in self.reasons.items())
+        return (*found, *reasons, *told(self.remarks))
+
     def __str__(self) -> str:
-        """Return the estimate as a table."""
-        return str(self.estimate) if self.estimate is not None else "nothing was estimated"
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
 
 
 def reduce(plan: Plan, readings: Readings) -> Result:

@@ -78,7 +78,55 @@ class AxisLoop:
     reason: str = ""
 
 
+@dataclass(frozen=True, eq=False)
+class HeldOut:
+    """Dwells held out that one axis was judged on, before and after.
+
+    Parameters
+    ----------
+    axis : str
+        Of the input.
+    applied : ndarray, shape (n,)
+        True rate about the axis, earth rate included [rad/s].
+    raw, compensated : ndarray, shape (n,)
+        Error of the reading, and of what the model finds from it [rad/s].
+    run : tuple of str
+        Run of each dwell; empty where not given.
+    """
+
+    axis: str
+    applied: Array
+    raw: Array
+    compensated: Array
+    run: tuple[str, ...]
+
+
 Find = Callable[[Readings], Mapping[str, Array]]
+
+
+def held_out_errors(lines: Mapping[str, Line], held: Readings, model: Find) -> tuple[HeldOut, ...]:
+    """Return the dwells that ``closed_loop`` judges, axis by axis, before and after compensation.
+
+    Parameters
+    ----------
+    lines, held, model
+        As for ``closed_loop``.
+    """
+    found = model(held)
+    views = [_view(lines[axis], held, model, axis) for axis in found if axis in lines]
+    return tuple(_before_after(view) for view in views if len(view.dwells))
+
+
+def _before_after(view: _View) -> HeldOut:
+    applied = true_input(view.dwells, view.axis)
+    run = view.dwells.run
+    return HeldOut(
+        view.axis,
+        applied,
+        view.dwells.outputs[view.axis] - applied,
+        view.found - applied,
+        ("",) * len(applied) if run is None else tuple(str(label) for label in run),
+    )
 
 
 def closed_loop(

@@ -20,6 +20,7 @@ import numpy as np
 
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array, Estimate
+from ...core.influence import Influence
 from ...physics.earth import axis_earth_rate
 from .plan import AXES, Attitude, Plan, Readings
 
@@ -55,15 +56,52 @@ def earth_in_dwells(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[
     across = _across(i, start, angle)
     if plan.attitude is None or plan.latitude is None:
         size = OMEGA * ROOT_THIRD
-        return np.zeros_like(along), {f"direction unknown, {axis} turned": size * np.stack([along, *across])}
+        return np.zeros_like(along), {_direction(axis): size * np.stack([along, *across])}
     rate = _along_table_axis(plan, plan.attitude, plan.latitude)
-    value = float(rate.values[0])
-    sources = {
-        f"{one.source} of the table": (float(one.u[0]) * along)[None] for one in rate.components if one.u[0] > 0.0
+    sources = {_of_table(one.source): (float(one.u[0]) * along)[None] for one in rate.components if one.u[0] > 0.0}
+    sources[_phase(axis)] = _across_axis(rate) * ROOT_HALF * across
+    return float(rate.values[0]) * along, sources
+
+
+def earth_influences(plan: Plan, axis: str) -> dict[str, Influence]:
+    """Return what each source of `earth_in_dwells` rests on, by its name.
+
+    An angle where the plan or a standard states its uncertainty; else the component of earth rate itself: that of a
+    vector in any direction is rectangular, that of one at any angle about the table axis has an arcsine distribution.
+    """
+    if plan.attitude is None or plan.latitude is None:
+        return {_direction(axis): Influence(OMEGA * ROOT_THIRD, "rad/s", distribution="rectangular")}
+    rate = _along_table_axis(plan, plan.attitude, plan.latitude)
+    angles = {
+        "latitude": plan.standards.get("site.latitude", Influence(0.0, "rad")),
+        "tilt": Influence(plan.attitude.u, "rad"),
+        "azimuth": Influence(plan.attitude.u_azimuth, "rad"),
     }
-    size = float(np.sqrt(max(OMEGA**2 - value**2, 0.0)))
-    sources[f"phase of the table, {axis} turned"] = size * ROOT_HALF * across
-    return value * along, sources
+    found = {
+        _of_table(one.source): angles.get(
+            one.source, Influence(float(one.u[0]), "rad/s", distribution=one.distribution)
+        )
+        for one in rate.components
+    }
+    found[_phase(axis)] = Influence(_across_axis(rate) * ROOT_HALF, "rad/s", distribution="arcsine")
+    return found
+
+
+def _direction(axis: str) -> str:
+    return f"direction unknown, {axis} turned"
+
+
+def _of_table(source: str) -> str:
+    return f"{source} of the table"
+
+
+def _phase(axis: str) -> str:
+    return f"phase of the table, {axis} turned"
+
+
+def _across_axis(rate: Estimate) -> float:
+    """Earth rate across the table axis, from that along it [rad/s]."""
+    return float(np.sqrt(max(OMEGA**2 - float(rate.values[0]) ** 2, 0.0)))
 
 
 def _along_table_axis(plan: Plan, attitude: Attitude, latitude: float) -> Estimate:

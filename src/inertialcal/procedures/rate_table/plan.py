@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...core.influence import Influence, Standards
 from ...core.remarks import Remark
+from ...signals.dwells import Tally
+from .traces import Trace
 
 Labels = NDArray[Any]
 
@@ -131,6 +133,12 @@ class Readings:
         What is not known of it: per source, s independent patterns, each one standard uncertainty [rad/s].
     remarks : tuple of Remark
         What reading them brought up.
+    incomplete : ndarray of bool, shape (n,), optional
+        Dwells of recordings that are not read because too many of their samples are missing, invalid or at the rail.
+    tallies : tuple of Tally
+        Where the samples of each recording went, in the order of the recordings.
+    traces : tuple of Trace
+        The recordings that the dwells were cut from, for pictures.
     """
 
     applied: Array
@@ -145,13 +153,16 @@ class Readings:
     earth: Array | None = None
     earth_sources: Mapping[str, Array] = field(default_factory=dict[str, Array])
     remarks: tuple[Remark, ...] = ()
+    incomplete: NDArray[np.bool_] | None = None
+    tallies: tuple[Tally, ...] = ()
+    traces: tuple[Trace, ...] = ()
 
     def __len__(self) -> int:
         """Return the number of dwells."""
         return len(self.applied)
 
     def take(self, keep: NDArray[np.bool_]) -> Readings:
-        """Return the dwells for which ``keep`` holds."""
+        """Return the dwells for which ``keep`` holds; the traces, which are of all dwells, stay behind."""
         return replace(
             self,
             applied=self.applied[keep],
@@ -164,6 +175,8 @@ class Readings:
             earth=None if self.earth is None else self.earth[keep],
             earth_sources={name: patterns[:, keep] for name, patterns in self.earth_sources.items()},
             where=tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else (),
+            incomplete=None if self.incomplete is None else self.incomplete[keep],
+            traces=(),
         )
 
     @cached_property

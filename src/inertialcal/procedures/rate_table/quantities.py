@@ -19,9 +19,12 @@ converter reference
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
+from .earth_input import earth_influences
 from .plan import AXES, Plan
 from .regression import Line
 
@@ -48,7 +51,7 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
     components = [
         _type_a(parts, usable, len(names)),
         *_type_b(plan, names, values, parts, usable),
-        *_earth(parts, usable),
+        *_earth(plan, parts, usable),
     ]
     return Estimate(names, values, units, tuple(components))
 
@@ -135,18 +138,20 @@ def _type_b(plan: Plan, names: tuple[str, ...], values: Array, parts: list[Part]
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
         covariance = rate.u**2 * np.outer(proportional, proportional)
-        found.append(Component("table rate", "B", covariance, rate.dof, rate.distribution))
+        found.append(Component("table rate", "B", covariance, rate.dof, rate.distribution, rate.stated))
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
         covariance = _mounting(parts, lines, mounting.u)
-        found.append(Component("mounting on the table", "B", covariance, mounting.dof, mounting.distribution))
+        shape = mounting.distribution
+        found.append(Component("mounting on the table", "B", covariance, mounting.dof, shape, mounting.stated))
     reference = plan.standards.get("converter.reference")
     if reference is not None:
         gain = proportional + np.array(
             [value if name.startswith("bias") else 0.0 for name, value in zip(names, values, strict=True)]
         )
         covariance = reference.u**2 * np.outer(gain, gain)
-        found.append(Component("converter reference", "B", covariance, reference.dof, reference.distribution))
+        shape = reference.distribution
+        found.append(Component("converter reference", "B", covariance, reference.dof, shape, reference.stated))
     return found
 
 
@@ -180,14 +185,20 @@ def matrix_entry(one: Line, axis: str) -> float:
     return one.coefficient(f"M_{one.sensor}{axis}") if axis in one.axes else float(axis == one.sensor)
 
 
-def _earth(parts: list[Part], lines: list[Line]) -> list[Component]:
+def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
     """Components of what is not known of the earth rate: a wrong input of M e in the dwells that were used."""
+    turned = dict.fromkeys(axis for one in lines for axis in one.axes)
+    known = {name: influence for axis in turned for name, influence in earth_influences(plan, axis).items()}
     sources = dict.fromkeys(name for one in lines for name in one.readings.earth_sources)
     found = []
     for source in sources:
         changes = np.vstack([_earth_change(part, one, source) for part, one in zip(parts, lines, strict=True)])
         covariance = changes @ changes.T
-        found.append(Component(f"earth rate: {source}", "B", 0.5 * (covariance + covariance.T)))
+        component = Component(f"earth rate: {source}", "B", 0.5 * (covariance + covariance.T))
+        if source in known:  # else the readings were made with another attitude than this plan has
+            own = known[source]
+            component = replace(component, dof=own.dof, distribution=own.distribution, stated=own.stated)
+        found.append(component)
     return found
 
 

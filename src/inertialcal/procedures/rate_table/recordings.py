@@ -14,7 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -24,6 +24,7 @@ from ...signals.dwells import Dwell, Tally, tally
 from ...signals.schedule import dwells_by_reference, dwells_by_windows
 from .earth_input import earth_in_dwells, gathered
 from .plan import AXES, Plan, Readings
+from .traces import Cut, Trace, trace
 
 APPLIED = "applied"
 
@@ -44,6 +45,8 @@ class Turned:
         Schedule: start and stop of each dwell [ns].
     rates : ndarray, shape (w,)
         Rate in each window [rad/s].
+    name : str
+        Of the recording, for figures; its file where not given.
     """
 
     recording: Recording
@@ -51,6 +54,7 @@ class Turned:
     run: str = ""
     windows: tuple[tuple[int, int], ...] = ()
     rates: Array | None = None
+    name: str = ""
 
 
 def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
@@ -75,6 +79,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     sensors = [name for name in AXES if any(name in part.names for part in parts)]
     runs = [one.run for one in turned]
     earth, sources = gathered([(part.earth, part.sources) for part in parts])
+    before = np.cumsum([0, *(len(part.applied) for part in parts)])
     return Readings(
         applied=np.concatenate([part.applied for part in parts]),
         axis=np.concatenate([np.full(len(part.applied), one.axis) for part, one in zip(parts, turned, strict=True)]),
@@ -89,6 +94,9 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         earth=earth,
         earth_sources=sources,
         remarks=(*(remark for part in parts for remark in part.remarks), _counted(parts)),
+        incomplete=np.concatenate([part.incomplete for part in parts]),
+        tallies=tuple(part.tally for part in parts),
+        traces=tuple(part.trace.shifted(int(rows)) for part, rows in zip(parts, before[:-1], strict=True)),
     )  # fmt: skip
 
 
@@ -99,7 +107,7 @@ def _counted(parts: Sequence[_Part]) -> Remark:
     )
     outliers = sum(part.tally.outliers for part in parts)
     what = (
-        f"{len(parts)} recordings, {samples} samples: {used} used in {sum(part.dwells for part in parts)} dwells,"
+        f"{len(parts)} recording{'s' * (len(parts) != 1)}, {samples} samples: {used} used in {sum(part.dwells for part in parts)} dwells,"
         f" {edges} dropped at their edges, {bad} missing or invalid in them, {outliers} outliers, the rest between them"
     )
     return Remark("dwells", "info", what)
@@ -118,6 +126,12 @@ class _Part:
     remarks: tuple[Remark, ...]
     dwells: int
     tally: Tally
+    trace: Trace
+
+    @property
+    def incomplete(self) -> NDArray[np.bool_]:
+        """Dwells kept as not read: they stand after the others."""
+        return np.arange(len(self.applied)) >= self.dwells
 
     def column(self, values: Array, sensor: str) -> Array:
         """Return the values of one sensor; NaN where the recording does not have it."""
@@ -136,10 +150,11 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         what = "no sample is valid in all sensors"
         raise DataError(what, place, do="Check the built-in test, the rails and the columns", code="no_valid_sample")
     try:
-        dwells, applied = _cut(plan, one, signal, recording.time_ns)
+        cut = _cut(plan, one, signal, recording.time_ns)
     except DataError as error:
         raise DataError([replace(problem, where=place) for problem in error.problems]) from None
-    dwells, applied, lost, remarks = _complete(plan, dwells, applied, _lost(plan, one, signal, dwells), place)
+    kept, lost, remarks = _complete(plan, cut, _lost(plan, one, signal, cut.dwells), place)
+    dwells, applied = kept.dwells, kept.applied
     remarks += [
         Remark("sensor_invalid", "warning", f"{s} sensor: no valid sample", place) for s in there if s not in names
     ]
@@ -155,35 +170,36 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
         dwells = [dwell for dwell, turning in zip(dwells, moving, strict=True) if turning]
     else:
         remarks += _no_rest(applied, place)
-    unread = np.full((len(lost), len(names)), np.nan)
-    none = np.zeros((len(lost), 3))
-    applied = np.concatenate([applied, lost])
+    count = len(lost.dwells)
+    unread = np.full((count, len(names)), np.nan)
+    applied = np.concatenate([applied, lost.applied])
     return _Part(
         tuple(names),
         applied,
         np.vstack([means, unread]),
         np.vstack([np.array([dwell.scatter for dwell in dwells]), unread]),
-        np.array([float(np.min(dwell.n_effective)) for dwell in dwells] + [np.nan] * len(lost)),
-        np.vstack([earth, none]),
-        {name: np.concatenate([p, np.zeros((len(p), len(lost), 3))], axis=1) for name, p in sources.items()},
+        np.array([float(np.min(dwell.n_effective)) for dwell in dwells] + [np.nan] * count),
+        np.vstack([earth, np.zeros((count, 3))]),
+        {name: np.concatenate([p, np.zeros((len(p), count, 3))], axis=1) for name, p in sources.items()},
         tuple(f"{place}: dwell {i + 1} ({rate:+.6g} rad/s)" for i, rate in enumerate(applied)),
         (*recording.remarks, *remarks),
         len(dwells),
         tally(dwells, len(recording)),
+        trace(one.name or place, one.axis, names, signal, recording.time_ns, kept, lost, plan.zero_reference),
     )
 
 
-def _cut(plan: Plan, one: Turned, signal: Array, time_ns: Times) -> tuple[list[Dwell], Array]:
+def _cut(plan: Plan, one: Turned, signal: Array, time_ns: Times) -> Cut:
     if one.rates is not None:
         if not np.isfinite(one.rates).all():
             raise DataError("a rate of the schedule is missing", code="nan_in_required")
         dwells = list(dwells_by_windows(one.windows, signal, time_ns))
-        return dwells, _rounded(one.rates)
+        return Cut(dwells, _rounded(one.rates))
     commanded = one.recording.array([APPLIED])[:, 0]
     found = dwells_by_reference(commanded, signal, time_ns, tolerance=plan.applied_tolerance)
     rates = [float(np.ravel(dwell.applied)[0]) for dwell in found if dwell.applied is not None]
     still = [0.0 if abs(rate) <= plan.applied_tolerance else rate for rate in rates]
-    return list(found), _rounded(still)
+    return Cut(list(found), _rounded(still))
 
 
 def _rounded(rates: ArrayLike) -> Array:
@@ -191,31 +207,30 @@ def _rounded(rates: ArrayLike) -> Array:
     return np.array([float(f"{rate:.12g}") for rate in np.ravel(np.asarray(rates, dtype=float))])
 
 
-def _lost(plan: Plan, one: Turned, signal: Array, dwells: list[Dwell]) -> Array:
-    """Rates that were commanded where not one sample is valid [rad/s]: no dwell is left of them."""
+def _lost(plan: Plan, one: Turned, signal: Array, dwells: list[Dwell]) -> Cut:
+    """Dwells that were commanded where not one sample is valid: no reading is left of them."""
     if one.rates is not None or one.recording.time_ns is None or np.isfinite(signal).all():
-        return np.zeros(0)
+        return Cut([], np.zeros(0))
     commanded = one.recording.array([APPLIED])[:, 0]
     every = dwells_by_reference(commanded, commanded, one.recording.time_ns, tolerance=plan.applied_tolerance)
     gone = [d for d in every if not any(d.start < own.stop and own.start < d.stop for own in dwells)]
     rates = _rounded([float(np.ravel(d.applied)[0]) for d in gone if d.applied is not None])
-    return np.where(np.abs(rates) <= plan.applied_tolerance, 0.0, rates)
+    return Cut(gone, np.where(np.abs(rates) <= plan.applied_tolerance, 0.0, rates))
 
 
-def _complete(
-    plan: Plan, dwells: list[Dwell], applied: Array, gone: Array, place: str
-) -> tuple[list[Dwell], Array, Array, list[Remark]]:
+def _complete(plan: Plan, cut: Cut, gone: Cut, place: str) -> tuple[Cut, Cut, list[Remark]]:
     """Leave out dwells with too many samples missing, invalid or at the rail; their rates are kept as not read."""
-    keep = np.array([dwell.missing <= plan.missing * (dwell.missing + dwell.n) for dwell in dwells])
-    lost = np.concatenate([applied[~keep], gone])
-    if not len(lost):
-        return dwells, applied, lost, []
-    rates = ", ".join(f"{rate:+g}" for rate in np.unique(np.degrees(lost).round(9)))
+    keep = np.array([dwell.missing <= plan.missing * (dwell.missing + dwell.n) for dwell in cut.dwells], dtype=bool)
+    short = cut.choose(~keep)
+    lost = Cut([*short.dwells, *gone.dwells], np.concatenate([short.applied, gone.applied]))
+    if not lost.dwells:
+        return cut, lost, []
+    rates = ", ".join(f"{rate:+g}" for rate in np.unique(np.degrees(lost.applied).round(9)))
     what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: left out ({rates} deg/s)"
-    remark = Remark("dwell_incomplete", "warning", what, place, len(lost))
+    remark = Remark("dwell_incomplete", "warning", what, place, len(lost.dwells))
     if not keep.any():
         raise DataError("every dwell is missing, invalid or saturated", place, do=what, code="no_valid_sample")
-    return [dwell for dwell, kept in zip(dwells, keep, strict=True) if kept], applied[keep], lost, [remark]
+    return cut.choose(keep), lost, [remark]
 
 
 def _rest_weights(dwells: list[Dwell], applied: Array, place: str) -> Array:

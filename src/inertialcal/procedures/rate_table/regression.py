@@ -154,6 +154,30 @@ def _without_earth(readings: Readings, sensor: str, columns: Array, axes: tuple[
     return np.asarray(y - readings.earth @ row)
 
 
+def reading_of_line(one: Line, readings: Readings) -> Array:
+    """Return what a fitted line expects the sensor to read in each dwell, the earth's rotation included [rad/s].
+
+    Parameters
+    ----------
+    one : Line
+        Of the sensor.
+    readings : Readings
+        Any dwells; a rotation about an axis that the line does not know adds nothing.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+    """
+    columns, _ = _design(readings, one.sensor, one.axes, one.asymmetry)
+    expected: Array = columns @ one.fit.coefficients
+    if readings.earth is None:
+        return expected
+    row = (np.array(AXES) == one.sensor).astype(float)
+    for at, axis in enumerate(one.axes):
+        row[AXES.index(axis)] = one.fit.coefficients[1 + at]
+    return np.asarray(expected + readings.earth @ row)
+
+
 def _design(readings: Readings, sensor: str, axes: tuple[str, ...], asymmetry: bool) -> tuple[Array, list[str]]:
     x = {axis: np.where(readings.axis == axis, readings.applied, 0.0) for axis in axes}
     columns = [np.ones(len(readings)), *x.values()]

@@ -1,0 +1,104 @@
+"""Uncertainty budgets: for each figure its sources, each with what it contributes and why (JCGM 100, 4.3, 5.1, G.4).
+
+The contribution of a source is ``u = sensitivity * stated_u``: ``stated_u`` is the standard uncertainty of the source
+itself (0.05 % of the table's rate, 0.1 deg of the mounting), the sensitivity its size, without sign. Where several
+unknowns of that size enter a figure (the mounting angles, one towards each of two other axes) it is the root sum of
+squares over them; terms of second order are in it. Scatter is observed in the figures themselves: sensitivity 1.
+
+The squares of ``u`` add up to the square of the figure's uncertainty, so ``share`` is a share of the variance. A share
+that is no more than the rounding of the arithmetic is no contribution and has no row.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from ..core.estimate import Component, Estimate
+from ..core.results import finite
+from ..core.units import divide, factor
+from ..procedures.rate_table import Plan
+from ..procedures.rate_table.rows import RESIDUAL
+from .curves import ten_digits
+from .display import display_unit, stated_unit
+
+ROUNDING = 1e-20  # share of a variance that cannot be told from none: 1e-10 of u
+
+
+@dataclass(frozen=True)
+class _Figure:
+    """A figure that is shown: value ``at`` of the estimate times ``times``."""
+
+    quantity: str
+    axis: str
+    at: int
+    unit: str
+    times: float = 1.0
+
+
+def budget_rows(
+    test: str, estimate: Estimate | None, sensor_unit: str, plan: Plan | None = None
+) -> list[dict[str, Any]]:
+    """Return the sources of uncertainty of each figure, in the units of the campaign.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test, or ``"model"``.
+    estimate : Estimate or None
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    plan : Plan, optional
+        Of the test, by which a bias is a residual bias, and scale factors in volts are shown too.
+    """
+    if estimate is None:
+        return []
+    found = []
+    for figure in _figures(estimate, plan):
+        total = float(estimate.covariance[figure.at, figure.at])
+        for component in estimate.components:
+            share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
+            if share > ROUNDING:
+                head = {"test": test, "quantity": figure.quantity, "axis": figure.axis}
+                found.append(head | _row(figure, component, sensor_unit) | {"share": share})
+    return found
+
+
+def _figures(estimate: Estimate, plan: Plan | None) -> Iterator[_Figure]:
+    """Return the figures of the rows that an estimate gives, by the names that they have there."""
+    ideal: Mapping[str, float] = (plan.scale_factor if plan is not None else None) or {}
+    for i, name in enumerate(estimate.names):
+        quantity, _, axis = name.rpartition("_")
+        if quantity == "bias" and plan is not None and plan.zero_reference:
+            quantity = RESIDUAL
+        if quantity == "scale_factor_error" and axis in ideal:
+            yield _Figure("scale_factor", axis, i, "V/(rad/s)", abs(ideal[axis]))
+        yield _Figure(quantity, axis, i, estimate.units[i])
+
+
+def _row(figure: _Figure, component: Component, sensor_unit: str) -> dict[str, Any]:
+    unit = display_unit(figure.quantity, figure.unit, sensor_unit)
+    u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
+    dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
+    return {
+        "source": component.source, "kind": component.kind, "distribution": component.distribution,
+        **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
+    }  # fmt: skip
+
+
+def _sensitivity(component: Component, u: float, unit: str, sensor_unit: str) -> dict[str, Any]:
+    """Return what the source itself has, and how the figure follows it."""
+    if component.stated is not None:
+        own, own_unit = component.stated
+        shown = stated_unit(own_unit, sensor_unit)
+        if shown != own_unit:  # 3 deg went through radians and shall come out as 3
+            own = ten_digits(own * factor(own_unit, shown, difference=True))
+        return {
+            "stated_u": own, "stated_unit": shown,
+            "sensitivity": u / own, "sensitivity_unit": divide(unit, shown),
+        }  # fmt: skip
+    if component.kind == "A":
+        return {"stated_u": u, "stated_unit": unit, "sensitivity": 1.0, "sensitivity_unit": "1"}
+    return {"stated_u": None, "stated_unit": "", "sensitivity": None, "sensitivity_unit": ""}

@@ -1,0 +1,93 @@
+"""Curves of a campaign, in the units of its sensors: rates in that of the sensor, relative errors in percent.
+
+Applied rates and times go through SI and come out to ten digits, so that 3 deg/s is 3; so does what only a picture
+shows (``trace``). Readings, residuals and errors keep all digits.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ..core.curve import Column, Curve
+from ..core.units import factor, kind
+from ..procedures import rate_table
+from ..procedures.rate_table.closed_loop import HeldOut
+from .load import Campaign
+from .modelling import Modelled
+from .prepare import sensor_of
+from .requirements import Tested
+
+TEN_DIGITS = ("applied", "rate", "time", "start", "stop")
+
+
+def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None) -> list[dict[str, Any]]:
+    """Return the curves of all tests, and those of the closed loop, as ``results.json`` holds them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    tested : sequence of Tested
+        Every test.
+    modelled : Modelled or None
+        Model and closed loop.
+    """
+    found = []
+    for one in tested:
+        unit = sensor_of(campaign, one.test).unit
+        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in rate_table.curves(one.result)]
+    if modelled is not None:
+        fitted = next(test for test in campaign.file.tests if test.use == "fit")
+        unit = sensor_of(campaign, fitted).unit
+        found += [displayed_curve(compensated(one), unit).to_dict("model") for one in modelled.errors]
+    return found
+
+
+def compensated(one: HeldOut) -> Curve:
+    """Return the errors of the dwells held out of one axis, before and after compensation [rad/s]."""
+    return Curve(
+        "compensated",
+        one.axis,
+        {
+            "applied": Column(one.applied, "rad/s"),
+            "raw_error": Column(one.raw, "rad/s"),
+            "compensated_error": Column(one.compensated, "rad/s"),
+            "run": Column(one.run),
+        },
+    )
+
+
+def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
+    """Return a curve in the units of the campaign.
+
+    Parameters
+    ----------
+    curve : Curve
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    """
+    columns = {name: _displayed(column, sensor_unit) for name, column in curve.columns.items()}
+    short = [name for name in columns if name in TEN_DIGITS or curve.name == "trace"]
+    return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
+
+
+def _displayed(column: Column, sensor_unit: str) -> Column:
+    unit = column.unit
+    shown = "%" if unit == "1" else sensor_unit if unit and kind(unit) == kind(sensor_unit) else unit
+    if shown == unit:
+        return column
+    return Column(np.array(column.values, dtype=float) * factor(unit, shown), shown)
+
+
+def _shortened(column: Column) -> Column:
+    return replace(column, values=[ten_digits(value) for value in column.values])
+
+
+def ten_digits(value: float) -> float:
+    """Return a number to ten digits: 3 deg/s went through radians and shall come out as 3."""
+    return float(f"{value:.10g}")

@@ -1,0 +1,59 @@
+"""The outcome of a campaign as tables: figures test by test, a row a requirement, the closed loop, the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..core.remarks import Remark
+from ..core.result_tables import estimated, folded, not_estimated, told
+from ..core.results import BESIDE
+from ..core.rounding import number
+from ..core.tables import Grid, Part
+
+VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
+
+
+def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Remark]) -> tuple[Part, ...]:
+    """Return what is shown of a run; other ways of reducing the same readings are left out, and counted.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of ``results.json``.
+    verdict : str
+        Over all requirements.
+    remarks : sequence of Remark
+        Of the campaign.
+    """
+    shown = [row for row in results["results"] if row["condition"] not in BESIDE]
+    parts: list[Part] = []
+    for test in dict.fromkeys(row["test"] for row in shown):
+        parts += estimated([row for row in shown if row["test"] == test], str(test))
+    parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
+    left_out = len(results["results"]) - len(shown)
+    if left_out:
+        parts.append(f"left out here: {left_out} figures of other ways of reduction ({', '.join(BESIDE)})")
+    parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
+    return (*parts, *told(remarks), f"verdict: {verdict or 'no requirement stated'}")
+
+
+def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:
+    """How many places of each requirement passed, failed and were left open, by test and axis."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for one in verdicts:
+        groups.setdefault((one["requirement"], one["test"], one["axis"]), []).append(one["verdict"])
+    rows = [(*key, *(str(found.count(word)) for word in VERDICTS)) for key, found in groups.items()]
+    heads = ("requirement", "test", "axis", *VERDICTS)
+    return (Grid(heads, rows, "requirements: places judged", (3, 4, 5, 6)),) if rows else ()
+
+
+def _closed_loop(loop: Mapping[str, Any]) -> tuple[Part, ...]:
+    said = f"closed loop, on readings held out: {loop['verdict']}"
+    if not loop["axes"]:
+        return (f"{said} ({loop['reason']})",)
+    rows = [
+        (one["axis"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"], one["verdict"])
+        for one in loop["axes"]
+    ]
+    return (Grid(("axis", "rms error", "compensated", "unit", "verdict"), rows, said, (1, 2)),)

@@ -1,0 +1,109 @@
+"""A reduced table without a campaign file: which column is what, and its rows as dwells."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import UsageError
+from ..core.units import normalise
+from ..procedures.rate_table import Readings
+from .schema import RecordingEntry, Rows, Sensor, Test
+from .table_columns import Guess
+from .tables import rate_table_readings
+
+
+def table_columns(
+    found: Guess,
+    names: Sequence[str],
+    said: Mapping[str, Any],
+    file: Path,
+) -> dict[str, Any]:
+    """Return which column is what, as ``rows`` of a campaign file has it, and ``axis`` where none says it.
+
+    Parameters
+    ----------
+    found : Guess
+        What the names tell.
+    names : sequence of str
+        Of all columns.
+    said : mapping
+        What the user said: ``applied``, ``reading``, ``axis``, ``unit``, ``scatter``, ``run``, ``group``; None
+        where nothing.
+    file : path
+        For messages.
+
+    Raises
+    ------
+    UsageError
+        If it is not clear which column is what, or in which unit.
+    """
+    if said["axis"] is not None and found.axis is not None:
+        what = f"{file}: column {found.axis!r} says which axis was turned, and --axis says {said['axis']}"
+        raise UsageError(what, do="Leave --axis out", code="wrong_value")
+    chosen = _columns(found, names, said, file)
+    spoken = said["unit"] or found.unit
+    if spoken is None:
+        raise UsageError(
+            f"{file}: nothing says the unit of rate and reading", do="Say it: --unit deg/s", code="no_unit"
+        )
+    rows = Rows(
+        applied=chosen["applied"],
+        reading=chosen["reading"],
+        unit=normalise(spoken),
+        scatter=said["scatter"] or (found.scatter if isinstance(chosen["reading"], str) else None),
+        run=said["run"] or found.run,
+        group=said["group"] or found.group,
+        samples=found.samples,
+        axis=None if said["axis"] else found.axis,
+    )
+    turned = {"axis": chosen["axis"]} if chosen["axis"] else {}
+    return {name: value for name, value in rows.model_dump().items() if value is not None} | turned
+
+
+def turned_axis(columns: Mapping[str, Any]) -> str:
+    """Return the axis that was turned in all of the file; empty where a column says it."""
+    axis = str(columns.get("axis", ""))
+    return axis if axis in ("x", "y", "z") else ""
+
+
+def table_readings(file: Path, columns: Mapping[str, Any], sensor: Sensor) -> tuple[Readings, str]:
+    """Return the rows of the table as dwells, and SHA-256 of the file.
+
+    Raises
+    ------
+    DataError
+        As ``tables.rate_table_readings``.
+    """
+    turned = turned_axis(columns)
+    rows = Rows(**{name: value for name, value in columns.items() if name != "axis" or not turned})
+    entry = RecordingEntry(sensor="sensor", file=file.name, rows=rows)
+    plan = {"axis": turned} if turned else {}
+    test = Test(id="rate_table", procedure="rate_table", recordings=["file"], plan=plan)
+    readings, table, *_ = rate_table_readings(file.parent, "file", entry, sensor, test)
+    return readings, table.source.sha256
+
+
+def _columns(found: Guess, names: Sequence[str], said: Mapping[str, Any], file: Path) -> dict[str, Any]:
+    applied, reading, axis = said["applied"], said["reading"], said["axis"]
+    if applied is None and found.applied is None:
+        raise UsageError(
+            f"{file}: no column is clearly the applied rate", do="Say it: --applied COLUMN", code="no_column"
+        )
+    if reading is None and len(found.readings) != 1 and not found.by_axis:
+        have = f" ({', '.join(found.readings)})" if found.readings else ""
+        have = have or f"; it has {', '.join(names)}"
+        what = f"{file}: {len(found.readings)} columns can be the reading{have}"
+        raise UsageError(what, do="Say it: --reading COLUMN", code="no_column")
+    by_axis = dict(found.by_axis) if len(found.by_axis) > 1 else None
+    chosen: Any = reading or by_axis or found.readings[0]
+    turned = axis or (None if found.axis else _only_axis(found, chosen))
+    if turned is None and found.axis is None:
+        raise UsageError(f"{file}: nothing says which axis was turned", do="Say it: --axis x", code="no_axis")
+    return {"applied": applied or found.applied, "reading": chosen, "axis": turned or ""}
+
+
+def _only_axis(found: Guess, chosen: Any) -> str | None:
+    axes = [axis for axis, name in found.by_axis.items() if name == chosen]
+    return axes[0] if len(axes) == 1 else None

@@ -1,0 +1,58 @@
+"""Standards of a campaign: what is stated of each, and which ones apply to its tests and are not stated."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from ..core.influence import Influence
+from ..core.results import finite
+from ..procedures.rate_table import INFLUENCES, Plan, Result
+from ..procedures.rate_table.rows import applies
+from .load import Campaign
+from .requirements import Tested
+from .schema import STANDARDS
+
+LATITUDE = "site.latitude"
+EFFECTS = INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
+
+
+def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
+    """Return all influences that are stated, as stated, and those that are not and would change the result of a test.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    tested : sequence of Tested
+        Every test.
+    """
+    names = [f"{standard}.{influence}" for standard, inner in STANDARDS.items() for influence in inner]
+    stated = [(name, campaign.standards.get(name)) for name in names]
+    return [_row(name, one) for name, one in stated if one is not None or any(_needs(name, t) for t in tested)]
+
+
+def _needs(name: str, one: Tested) -> bool:
+    result = one.result
+    return isinstance(result, Result) and (
+        _earth_rate_is_known(result.plan) if name == LATITUDE else applies(name, result.plan, result.readings)
+    )
+
+
+def _earth_rate_is_known(plan: Plan) -> bool:
+    """Whether earth rate along the table axis is taken from the latitude; with a zero reference it drops out."""
+    return plan.attitude is not None and plan.latitude is not None and not plan.zero_reference
+
+
+def _row(name: str, influence: Influence | None) -> dict[str, Any]:
+    standard, _, quantity = name.partition(".")
+    head = {"standard": standard, "influence": quantity, "effect": EFFECTS.get(name, "")}
+    if influence is None:
+        return head | {
+            "u": None, "unit": "", "dof": None, "distribution": "", "certificate": "", "stated": False,
+        }  # fmt: skip
+    u, unit = influence.stated
+    return head | {
+        "u": u, "unit": unit, "dof": finite(influence.dof),
+        "distribution": influence.distribution, "certificate": influence.certificate, "stated": True,
+    }  # fmt: skip

@@ -1,0 +1,77 @@
+"""Options of the commands that write a figure, and what they have in common."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from ..core.errors import UsageError
+from .output import clean
+
+if TYPE_CHECKING:
+    from ..report.figures.picture import Picture
+
+FigureFile = Annotated[
+    Path | None,
+    typer.Option("--output", "-o", help="Write a figure: .png, .svg or .pdf, by the ending.", show_default=False),
+]
+FigureName = Annotated[str | None, typer.Option("--figure", help="Which figure; the first that has data if not said.")]
+
+
+def check_figure(output: Path | None, asked: dict[str, str | None] | None = None) -> None:
+    """Refuse, before anything is computed, an ending that cannot be written, or a choice of a figure without -o.
+
+    Raises
+    ------
+    UsageError
+        With the endings there are, or the option that is missing.
+    """
+    if output is not None:
+        from ..report.figure_file import check_ending
+
+        check_ending(output)
+        return
+    for option, value in (asked or {}).items():
+        if value is not None:
+            raise UsageError(f"{option} {value}: no file for the figure is named", do="Say it: -o figure.png")
+
+
+def write(output: Path, result: Any, inputs: Sequence[Path | str], chosen: dict[str, str | None], most: int = 1) -> str:
+    """Write the figure of a result; return a line that says what was drawn and what else there is.
+
+    Parameters
+    ----------
+    output : Path
+        Where.
+    result : Any
+        What ``inertialcal.plot`` takes.
+    inputs : sequence of path
+        Files that it may not replace.
+    chosen : dict
+        ``figure``, ``test``, ``axis`` as asked for.
+    most : int
+        Pictures drawn, one below the other, where several fit.
+    """
+    from ..report.figure_file import write_figure
+    from ..report.plot import pictures
+
+    found = pictures(result, **chosen)
+    write_figure(output, found[:most], inputs)
+    return clean(f"written: {output} ({', '.join(map(_name, found[:most]))}){_others(found[most:])}")
+
+
+def _name(picture: Picture) -> str:
+    test = f"test {picture.test}" if picture.test else ""
+    axis = f"axis {picture.axis}" if picture.axis else ""
+    return " ".join(part for part in (picture.name, test, axis) if part)
+
+
+def _others(rest: Sequence[Picture]) -> str:
+    if not rest:
+        return ""
+    names = list(dict.fromkeys(_name(one) for one in rest))
+    listed = "; ".join(names[:6]) + ("; ..." if len(names) > 6 else "")
+    return f". {len(rest)} more with --test or --axis: {listed}"

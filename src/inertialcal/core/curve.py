@@ -1,0 +1,80 @@
+"""Curve: figures over a range, as equally long columns with units; a procedure's Result gives them, SI.
+
+A column of numbers has the unit that its values stand in; labels, flags and degrees of freedom have none.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from .errors import DataError
+from .results import finite
+
+
+@dataclass(frozen=True, eq=False)
+class Column:
+    """Values of one column.
+
+    Parameters
+    ----------
+    values : sequence of number, str, bool or None, length n
+        In ``unit``; absent numbers are None or NaN.
+    unit : str
+        As ``core.units`` prints it; empty for what has none.
+    """
+
+    values: Sequence[Any] | NDArray[Any]
+    unit: str = ""
+
+    def plain(self) -> list[Any]:
+        """Return the values as ``results.json`` holds them: plain Python, not finite numbers null."""
+        values = self.values.tolist() if isinstance(self.values, np.ndarray) else self.values
+        return [finite(value) if isinstance(value, float) else value for value in values]
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One curve.
+
+    Parameters
+    ----------
+    name : str
+        What it shows: ``"input_output"``.
+    axis : str
+        Of the sensor.
+    columns : mapping of str to Column
+        All equally long.
+    of : str
+        What of it: ``"dwell_mean"``; empty where there is one only.
+    recording : str
+        Where it belongs to one recording: the name of it.
+
+    Raises
+    ------
+    DataError
+        If the columns differ in length.
+    """
+
+    name: str
+    axis: str
+    columns: Mapping[str, Column]
+    of: str = ""
+    recording: str = ""
+
+    def __post_init__(self) -> None:
+        lengths = {name: len(column.values) for name, column in self.columns.items()}
+        if len(set(lengths.values())) > 1:
+            raise DataError(f"curve {self.name!r}: columns of different length: {lengths}")
+
+    def to_dict(self, test: str = "") -> dict[str, Any]:
+        """Return the curve as ``results.json`` holds it; not finite numbers are null."""
+        head = {"name": self.name, "test": test, "axis": self.axis}
+        head |= {"of": self.of} if self.of else {}
+        head |= {"recording": self.recording} if self.recording else {}
+        columns = {name: {"unit": one.unit, "values": one.plain()} for name, one in self.columns.items()}
+        return {**head, "columns": columns}

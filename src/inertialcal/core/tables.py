@@ -1,0 +1,169 @@
+"""Tables for people: one description of what is shown, as plain text for a terminal and as HTML for a notebook.
+
+What is shown is a sequence of parts: a Grid, a line of text, or lines folded under a summary. Names come from files
+and are anybody's: control characters never reach a terminal, and everything is escaped in HTML, which has no colours,
+so that it reads on light and dark, no script, and loads nothing.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from html import escape
+
+WIDTH = 100  # columns of a terminal that text is made for
+NARROWEST = 12  # to which a column of words is cut, to meet it
+LONGEST = 40  # characters of a name in a caption
+_LEFT = "text-align:left"
+_RIGHT = "text-align:right"
+
+
+@dataclass(frozen=True)
+class Grid:
+    """Rows of cells under heads.
+
+    Parameters
+    ----------
+    heads : sequence of str
+        Of the columns.
+    rows : sequence of sequence of str
+        Cells.
+    caption : str
+        Line above; empty for none.
+    right : sequence of int
+        Columns of figures: set to the right, never cut.
+    """
+
+    heads: Sequence[str]
+    rows: Sequence[Sequence[str]]
+    caption: str = ""
+    right: Sequence[int] = ()
+
+
+@dataclass(frozen=True)
+class Folded:
+    """Lines under a summary: a terminal shows the summary alone, a notebook opens it."""
+
+    summary: str
+    lines: tuple[str, ...]
+
+
+Part = Grid | Folded | str
+
+
+def clean(text: str) -> str:
+    """Return text without control characters: names from files must not steer a terminal."""
+    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def one_line(text: str) -> str:
+    """Return text without control characters and line ends."""
+    return clean(text).replace("\n", "\N{REPLACEMENT CHARACTER}")
+
+
+def short(text: str, longest: int = LONGEST) -> str:
+    """Return a name cut to what a line can show."""
+    return text if len(text) <= longest else f"{text[: longest - 1]}…"
+
+
+def ending(path: str, longest: int = LONGEST) -> str:
+    """Return the end of a path, cut to what a line can show."""
+    return path if len(path) <= longest else f"…{path[len(path) - longest + 1 :]}"
+
+
+def aligned(
+    rows: Sequence[Sequence[str]],
+    heads: Sequence[str] | None = None,
+    right: Sequence[int] = (),
+    width: int | None = None,
+) -> str:
+    """Return rows as aligned columns.
+
+    Parameters
+    ----------
+    rows : sequence of sequence of str
+        Cells.
+    heads : sequence of str, optional
+        Column heads.
+    right : sequence of int
+        Columns set to the right.
+    width : int, optional
+        To meet; columns of words are cut, those set to the right never.
+    """
+    cells = [[one_line(cell) for cell in row] for row in ([heads] if heads else []) + list(rows)]
+    if not cells:
+        return ""
+    widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
+    if width is not None:
+        widths = _narrowed(widths, right, width)
+    lines = []
+    for row in cells:
+        cut = [
+            cell if i in right else short(cell, size) for i, (cell, size) in enumerate(zip(row, widths, strict=True))
+        ]
+        pairs = enumerate(zip(cut, widths, strict=True))
+        lines.append("  ".join(c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in pairs).rstrip())
+    return "\n".join(lines)
+
+
+def _narrowed(widths: list[int], right: Sequence[int], width: int) -> list[int]:
+    """Take from the widest column of words, again and again, until all fit or none can give more."""
+    found = list(widths)
+    words = [i for i in range(len(found)) if i not in right]
+    while sum(found) + 2 * (len(found) - 1) > width:
+        widest = max(words, key=lambda i: found[i], default=None)
+        if widest is None or found[widest] <= NARROWEST:
+            break
+        found[widest] -= 1
+    return found
+
+
+def text(parts: Iterable[Part]) -> str:
+    """Return the parts as text, folded and cut to ``WIDTH`` columns."""
+    return "\n".join(_text(part) for part in parts)
+
+
+def _text(part: Part) -> str:
+    if isinstance(part, Folded):
+        return _folded(part.summary)
+    if isinstance(part, str):
+        return "\n".join(_folded(line) for line in part.split("\n"))
+    caption = f"{_folded(part.caption)}\n" if part.caption else ""
+    rows = aligned(part.rows, part.heads, part.right, WIDTH - 2)
+    return caption + textwrap.indent(rows, "  ")
+
+
+def _folded(line: str) -> str:
+    return textwrap.fill(one_line(line), WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+
+
+def html(parts: Iterable[Part]) -> str:
+    """Return the parts as HTML for a notebook, every text of them escaped."""
+    return f"<div>\n{''.join(_html(part) for part in parts)}</div>"
+
+
+def _html(part: Part) -> str:
+    if isinstance(part, str):
+        return "".join(
+            f'<div style="{_LEFT};white-space:pre-wrap;overflow-wrap:anywhere">{_safe(line)}</div>\n'
+            for line in part.split("\n")
+        )
+    if isinstance(part, Folded):
+        items = "".join(f"<li>{_safe(line)}</li>" for line in part.lines)
+        return f'<details style="{_LEFT}"><summary>{_safe(part.summary)}</summary><ul>{items}</ul></details>\n'
+    caption = f'<caption style="{_LEFT};caption-side:top">{_safe(part.caption)}</caption>' if part.caption else ""
+    heads = "".join(_cell(head, i in part.right, 'th scope="col"') for i, head in enumerate(part.heads))
+    rows = "".join(
+        f"<tr>{''.join(_cell(cell, i in part.right) for i, cell in enumerate(row))}</tr>\n" for row in part.rows
+    )
+    return f'<table style="margin:0.5em 0">{caption}<thead><tr>{heads}</tr></thead>\n<tbody>\n{rows}</tbody></table>\n'
+
+
+def _cell(content: str, right: bool, tag: str = "td") -> str:
+    style = f"{_RIGHT};white-space:nowrap" if right else f"{_LEFT};overflow-wrap:anywhere;max-width:32em"
+    return f'<{tag} style="{style}">{_safe(content)}</{tag[:2]}>'
+
+
+def _safe(content: str) -> str:
+    return escape(one_line(content))

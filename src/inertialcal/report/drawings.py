@@ -1,0 +1,137 @@
+"""Figures on the page, each with its caption and the data behind it; drawn when the page has room for them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup
+
+from .embedded import curve_csv, rows_csv
+from .figures import FIGURES, Picture, prefix, to_svg
+from .findings import ORDER, Finding
+from .numbers import Text, clean
+from .wording import count, listed
+
+RECORDINGS_SHOWN = 1  # traces of a test, of each axis that was turned: the others look alike
+Results = Mapping[str, Any]
+
+
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """One figure.
+
+    Parameters
+    ----------
+    key : str
+        Names it on the page.
+    picture : Picture
+        What to draw.
+    caption : Finding
+        What stands under it.
+    data : callable
+        Gives the tables behind it, as (title, CSV).
+    """
+
+    key: str
+    picture: Picture
+    caption: Finding
+    data: Callable[[], list[tuple[str, str]]]
+
+    def svg(self) -> Markup:
+        """Return it as markup, with ids of its own; its texts are escaped where it is made."""
+        return Markup(to_svg(self.picture, self.key))  # noqa: S704 - written by an XML writer
+
+
+def of_campaign(results: Results) -> list[Drawing]:
+    """Return every figure that the campaign has data for.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of results.json.
+    """
+    found = []
+    for name, kind in FIGURES.items():
+        seen: dict[tuple[str, str], int] = {}
+        for picture in kind.pictures(results):
+            number = seen.get((picture.test, picture.axis), 0)
+            seen[picture.test, picture.axis] = number + 1
+            if name != "dwells" or number < RECORDINGS_SHOWN:
+                found.append(_drawing(results, picture, number))
+    return found
+
+
+def _drawing(results: Results, picture: Picture, number: int) -> Drawing:
+    def data() -> list[tuple[str, str]]:
+        return _data(results, picture, number)
+
+    return Drawing(prefix(picture, number), picture, _caption(results, picture), data)
+
+
+def _caption(results: Results, picture: Picture) -> Finding:
+    axis = Text(picture.axis)
+    match picture.name:
+        case "input_output":
+            return ("Reading of ", axis, " against the applied input, and what the fitted line leaves.")
+        case "rate_error":
+            return ("Error of ", axis, " against the applied rate", *_judged(results, picture), ".")
+        case "dwells":
+            more = sum(one["name"] == "dwells" and one["test"] == picture.test for one in results["curves"])
+            told = " The other recordings of this test are in results.json." if more > 1 else ""
+            return ("The dwells found in one recording with ", axis, " turned.", told)
+        case "compensated":
+            return ("Errors on readings held out, raw and compensated, at each applied input.",)
+        case "matrix":
+            return ("The matrix as a picture: row = the sensor that reads, column = the axis that moves.",)
+        case _:
+            return ("Share of each source in the variance of each quantity.",)
+
+
+def _judged(results: Results, picture: Picture) -> Finding:
+    """Say what each requirement made of it, worst first."""
+    mine = [one for one in results["verdicts"] if (one["test"], one["axis"]) == (picture.test, picture.axis)]
+    parts: list[Any] = []
+    for requirement in dict.fromkeys(one["requirement"] for one in mine):
+        found = [one for one in mine if one["requirement"] == requirement]
+        parts += ["; ", Text(requirement), " is ", tally(found)]
+    return tuple(parts)
+
+
+def tally(verdicts: Sequence[Any]) -> str:
+    """Return verdicts counted in words, the worst first: ``"INCONCLUSIVE at six rates and PASS at twenty"``."""
+    words = [str(one["verdict"]) for one in verdicts]
+    if len(words) == 1:
+        return words[0]
+    return listed([f"{word} at {count(words.count(word))}" for word in ORDER if word in words])
+
+
+def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, str]]:
+    name, test, axis = picture.name, picture.test, picture.axis
+    if name == "matrix":
+        rows = [row for row in results["results"] if row["test"] == test and not row["condition"]]
+        return [("matrix", rows_csv(rows))]
+    if name == "budget":
+        return [("budget", rows_csv([row for row in results["budgets"] if row["test"] == test]))]
+    mine = [one for one in results["curves"] if one["name"] == name and one["test"] == test]
+    if name == "compensated":
+        return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]
+    mine = [one for one in mine if one["axis"] == axis]
+    if name != "dwells":
+        return [(f"{name} {clean(axis)}", curve_csv(mine[number]))]
+    pairs = [(one, trace) for one in mine for trace in _traces(results, one)]
+    return [
+        (f"dwells {clean(axis)}", curve_csv(pairs[number][0])),
+        (f"trace {clean(axis)}", curve_csv(pairs[number][1])),
+    ]
+
+
+def _traces(results: Results, dwells: Mapping[str, Any]) -> list[Mapping[str, Any]]:
+    """Return the trace that dwells were found on, if there is one."""
+    keys = ("test", "axis", "recording")
+    return [
+        one
+        for one in results["curves"]
+        if one["name"] == "trace" and all(one.get(key) == dwells.get(key) for key in keys)
+    ][:1]

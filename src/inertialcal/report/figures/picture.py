@@ -1,0 +1,96 @@
+"""Picture: one figure ready to be drawn, on axes that are given or on new ones."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from .style import WIDTH, look, set_heading
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure, SubFigure
+
+GAP = 0.9  # height that title, labels and legend take [in]
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What one figure shows.
+
+    Parameters
+    ----------
+    name : str
+        Which figure: ``"rate_error"``.
+    test, axis : str
+        Of which test and axis; empty where it is about all of them.
+    finding : str
+        The finding, with rounded figures: the title.
+    shows : str
+        What the axes are, for a reader who does not see them.
+    heights : tuple of float
+        Of each panel [in].
+    draw : callable
+        Takes as many axes as there are panels, and a title (empty: none).
+    share_x : bool
+        Whether the panels have one x axis.
+    """
+
+    name: str
+    test: str
+    axis: str
+    finding: str
+    shows: str
+    heights: tuple[float, ...]
+    draw: Callable[[Sequence[Axes], str], None]
+    share_x: bool = True
+
+    @property
+    def label(self) -> str:
+        """Text for who does not see the figure."""
+        return f"{self.finding}. {self.shows}"
+
+
+def stacked(pictures: Sequence[Picture]) -> Figure:
+    """Return one figure with several pictures, one below the other, each with its title."""
+    from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415 - only where one is drawn
+
+    heights = [sum(picture.heights) + GAP for picture in pictures]
+    with look():
+        whole = NewFigure(figsize=(WIDTH, sum(heights)), layout="constrained", facecolor="white")
+        parts = whole.subfigures(len(pictures), 1, height_ratios=heights, squeeze=False)[:, 0]
+        for part, picture in zip(parts, pictures, strict=True):
+            _fill(part, picture, titled=True)
+    return whole
+
+
+def on_new_figure(picture: Picture, titled: bool, figure: Figure | None = None) -> Figure:
+    """Return a figure with the picture on it.
+
+    Parameters
+    ----------
+    picture : Picture
+        What to draw.
+    titled : bool
+        Whether the finding stands above it; a page says it in a heading of its own.
+    figure : Figure, optional
+        An empty one to draw on.
+    """
+    from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415 - only where one is drawn
+
+    with look():
+        fig = NewFigure() if figure is None else figure
+        fig.set_size_inches(WIDTH, sum(picture.heights) + GAP)
+        fig.set_facecolor("white")
+        fig.set_layout_engine("constrained")
+        _fill(fig, picture, titled)
+    return fig
+
+
+def _fill(part: Figure | SubFigure, picture: Picture, titled: bool) -> None:
+    ratios = {"height_ratios": picture.heights}
+    grid = part.subplots(len(picture.heights), 1, sharex=picture.share_x, squeeze=False, gridspec_kw=ratios)
+    picture.draw(list(grid[:, 0]), "")
+    if titled:
+        set_heading(part, picture.finding)

@@ -1,0 +1,142 @@
+"""The look of every figure: one palette, one size of text, texts from data taken as they are.
+
+Colours are those of Okabe and Ito, which colour-blind readers can tell apart; what differs in colour differs in
+shape or hatch too. A role has one colour in light and one in dark: files are drawn in light, pages name the role
+(``svg``) and let the reader's setting choose.
+
+A figure is 5 inches wide, so that its text stays readable on a telephone.
+
+References
+----------
+.. [1] M. Okabe and K. Ito, "Color Universal Design", 2002, rev. 2008: set of colours.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from textwrap import fill
+from typing import Any
+
+from matplotlib import rc_context
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.transforms import offset_copy
+
+WIDTH = 5.0  # [in]
+TEXT = 10.0  # [pt]
+LINE = 62  # characters in a line of a title
+LONGEST = 40  # characters of a name from the data
+BELOW = -38.0  # of the legend under the axes, clear of their label [pt]
+
+# role -> (light, dark); the light ones differ from each other, so that a page can find them again.
+ROLES: dict[str, tuple[str, str]] = {
+    "ink": ("#1b1b1b", "#e8e8e8"),
+    "quiet": ("#595959", "#b0b0b0"),
+    "grid": ("#d9d9d9", "#3d4248"),
+    "paper": ("#fffffe", "#16191d"),
+    "blue": ("#0072b2", "#4aa8e0"),
+    "orange": ("#e69f00", "#f0b429"),
+    "green": ("#009e73", "#2fc79b"),
+    "vermilion": ("#d55e00", "#ff8a4c"),
+    "sky": ("#56b4e9", "#6fc3f0"),
+    "purple": ("#cc79a7", "#dd94bd"),
+    "yellow": ("#f0e442", "#f5ea6b"),
+}
+COLOURS = {role: light for role, (light, _) in ROLES.items()}
+
+_RC: Any = {
+    "text.parse_math": False,
+    "text.usetex": False,
+    "text.color": COLOURS["ink"],
+    "font.family": ["sans-serif"],
+    "font.sans-serif": ["DejaVu Sans"],
+    "font.size": TEXT,
+    "axes.titlesize": TEXT + 0.5,
+    "axes.titlelocation": "left",
+    "axes.titlepad": 8.0,
+    "axes.labelsize": TEXT,
+    "axes.labelcolor": COLOURS["ink"],
+    "axes.edgecolor": COLOURS["quiet"],
+    "axes.facecolor": "none",
+    "axes.linewidth": 0.8,
+    "axes.spines.top": False,
+    "axes.spines.right": False,
+    "axes.formatter.useoffset": False,
+    "axes.formatter.use_mathtext": False,
+    "axes.formatter.use_locale": False,
+    "axes.axisbelow": True,
+    "axes.grid": False,
+    "xtick.labelsize": TEXT - 1.0,
+    "ytick.labelsize": TEXT - 1.0,
+    "xtick.color": COLOURS["quiet"],
+    "ytick.color": COLOURS["quiet"],
+    "xtick.labelcolor": COLOURS["ink"],
+    "ytick.labelcolor": COLOURS["ink"],
+    "grid.color": COLOURS["grid"],
+    "grid.linewidth": 0.6,
+    "legend.fontsize": TEXT - 1.0,
+    "legend.frameon": False,
+    "lines.linewidth": 1.2,
+    "lines.markersize": 5.0,
+    "hatch.linewidth": 0.8,
+    "path.simplify": False,
+}
+
+
+@contextmanager
+def look() -> Iterator[None]:
+    """Draw inside this with the look of the house, whatever the user has set."""
+    with rc_context(_RC):
+        yield
+
+
+def variables(dark: bool = False) -> str:
+    """Return the CSS declarations of all colours: ``--fig-ink: #1b1b1b; ...``, for a page that holds figures."""
+    return " ".join(f"--fig-{role}: {pair[dark]};" for role, pair in ROLES.items())
+
+
+def plain(text: object, longest: int = LONGEST) -> str:
+    """Return a text from the data that can be drawn: no control or direction marks, not longer than that."""
+    shown = "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in str(text))
+    return shown if len(shown) <= longest else shown[: longest - 1] + "…"
+
+
+def with_unit(name: str, unit: str) -> str:
+    """Return the label of an axis: ``"rate [deg/s]"``."""
+    return f"{name} [{plain(unit)}]" if unit not in ("", "1") else name
+
+
+def set_title(ax: Axes, text: str) -> None:
+    """Give axes a title that is folded to their width and taken as it is."""
+    if text:
+        ax.set_title(fill(plain(text, 400), LINE), loc="left", parse_math=False)
+
+
+def set_heading(figure: Figure | SubFigure, text: str) -> None:
+    """Give a figure a title over its whole width; the text is taken as it is."""
+    shown = fill(plain(text, 400), LINE)
+    figure.suptitle(shown, x=0.01, ha="left", fontsize=TEXT + 0.5, parse_math=False)
+
+
+def set_labels(ax: Axes, x: str = "", y: str = "") -> None:
+    """Label axes; the texts are taken as they are."""
+    if x:
+        ax.set_xlabel(x, parse_math=False)
+    if y:
+        ax.set_ylabel(y, parse_math=False)
+
+
+def set_legend(ax: Axes, columns: int = 2, handles: Any = None, below: float = BELOW) -> None:
+    """Put the legend under the axes, where it covers nothing; labels are taken as they are."""
+    given, labels = ax.get_legend_handles_labels() if handles is None else (handles, [h.get_label() for h in handles])
+    if not given:
+        return
+    place = offset_copy(ax.transAxes, ax.get_figure(root=True), 0.0, below, units="points")
+    legend = ax.legend(
+        given, [f"{i}" for i in range(len(given))], loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=place,
+        ncols=columns, borderaxespad=0.0, borderpad=0.0, columnspacing=1.2, handletextpad=0.5,
+    )  # fmt: skip
+    for shown, label in zip(legend.get_texts(), labels, strict=True):
+        shown.set_parse_math(False)
+        shown.set_text(str(label))  # set here, because a label that begins with "_" would be left out

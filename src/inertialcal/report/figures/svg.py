@@ -1,0 +1,118 @@
+"""A picture as SVG inside a page: colours by CSS variables, ids of its own, the same bytes every time.
+
+What stands in it: shapes, and texts as texts in the page's font. What does not: a prolog, a date, the name of a
+program, a style sheet (it would hold for the whole page), a script, a reference to anything outside the figure.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+import warnings
+from xml.etree import ElementTree as ET
+
+from matplotlib import rc_context
+
+from .picture import Picture, on_new_figure
+from .style import COLOURS
+
+SALT = "inertialcal"
+FONT = "var(--fig-font, 'DejaVu Sans', Verdana, 'Segoe UI', sans-serif)"
+XLINK = "{http://www.w3.org/1999/xlink}href"
+NAMESPACE = "http://www.w3.org/2000/svg"
+WHOLE = "stroke-linejoin: round; stroke-linecap: butt; display: block; width: 100%; height: auto"
+GEOMETRY = ("d", "x", "y", "width", "height", "transform", "points", "cx", "cy", "r")
+_HREF = re.compile(r"url\(#([^)]+)\)")
+_COLOUR = re.compile("|".join(re.escape(light) for light in COLOURS.values()), re.IGNORECASE)
+_ROLE = {light: role for role, light in COLOURS.items()}
+_LONG = re.compile(r"-?\d+\.\d{3,}")
+_FAMILY = re.compile(r"(font(?:-family)?:[^;]*?)'DejaVu Sans'[^;]*")
+
+
+def to_svg(picture: Picture, prefix: str) -> str:
+    """Return a picture as an ``<svg>`` element.
+
+    Parameters
+    ----------
+    picture : Picture
+        What to draw; its label goes into ``<title>`` and ``aria-label``.
+    prefix : str
+        Before every id: two figures of a page need two.
+    """
+    root = ET.fromstring(_saved(picture))  # noqa: S314 - written by matplotlib a line ago
+    _strip(root)
+    _gather_styles(root)
+    _rename(root, re.sub(r"[^A-Za-z0-9]+", "-", prefix))
+    title = ET.Element("title")
+    title.text = picture.label
+    root.insert(0, title)
+    root.attrib = {
+        "xmlns": NAMESPACE, "viewBox": root.attrib["viewBox"], "role": "img", "aria-label": picture.label,
+        "class": "figure", "style": WHOLE,
+    }  # fmt: skip
+    return ET.tostring(root, encoding="unicode")
+
+
+def _saved(picture: Picture) -> bytes:
+    out = io.BytesIO()
+    with rc_context({"svg.fonttype": "none", "svg.hashsalt": SALT}), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", message="Glyph .* missing")  # the reader's fonts have it, or not
+        figure = on_new_figure(picture, titled=False)
+        nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
+        figure.savefig(out, format="svg", transparent=True, metadata=nothing)
+    return out.getvalue()
+
+
+def _strip(root: ET.Element) -> None:
+    """Take away namespaces, metadata and style sheets; shorten numbers; name colours by their role."""
+    for parent in list(root.iter()):
+        for child in list(parent):
+            if child.tag.rpartition("}")[2] in {"metadata", "style"}:
+                parent.remove(child)
+    for element in root.iter():
+        element.tag = element.tag.rpartition("}")[2]
+        if XLINK in element.attrib:
+            element.attrib["href"] = element.attrib.pop(XLINK)
+        for name, value in element.attrib.items():
+            element.attrib[name] = _attribute(name, value)
+        if element.tag != "text":
+            element.text = None
+        element.tail = None
+
+
+def _attribute(name: str, value: str) -> str:
+    if name in GEOMETRY:
+        return _LONG.sub(lambda found: f"{float(found[0]):.2f}".rstrip("0").rstrip("."), value).replace("\n", " ")
+    if name in {"style", "fill", "stroke"}:
+        named = _COLOUR.sub(lambda found: f"var(--fig-{_ROLE[found[0].lower()]}, {found[0].lower()})", value)
+        return _FAMILY.sub(lambda found: found[1] + FONT, named)
+    return value
+
+
+def _gather_styles(root: ET.Element) -> None:
+    """Give a style that all members of a group have to the group: hundreds of markers are then short."""
+    for group in root.iter("g"):
+        styles = {child.attrib.get("style") for child in group}
+        if len(group) > 1 and len(styles) == 1 and "style" not in group.attrib and (style := styles.pop()):
+            group.attrib["style"] = style
+            for child in group:
+                del child.attrib["style"]
+
+
+def _rename(root: ET.Element, prefix: str) -> None:
+    """Count the ids that something refers to, in order of appearance, behind a prefix; take the others away."""
+    used: set[str] = set()
+    for element in root.iter():
+        used |= {found for value in element.attrib.values() for found in _HREF.findall(value)}
+        used |= {value[1:] for name, value in element.attrib.items() if name == "href" and value[:1] == "#"}
+    own = [element.attrib["id"] for element in root.iter() if element.attrib.get("id") in used]
+    new = {old: f"{prefix}-{number}" for number, old in enumerate(dict.fromkeys(own))}
+    for element in root.iter():
+        old = element.attrib.pop("id", "")
+        if old in new:
+            element.attrib["id"] = new[old]
+        for name, value in element.attrib.items():
+            if name == "href" and value[1:] in new:
+                element.attrib[name] = "#" + new[value[1:]]
+            elif "url(#" in value:
+                element.attrib[name] = _HREF.sub(lambda found: f"url(#{new[found[1]]})", value)

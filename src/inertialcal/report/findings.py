@@ -1,0 +1,185 @@
+"""What each section found, in one line: words, and numbers that stay numbers.
+
+A finding is a tuple of parts, each a text or a figure with its uncertainty. It makes no number of its own: it
+picks rows by a stated rule and says what they hold.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from markupsafe import Markup, escape
+
+from .numbers import Number, Text, both, clean, digits
+from .wording import count, counted, listed, severities
+
+LOOP = "closed loop"  # row of the verification matrix that is no requirement
+ORDER = ("FAIL", "INCONCLUSIVE", "OPEN", "PASS")  # the worst first
+
+
+@dataclass(frozen=True)
+class Figure:
+    """A number of the files with its standard uncertainty and unit; few digits where it has no uncertainty."""
+
+    value: Number
+    u: Number | None = None
+    unit: str = ""
+
+    def __html__(self) -> Markup:
+        shown = digits(self.value) if self.u is None else both(self.value, self.u)
+        return Markup("{}{}{}").format(shown, " " if self.unit else "", self.unit)
+
+
+Finding = tuple[str | Figure, ...]
+
+
+def html(finding: Finding) -> Markup:
+    """Return a finding as markup: texts escaped, figures as ``<data>``."""
+    return Markup("").join(escape(part if hasattr(part, "__html__") else clean(part)) for part in finding)
+
+
+def of_row(row: Any) -> Figure:
+    """Return the figure of a row of results."""
+    return Figure(row["value"], row["u"], _unit(row["unit"]))
+
+
+def estimated(rows: Iterable[Any], quantity: str, condition: str | None = "") -> list[Any]:
+    """Return the rows of a quantity that the data could carry, under a condition; None takes any."""
+    return [
+        row
+        for row in rows
+        if row["quantity"] == quantity
+        and row["status"] == "estimated"
+        and row["value"] is not None
+        and condition in (None, row["condition"])
+    ]
+
+
+def largest(rows: Sequence[Any]) -> Any | None:
+    """Return the row with the largest absolute value; the first of equals."""
+    return max(rows, key=lambda row: abs(row["value"].raw), default=None)
+
+
+def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
+    """Say the scale factor error, the largest of several axes, and what the requirements made of the test."""
+    found = largest(estimated(rows, "scale_factor_error")) or largest(
+        [row for row in rows if row["quantity"] == "scale_factor_error" and row["value"] is not None]
+    )
+    if found is None:
+        parts: Finding = ("No scale factor error could be estimated",)
+    elif len({row["axis"] for row in rows if row["quantity"] == "scale_factor_error"}) > 1:
+        parts = ("Largest scale factor error ", of_row(found), ", on ", found["axis"])
+    else:
+        parts = ("Scale factor error of ", found["axis"], " ", of_row(found))
+    for requirement in dict.fromkeys(one["requirement"] for one in verdicts):
+        mine = [one for one in verdicts if one["requirement"] == requirement]
+        parts = (*parts, "; ", requirement, " ", worst(mine))
+    return parts
+
+
+def worst(verdicts: Iterable[Any]) -> str:
+    """Return the gravest verdict of some."""
+    found = {str(one["verdict"]) for one in verdicts}
+    return next((word for word in ORDER if word in found), "")
+
+
+def of_closed_loop(loop: Any) -> Finding:
+    """Say on the worst axis what compensation did to readings that the model had not seen."""
+    axis = worst_axis(loop)
+    if axis is None:
+        return ("Closed loop not run: ", loop["reason"])
+    return (
+        "Compensation takes the rms error of ", axis["axis"], ", the axis with the largest left, from ",
+        Figure(axis["raw_rms"]), " to ", Figure(axis["compensated_rms"], None, axis["unit"]), ": ", loop["verdict"],
+    )  # fmt: skip
+
+
+def worst_axis(loop: Any) -> Any | None:
+    """Return the axis with the largest rms error left after compensation."""
+    axes = [one for one in loop["axes"] if one["compensated_rms"] is not None]
+    return max(axes, key=lambda one: one["compensated_rms"].raw, default=None)
+
+
+def of_verdict(verdict: str | None, verification: Sequence[Any], loop: Any) -> Finding:
+    """Say in one sentence why the verdict is what it is."""
+    if not verdict:
+        return ("No requirement is stated and no closed loop was run, so this report judges nothing.",)
+    named = {word: [row["requirement"] for row in verification if row["verdict"] == word] for word in ORDER}
+    if verdict == "FAIL":
+        return _failed(named["FAIL"])
+    if verdict == "INCONCLUSIVE":
+        parts: Finding = ()
+        if named["INCONCLUSIVE"]:
+            parts = ("The data cannot decide ", *_names(named["INCONCLUSIVE"]), ": an interval straddles a limit, ")
+            parts = (*parts, "or a reading that is needed is missing.")
+        if named["OPEN"]:
+            parts = (*parts, " " if parts else "", "No test covers ", *_names(named["OPEN"]), ".")
+        return parts
+    what = "Every requirement holds" if any(row["requirement"] != LOOP for row in verification) else ""
+    better = "compensation improves readings that the model has not seen" if loop["axes"] else ""
+    told = " with its uncertainty, and ".join(part for part in (what, better) if part)
+    return (told[:1].upper() + told[1:] + ("." if what and better else " with its uncertainty." if what else "."),)
+
+
+def _failed(names: Sequence[str]) -> Finding:
+    """Say what fails, requirements and closed loop each in their own words."""
+    stated = [name for name in names if name != LOOP]
+    parts: Finding = (*_names(stated), ": an interval lies wholly outside what is allowed.") if stated else ()
+    if len(stated) == len(names):
+        return parts
+    worse = "Compensation makes readings that the model has not seen worse than raw, so no model is delivered."
+    return (*parts, " " if parts else "", worse)
+
+
+def _names(names: Sequence[str]) -> Finding:
+    """Names in a sentence, each isolated."""
+    parts: list[str | Figure] = []
+    for i, name in enumerate(names):
+        parts += ["" if i == 0 else " and " if i == len(names) - 1 else ", ", Text(name)]
+    return tuple(parts)
+
+
+def of_requirements(verification: Sequence[Any]) -> Finding:
+    """Say how many of the rows of the verification matrix came out which way."""
+    stated = [row for row in verification if row["requirement"] != LOOP]
+    if not stated:
+        return ("No requirement is stated",)
+    tally = [f"{count(n)} {word}" for word in ORDER if (n := sum(row["verdict"] == word for row in stated))]
+    return (f"{counted(len(stated), 'requirement').capitalize()}: {listed(tally)}",)
+
+
+def of_budget(rows: Sequence[Any]) -> Finding:
+    """Say which source the variance of a quantity mostly comes from."""
+    known = [row for row in rows if row["share"] is not None]
+    most = max(known, key=lambda row: row["share"].raw, default=None)
+    if most is None:
+        return ("No source of uncertainty is known",)
+    return ("Mostly ", most["source"], ", a share of ", Figure(most["share"]), " of the variance")
+
+
+def of_exclusions(rows: Sequence[Any]) -> Finding:
+    """Say how many dwells were left out, and who decided it."""
+    if not rows:
+        return ("No dwell was left out",)
+    stated = len({str(row["rule"]) for row in rows})
+    return (f"{counted(len(rows), 'dwell').capitalize()} left out, by {counted(stated, 'stated rule')}",)
+
+
+def of_remarks(remarks: Sequence[Any]) -> Finding:
+    """Say how many remarks there are of each severity."""
+    return (severities([str(one["severity"]) for one in remarks]).capitalize(),)
+
+
+def of_model(model: Any | None, loop: Any) -> Finding:
+    """Say whether there is a model, and whether recordings held out have judged it."""
+    if model is None:
+        return ("No model is delivered",)
+    if not model["judged"]:
+        return ("A model that no readings held out have judged",)
+    return ("A model judged on readings held out: ", loop["verdict"])
+
+
+def _unit(unit: str) -> str:
+    return "" if unit == "1" else Text(unit)

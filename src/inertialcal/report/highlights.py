@@ -1,0 +1,93 @@
+"""The three numbers that matter, each picked by a rule that the page states beside it."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from ..core.units import factor
+from .findings import Figure, Finding, estimated, largest, of_row, worst_axis
+
+ERRORS = ("scale_factor_error", "misalignment")
+FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell")
+
+
+@dataclass(frozen=True)
+class Highlight:
+    """One of the three.
+
+    Parameters
+    ----------
+    label : Finding
+        What it is.
+    figure : Finding
+        The number, with uncertainty and unit.
+    rule : str
+        How it was picked.
+    """
+
+    label: Finding
+    figure: Finding
+    rule: str
+
+
+def highlights(results: Any) -> list[Highlight]:
+    """Return up to three highlights, from what the campaign has.
+
+    Parameters
+    ----------
+    results : Branch
+        Content of results.json.
+    """
+    rows = [row for row in results["results"] if row["condition"] not in ("as_published", "all_readings")]
+    delivered = [row for row in rows if row["test"] == "model"] or rows
+    found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
+    chosen = [one for one in found if one is not None]
+    for quantity in FALLBACKS:
+        row = largest(estimated(delivered, quantity, None))
+        if len(chosen) < 3 and row is not None:
+            chosen.append(_of_row(row, f"largest {quantity.replace('_', ' ')} of all axes"))
+    return chosen
+
+
+def _closed_loop(loop: Any) -> Highlight | None:
+    axis = worst_axis(loop)
+    if axis is None:
+        return None
+    figure = (Figure(axis["raw_rms"]), " → ", Figure(axis["compensated_rms"], None, axis["unit"]))
+    label = ("rms error of ", axis["axis"], ", raw → compensated")
+    return Highlight(label, figure, "on readings held out; the axis with the largest error left")
+
+
+def _largest_error(rows: Sequence[Any]) -> Highlight | None:
+    """Relative errors and angles beside each other: 1 % is taken for as much as 0.01 rad."""
+    known = [row for quantity in ERRORS for row in estimated(rows, quantity, None)]
+    row = max(known, key=_relative, default=None)
+    return None if row is None else _of_row(row, "largest of all scale factor errors and misalignments")
+
+
+def _relative(row: Any) -> float:
+    unit = str(row["unit"])
+    return abs(float(row["value"].raw)) * (1.0 if unit == "rad" else factor(unit, "1"))
+
+
+def _least_margin(verdicts: Sequence[Any]) -> Highlight | None:
+    """Return the verdict with the least margin for its limits: a negative one crosses them."""
+    known = [one for one in verdicts if one["margin"] is not None]
+    one = min(known, key=_margin, default=None)
+    if one is None:
+        return None
+    at: Finding = () if one["at"] is None else (" at ", Figure(one["at"], None, one["at_unit"]))
+    label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"])
+    rule = "interval to limit, the least for the size of the limits; negative is beyond"
+    return Highlight(label, (Figure(one["margin"], None, one["unit"]),), rule)
+
+
+def _margin(one: Any) -> float:
+    limits = [abs(float(end.raw)) for end in (one["lower"], one["upper"]) if end is not None and end.raw]
+    return float(one["margin"].raw) / (min(limits) if limits else 1.0)
+
+
+def _of_row(row: Any, rule: str) -> Highlight:
+    return Highlight((row["quantity"].replace("_", " "), " ", row["axis"]), (of_row(row),), rule)

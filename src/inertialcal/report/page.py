@@ -1,0 +1,194 @@
+"""``report.html``: one file that holds a whole campaign, for readers who never saw the tool.
+
+It loads nothing: no font, no picture, no script from anywhere. The one script inside fills the clipboard; a policy in
+the head allows that script by its hash and nothing else, and without it the page works in full. What would make the
+file too long is left out from the end of a list of priorities (tables before figures before their data), and said.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Any
+
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from markupsafe import Markup
+
+from . import drawings, findings, numbers, sections, wording
+from .coefficients import delivered
+from .drawings import Drawing
+from .figures import variables
+from .highlights import highlights
+
+FOLDER = Path(__file__).parent / "templates"
+LARGEST = 1_900_000  # bytes of the page
+MOST_FIGURES = 30  # drawn on a page: each takes time
+AT_TOP = ("compensated", "rate_error", "input_output")  # the first of these that there is
+OF_TESTS = ("input_output", "rate_error", "dwells")
+USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most
+NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
+FILTERS: dict[str, Callable[..., Any]] = {
+    "rounded": numbers.rounded,
+    "uncertainty": numbers.uncertainty,
+    "digits": numbers.digits,
+    "both": numbers.both,
+    "told": findings.html,
+    "words": wording.words,
+    "by_severity": sections.by_severity,
+}
+
+
+def report_html(results: Mapping[str, Any], model: Mapping[str, Any] | None, provenance: Mapping[str, Any]) -> str:
+    """Return the page of a campaign.
+
+    Parameters
+    ----------
+    results, model, provenance : mapping
+        Content of results.json, of model.json (None where none is delivered) and of provenance.json.
+    """
+    page = _content(results, model, provenance)
+    whole = environment().get_template("page.html")
+    room = Room(LARGEST - _size(whole.render(page, blocks={})), {})
+    for name, block in _blocks(page, room):
+        room.put(name, block)
+    return whole.render(page, blocks=room.blocks)
+
+
+@dataclass
+class Room:
+    """What is left of the page, and the blocks that found room."""
+
+    left: int
+    blocks: dict[str, Markup]
+
+    def put(self, name: str, block: Markup) -> None:
+        """Take a block if it fits."""
+        size = _size(block)
+        if size <= self.left:
+            self.blocks[name] = block
+            self.left -= size
+
+
+def _content(
+    results: Mapping[str, Any], model: Mapping[str, Any] | None, provenance: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return what the templates are handed: every number with its pointer."""
+    r = numbers.wrap(results, "")
+    lists = {name: r[name] for name in ("results", "sequence", "verdicts", "remarks", "budgets", "exclusions")}
+    modelled = None if model is None else numbers.wrap(model, "model:")
+    return {
+        "r": r,
+        "model": modelled,
+        "provenance": numbers.wrap(provenance, "provenance:"),
+        "delivered": None if model is None else delivered(model, modelled, lists["results"]),
+        "sections": sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"]),
+        "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
+        "highlights": highlights(r),
+        "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
+        "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
+        "lists": lists,
+        "pictures": _pictures(results),
+        "find": findings,
+        "wording": wording,
+        "grouped": sections.grouped,
+        "tally": drawings.tally,
+    }
+
+
+def _named(groups: Iterable[tuple[tuple[str, ...], list[Any]]], kind: str) -> list[tuple[str, tuple[str, ...], Any]]:
+    return [(f"{kind}-{number}", key, rows) for number, (key, rows) in enumerate(groups)]
+
+
+def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the figures by where they stand, and all in the order in which they are wanted."""
+    found = drawings.of_campaign(results)
+    top = next((one for name in AT_TOP for one in found if _is(one, name)), None)
+    matrix = next((one for one in found if _is(one, "matrix") and one.picture.test == sections.MODEL), None)
+    of_tests: dict[str, list[Drawing]] = {}
+    for one in found:
+        if one.picture.name in OF_TESTS and one is not top:
+            of_tests.setdefault(one.picture.test, []).append(one)
+    for drawn in of_tests.values():
+        drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.axis))
+    budgets = {one.picture.test: one for one in found if _is(one, "budget")}
+    budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
+    steps = sorted(results["sequence"], key=lambda step: USES.index(step["use"]))
+    wanted = [top, matrix, *budgets.values(), *(one for step in steps for one in of_tests.get(step["test"], []))]
+    drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
+    return {"top": top, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
+
+
+def _is(drawing: Drawing, name: str) -> bool:
+    return drawing.picture.name == name
+
+
+def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
+    """Yield what may be left out, the most wanted first."""
+    top, *others = page["pictures"]["drawn"] or [None]
+    yield from _drawn([top] if top else [], room)
+    for section in page["sections"]:
+        yield f"lines-{section.anchor}", _block("lines", page, lines=section.lines, ways=section.ways)
+    for name, _, rows in page["judged"]:
+        yield name, _block("verdicts", page, rows=rows)
+    for name, _, rows in page["budgets"]:
+        yield name, _block("budget", page, rows=rows, grouped=sections.grouped, find=findings)
+    yield "exclusions", _block("exclusions", page, rows=page["lists"]["exclusions"])
+    for section in page["sections"]:
+        if section.step is not None:
+            yield f"recordings-{section.anchor}", _block("recordings", page, step=section.step)
+    yield from _drawn(others, room)
+    for one in page["pictures"]["drawn"]:
+        if room.left > NO_ROOM:
+            yield f"data-{one.key}", _block("data", page, key=one.key, tables=one.data())
+
+
+def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]]:
+    for one in wanted:
+        if room.left > NO_ROOM:
+            yield one.key, one.svg()
+
+
+def _block(name: str, page: dict[str, Any], **content: Any) -> Markup:
+    return Markup(environment().get_template(f"{name}.html").render(content))  # noqa: S704 - a template escaped it
+
+
+def _size(text: str) -> int:
+    return len(text.encode("utf-8", "surrogatepass"))
+
+
+@cache
+def environment() -> Environment:
+    """Return the templates' environment: everything is escaped, and no bare number can be printed."""
+    made = Environment(
+        loader=FileSystemLoader(FOLDER), autoescape=True, undefined=StrictUndefined, finalize=_printable,
+        trim_blocks=True, lstrip_blocks=True,
+    )  # fmt: skip
+    made.filters |= FILTERS
+    script = (FOLDER / "copy.js").read_text(encoding="utf-8")
+    digest = base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+    made.globals |= {
+        "script": Markup(script),  # noqa: S704 - our own file
+        "style": Markup((FOLDER / "style.css").read_text(encoding="utf-8")),  # noqa: S704 - our own file
+        "light": variables(),
+        "dark": variables(dark=True),
+        "policy": f"default-src 'none'; style-src 'unsafe-inline'; img-src data:; script-src 'sha256-{digest}'; "
+        "base-uri 'none'; form-action 'none'",
+    }
+    return made
+
+
+def _printable(value: Any) -> Any:
+    """Return what a template prints.
+
+    Raises
+    ------
+    TypeError
+        For a number without its pointer, and for nothing.
+    """
+    if value is None or isinstance(value, int | float):
+        raise TypeError(f"a template prints {value!r}: numbers of the page carry a pointer")
+    return value if hasattr(value, "__html__") else numbers.clean(value)

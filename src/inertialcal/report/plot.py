@@ -1,0 +1,215 @@
+"""Draw a result: ``inertialcal.plot``.
+
+What a result is, is told by what it has: the content of ``results.json`` (a dict, or the ``results`` of a run), the
+lines of a rate table, or one of the types of ``core`` and ``sensors``.
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from ..core.errors import DataError, UsageError
+from ..core.estimate import Estimate
+from ..core.recording import Recording
+from ..core.units import factor, kind
+from ..sensors.model import SensorModel
+from ..sensors.words import lines
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from .figures.picture import Picture
+
+OWN_FIGURE = {Recording: "recording", SensorModel: "matrix", Estimate: "estimate"}
+
+
+def plot(
+    result: Any,
+    ax: Axes | Sequence[Axes] | None = None,
+    figure: str | None = None,
+    test: str | None = None,
+    axis: str | None = None,
+) -> Any:
+    """Draw a result.
+
+    Parameters
+    ----------
+    result : Outcome, RateTableFile, Recording, SensorModel, Estimate or dict
+        Of ``run``, ``rate_table``, ``read``, ``load_model``; the ``estimate`` of a result; or the content of a
+        ``results.json``.
+    ax : Axes, or sequence of Axes, optional
+        Where; as many as the figure has panels, or one, which is then divided. By default a new figure, which a
+        notebook shows; elsewhere save it: ``plot(result).figure.savefig("figure.png")``.
+    figure : str, optional
+        Which: ``"compensated"``, ``"input_output"``, ``"rate_error"``, ``"dwells"``, ``"matrix"``, ``"budget"``;
+        by default the first of these that the result has data for.
+    test, axis : str, optional
+        Of which test and axis of a campaign; by default the first.
+
+    Returns
+    -------
+    Axes, or ndarray of Axes
+        One for each panel.
+
+    Raises
+    ------
+    UsageError
+        If there is no such figure, or nothing that can be drawn is given.
+    DataError
+        ``nothing_to_draw``, if the result has no data for it: never an empty figure.
+    """
+    picture = pictures(result, figure, test, axis)[0]
+    if ax is None:
+        from .figures.picture import on_new_figure  # noqa: PLC0415 - matplotlib is heavy
+
+        drawn = list(on_new_figure(picture, titled=True, figure=_shown_figure()).axes)
+    else:
+        drawn = _on(picture, ax)
+    return drawn[0] if len(drawn) == 1 else np.array(drawn, dtype=object)
+
+
+def pictures(result: Any, figure: str | None = None, test: str | None = None, axis: str | None = None) -> list[Picture]:
+    """Return the pictures of one kind that a result has data for, at least one; arguments and errors as `plot`."""
+    own = next((name for known, name in OWN_FIGURE.items() if isinstance(result, known)), None)
+    if own is not None:
+        if figure not in (None, own):
+            raise UsageError(f"no figure {figure!r} of a {type(result).__name__}", do=f"There is: {own}")
+        if test is not None or (axis is not None and own != "recording"):
+            raise UsageError(f"a {type(result).__name__} has no test and no axis to choose", do="Leave them out")
+        return [_own_picture(result, axis)]
+    from .figures import FIGURES  # noqa: PLC0415 - matplotlib is heavy
+
+    if figure is not None and figure not in FIGURES:
+        raise UsageError(f"no figure {figure!r}", do=f"There are: {', '.join(FIGURES)}", code="unknown_name")
+    content = _content(result)
+    there = {name: found for name, kind in FIGURES.items() if (found := kind.pictures(content))}
+    for name in (figure,) if figure else FIGURES:
+        chosen = [one for one in there.get(name, []) if _is_of(one, test, axis)]
+        if chosen:
+            return chosen
+    raise _nothing(there, figure, test, axis)
+
+
+def _is_of(picture: Picture, test: str | None, axis: str | None) -> bool:
+    return test in (None, picture.test) and (axis in (None, picture.axis) or not picture.axis)
+
+
+def _nothing(there: Mapping[str, list[Picture]], figure: str | None, test: str | None, axis: str | None) -> DataError:
+    asked = [f"{what} {name!r}" for what, name in (("figure", figure), ("test", test), ("axis", axis)) if name]
+    have = [
+        f"{name} of {', '.join(dict.fromkeys(' '.join(filter(None, (one.test, one.axis))) for one in found))}"
+        for name, found in there.items()
+        if figure in (None, name) or figure not in there
+    ]
+    what = f"no data for {', '.join(asked)}" if asked else "no data that a figure shows"
+    do = f"There are: {'; '.join(have)}" if have else ""
+    return DataError(what, do=do, code="nothing_to_draw")
+
+
+def _content(result: Any) -> Mapping[str, Any]:
+    """Return a result as ``results.json`` would hold it."""
+    content = result if isinstance(result, Mapping) else getattr(result, "results", None)
+    if isinstance(content, Mapping) and ("curves" in content or "results" in content):
+        return content
+    if hasattr(getattr(result, "result", None), "lines"):  # of a rate-table file, with the unit of the file
+        return _of_rate_table(result.result, result.unit)
+    if hasattr(result, "lines") and hasattr(result, "readings"):
+        return _of_rate_table(result, None)
+    raise UsageError(
+        f"a {type(result).__name__} cannot be drawn",
+        do="Give what run, rate_table, read or load_model returned, an Estimate, or the content of results.json",
+        code="wrong_value",
+    )
+
+
+def _of_rate_table(result: Any, unit: str | None) -> dict[str, Any]:
+    from ..procedures.rate_table.curves import curves  # noqa: PLC0415 - what else is drawn does not need it
+
+    return {"curves": [_in_unit(curve.to_dict(), unit) for curve in curves(result)]}
+
+
+def _in_unit(curve: dict[str, Any], unit: str | None) -> dict[str, Any]:
+    """Return a curve with rates in the unit of the file and ratios in percent."""
+    for column in curve["columns"].values():
+        own = column["unit"]
+        shown = "%" if own == "1" else unit if unit and own and kind(own) == kind(unit) else own
+        if shown != own:
+            scale = factor(own, shown)
+            column["values"] = [None if value is None else value * scale for value in column["values"]]
+            column["unit"] = shown
+    return curve
+
+
+def _own_picture(result: Recording | SensorModel | Estimate, axis: str | None) -> Picture:
+    from .figures import estimate, matrix, recording  # noqa: PLC0415 - matplotlib is heavy
+
+    if isinstance(result, Recording):
+        return recording.picture(result, axis)
+    if isinstance(result, Estimate):
+        return estimate.picture(result)
+    return matrix.of_rows(_rows(result))
+
+
+def _rows(model: SensorModel) -> list[dict[str, Any]]:
+    """Return the entries of the matrix as rows, scale-factor errors in percent."""
+    rows = []
+    for parameter, line in zip(model.parameters, lines(model), strict=True):
+        unit = "%" if line.unit == "1" else line.unit
+        scale = factor(line.unit, unit)
+        unknown = parameter.name in model.not_estimated and line.value == 0.0
+        rows.append(
+            {
+                "quantity": parameter.quantity, "axis": parameter.axis, "unit": unit,
+                "value": None if unknown else line.value * scale,
+                "u": None if line.u is None else line.u * scale,
+                "status": "not_estimated" if unknown else "estimated",
+            }
+        )  # fmt: skip
+    return rows
+
+
+def _on(picture: Picture, ax: Axes | Sequence[Axes]) -> list[Axes]:
+    from matplotlib.axes import Axes as OneAxes  # noqa: PLC0415 - matplotlib is heavy
+
+    from .figures.style import look  # noqa: PLC0415 - matplotlib is heavy
+
+    given = [ax] if isinstance(ax, OneAxes) else list(np.ravel(np.asarray(ax, dtype=object)))
+    need = len(picture.heights)
+    if len(given) not in (1, need) or not all(isinstance(one, OneAxes) for one in given):
+        raise UsageError(
+            f"ax: {len(given)} axes given, the figure {picture.name!r} has {need} panel(s)",
+            do=f"Give 1 or {need} Axes of matplotlib",
+            code="wrong_value",
+        )
+    with look():
+        axes = _divided(given[0], picture) if len(given) < need else given
+        picture.draw(axes, picture.finding)
+    return axes
+
+
+def _divided(ax: Axes, picture: Picture) -> list[Axes]:
+    """Return a panel above the other inside axes, which then show no frame of their own."""
+    ax.set_axis_off()
+    gap = 0.12 / len(picture.heights)
+    share = np.array(picture.heights) / sum(picture.heights) * (1.0 - gap * (len(picture.heights) - 1))
+    tops = 1.0 - np.concatenate([[0.0], np.cumsum(share[:-1] + gap)])
+    axes: list[Axes] = []
+    for top, height in zip(tops.tolist(), share.tolist(), strict=True):
+        first = axes[0] if axes and picture.share_x else None
+        axes.append(ax.inset_axes((0.0, top - height, 1.0, height), sharex=first))
+    return axes
+
+
+def _shown_figure() -> Figure | None:
+    """Return a figure that a notebook shows by itself; None where no notebook is running."""
+    python = sys.modules.get("IPython")
+    if python is None or python.get_ipython() is None:
+        return None
+    from matplotlib import pyplot  # noqa: PLC0415 - only a notebook needs its state
+
+    return pyplot.figure()

@@ -1,0 +1,132 @@
+"""What the sections of the page hold: rows of results grouped as people read them."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from .findings import Finding, of_test
+from .wording import SEVERITIES
+
+WAYS = ("all_readings", "as_published")  # other ways of reduction, shown beside the default
+MODEL = "model"
+MANY = 1e5  # degrees of freedom that make no difference to infinitely many
+
+
+@dataclass(frozen=True)
+class Line:
+    """One quantity of one axis: its row, and the rows of other ways of reduction beside it."""
+
+    quantity: str
+    condition: str
+    axis: str
+    unit: str
+    row: Any | None
+    beside: dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Section:
+    """One test, or the estimates of the model.
+
+    Parameters
+    ----------
+    test : str
+        Identifier.
+    anchor : str
+        Id on the page.
+    step : Branch or None
+        Its row of the sequence.
+    finding : Finding
+        Its title.
+    lines : list of Line
+        Estimated quantities.
+    ways : list of str
+        Which other ways of reduction there are.
+    missing : list of (reason, rows)
+        Quantities that the data could not carry, by reason.
+    remarks : list
+        Those placed in this test.
+    """
+
+    test: str
+    anchor: str
+    step: Any | None
+    finding: Finding
+    lines: list[Line]
+    ways: list[str]
+    missing: list[tuple[str, list[Any]]]
+    remarks: list[Any]
+
+
+def anchor(kind: str, name: str, number: int) -> str:
+    """Return an id: the name as far as an id can hold it, and a number that keeps it apart."""
+    kept = re.sub(r"[^A-Za-z0-9_-]+", "-", name)[:40].strip("-")
+    return f"{kind}-{kept}" if kept == name else f"{kind}-{kept}-{number}".replace("--", "-")
+
+
+def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[Any], remarks: Any) -> list[Section]:
+    """Return a section a test, in the order run.
+
+    Parameters
+    ----------
+    rows, sequence, verdicts, remarks : sequence of Branch
+        Of results.json.
+    """
+    steps = {step["test"]: step for step in sequence}
+    tests = [*steps, *(t for t in dict.fromkeys(row["test"] for row in rows) if t not in steps and t != MODEL)]
+    found = []
+    for number, test in enumerate(tests):
+        mine = [row for row in rows if row["test"] == test]
+        judged = [one for one in verdicts if one["test"] == test]
+        lines, ways = table(mine)
+        found.append(
+            Section(
+                test, anchor("test", test, number), steps.get(test), of_test(mine, judged), lines, ways,
+                missing(mine), placed(remarks, test),
+            )
+        )  # fmt: skip
+    return found
+
+
+def table(rows: Iterable[Any]) -> tuple[list[Line], list[str]]:
+    """Return the estimated rows, a line a quantity and axis, and which other ways of reduction stand beside."""
+    shown = [row for row in rows if row["status"] != "not_estimated"]
+    ways = [way for way in WAYS if any(row["condition"] == way for row in shown)]
+    groups: dict[tuple[str, str, str, str], dict[str, Any]] = {}
+    for row in shown:
+        way = row["condition"] if row["condition"] in WAYS else ""
+        condition = "" if way else row["condition"]
+        groups.setdefault((row["quantity"], condition, row["axis"], row["unit"]), {})[way] = row
+    lines = [Line(*key, found.get(""), {w: r for w, r in found.items() if w}) for key, found in groups.items()]
+    return lines, ways
+
+
+def missing(rows: Iterable[Any]) -> list[tuple[str, list[Any]]]:
+    """Return the rows that the data could not carry, by their reason."""
+    reasons: dict[str, list[Any]] = {}
+    for row in rows:
+        if row["status"] == "not_estimated" and row["condition"] != "all_readings":
+            reasons.setdefault(row["reason"], []).append(row)
+    return list(reasons.items())
+
+
+def placed(remarks: Iterable[Any], test: str) -> list[Any]:
+    """Return the remarks of a test, the serious ones first."""
+    mine = [one for one in remarks if one["where"] == test or one["where"].startswith(f"{test}: ")]
+    return by_severity(mine)
+
+
+def by_severity(remarks: Iterable[Any]) -> list[Any]:
+    """Return remarks, the serious ones first."""
+    return sorted(remarks, key=lambda one: SEVERITIES.index(one["severity"]))
+
+
+def grouped(rows: Iterable[Any], *keys: str) -> list[tuple[tuple[str, ...], list[Any]]]:
+    """Return rows by the values of some keys, in order of first appearance."""
+    groups: dict[tuple[str, ...], list[Any]] = {}
+    for row in rows:
+        groups.setdefault(tuple(row[key] for key in keys), []).append(row)
+    return list(groups.items())

@@ -1,0 +1,189 @@
+"""Everything that the public functions return prints as a table, in a terminal and in a notebook."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from html.parser import HTMLParser
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import inertialcal as ic
+from inertialcal.campaign.score import Score
+from inertialcal.campaign.twin import read_truth
+from inertialcal.core.recording import Channel, Recording, Source
+from inertialcal.core.remarks import Remark
+from inertialcal.core.rounding import with_uncertainty
+from inertialcal.core.tables import WIDTH, Grid
+from inertialcal.sensors.model import Item
+
+EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
+EVIL = "<script>alert('x')</script>"
+
+
+@pytest.fixture(scope="module")
+def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
+    table, model = EXAMPLE / "table10_x.csv", EXAMPLE / "out/model.json"
+    twin = tmp_path_factory.mktemp("twin") / "new"
+    written = ic.simulate("rate_table", twin, 3)
+    run = ic.run(EXAMPLE, write=False)
+    known = [dict(row) | {"truth": row["value"], "inside": True} for row in run.results["results"] if row["interval"]]
+    lost = {**known[0], "inside": None}
+    one = ic.rate_table(table, reading="reading_minus_ref_dps", axis="x", zero_reference=True, input_range="5 deg/s")
+    return {
+        "read": ic.read(table),
+        "clock": ic.read(twin / written.recordings[0]),
+        "read_table": ic.read_table(table),
+        "info": ic.info(twin / written.recordings[0]),
+        "rate_table": one,
+        "result": one.result,
+        "estimate": one.result.estimate,
+        "check": ic.check(EXAMPLE),
+        "run": run,
+        "model": ic.load_model(model),
+        "compare": ic.compare(EXAMPLE, EXAMPLE),
+        "judged": ic.compare(model, model, ["1 %"]),
+        "simulate": written,
+        "score": Score(read_truth(twin), (*known, lost)),
+    }
+
+
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "result", "estimate", "check", "run", "model", "compare",
+         "judged", "simulate", "score")  # fmt: skip
+
+
+class Cells(HTMLParser):
+    def __init__(self) -> None:
+        super().__init__()
+        self.cells: list[str] = []
+        self.inside = False
+        self.tags: set[str] = set()
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        self.tags.add(tag)
+        self.inside = tag in {"td", "th"}
+        if self.inside:
+            self.cells.append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        self.inside = False
+
+    def handle_data(self, data: str) -> None:
+        if self.inside:
+            self.cells[-1] += data
+
+
+def cells(value: Any) -> Cells:
+    found = Cells()
+    found.feed(value._repr_html_())
+    return found
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_terminal_and_a_notebook_show_the_same(name: str, shown: Mapping[str, Any]) -> None:
+    value = shown[name]
+    said = str(value)
+    assert max(map(len, said.split("\n"))) <= WIDTH
+    assert repr(value) == said
+    grids = [part for part in value.parts() if isinstance(part, Grid)]
+    assert grids
+    assert cells(value).cells == [cell for grid in grids for row in (grid.heads, *grid.rows) for cell in row]
+    for grid in grids:
+        for row in grid.rows:
+            assert all(row[i] in said for i in grid.right)
+
+
+def test_every_public_function_that_returns_an_object_is_covered() -> None:
+    assert set(ic.__all__) - {"load_model", "write", "compensate", "plot", "allan"} <= set(NAMES)
+
+
+def test_figures_are_those_of_the_results(shown: Mapping[str, Any]) -> None:
+    outcome = shown["run"]
+    said = str(outcome)
+    for row in outcome.results["results"]:
+        if row["status"] == "estimated" and not row["condition"]:
+            assert with_uncertainty(row["value"], row["u"]) in said
+    for value, u in zip(shown["estimate"].values, shown["estimate"].u, strict=True):
+        assert with_uncertainty(value, u) in str(shown["estimate"])
+    assert said.endswith("verdict: INCONCLUSIVE")
+
+
+def test_requirements_are_counted(shown: Mapping[str, Any]) -> None:
+    outcome = shown["run"]
+    verdicts = [one["verdict"] for one in outcome.results["verdicts"]]
+    (grid,) = (part for part in outcome.parts() if isinstance(part, Grid) and part.heads[0] == "requirement")
+    for at, word in enumerate(("PASS", "FAIL", "INCONCLUSIVE", "OPEN"), 3):
+        assert sum(int(row[at]) for row in grid.rows) == verdicts.count(word)
+
+
+def test_a_score_counts_what_it_holds(shown: Mapping[str, Any]) -> None:
+    n = len(shown["score"].rows) - 1
+    assert f"{n} of {n} stated 95 % intervals hold the truth\n1 not estimated" in str(shown["score"])
+
+
+def test_a_check_is_still_three_things(shown: Mapping[str, Any]) -> None:
+    campaign, inputs, remarks = shown["check"]
+    assert campaign.file.campaign.id in str(shown["check"])
+    assert all(len(sha) == 64 and sha in str(shown["check"]) for sha in inputs.values())
+    assert remarks == shown["check"].remarks
+
+
+def evil_recording() -> Recording:
+    channels = (
+        Channel(EVIL, np.array([1.0, np.nan, 3.0]), EVIL, axis=EVIL, quantity=EVIL),
+        Channel("empty", np.full(3, np.nan)),
+        Channel("words", np.array(["a", "b", "c"])),
+        Channel("flag", np.array([True, False, True])),
+        Channel("\x1b[31m" + "w" * 300, np.array([1, 2, 3], dtype=np.int16)),
+    )
+    time = np.array([0, 10**9, 2 * 10**9], dtype=np.int64) + 1_272_467_401 * 10**9
+    remark = Remark(EVIL, "warning", EVIL, EVIL, do=EVIL)
+    return Recording(channels, time, 1.0, 0.5, "utc", EVIL, Source(EVIL, "", EVIL), (remark,))
+
+
+def test_a_recording_says_its_clock_and_what_is_missing() -> None:
+    said = str(evil_recording())
+    assert "1 Hz" in said
+    assert "each the mean of 0.5 s" in said
+    assert "2 s from 2010-04-28T15:10:01.000Z" in said
+    assert re.search(r"empty .* float64 +- +- +3$", said, re.MULTILINE)
+    assert re.search(r"flag .* bool +0 +1 +0$", said, re.MULTILINE)
+    assert "remarks: 1 warning" in said
+
+
+def hostile() -> dict[str, Any]:
+    model = ic.load_model(EXAMPLE / "out/model.json")
+    axes = (EVIL, "\n*/\u202e", "z" * 300)
+    bare = replace(model, axes=axes, item=Item(EVIL, EVIL, EVIL), source=EVIL, estimate=None, provenance={},
+                   not_estimated={})  # fmt: skip
+    return {"recording": evil_recording(), "model": bare}
+
+
+@pytest.mark.parametrize("name", ["recording", "model"])
+def test_names_are_escaped(name: str) -> None:
+    value = hostile()[name]
+    found = cells(value)
+    assert "script" not in found.tags
+    assert "<script" not in value._repr_html_()
+    assert all(c.isprintable() or c == "\n" for c in str(value))
+
+
+def evil(value: Any) -> Any:
+    """The results with every name replaced, numbers and the words that the tool itself sets left."""
+    words = {"estimated", "not_estimated", "upper_limit", "PASS", "FAIL", "INCONCLUSIVE", "OPEN", "info", "warning", ""}
+    if isinstance(value, dict):
+        return {name: evil(one) for name, one in value.items()}
+    if isinstance(value, list):
+        return [evil(one) for one in value]
+    return EVIL if isinstance(value, str) and value not in words else value
+
+
+def test_names_in_results_are_escaped(shown: Mapping[str, Any]) -> None:
+    outcome = replace(shown["run"], results=evil(shown["run"].results))
+    assert "script" not in cells(outcome).tags
+    assert "<script" not in outcome._repr_html_()
+    assert EVIL in cells(outcome).cells

@@ -1,0 +1,137 @@
+from __future__ import annotations
+
+from html.parser import HTMLParser
+
+import pytest
+
+from inertialcal.core.remarks import Remark
+from inertialcal.core.result_tables import dof, figures, folded, told
+from inertialcal.core.results import Interval, Row, not_estimated
+from inertialcal.core.tables import WIDTH, Folded, Grid, Part, aligned, clean, ending, html, short, text
+
+HOSTILE = (
+    "<script>alert(1)</script>",
+    '"><img src=x onerror=alert(1)>',
+    "</table></div><b>",
+    "&lt;b&gt; & 'quoted'",
+    "line\nend\r\x00\x1b[31m",
+    "right\u202eleft\u2028",
+    "$x^2$ {0} %s",
+    "long " * 100,
+    "W" * 500,
+)
+ALLOWED = {"div", "table", "caption", "thead", "tbody", "tr", "th", "td", "details", "summary", "ul", "li"}
+
+
+class Reader(HTMLParser):
+    """Tags as they open and close, their attributes, the text of cells."""
+
+    def __init__(self) -> None:
+        super().__init__(convert_charrefs=True)
+        self.open: list[str] = []
+        self.cells: list[str] = []
+        self.words: list[str] = []
+
+    def handle_starttag(self, tag: str, attrs: list[tuple[str, str | None]]) -> None:
+        assert tag in ALLOWED
+        assert {name for name, _ in attrs} <= {"style", "scope"}
+        style = dict(attrs).get("style") or ""
+        assert "color" not in style
+        assert "background" not in style
+        assert "url" not in style
+        self.open.append(tag)
+        if tag in {"td", "th"}:
+            self.cells.append("")
+
+    def handle_endtag(self, tag: str) -> None:
+        assert self.open.pop() == tag
+
+    def handle_data(self, data: str) -> None:
+        self.words.append(data)
+        if self.open and self.open[-1] in {"td", "th"}:
+            self.cells[-1] += data
+
+
+def parsed(source: str) -> Reader:
+    reader = Reader()
+    reader.feed(source)
+    reader.close()
+    assert not reader.open
+    return reader
+
+
+def test_html_and_text_have_the_same_cells() -> None:
+    grid = Grid(("name", "value ± u"), [("a", "1.0 ± 0.1"), ("b", "22 ± 3")], "two", (1,))
+    assert parsed(html([grid])).cells == ["name", "value ± u", "a", "1.0 ± 0.1", "b", "22 ± 3"]
+    assert text([grid]) == "two\n  name  value ± u\n  a     1.0 ± 0.1\n  b        22 ± 3"
+
+
+@pytest.mark.parametrize("name", HOSTILE)
+def test_names_are_text_and_nothing_else(name: str) -> None:
+    parts: list[Part] = [Grid((name, "b"), [(name, "1")], name, (1,)), Folded(name, (name, name)), name]
+    found = parsed(html(parts))
+    shown = clean(name).replace("\n", "\N{REPLACEMENT CHARACTER}")
+    assert found.cells == [shown, "b", shown, "1"]
+    plain = text(parts)
+    assert all(c.isprintable() or c == "\n" for c in plain)
+    assert max(len(line) for line in plain.split("\n")) <= WIDTH
+
+
+def test_columns_of_figures_are_never_cut() -> None:
+    wide = "1.23456789 ± 0.00000012"
+    grid = Grid(("name", "a", "b", "c"), [("n" * 200, wide, wide, wide)], right=(1, 2, 3))
+    shown = text([grid])
+    assert shown.count(wide) == 3
+    assert "n…" in shown
+
+
+def test_what_cannot_fit_is_left_wide() -> None:
+    figure = "9" * 60
+    assert figure in text([Grid(("a", "b"), [(figure, figure)], right=(0, 1))])
+
+
+def test_rows_without_heads_and_no_rows() -> None:
+    assert aligned([["a", "b"], ["cc", "d"]]) == "a   b\ncc  d"
+    assert aligned([]) == ""
+    assert aligned([], ["only", "heads"]) == "only  heads"
+
+
+def test_long_names_and_paths_keep_their_telling_end() -> None:
+    assert short("abcdef", 4) == "abc…"
+    assert ending("/far/away/x.csv", 7) == "…/x.csv"[-7:]
+    assert ending("x.csv", 7) == "x.csv"
+
+
+def test_remarks_are_counted_by_severity_the_serious_first() -> None:
+    remarks = [Remark("a", "info", "one"), Remark("b", "warning", "two"), Remark("c", "warning", "three <b>")]
+    (part,) = told(remarks)
+    assert isinstance(part, Folded)
+    assert part.summary == "remarks: 2 warnings, 1 info (see .remarks)"
+    assert part.lines == ("warning: two", "warning: three <b>", "info: one")
+    assert told([]) == ()
+
+
+def test_figures_are_rounded_to_their_uncertainty_and_reasons_told_once() -> None:
+    rows = [
+        Row("bias", "x", 0.00748231, 0.00029, "deg/s", 93.74, Interval(0.0068988, 0.0080657)),
+        Row("linearity_error", "x", 0.265, 0.043, "%", None, status="upper_limit"),
+        not_estimated("misalignment", "yx", "rad", "no readings"),
+        not_estimated("misalignment", "zx", "rad", "no readings"),
+    ]
+    grid, reason = figures([row.to_dict() for row in rows], "test")
+    assert isinstance(grid, Grid)
+    assert list(grid.rows) == [
+        ("bias", "x", "0.00748 ± 0.00029", "deg/s", "0.0068988 .. 0.0080657", "93.7"),
+        ("linearity_error", "x", "< 0.265 ± 0.043", "%", "", "inf"),
+    ]
+    assert reason == "not estimated: misalignment yx, misalignment zx: no readings"
+    assert figures([rows[2].to_dict()], "test")[0] == "test"
+
+
+def test_degrees_of_freedom() -> None:
+    assert [dof(None), dof(float("inf")), dof(1e6), dof(4.2849)] == ["inf", "inf", "inf", "4.28"]
+
+
+def test_folded_lines_are_counted() -> None:
+    assert folded("{n} {x}", ["a", "b"]) == (Folded("2 {x}", ("a", "b")),)
+    assert folded("{n}", []) == ()

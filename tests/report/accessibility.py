@@ -1,0 +1,21 @@
+"""Serious faults of accessibility, by axe-core, with everything that is folded opened."""
+
+from __future__ import annotations
+
+from axe_playwright_python.sync_playwright import Axe  # type: ignore[import-untyped]
+from playwright.sync_api import Page
+
+SERIOUS = ("serious", "critical")
+UNFOLD = "() => document.querySelectorAll('details').forEach(one => { one.open = true; })"
+
+
+def serious_faults(page: Page) -> list[str]:
+    """Return rule, number of places and the first of them, for each rule that is broken seriously."""
+    page.evaluate(UNFOLD)
+    found = Axe().run(page, options={"resultTypes": ["violations"]}).response["violations"]
+    return [
+        f"{one['id']} ({one['impact']}): {len(one['nodes'])} times: {one['nodes'][0]['html'][:200]}"
+        f" {one['nodes'][0].get('failureSummary', '')}"
+        for one in found
+        if one["impact"] in SERIOUS
+    ]

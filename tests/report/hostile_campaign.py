@@ -1,0 +1,185 @@
+"""A campaign whose every free text is given from outside: each Text of the schema is found by walking it.
+
+A field that is added to the schema is filled without a word here; a table that is added must be put into `document`.
+"""
+
+from __future__ import annotations
+
+import json
+import types
+from collections.abc import Callable, Iterator
+from pathlib import Path
+from typing import Annotated, Any, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+import pyarrow as pa
+import pyarrow.parquet as pq
+from pydantic import BaseModel
+
+from inertialcal.campaign.schema import CampaignFile, Text
+
+Give = Callable[[str], str]  # from the name of a field ("Item.maker") to its text
+Keys = tuple[str | int, ...]
+
+# Texts that are read as something else: a grammar.
+NOT_FREE = {"Requirement.where"}
+FILES = {"RecordingEntry.file", "Schedule.file"}
+LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
+RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
+DWELL = 20  # s
+
+
+def document() -> dict[str, Any]:
+    """Return a campaign with every table that the schema knows, its texts not yet filled."""
+    plan = {"axis": "x", "attitude": {"tilt": "-36.4 deg", "u": "3 deg", "azimuth": "0 deg"}}
+    return {
+        "schema": 1,
+        "campaign": {"id": "hostile"},
+        "item": {},
+        "site": {"latitude": "36.6 deg"},
+        "standards": {
+            "rate_table": {"rate": {"u": "0.05 %"}, "mounting": {"half_width": "0.1 deg", "dof": 12.0}},
+            "converter": {"reference": {"expanded": "0.2 %", "k": 2.0}},
+        },
+        "sensors": {
+            "suite": {
+                "kind": "gyro",
+                "axes": ["x", "y", "z"],
+                "unit": "deg/s",
+                "range": ["-5 deg/s", "5 deg/s"],
+                "chain": {"kind": "none"},
+            }
+        },
+        "recordings": {
+            "table": {"sensor": "suite", "rows": {"unit": "deg/s"}},
+            "steps": {
+                "sensor": "suite",
+                "axis": "x",
+                "channels": {"x": {"unit": "deg/s"}},
+                "clock": {},
+                "schedule": {"unit": "deg/s"},
+            },
+        },
+        "tests": [
+            {"id": "rows", "procedure": "rate_table", "recordings": ["table"], "groups": [0, 1], "plan": plan},
+            {"id": "held", "procedure": "rate_table", "recordings": ["steps"], "use": "hold_out", "plan": plan},
+        ],
+        "requirements": [
+            {"id": "R1", "quantity": "rate_error", "limit": "5 %"},
+            {"id": "R2", "quantity": "bias", "lower": "-1 deg/s", "upper": "1 deg/s"},
+            {"id": "R3", "quantity": "scale_factor_error", "limit": "1 %"},
+        ],
+    }
+
+
+def leaves(model: type[BaseModel] = CampaignFile, at: Keys = (), value: Any = None) -> Iterator[tuple[str, Keys, Any]]:
+    """Return (name, keys, type) of each text that the tables of a document have; all tables where none is given."""
+    for name, kind in get_type_hints(model, include_extras=True).items():
+        if name != "model_config" and name in model.model_fields:
+            key = model.model_fields[name].alias or name
+            inner = value.get(key) if isinstance(value, dict) else None
+            yield from _leaves(kind, f"{model.__name__}.{name}", (*at, key), inner, value is None)
+
+
+def _leaves(kind: Any, name: str, at: Keys, value: Any, every: bool) -> Iterator[tuple[str, Keys, Any]]:
+    origin, arguments = get_origin(kind), get_args(kind)
+    if kind is str or (origin is Annotated and arguments[0] is str):
+        yield name, at, kind
+    elif isinstance(kind, type) and issubclass(kind, BaseModel):
+        if every or isinstance(value, dict):
+            yield from leaves(kind, at, None if every else value)
+    elif origin is Annotated:
+        yield from _leaves(arguments[0], name, at, value, every)
+    elif origin in (Union, types.UnionType):
+        yield from _union(arguments, name, at, value, every)
+    elif origin in (list, dict):
+        items: Any = {} if value is None else value if isinstance(value, dict) else dict(enumerate(value))
+        for key, one in {"*": None}.items() if every else items.items():
+            yield from _leaves(arguments[-1], name, (*at, key), one, every)
+
+
+def _union(kinds: tuple[Any, ...], name: str, at: Keys, value: Any, every: bool) -> Iterator[tuple[str, Keys, Any]]:
+    """Take the container where the document has one, else the plain text."""
+    for kind in kinds:
+        container = get_origin(kind) in (list, dict) or (isinstance(kind, type) and issubclass(kind, BaseModel))
+        if every or container == isinstance(value, (list, dict)):
+            yield from _leaves(kind, name, at, value, every)
+
+
+def filled(give: Give) -> dict[str, Any]:
+    """Return the document with every free text given, so that it still fits together."""
+    made = document()
+    for name, keys, kind in list(leaves(value=made)):
+        if kind == Text and name not in NOT_FREE:
+            put(made, keys, file_name(give(name)) if name in FILES else give(f"{name} {keys[-1]}"))
+    made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
+    made["requirements"][0]["condition"] = made["tests"][0]["condition"]
+    del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
+    del made["recordings"]["table"]["run"]  # a table has a column of runs instead
+    return made
+
+
+def put(made: Any, keys: Keys, text: str) -> None:
+    """Put a text into the document at a place."""
+    for key in keys[:-1]:
+        made = made[key]
+    made[keys[-1]] = text
+
+
+def file_name(text: str) -> str:
+    """Return the text as a path below the campaign: what a file system cannot hold is left out."""
+    parts = text.replace("\x00", "").replace("..", "__").split("/")
+    short = [part[i : i + LONGEST_NAME] for part in parts for i in range(0, len(part), LONGEST_NAME)]
+    return "/".join(["data", *(part for part in short if part not in (".", ""))])[:2000] + ".parquet"
+
+
+def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
+    """Write the campaign and the recordings that it names, ``runs`` being the labels of power-ups; return the folder.
+
+    The tables are Parquet, which holds any text as the name of a column and as a cell.
+    """
+    folder.mkdir(parents=True)
+    (folder / "campaign.toml").write_text(toml(made), encoding="utf-8")
+    table, steps = made["recordings"]["table"], made["recordings"]["steps"]
+    _save(folder / table["file"], _rows(table["rows"], made["tests"][0]["groups"], runs))
+    schedule = steps["schedule"]
+    starts = np.arange(len(RATES) * 2) * DWELL
+    rates = np.array(RATES * 2)
+    scheduled = {schedule["start"]: starts, schedule["stop"]: starts + DWELL, schedule["rate"]: rates}
+    _save(folder / schedule["file"], scheduled)
+    time = np.arange(len(rates) * DWELL) + 0.5
+    reading = 1.01 * np.repeat(rates, DWELL) + 0.02 + np.random.default_rng(2).normal(0.0, 0.002, len(time))
+    _save(folder / steps["file"], {steps["clock"]["column"]: time, steps["channels"]["x"]["column"]: reading})
+    return folder
+
+
+def _rows(rows: dict[str, str], groups: list[str], runs: tuple[str, ...]) -> dict[str, Any]:
+    rng = np.random.default_rng(1)
+    cells = [(rate, group, run) for run in runs for group in groups for rate in RATES]
+    rate = np.array([one[0] for one in cells])
+    offset = np.repeat(rng.normal(0.0, 0.002, len(runs)), len(groups) * len(RATES))
+    return {
+        rows["applied"]: rate,
+        rows["reading"]: 1.01 * rate + 0.01 + offset + rng.normal(0.0, 0.001, len(rate)),
+        rows["scatter"]: np.full(len(rate), 0.004),
+        rows["samples"]: np.full(len(rate), 20),
+        rows["axis"]: ["x"] * len(rate),
+        rows["group"]: [one[1] for one in cells],
+        rows["run"]: [one[2] for one in cells],
+        rows["time"]: 1.0e9 + DWELL * np.arange(len(rate)),
+    }
+
+
+def _save(path: Path, columns: dict[str, Any]) -> None:
+    path.parent.mkdir(parents=True, exist_ok=True)
+    pq.write_table(pa.table({name: pa.array(values) for name, values in columns.items()}), path)
+
+
+def toml(value: Any, top: bool = True) -> str:
+    """Return the value as TOML: a line a table at the top, everything below inline."""
+    if isinstance(value, dict):
+        pairs = [f"{toml(key, False)} = {toml(one, False)}" for key, one in value.items()]
+        return "\n".join([*pairs, ""]) if top else f"{{ {', '.join(pairs)} }}"
+    if isinstance(value, list):
+        return f"[{', '.join(toml(one, False) for one in value)}]"
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")

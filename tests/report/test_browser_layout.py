@@ -1,0 +1,81 @@
+"""The report as a picture: on a desk, on two phones, in light and dark, and on paper."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Literal
+
+import pytest
+from accessibility import UNFOLD, serious_faults
+from browsing import DESKTOP, HEIGHT, PAPER, PAPER_HEIGHT, PHONE, SMALL_PHONE, visit
+from figure_checks import blank, cut_on_paper, empty_figures, faint_texts, small_texts
+from layout import cut_texts, overlapping_texts, sideways
+from playwright.sync_api import Browser, Page
+
+SCHEMES: tuple[Literal["light", "dark"], ...] = ("light", "dark")
+A4 = (595.3, 841.9)  # pt
+LARGEST_PAGE = 2_000_000  # bytes
+LARGEST_PDF = 3_000_000  # bytes
+
+
+@pytest.fixture(scope="module", params=["published", "simulated"])
+def report(request: pytest.FixtureRequest, reports: dict[str, Path]) -> Path:
+    return reports[request.param]
+
+
+@pytest.fixture(scope="module")
+def page(browser: Browser, report: Path) -> Iterator[Page]:
+    with visit(browser, report) as seen:
+        seen.page.evaluate(UNFOLD)
+        yield seen.page
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+@pytest.mark.parametrize("width", [DESKTOP, PHONE, SMALL_PHONE])
+def test_nothing_scrolls_sideways_overlaps_or_is_cut(page: Page, width: int, scheme: Literal["light", "dark"]) -> None:
+    page.emulate_media(color_scheme=scheme, media="screen")
+    page.set_viewport_size({"width": width, "height": HEIGHT[width]})
+    assert sideways(page) + overlapping_texts(page) + cut_texts(page) == []
+    assert empty_figures(page) + small_texts(page) + faint_texts(page) == []
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_neither_page_nor_figure_is_blank(page: Page, scheme: Literal["light", "dark"]) -> None:
+    page.emulate_media(color_scheme=scheme, media="screen")
+    page.set_viewport_size({"width": DESKTOP, "height": HEIGHT[DESKTOP]})
+    assert page.locator("figure svg").count() > 3
+    assert blank(page) == []
+
+
+@pytest.mark.parametrize(("width", "scheme"), [(DESKTOP, "light"), (DESKTOP, "dark"), (PHONE, "light")])
+def test_no_serious_fault_of_accessibility(page: Page, width: int, scheme: Literal["light", "dark"]) -> None:
+    page.emulate_media(color_scheme=scheme, media="screen")
+    page.set_viewport_size({"width": width, "height": HEIGHT[width]})
+    assert serious_faults(page) == []
+
+
+@pytest.mark.parametrize("scheme", SCHEMES)
+def test_on_paper_all_is_seen_and_nothing_is_cut(page: Page, scheme: Literal["light", "dark"]) -> None:
+    page.emulate_media(color_scheme=scheme, media="print")
+    page.set_viewport_size({"width": PAPER, "height": PAPER_HEIGHT})
+    assert sideways(page) + overlapping_texts(page) + cut_texts(page, paper=True) == []
+    assert cut_on_paper(page, PAPER_HEIGHT) + faint_texts(page) == []
+    assert page.evaluate("getComputedStyle(document.body).backgroundColor") in (
+        "rgb(255, 255, 255)",
+        "rgba(0, 0, 0, 0)",
+    )
+
+
+def test_prints_on_a4(browser: Browser, report: Path) -> None:
+    with visit(browser, report) as seen:
+        printed = seen.page.pdf(prefer_css_page_size=True)
+    sizes = {tuple(map(float, box.split()[2:])) for box in re.findall(rb"/MediaBox \[([^\]]+)\]", printed)}
+    assert sizes
+    assert all(abs(a - b) < 1.0 for size in sizes for a, b in zip(size, A4, strict=True))
+    assert len(printed) < LARGEST_PDF
+
+
+def test_the_file_is_not_too_large(report: Path) -> None:
+    assert report.stat().st_size < LARGEST_PAGE
