@@ -16,9 +16,10 @@ slow: $(READY)  ## long coverage runs
 	$(BIN)/python -m pytest -m "slow and not bench" --durations=20
 
 check: $(READY)  ## format, lint, types, manual
-	$(BIN)/ruff format --check src tests
-	$(BIN)/ruff check src tests
+	$(BIN)/ruff format --check src tests docs
+	$(BIN)/ruff check src tests docs
 	$(BIN)/mypy
+	$(BIN)/python docs/audit/audit.py --check
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
 bench: $(READY)  ## speed as ratios against named peers

@@ -6,7 +6,7 @@ import io
 from typing import Any
 
 import numpy as np
-from layout import TEXTS
+from layout import Texts
 from numpy.typing import NDArray
 from PIL import Image
 from playwright.sync_api import Page
@@ -14,6 +14,7 @@ from playwright.sync_api import Page
 CONTRAST = 4.5  # WCAG 2.2, 1.4.3, for text of normal size
 SMALLEST_TEXT = 6.0  # px: height of a line in a figure that a person can still read on a phone
 ONE_COLOUR = 0.99  # share of a picture that is blank
+SHADES = 16  # of grey that count as one colour: the picture is taken as JPEG
 FEWEST_POINTS = 5  # of data; three lines of limits are none
 
 # Points of what is drawn in the axes, which cut it (ticks, frames and legends are not cut), besides the grid.
@@ -56,11 +57,11 @@ def empty_figures(page: Page) -> list[str]:
     return [f"nothing in the axes of {one['name']!r}" for one in found if one["points"] < FEWEST_POINTS]
 
 
-def small_texts(page: Page) -> list[str]:
+def small_texts(texts: Texts) -> list[str]:
     """Return the texts of figures that are too small to be read."""
     return [
         f"{min(line[2] - line[0], line[3] - line[1]):.1f} px high: {one['text']!r}"
-        for one in page.evaluate(TEXTS)
+        for one in texts
         for line in one["lines"][:1]
         if one["drawn"] and min(line[2] - line[0], line[3] - line[1]) < SMALLEST_TEXT and len(one["text"]) > 1
     ]
@@ -92,11 +93,15 @@ def _luminance(colour: str) -> float:
 
 def blank(page: Page) -> list[str]:
     """Return what is blank in a picture of the whole page: the page, or one of its figures."""
-    picture = np.asarray(Image.open(io.BytesIO(page.screenshot(full_page=True))).convert("L"), dtype=np.uint8)
+    picture = np.asarray(Image.open(io.BytesIO(_taken(page))).convert("L"), dtype=np.uint8) // SHADES
     shares = {"the page": _share(picture)}
     for number, (left, top, right, bottom) in enumerate(page.evaluate(PLACES), 1):
         shares[f"figure {number}"] = _share(picture[int(top) : int(bottom), int(left) : int(right)])
     return [f"{share:.2%} of {name} is one colour" for name, share in shares.items() if share > ONE_COLOUR]
+
+
+def _taken(page: Page) -> bytes:
+    return page.screenshot(full_page=True, type="jpeg", quality=60)
 
 
 def _share(picture: NDArray[np.uint8]) -> float:

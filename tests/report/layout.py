@@ -17,43 +17,38 @@ SLACK = 1.0  # px
 
 # Every text that is seen: boxes of its lines, and the box that ancestors cut it to, hard (hidden) or soft (scrolled).
 TEXTS = """() => {
-  const everything = [-1e9, -1e9, 1e9, 1e9], clips = new Map();
+  const everything = [-1e9, -1e9, 1e9, 1e9], frames = new Map();
   const within = (a, b) => [Math.max(a[0], b[0]), Math.max(a[1], b[1]), Math.min(a[2], b[2]), Math.min(a[3], b[3])];
   const box = r => [r.left, r.top, r.right, r.bottom];
-  const clip = element => {
-    if (!element || element === document.body) return [everything, everything];
-    if (clips.has(element)) return clips.get(element);
-    let [hard, soft] = clip(element.parentElement);
-    const style = getComputedStyle(element);
-    const inner = element instanceof SVGElement && element.tagName !== 'svg';
-    if (!inner && style.overflowX !== 'visible' && (style.display !== 'inline' || element.tagName === 'svg')) {
+  const framed = element => {
+    if (!element || element === document.body) return {hard: everything, soft: everything, hidden: false};
+    if (frames.has(element)) return frames.get(element);
+    let {hard, soft, hidden} = framed(element.parentElement);
+    const drawn = element instanceof SVGElement && element.tagName !== 'svg';
+    const style = drawn ? null : getComputedStyle(element);
+    if (style && style.overflowX !== 'visible' && (style.display !== 'inline' || element.tagName === 'svg')) {
       const own = box(element.getBoundingClientRect());
       if (/auto|scroll/.test(style.overflowX + style.overflowY)) soft = within(soft, own);
       else hard = within(hard, own);
     }
-    clips.set(element, [hard, soft]);
-    return [hard, soft];
-  };
-  const hidden = element => {  // for screen readers alone
-    for (let e = element; e && e !== document.body; e = e.parentElement) {
-      const style = getComputedStyle(e);
-      if (style.clipPath.startsWith('inset(') || (style.clip !== 'auto' && style.position === 'absolute')) return true;
-    }
-    return false;
+    if (style && (style.clipPath.startsWith('inset(') || (style.clip !== 'auto' && style.position === 'absolute')))
+      hidden = true;  // for screen readers alone
+    frames.set(element, {hard, soft, hidden});
+    return {hard, soft, hidden};
   };
   const found = [], walker = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
   const range = document.createRange();
   while (walker.nextNode()) {
     const node = walker.currentNode, owner = node.parentElement;
     if (!node.data.trim() || !owner.checkVisibility({visibilityProperty: true, opacityProperty: true})) continue;
-    if (hidden(owner)) continue;
+    const {hard, soft, hidden} = framed(owner), drawn = owner instanceof SVGElement;
+    if (hidden) continue;
     range.selectNodeContents(node);
-    const drawn = owner instanceof SVGElement;
-    const rects = drawn ? [owner.getBoundingClientRect()] : [...range.getClientRects()];
+    const rects = drawn ? [owner.getBoundingClientRect()]
+      : owner.tagName === 'PRE' ? [range.getBoundingClientRect()] : [...range.getClientRects()];
     const lines = rects.filter(r => r.width > 0 && r.height > 0).map(box);
-    const [hard, soft] = clip(owner);
-    if (lines.length) found.push({text: node.data.trim().slice(0, 60), in: owner.tagName.toLowerCase(), drawn, lines,
-                                  hard, soft});
+    if (lines.length)
+      found.push({text: node.data.trim().slice(0, 60), in: owner.tagName.toLowerCase(), drawn, lines, hard, soft});
   }
   return found;
 }"""
@@ -70,6 +65,7 @@ SIDEWAYS = """() => {
 }"""
 
 Box = tuple[float, float, float, float]
+Texts = list[dict[str, Any]]
 
 
 @dataclass(frozen=True)
@@ -89,10 +85,16 @@ def sideways(page: Page) -> list[str]:
     return [f"{found['content']} px of content in {found['wide']} px: {', '.join(found['out'])}"]
 
 
-def cut_texts(page: Page, paper: bool = False) -> list[str]:
+def seen_texts(page: Page) -> Texts:
+    """Return every text that is seen, for the checks below; one look serves all of them."""
+    found: Texts = page.evaluate(TEXTS)
+    return found
+
+
+def cut_texts(texts: Texts, paper: bool = False) -> list[str]:
     """Return the texts that are not to be seen whole; on paper what can be scrolled to is lost as well."""
     faults = []
-    for one in page.evaluate(TEXTS):
+    for one in texts:
         frame = _common(one["hard"], one["soft"]) if paper else one["hard"]
         outside = [line for line in one["lines"] if not _is_inside(_letters(line), frame)]
         if outside:
@@ -100,11 +102,11 @@ def cut_texts(page: Page, paper: bool = False) -> list[str]:
     return faults
 
 
-def overlapping_texts(page: Page) -> list[str]:
+def overlapping_texts(texts: Texts) -> list[str]:
     """Return the pairs of texts that lie over each other, in figures, tables and everywhere else."""
     lines = [
         Line(number, f"<{one['in']}> {one['text']!r}", seen)
-        for number, one in enumerate(page.evaluate(TEXTS))
+        for number, one in enumerate(texts)
         for line in one["lines"]
         if (seen := _common(_letters(line), _common(one["hard"], one["soft"])))
         and seen[2] - seen[0] > SLACK

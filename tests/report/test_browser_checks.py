@@ -12,7 +12,7 @@ from browsing import PAPER, PHONE, Visit, visit
 from figure_checks import blank, cut_on_paper, empty_figures, faint_texts, small_texts
 from hostile_page import bidi_leaks, elements, reactions
 from injections import ELSEWHERE, INJECTIONS, RUN
-from layout import cut_texts, overlapping_texts, sideways
+from layout import Texts, cut_texts, overlapping_texts, seen_texts, sideways
 from playwright.sync_api import Browser, Page
 
 DRAWN = (
@@ -38,11 +38,18 @@ Check = Callable[[Page], list[str]]
 
 
 def on_paper(page: Page) -> list[str]:
-    return cut_on_paper(page, 300.0) + cut_texts(page, paper=True)
+    return cut_on_paper(page, 300.0) + cut_texts(seen_texts(page), paper=True)
+
+
+def on_texts(check: Callable[[Texts], list[str]]) -> Check:
+    return lambda page: check(seen_texts(page))
+
+
+overlapping, cut, small = on_texts(overlapping_texts), on_texts(cut_texts), on_texts(small_texts)
 
 
 CHECKS: tuple[Check, ...] = (
-    sideways, cut_texts, overlapping_texts, empty_figures, small_texts, faint_texts, blank, serious_faults,
+    sideways, cut, overlapping, empty_figures, small, faint_texts, blank, serious_faults,
     on_paper, bidi_leaks,
 )  # fmt: skip
 
@@ -50,14 +57,14 @@ CHECKS: tuple[Check, ...] = (
 FAULTS: tuple[tuple[Check, str, str], ...] = (
     (sideways, "<h1>", '<div style="width: 1500px">wide</div><h1>'),
     (sideways, "A finding", "A" * 300),
-    (cut_texts, "<h1>", '<h1 style="height: 0.5em; overflow: hidden">'),
-    (cut_texts, 'x="90" y="98"', 'x="180" y="98"'),
-    (overlapping_texts, "<p id", '<p style="margin-top: -1.6em" id'),
-    (overlapping_texts, "</svg>", '<text x="92" y="97" font-size="8">over it</text></svg>'),
-    (overlapping_texts, "<td>0.0012</td>", '<td style="position: relative; left: -2.5em">0.0012</td>'),
+    (cut, "<h1>", '<h1 style="height: 0.5em; overflow: hidden">'),
+    (cut, 'x="90" y="98"', 'x="180" y="98"'),
+    (overlapping, "<p id", '<p style="margin-top: -1.6em" id'),
+    (overlapping, "</svg>", '<text x="92" y="97" font-size="8">over it</text></svg>'),
+    (overlapping, "<td>0.0012</td>", '<td style="position: relative; left: -2.5em">0.0012</td>'),
     (empty_figures, DRAWN, '<g clip-path="url(#c)"><path d="M 5 50 L 190 50" stroke="red"/></g>'),
     (empty_figures, DRAWN, ""),
-    (small_texts, 'font-size="8"', 'font-size="2"'),
+    (small, 'font-size="8"', 'font-size="2"'),
     (faint_texts, 'font-size="8"', 'font-size="8" fill="#bbb"'),
     (faint_texts, "background: white; color: black", "background: #111; color: white"),
     (blank, "<body>", '<body style="visibility: hidden">'),

@@ -373,8 +373,6 @@ def test_one_point_and_many_of_any_size_are_drawn(name: str, count: int, size: f
         grown = (values * (count // len(values) + 1))[:count]
         return [v * size * (1 + i) if isinstance(v, float) else v for i, v in enumerate(grown)]
 
-    if name == "dwells" and count == 2:
-        pytest.skip("same as one")
     found = FIGURES[name].svg(emptied(results(), resized) | {"verdicts": []})
     assert found is not None
     assert len(found) < 150_000

@@ -7,6 +7,7 @@ import json
 import re
 from collections.abc import Callable, Iterator
 from html.parser import HTMLParser
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -72,8 +73,8 @@ def at(files: Files, pointer: str) -> Any:
     name, _, path = pointer.rpartition(":")
     value: Any = {"": files[0], "model": files[1], "provenance": files[2]}[name]
     for token in path.split("/")[1:]:
-        token = token.replace("~1", "/").replace("~0", "~")
-        value = value[int(token)] if isinstance(value, list) else value[token]
+        key = token.replace("~1", "/").replace("~0", "~")
+        value = value[int(key)] if isinstance(value, list) else value[key]
     return value
 
 
@@ -196,7 +197,7 @@ def test_ids_are_unique_links_lead_somewhere_and_tables_have_captions(made: tupl
     assert tags.count("table") == tags.count("caption") > 5
     levels = [int(tag[1]) for tag in tags if re.fullmatch("h[1-6]", tag)]
     assert levels[0] == 1
-    assert all(later - earlier <= 1 for earlier, later in zip(levels, levels[1:], strict=False))
+    assert all(later - earlier <= 1 for earlier, later in pairwise(levels))
     assert tags.count("main") == tags.count("nav") == tags.count("h1") == 1
 
 
@@ -206,8 +207,9 @@ def test_same_files_same_bytes(small: Files) -> None:
 
 def test_a_campaign_without_model_loop_or_requirement_says_so(campaign: Callable[..., Path]) -> None:
     folder = campaign(
-        ("[[requirements]]", "[model]"), ('id = "R1"\n', ""), ('quantity = "rate_error"\n', ""), ('limit = "5 %"\n', ""),
-        ('where = "abs(rate) >= 0.5 deg/s"\n', ""), ('id = "first"\n', 'id = "first"\nuse = "report_only"\n'),
+        ("[[requirements]]", "[model]"), ('id = "R1"\n', ""), ('quantity = "rate_error"\n', ""),
+        ('limit = "5 %"\n', ""), ('where = "abs(rate) >= 0.5 deg/s"\n', ""),
+        ('id = "first"\n', 'id = "first"\nuse = "report_only"\n'),
     )  # fmt: skip
     run(folder)
     text = " ".join((folder / "out" / "report.html").read_text().split())
@@ -231,8 +233,9 @@ def test_a_standard_stands_with_its_certificate(small: Files) -> None:
 
 
 HOSTILE = (
-    "<script>alert(1)</script>", '"><img src=x onerror=alert(1)>', "' onfocus=alert(1) '", "</style><b>", "</pre></table>",
-    "{{ 7 * 7 }}", "$\\frac{1}{2}$", "a\x00b\x1b[31m", "\u202egnp.exe", "\u2066open", "x" * 1900, "&lt;b&gt;", "]]>", "-->",
+    "<script>alert(1)</script>", '"><img src=x onerror=alert(1)>', "' onfocus=alert(1) '", "</style><b>",
+    "</pre></table>", "{{ 7 * 7 }}", "$\\frac{1}{2}$", "a\x00b\x1b[31m", "\u202egnp.exe", "\u2066open", "x" * 1900,
+    "&lt;b&gt;", "]]>", "-->",
 )  # fmt: skip
 
 
@@ -252,7 +255,14 @@ def test_hostile_texts_are_shown_and_do_nothing(small: Files, text: str) -> None
     page = Page(report_html(results, model, provenance))
     safe = re.sub("[\x00\x1b\u202e\u2066]", "\N{REPLACEMENT CHARACTER}", text)
     assert sum(shown == safe for _, shown in page.texts) >= 5
-    assert {tag for tag, _ in page.tags} <= {tag for tag, _ in plain.tags} | {"ul", "li", "details", "summary", "p", "bdi"}
+    assert {tag for tag, _ in page.tags} <= {tag for tag, _ in plain.tags} | {
+        "ul",
+        "li",
+        "details",
+        "summary",
+        "p",
+        "bdi",
+    }
     assert {name for _, found in page.tags for name in found} <= {n for _, found in plain.tags for n in found}
 
 
@@ -262,7 +272,9 @@ def test_a_large_campaign_stays_small(made: tuple[Files, str]) -> None:
     for key in ("results", "sequence", "curves", "verdicts", "budgets", "exclusions"):
         rows = results[key]
         results[key] = rows + [
-            {**row, "test": f"{row['test']}_{copies}"} for copies in range(60 // len(files[0]["sequence"])) for row in rows
+            {**row, "test": f"{row['test']}_{copies}"}
+            for copies in range(60 // len(files[0]["sequence"]))
+            for row in rows
         ]
     text = report_html(results, model, provenance)
     assert len(text.encode()) <= LARGEST

@@ -15,6 +15,7 @@ import inertialcal as ic
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.recording import SECOND, Channel, Recording
+from inertialcal.sensors.assemble import model_from
 from inertialcal.sensors.catalogue import flight_unit
 
 TABLE = "rate [deg/s],gyro_x [deg/s],run\n" + "".join(
@@ -113,6 +114,19 @@ def test_a_model_is_its_matrix() -> None:
         ic.plot(flight_unit().models["corrected"], test="one")
 
 
+def test_a_model_shows_its_uncertainties_and_hatches_what_no_test_gave() -> None:
+    names = tuple(f"{what}_{axis}" for what in ("bias", "scale_factor_error") for axis in "xyz")
+    values = np.array([0.0, 0.0, 0.0, 0.01, -0.02, 0.005])
+    scatter = Component("scatter", "A", np.diag(np.full(6, 1e-4) ** 2), 7.0)
+    model = model_from(
+        Estimate(names, values, ("rad/s",) * 3 + ("1",) * 3, (scatter,)), "gyro", ("x", "y", "z"), 1.0, "rad/s"
+    )
+    ax = ic.plot(model)
+    texts = {tuple(text.get_position()): text.get_text() for text in ax.texts}
+    assert texts[1.5, 1.5] == "−2.000\n± 0.010\n%"
+    assert texts[0.5, 1.5] == "not\nestimated"
+
+
 def test_an_estimate_is_a_panel_a_unit() -> None:
     axes = ic.plot(estimate("rad/s", "1", "rad/s"))
     assert [len(np.asarray(ax.get_lines()[-1].get_xdata())) for ax in axes] == [2, 1]
@@ -137,7 +151,7 @@ def test_axes_can_be_given_as_many_as_panels_or_one(found: Any) -> None:
     with pytest.raises(UsageError, match=r"3 axes given, the figure 'input_output' has 2 panel\(s\)"):
         ic.plot(found, ax=Figure().subplots(3, 1))
     with pytest.raises(UsageError, match="Give 1 or 2 Axes"):
-        ic.plot(found, ax=["not axes"])
+        ic.plot(found, ax=["not axes"])  # type: ignore[list-item]
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:
@@ -155,7 +169,8 @@ def test_the_users_own_settings_are_neither_used_nor_changed() -> None:
 
     with mpl.rc_context({"font.size": 31.0, "text.parse_math": True}):
         ax = ic.plot(recording())[0]
-        assert ax.get_xticklabels()[0].get_fontsize() == 9.0
+        ax.figure.draw_without_rendering()
+        assert ax.get_yticklabels()[0].get_fontsize() == 9.0
         assert mpl.rcParams["font.size"] == 31.0
 
 
@@ -167,7 +182,7 @@ def test_a_script_has_no_pyplot_state_and_a_notebook_shows_the_figure(monkeypatc
     before = pyplot.get_fignums()
     ic.plot(recording())
     assert pyplot.get_fignums() == before
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=object))
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=object, version_info=(9, 0)))
     ic.plot(recording())
     assert len(pyplot.get_fignums()) == len(before) + 1
     pyplot.close("all")

@@ -24,8 +24,8 @@ with what the command gives:
 
     python docs/audit/audit.py
 
-No verdict was given by hand: [the rules](#how-a-verdict-is-reached) are below. A printed figure stands for every number that rounds to it, and so do the printed
-figures that it is computed from.
+No verdict was given by hand: [the rules](#how-a-verdict-is-reached) are below. A printed figure stands for every
+number that rounds to it, and so do the printed figures that it is computed from.
 """
 
 RULES = {
@@ -147,13 +147,19 @@ def _line(one: Figure | Text, verdict: Verdict) -> list[str]:
     if isinstance(one, Text):
         return [one.place, one.printed, one.needed, verdict.word, verdict.reason]
     unit = f" {one.unit}" if one.unit else ""
-    return [one.place, f"{one.printed.text}{unit}", _recomputed(one), verdict.word, verdict.reason or _off(one)]
+    return [
+        one.place,
+        f"{one.printed.text}{unit}",
+        _recomputed(one),
+        verdict.word,
+        verdict.reason or _off(one, verdict),
+    ]
 
 
-def _off(one: Figure) -> str:
+def _off(one: Figure, verdict: Verdict) -> str:
     """Return the difference, where nothing else is to be said."""
-    if one.recomputed is None:
-        return ""
+    if one.recomputed is None or verdict.word != "does not follow":
+        return "the size follows" if verdict.word == "sign" else ""
     by = one.printed.value - one.recomputed.value
     part = f", {100.0 * by / one.recomputed.value:+.2g} %" if one.recomputed.value else ""
     return f"off by {by:+.3g}{part}"
@@ -165,6 +171,7 @@ def _recomputed(one: Figure) -> str:
         return "-"
     limit = {"equal": "", "at most": "at most ", "at least": "at least "}[one.relation]
     value, both = one.recomputed.value, tolerance(one)
+    both = both if both < abs(value) else one.recomputed.tolerance
     if abs(value) < FLOATING * abs(one.printed.value):
         return f"{limit}0"
     if one.recomputed.tolerance <= FLOATING * abs(value) or (abs(value) >= PLAIN and value.is_integer()):

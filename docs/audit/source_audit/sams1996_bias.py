@@ -162,7 +162,7 @@ def _table20() -> Section:
 
 def _old_model() -> Section:
     why = dict.fromkeys(
-        (("Y", "filtered", "3"), ("Y", "unfiltered", "3")), "its means in Table 20 are wrong, see there"
+        (("Y", "filtered", "3"), ("Y", "unfiltered", "3")), "its means in Table 20 do not hold, see there"
     )
     return Section(
         "tables 21-22",

@@ -35,6 +35,11 @@ def run(
     return outcome.exit_status
 
 
+def where_text(outcome: Any) -> str:
+    """Return where the results of a run are, and which of them to read."""
+    return clean(f"results in {outcome.campaign.folder / 'out'}; to read: {report_path(outcome)}")
+
+
 def report_path(outcome: Any) -> Path:
     """Return the page that a run wrote."""
     return Path(outcome.campaign.folder) / "out" / "report.html"
@@ -65,7 +70,7 @@ def print_outcome(outcome: Any) -> None:
         print(f"\nchanged since the last run: {len(outcome.changed)}")
         for line in outcome.changed[:20]:
             print(f"  {clean(line)}")
-    print(f"\nresults in {outcome.campaign.folder / 'out'}; to read: {report_path(outcome)}")
+    print(f"\n{where_text(outcome)}")
 
 
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from .campaigns import outcome_content, print_outcome
+from .campaigns import outcome_content, print_outcome, where_text
 from .options import Json, Quiet
 from .output import json_out
 from .progress import progress
@@ -63,4 +63,4 @@ def _print_scored(outcome: Any, found: Any) -> None:
     print(truth_table([row for row in found.rows if row["test"] == "model"]))
     print(f"\n{held_text(found)}")
     print(f"\n{closed_loop_text(outcome.results)}")
-    print(f"overall: {outcome.verdict}\n\nresults in {outcome.campaign.folder / 'out'}")
+    print(f"overall: {outcome.verdict}\n\n{where_text(outcome)}")

@@ -6,7 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from .style import WIDTH, look, set_heading
+from .style import WIDTH, look, set_heading, set_ticks
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -91,6 +91,8 @@ def on_new_figure(picture: Picture, titled: bool, figure: Figure | None = None) 
 def _fill(part: Figure | SubFigure, picture: Picture, titled: bool) -> None:
     ratios = {"height_ratios": picture.heights}
     grid = part.subplots(len(picture.heights), 1, sharex=picture.share_x, squeeze=False, gridspec_kw=ratios)
+    for ax in grid[:, 0]:
+        set_ticks(ax)
     picture.draw(list(grid[:, 0]), "")
     if titled:
         set_heading(part, picture.finding)

@@ -16,6 +16,7 @@ from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from ...core.estimate import Array
 
 NOTHING = 1e-4  # of the largest size: what is smaller is a zero (earth rate in a dwell at rest), no decade of its own
+LARGEST = 1e100  # beyond it the transform overflows; no reading is
 WIDE = 30.0  # ratio of the largest to the smallest size from which an axis goes over decades
 MOST_DECADES = 4  # labelled on each side
 NEAR = 2.9  # a decade nearer than this to the linear part has no label of its own
@@ -41,7 +42,7 @@ def signed_log(ax: Axes, which: Literal["x", "y"], values: Array, start: float |
     sizes = sizes[sizes >= NOTHING * np.max(sizes)]
     first = float(start) if start else float(np.min(sizes))
     last = float(np.max(sizes))
-    if not (first > 0.0 and last / first > (NEAR if start else WIDE)):
+    if not first * (NEAR if start else WIDE) < last < LARGEST or first < 1.0 / LARGEST:
         return False
     ticks = _ticks(first, last, bool(np.any(values < 0.0)), bool(np.any(values > 0.0)), start is not None)
     scale, axis = (ax.set_xscale, ax.xaxis) if which == "x" else (ax.set_yscale, ax.yaxis)

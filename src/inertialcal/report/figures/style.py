@@ -113,6 +113,11 @@ def set_title(ax: Axes, text: str) -> None:
         ax.set_title(fill(plain(text, 400), LINE), loc="left", parse_math=False)
 
 
+def set_ticks(ax: Axes) -> None:
+    """Give axes the ticks of the house: they are made when a figure is drawn, with what the user has set by then."""
+    ax.tick_params(labelsize=TEXT - 1.0, color=COLOURS["quiet"], labelcolor=COLOURS["ink"])
+
+
 def set_heading(figure: Figure | SubFigure, text: str) -> None:
     """Give a figure a title over its whole width; the text is taken as it is."""
     shown = fill(plain(text, 400), LINE)

@@ -1,0 +1,160 @@
+"""Checks that the flip makes on itself: the control axis, the angle, the axis, and the size of what was found.
+
+The axis along the turn keeps its reading; what it reads of the turn is tested against zero at 5 % with its own
+uncertainty (Holm's rule over several flips). The turned axes, where there are more dwells than unknowns, must follow
+cosine and sine of the stated angles: chi-square of what is left against the record's noise, at 1 %. Half turns of two
+positions leave nothing, and a turn by another angle than stated does not show in them.
+
+A control axis that moves clearly (0.1 %) while a turned one does not (5 %) says that another axis was turned about.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import special
+
+from ...core.errors import DataError
+from ...core.remarks import Remark
+from ...core.units import factor
+from ...statistics.decision import holm
+from .plan import Plan, Readings
+from .pooling import Flip
+from .separation import AMBIENT, BIAS, CONTROL, READING
+from .uncertainty import covariance_of, record_of
+
+RISK, FIT_RISK, CLEAR = 0.05, 0.01, 0.001
+LEAST = 1e-9  # standard gravities: no head resolves so little; ug were read as something smaller
+
+
+def checks(plan: Plan, readings: Readings, flips: Sequence[Flip], whole: Flip) -> list[Remark]:
+    """Return all that the checks bring up."""
+    return [
+        *control_axis(plan, flips, whole),
+        *_other_axis(plan, flips),
+        *_angles(plan, readings, flips),
+        *_positions(flips),
+        *_magnitude(plan, whole),
+    ]
+
+
+def control_axis(plan: Plan, flips: Sequence[Flip], whole: Flip) -> list[Remark]:
+    """Return the remark on each flip whose control axis is not zero; on all pooled where single ones cannot tell."""
+    judged = [(one, p) for one in flips if (p := not_zero(plan, one)) is not None]
+    if not judged:
+        p = not_zero(plan, whole)
+        judged = [] if p is None else [(whole, p)]
+    if not judged:
+        return []
+    found = []
+    for (one, p), rejected in zip(judged, holm([p for _, p in judged], RISK), strict=True):
+        if rejected:
+            place = f"flip {one.label}" if one.label and len(flips) > 1 else ""
+            what = f"{plan.axis} does not turn, but {_told(one, f'{CONTROL}_{plan.axis}')}: zero has p = {p:.2g}"
+            do = "Look for a disturbance, a drift, or another axis or angle; its size is the error of this test"
+            found.append(Remark("control_axis_not_zero", "warning", what, place, do=do))
+    return found
+
+
+def not_zero(plan: Plan, one: Flip) -> float | None:
+    """Return the probability that the control axis is as far from zero, or farther, where it is zero.
+
+    None where it has no uncertainty.
+    """
+    names = [name for name in one.names if name.startswith(CONTROL)]
+    if one.estimate is None or not names:
+        return None
+    own = one.estimate.select(names)
+    if not np.all(own.u > 0.0):
+        return None
+    square = float(own.values @ np.linalg.solve(own.covariance, own.values))
+    dof = min(float(np.min(own.dof)), 1e9)
+    return float(special.fdtrc(len(names), dof, square / len(names)))
+
+
+def _p(one: Flip, name: str) -> float | None:
+    if one.estimate is None or name not in one.names:
+        return None
+    own = one.estimate.select([name])
+    dof, t = float(own.dof[0]), float(own.values[0]) / float(own.u[0]) if own.u[0] > 0.0 else np.inf
+    return 2.0 * float(special.stdtr(min(dof, 1e9), -abs(t)))
+
+
+def _told(one: Flip, name: str) -> str:
+    """Return a value with its uncertainty in words [ug]."""
+    scale = factor("m/s^2", "ug")
+    value = one.values[one.names.index(name)] * scale
+    u = "" if one.estimate is None else f" (u = {one.estimate.select([name]).u[0] * scale:.3g} ug)"
+    return f"reads {value:+.4g} ug of the turn{u}"
+
+
+def _other_axis(plan: Plan, flips: Sequence[Flip]) -> list[Remark]:
+    found = []
+    for one in flips:
+        moved = not_zero(plan, one)
+        still = [axis for axis in plan.turned if (p := _p(one, f"{AMBIENT}_{axis}")) is not None and p > RISK]
+        if moved is not None and moved < CLEAR and still:
+            name = f"{CONTROL}_{plan.axis}"
+            what = f"{plan.axis} {_told(one, name)} while {' and '.join(still)} kept the reading"
+            do = f"The head may have been turned about {' or '.join(still)}: check plan.axis, columns and mounting"
+            found.append(Remark("turned_about_other_axis", "warning", what, f"flip {one.label}", do=do))
+    return found
+
+
+def _angles(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> list[Remark]:
+    found = []
+    for one in flips:
+        told = _left(plan, readings, one)
+        if told is not None and told[2] < FIT_RISK:
+            square, free, p = told
+            what = f"chi-square {square:.3g} of {free:.0f} that should be zero (p = {p:.2g})"
+            what = f"{' and '.join(plan.turned)} do not follow the stated angles: {what}"
+            do = "Check the positions; or fit a drift (plan.drift)"
+            found.append(Remark("not_turned_by_angle", "warning", what, f"flip {one.label}", do=do))
+    return found
+
+
+def _left(plan: Plan, readings: Readings, one: Flip) -> tuple[float, float, float] | None:
+    """Chi-square of what the turned axes leave, its degrees of freedom and probability; None where nothing is left."""
+    lines = one.separated[0].checks
+    free = len(next(iter(lines.values()))) if lines else 0
+    record = record_of(readings, lines) if free else None
+    if record is None:
+        return None
+    rest = sum(w @ np.nan_to_num(readings.outputs[axis]) for axis, w in lines.items())
+    try:
+        covariance = sum(covariance_of(plan, record, axis, w) for axis, w in lines.items() if np.any(w))
+    except DataError:
+        return None
+    square = float(rest @ np.linalg.solve(covariance, rest))
+    return square, float(free), float(special.chdtrc(free, square))
+
+
+def _positions(flips: Sequence[Flip]) -> list[Remark]:
+    found = []
+    for one in flips:
+        lost = {name: why for name, why in one.reasons.items() if why.startswith("missing position")}
+        if lost:
+            what = "; ".join(sorted(set(lost.values())))
+            do = "A single-sided flip gives bias and ambient acceleration together: read the other position"
+            found.append(Remark("missing_position", "warning", what, f"flip {one.label}", do=do))
+    return found
+
+
+def _magnitude(plan: Plan, whole: Flip) -> list[Remark]:
+    """Say what is too large, or too small, for orbit and this kind of head: g read as ug, or the other way round."""
+    found = []
+    limits = {AMBIENT: plan.largest_ambient, BIAS: plan.largest_bias, READING: plan.largest_bias}
+    do = "Check the unit of the readings (g, mg, ug), the gain and the positions"
+    scale = factor("m/s^2", "ug")
+    for name, value in zip(whole.names, whole.values, strict=True):
+        limit = limits.get(name[:-2])
+        if limit is not None and abs(value) > limit:
+            what = f"{name} is {value * scale:.4g} ug, beyond the {limit * scale:.6g} ug that the plan has as largest"
+            found.append(Remark("magnitude", "error", what, do=do))
+    levels = [abs(v) for name, v in zip(whole.names, whole.values, strict=True) if name[:-2] in limits]
+    if levels and max(levels) < LEAST * factor("g", "m/s^2"):
+        what = f"all readings are below {max(levels) * scale:.2g} ug, less than any head resolves"
+        found.append(Remark("magnitude", "error", what, do=do))
+    return found

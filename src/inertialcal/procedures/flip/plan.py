@@ -1,0 +1,208 @@
+"""What a flip is told (Plan) and what it works on (Readings)."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.constants import STANDARD_GRAVITY
+from ...core.estimate import Array
+from ...core.influence import Influence, Standards
+from ...core.remarks import Remark
+
+Labels = NDArray[Any]
+Axis = Literal["x", "y", "z"]
+
+AXES = ("x", "y", "z")  # of the head, right-handed
+
+# Influences that a flip is subject to, and what each would change.
+INFLUENCES = {
+    "turn.angle": "bias and ambient acceleration by half the other turned axis' ambient acceleration, times the angle",
+    "turn.axis": "all results: ambient acceleration along the turn enters, and the control axis feels the others",
+    "converter.zero": "bias in full: an offset of the electronics turns with the head as the bias does",
+    "sensor.scale_factor": "bias and ambient acceleration in proportion; bias by what was taken off before, too",
+}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How the head was turned and how the readings are to be reduced.
+
+    Parameters
+    ----------
+    axis : {"x", "y", "z"}
+        Head axis about which it was turned; its own readings are the control.
+    noise : {"slow", "pairs"}
+        Where the uncertainty comes from: a model of the record's white and 1/f noise, or the scatter of equally long
+        and equally spaced quiet stretches elsewhere in the record.
+    drift : {"none", "ambient", "bias", "temperature"}
+        What changes between the dwells of a flip and is fitted: ambient acceleration or bias in proportion to time,
+        or bias in proportion to temperature. Needs three dwells.
+    block : float
+        Length of the block means that show the noise [s].
+    settle : float
+        Left out at the start of every window: settling of the turn and of the sensor's filters [s].
+    low_pass : float
+        Cut-off of the low-pass that stands beside the mean [Hz].
+    subset : float
+        Length of the sub-means of the published way [s].
+    subsets : int
+        How many of them.
+    missing : float
+        A window with a larger part of its samples missing, invalid or at the rail is not read.
+    corrected : bool
+        The bias of a model was taken off before: what is left of it is called ``model_bias_error``.
+    raw_bias : float
+        Size of what was taken off before [m/s^2]: the scale factor's uncertainty acts on it too.
+    largest_ambient : float
+        Ambient acceleration beyond this is a mistake in units or positions, not orbit [m/s^2].
+    largest_bias : float
+        Bias beyond this is one, too [m/s^2].
+    standards : mapping of Influence
+        Uncertainties of the standards; from the campaign.
+    """
+
+    axis: Axis = "x"
+    noise: Literal["slow", "pairs"] = "slow"
+    drift: Literal["none", "ambient", "bias", "temperature"] = "none"
+    block: float = field(default=10.0, metadata={"unit": "s"})
+    settle: float = field(default=0.0, metadata={"unit": "s"})
+    low_pass: float = field(default=0.01, metadata={"unit": "Hz"})
+    subset: float = field(default=6.0, metadata={"unit": "s"})
+    subsets: int = field(default=10, metadata={"above": 1})
+    missing: float = field(default=0.1, metadata={"above": 0.0})
+    corrected: bool = False
+    raw_bias: float = field(default=0.0, metadata={"unit": "m/s^2"})
+    largest_ambient: float = field(default=0.1 * STANDARD_GRAVITY.value, metadata={"unit": "m/s^2"})
+    largest_bias: float = field(default=0.1 * STANDARD_GRAVITY.value, metadata={"unit": "m/s^2"})
+    standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
+
+    @property
+    def turned(self) -> tuple[str, str]:
+        """The two axes across the turn, so that the first, the second and the turn's are right-handed."""
+        at = AXES.index(self.axis)
+        return AXES[(at + 1) % 3], AXES[(at + 2) % 3]
+
+
+@dataclass(frozen=True, eq=False)
+class Quiet:
+    """The quiet part of a recording as block means, and which of them each dwell is the mean of.
+
+    Parameters
+    ----------
+    times : ndarray, shape (m,)
+        Middles of the blocks, since the first sample [s].
+    length : float
+        Of a block [s].
+    angle : ndarray, shape (m,)
+        Turn of the head in each block [rad].
+    means : mapping of str to ndarray, shape (m,)
+        Of each axis [m/s^2].
+    weights : ndarray, shape (n, m)
+        Of each block in each dwell of the Readings; a row adds up to 1, or is 0 for dwells of other recordings.
+    spans : ndarray, shape (n, 2)
+        Start and stop of each dwell on the same clock [s]; NaN for those of other recordings.
+    name : str
+        Of the recording.
+    """
+
+    times: Array
+    length: float
+    angle: Array
+    means: Mapping[str, Array]
+    weights: Array
+    spans: Array
+    name: str = ""
+
+    @property
+    def dwells(self) -> NDArray[np.bool_]:
+        """Which dwells of the Readings lie in this recording, shape (n,)."""
+        return np.isfinite(self.spans[:, 0])
+
+
+@dataclass(frozen=True, eq=False)
+class HalfWidths:
+    """Half widths of t-intervals of the dwells' means, as the published way has them.
+
+    Parameters
+    ----------
+    p : float
+        Their probability.
+    values : mapping of str to ndarray, shape (n,)
+        Of each axis [m/s^2]; NaN where there is none.
+    """
+
+    p: float
+    values: Mapping[str, Array]
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Dwells, a row each.
+
+    Parameters
+    ----------
+    angle : ndarray, shape (n,)
+        Stated turn of the head from its position 0, right-handed about the plan's axis [rad].
+    flip : ndarray of str, shape (n,)
+        Which flip a dwell belongs to.
+    outputs : mapping of str to ndarray, shape (n,)
+        Mean reading of each axis [m/s^2]; NaN where it was not read.
+    others : mapping of str to mapping of str to ndarray, shape (n,)
+        The same by other statistics: ``"median"``, ``"low_pass"``.
+    half_widths : tuple of HalfWidths
+        Of the published way.
+    time : ndarray, shape (n,), optional
+        Middle of each dwell [s].
+    temperature : mapping of str to ndarray, shape (n,)
+        Of each axis, mean of each dwell [degC]; NaN or absent where not given.
+    quiet : tuple of Quiet
+        The recordings that the dwells were cut from.
+    where : tuple of str
+        Place of each row, for messages.
+    remarks : tuple of Remark
+        What reading them brought up.
+    reasons : mapping of str to str
+        Why a statistic of ``others`` is not there.
+    """
+
+    angle: Array
+    flip: Labels
+    outputs: Mapping[str, Array]
+    others: Mapping[str, Mapping[str, Array]] = field(default_factory=dict[str, Mapping[str, Array]])
+    half_widths: tuple[HalfWidths, ...] = ()
+    time: Array | None = None
+    temperature: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    quiet: tuple[Quiet, ...] = ()
+    where: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = ()
+    reasons: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    def __len__(self) -> int:
+        """Return the number of dwells."""
+        return len(self.angle)
+
+    @cached_property
+    def flips(self) -> tuple[str, ...]:
+        """Labels of the flips, in the order of their first dwell."""
+        return tuple(dict.fromkeys(str(label) for label in self.flip))
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Axes that were read, in order."""
+        return tuple(axis for axis in AXES if axis in self.outputs)
+
+    def by(self, statistic: str) -> Readings:
+        """Return the readings with another statistic in place of the means; it has no noise of its own."""
+        return replace(self, outputs=self.others[statistic], others={}, quiet=(), half_widths=(), remarks=())
+
+    def place(self, dwell: int) -> str:
+        """Return where a dwell comes from, with its position."""
+        position = f"position {math.degrees(self.angle[dwell]):.6g} deg"
+        return f"{self.where[dwell]}: {position}" if self.where else position

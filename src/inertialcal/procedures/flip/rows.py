@@ -1,0 +1,93 @@
+"""Rows of a flip's result: every quantity with its uncertainty, or the reason why there is none.
+
+Conditions: none for the result, all flips pooled; ``"flip 1"`` for each of several; ``"median"`` and ``"low_pass"`` for
+other statistics of the same windows; ``"as_published"`` for the document's own way (with several flips, of each:
+``"as_published, flip 1"``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from ...core.results import Row, not_estimated
+from ...statistics.intervals import t_interval
+from .plan import Plan
+from .pooling import Flip, units
+from .published import CONDITION, published_rows
+from .separation import AMBIENT, BIAS, CONTROL, READING
+from .standards import missing
+
+if TYPE_CHECKING:
+    from . import Result
+
+MODEL_BIAS = "model_bias_error"  # what a ground model leaves of the bias
+ALONG = "not turned: bias and ambient acceleration along the turn are one (see reading)"
+NOT_READ = "the axis was not read"
+NO_STATISTIC = "its own uncertainty is not worked out: see that of the mean"
+
+
+def rows(result: Result) -> list[Row]:
+    """Return all rows, SI."""
+    found = _of_flip(result, result.whole, "")
+    several = len(result.flips) > 1
+    for one in result.flips if several else ():
+        found += _of_flip(result, one, f"flip {one.label}")
+    for name, other in result.others.items():
+        found += _of_flip(result, other, name)
+    for name, why in result.readings.reasons.items():
+        if name not in result.others:
+            found += [not_estimated(q, axis, "m/s^2", why, name) for q, axis in _wanted(result)]
+    for one in result.flips:
+        own = published_rows(result.plan, result.readings, one.label, _called(result.plan, BIAS))
+        found += [replace(row, condition=f"{CONDITION}, flip {one.label}") for row in own] if several else own
+    return found
+
+
+def _wanted(result: Result) -> list[tuple[str, str]]:
+    """Quantities that a flip should give of each axis that was read."""
+    found = []
+    for axis in result.readings.axes:
+        first = CONTROL if axis == result.plan.axis else AMBIENT
+        found += [(first, axis), (_called(result.plan, BIAS), axis)]
+    return found
+
+
+def _called(plan: Plan, quantity: str) -> str:
+    return MODEL_BIAS if plan.corrected and quantity == BIAS else quantity
+
+
+def _of_flip(result: Result, one: Flip, condition: str) -> list[Row]:
+    found = [_row(result, one, i, condition) for i in range(len(one.names))]
+    reasons = dict(one.reasons)
+    if result.plan.axis in result.readings.axes:
+        reasons[f"{BIAS}_{result.plan.axis}"] = ALONG
+    for name, why in reasons.items():
+        quantity, axis = _called(result.plan, name[:-2]), name[-1]
+        found.append(not_estimated(quantity, axis, units([name])[0], why, condition))
+    return found
+
+
+def _row(result: Result, one: Flip, at: int, condition: str) -> Row:
+    name = one.names[at]
+    quantity, axis, unit = _called(result.plan, name[:-2]), name[-1], units([name])[0]
+    value = float(one.values[at])
+    if one.estimate is None:
+        reason = NO_STATISTIC if condition in result.others else one.reason
+        return Row(quantity, axis, value, None, unit, status="not_estimated", reason=reason, condition=condition)
+    u, dof = float(one.estimate.u[at]), float(one.estimate.dof[at])
+    return Row(
+        quantity, axis, value, u, unit, dof if np.isfinite(dof) else None, t_interval(value, u, dof),
+        reason=_limits(result, name), condition=condition,
+    )  # fmt: skip
+
+
+def _limits(result: Result, name: str) -> str:
+    parts = ["bias and ambient acceleration together"] if name[:-2] == READING else []
+    parts += ["relative to the fixture"] if missing(result.plan) else []
+    return "; ".join(parts)
+
+
+__all__ = ["MODEL_BIAS", "rows"]

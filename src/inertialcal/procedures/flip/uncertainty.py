@@ -1,0 +1,177 @@
+"""Uncertainty of a flip from noise slower than a dwell (Type A).
+
+Sub-means inside one dwell say nothing of what wanders from dwell to dwell: with 1/f noise that is most of it. Here the
+noise is that of the whole quiet record, and what counts of it are contrasts, as every result is one: ambient
+acceleration the half difference of two dwells, bias the half sum less the mean of the record. So ``bias`` means the
+mean bias over the record that the flip lies in, and ``ambient_acceleration`` is taken as constant over it: the noise
+is taken as the sensor's.
+
+``slow``
+    White and 1/f noise by ``statistics.slow_noise`` on block means; level and step at the turns (and a drift in time,
+    if the plan has one) are fitted beside.
+``pairs``
+    The same combination of dwells, moved to where the record has quiet stretches as long and as far apart: scatter of
+    what should be zero. Assumes no shape of the noise, needs three such places; for a bias the mean at each position
+    is taken off before, which makes it a little too small in a short record.
+
+The noise of different axes is taken as independent.
+
+References
+----------
+.. [1] Chestney and Sicker, NASA TM-106980, 1996: control axis -1.136 ug against an accuracy of 0.36 ug (Tables 5).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from functools import lru_cache
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array, Component
+from ...statistics.slow_noise import Blocks, blocks_of, slow_noise
+from .plan import Plan, Quiet, Readings
+from .positions import directions
+from .separation import Separated
+
+FEWEST = 3  # pairs
+PART = 0.8  # of a window that the blocks of a moved one must fill
+DEPENDS = 1e-9  # of a weight, relative to the largest
+MEMORY = 8  # shapes of records that are kept: axes and simulated tests share theirs
+
+
+def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[list[Component], str]:
+    """Return one component an axis, or the reason why there is no uncertainty.
+
+    Parameters
+    ----------
+    plan : Plan
+        Which model.
+    readings : Readings
+        With the quiet records.
+    found : Separated
+        One flip.
+    """
+    if not readings.quiet:
+        return [], "no record of the noise: readings of a table do not show how it wanders between dwells"
+    components, reason = [], ""
+    for axis, weights in found.weights.items():
+        if not np.any(weights):
+            continue
+        record = _record(readings, weights)
+        if record is None:
+            return [], "the positions lie in different recordings: noise between them is not shown"
+        try:
+            covariance, dof, how = _of_axis(plan, record, axis, weights)
+        except DataError as error:
+            return [], f"{axis}: {error.problems[0].what}"
+        components.append(Component(f"noise of {axis}: {how}", "A", covariance, dof, "t"))
+    return components, reason
+
+
+def covariance_of(plan: Plan, record: Quiet, axis: str, weights: Array) -> Array:
+    """Return the covariance of combinations of dwells by the record's slow noise alone, shape (r, r).
+
+    Raises
+    ------
+    DataError
+        If the record does not show its noise.
+    """
+    noise = slow_noise(record.means[axis], _shape(plan, record))
+    contrasts = _contrasts(record, weights)
+    white = contrasts @ contrasts.T * (noise.white / (2.0 * record.length))
+    whole = white + noise.flicker * (contrasts @ noise.blocks.flicker @ contrasts.T)
+    return np.asarray(0.5 * (whole + whole.T))
+
+
+def record_of(readings: Readings, weights: Mapping[str, Array]) -> Quiet | None:
+    """Return the recording that all dwells with a weight lie in; None where there is none."""
+    return _record(readings, np.vstack(list(weights.values()))) if weights else None
+
+
+def _of_axis(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+    if plan.noise == "pairs":
+        return _pairs(plan, record, axis, weights)
+    try:
+        return _slow(plan, record, axis, weights)
+    except DataError as error:
+        try:
+            return _pairs(plan, record, axis, weights)
+        except DataError as other:
+            raise DataError(f"{error.problems[0].what}; {other.problems[0].what}") from None
+
+
+def _record(readings: Readings, weights: Array) -> Quiet | None:
+    used = np.any(weights != 0.0, axis=0)
+    return next((one for one in readings.quiet if np.all(one.dwells[used])), None)
+
+
+def _slow(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+    noise = slow_noise(record.means[axis], _shape(plan, record))
+    contrasts = _contrasts(record, weights)
+    dof = np.array([noise.variance(line)[1] if np.any(line) else np.inf for line in contrasts])
+    return covariance_of(plan, record, axis, weights), dof, "white and 1/f, by its quiet record"
+
+
+def _contrasts(record: Quiet, weights: Array) -> Array:
+    """Weights of the blocks in each result, shape (p, m); less the mean of the record where they make a mean."""
+    lines = _small_to_zero(weights) @ record.weights
+    return np.asarray(lines - lines.sum(axis=1, keepdims=True) / lines.shape[1])
+
+
+def _small_to_zero(weights: Array) -> Array:
+    largest = np.abs(weights).max(axis=1, keepdims=True, initial=0.0)
+    return np.where(np.abs(weights) > DEPENDS * largest, weights, 0.0)
+
+
+def _shape(plan: Plan, record: Quiet) -> Blocks:
+    """What does not depend on the readings, made once for all axes."""
+    steps = directions(record.angle)
+    columns = [np.ones(len(record.times)), *steps.T]
+    since = (record.times - record.times.mean()) / max(float(np.ptp(record.times)), record.length)
+    if plan.drift == "bias":
+        columns.append(since)
+    if plan.drift == "ambient":
+        columns += [since * one for one in steps.T]
+    design = np.column_stack(columns)
+    return _remembered(record.times.tobytes(), record.length, design.tobytes(), design.shape[1])
+
+
+@lru_cache(MEMORY)
+def _remembered(times: bytes, length: float, design: bytes, columns: int) -> Blocks:
+    return blocks_of(np.frombuffer(times), length, np.frombuffer(design).reshape(-1, columns))
+
+
+def _pairs(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+    """Scatter of the same combination of dwells where the head was not turned."""
+    design = np.column_stack([np.ones(len(record.times)), *directions(record.angle).T])
+    level = design @ np.linalg.lstsq(design, record.means[axis], rcond=None)[0]
+    used = np.flatnonzero(np.any(weights != 0.0, axis=0))
+    moved = np.array(_moved(record, record.means[axis] - level, record.spans[used])).reshape(-1, len(used))
+    count = len(moved)
+    if count < FEWEST:
+        what = f"{count} quiet places as long and as far apart as its dwells: need {FEWEST}"
+        raise DataError(what, do="Record longer", code="too_few_pairs")
+    should_be_zero = moved @ weights[:, used].T
+    covariance = should_be_zero.T @ should_be_zero / count
+    return covariance, np.full(len(weights), float(count)), f"{count} quiet stretches as long and as far apart"
+
+
+def _moved(record: Quiet, rest: Array, spans: Array) -> list[Array]:
+    """Means of the windows of a flip, moved along the record without overlap, where it is quiet and not turned."""
+    span = spans - spans.min()
+    own = (float(spans.min()), float(spans.max()))
+    half, free, found = 0.5 * record.length, -np.inf, []
+    for start in record.times - half:
+        stop = start + span.max()
+        if start < free or (start < own[1] and stop > own[0]):
+            continue
+        inside = (record.times >= start) & (record.times <= stop)
+        held = [(record.times - half >= a - DEPENDS) & (record.times + half <= b + DEPENDS) for a, b in span + start]
+        need = [PART * (b - a) / record.length for a, b in span]
+        whole = all(one.sum() >= enough for one, enough in zip(held, need, strict=True))
+        if whole and len(np.unique(record.angle[inside])) == 1:
+            found.append(np.array([rest[one].mean() for one in held]))
+            free = stop
+    return found

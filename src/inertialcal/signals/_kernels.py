@@ -1,0 +1,65 @@
+"""Compiled loops: arrays in, preallocated arrays out, no checks."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from ..core.estimate import Array
+
+compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+
+
+@compiled
+def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64], at: NDArray[np.int64]) -> int:
+    """Fill the first sample of each block of time that holds any, and which block it is; return their number.
+
+    Where time runs backwards the answer is negative: -1 less the sample.
+    """
+    found, current = 0, -1
+    for i in range(len(time_ns)):
+        if i > 0 and time_ns[i] < time_ns[i - 1]:
+            return -1 - i
+        block = (time_ns[i] - time_ns[0]) // length
+        if block != current:
+            first[found], at[found] = i, block
+            found, current = found + 1, block
+    return found
+
+
+@compiled
+def fill_moments(
+    x: NDArray[Any],
+    first: NDArray[np.int64],
+    stop: NDArray[np.int64],
+    mean: Array,
+    variance: Array,
+    lo: Array,
+    hi: Array,
+    count: NDArray[np.int64],
+) -> None:
+    """Fill number, mean, variance (n - 1), least and largest of the finite samples of each block.
+
+    The second look at a block finds it in the cache; the mean is taken off first, so that a variance keeps its digits
+    beside a large level.
+    """
+    for b in range(len(first)):
+        total, n, least, largest = 0.0, 0, np.inf, -np.inf
+        for i in range(first[b], stop[b]):
+            value = np.float64(x[i])
+            if np.isfinite(value):
+                total += value
+                n += 1
+                least = min(least, value)
+                largest = max(largest, value)
+        level, squares = total / n if n > 0 else np.nan, 0.0
+        for i in range(first[b], stop[b]):
+            value = np.float64(x[i]) - level
+            if np.isfinite(value):
+                squares += value * value
+        count[b], mean[b] = n, level
+        variance[b] = squares / (n - 1) if n > 1 else np.nan
+        lo[b], hi[b] = (least, largest) if n > 0 else (np.nan, np.nan)

@@ -1,0 +1,387 @@
+"""Turns of a triaxial head found in its own record, or given by the user: a selection from the one detector.
+
+The record is reduced to blocks once (``block_statistics``). Block means, and the cube roots of block variances, which
+are nearly normal [1]_, go through ``segments.detect``; a place where it sees no rest, and where a sample lies further
+than ``spike`` standard deviations of the quiet samples from the levels around, is a spike. Whoever turns the head, or
+pushes at it, leaves one.
+
+A spike is a *turn* if the level after it differs from the level before it in some channel: half a turn changes an axis
+by twice the ambient acceleration. How much means are apart that nothing parts is measured on the rest of the record,
+slow noise included. A spike whose level returns is crew, or a turn where the ambient acceleration is too small to be
+seen: nobody can tell from the record, so it is no turn here, and is remarked. A shift of level without a spike, or one
+that takes longer than ``longest``, is no turn either. Turn times that are given settle all this: they are taken as
+they are, and the record says only how far each spike reaches.
+
+``turn_windows`` lays quiet windows before and after the turns.
+
+References
+----------
+.. [1] E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684: the cube root of a chi-square variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.errors import DataError, PlanError
+from ..core.estimate import Array
+from ..core.recording import SECOND, Times
+from ..core.remarks import Remark
+from .block_statistics import Blocks, Signal, block_statistics
+from .samples import Flags, Indices
+from .segments import Detection, Segmentation, detect
+
+FEWEST = 16  # places from which a scatter can be told
+NORMAL = 0.6744897501960817  # median of |x| for unit normal x
+INSIDE = 0.03  # of the peak of a spike: what is below is no part of it
+
+Instant = int | tuple[int, int]  # [ns]
+
+
+@dataclass(frozen=True)
+class TurnPlan:
+    """How turns are found, and which windows beside them are quiet.
+
+    Parameters
+    ----------
+    block : float
+        Length of a block [s].
+    spike : float
+        Least peak of a turn, in standard deviations of a quiet sample.
+    step : float
+        Least change of level of a turn, and most that a level may move inside a window, in standard deviations of such
+        differences elsewhere.
+    longest : float
+        Longest turn [s].
+    settle : float
+        Left out on both sides of a turn: the filter settles, hands let go [s].
+    window : float, optional
+        Length of the windows before and after a turn, the same for both [s]; as long as it is quiet by default.
+    shortest, widest : float
+        Least and greatest length where none is stated; levels beside a spike are means over the least [s].
+    variance_ratio : float
+        Most by which the variance of one half of a window, or of one window, may exceed that of the other.
+    temperature_slope : float
+        Greatest slope of the temperature in a window [degC/s].
+
+    Raises
+    ------
+    PlanError
+        If a value is out of range.
+    """
+
+    block: float = 1.0
+    spike: float = 10.0
+    step: float = 5.0
+    longest: float = 60.0
+    settle: float = 10.0
+    window: float | None = None
+    shortest: float = 30.0
+    widest: float = 600.0
+    variance_ratio: float = 2.0
+    temperature_slope: float = np.inf
+
+    def __post_init__(self) -> None:
+        for name in ("block", "spike", "step", "longest", "shortest", "widest", "temperature_slope"):
+            if not getattr(self, name) > 0.0:
+                raise PlanError(f"{name} {getattr(self, name):g}, need a positive number")
+        if not self.settle >= 0.0:
+            raise PlanError(f"settle {self.settle:g} s, need 0 or more")
+        if not self.variance_ratio > 1.0:
+            raise PlanError(f"variance_ratio {self.variance_ratio:g}, need more than 1")
+        least = self.shortest if self.window is None else self.window
+        if least < 2.0 * self.block or self.widest < self.shortest:
+            text = f"windows of {least:g} s, {self.shortest:g} to {self.widest:g} s, of blocks of {self.block:g} s"
+            raise PlanError(text, why="a window needs two blocks or more")
+
+    def blocks(self, seconds: float) -> int:
+        """Return a length in whole blocks, rounded up."""
+        return int(np.ceil(seconds / self.block - 1e-9))
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """A turn of the head, or a spike that may be one.
+
+    Parameters
+    ----------
+    start_ns, stop_ns : int
+        First and last of the blocks that the spike reaches into, half-open [ns]; both the instant that was given, where
+        no spike is seen there.
+    first, stop : int
+        The same in blocks.
+    peak : float
+        Furthest sample from the level around, in standard deviations of a quiet sample.
+    step : ndarray, shape (channels,)
+        Level after less level before [unit of the signal]; NaN where one is not there.
+    significance : float
+        Largest of the steps, in standard deviations of such differences elsewhere; NaN where none is there.
+    given : bool
+        Whether the user said that it is one.
+    """
+
+    start_ns: int
+    stop_ns: int
+    first: int
+    stop: int
+    peak: float
+    step: Array
+    significance: float
+    given: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """Turns of a record.
+
+    Parameters
+    ----------
+    turns : tuple of Turn
+        In order of time.
+    others : tuple of Turn
+        Spikes that are not taken for turns.
+    blocks : Blocks
+        The record.
+    quiet : ndarray of bool, shape (b,)
+        Full blocks in which nothing moves.
+    segmentation : Segmentation
+        What the detector found in the full blocks.
+    plan : TurnPlan
+        What it was found with.
+    """
+
+    turns: tuple[Turn, ...]
+    others: tuple[Turn, ...]
+    blocks: Blocks
+    quiet: Flags
+    segmentation: Segmentation
+    plan: TurnPlan
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Spikes that are no turns, as far as the record tells; turns that are given and leave none."""
+        found = []
+        level = [one for one in self.others if not one.significance > self.plan.step]
+        if level:
+            text = "spike with the same level before and after: a disturbance, or a turn in next to no acceleration"
+            do = "If the head was turned there, give the turn times"
+            found.append(Remark("spike_without_step", "info", text, _clock(level[0], self), len(level), do))
+        if len(level) < len(self.others):
+            long = next(one for one in self.others if one.significance > self.plan.step)
+            text = f"disturbance longer than {self.plan.longest:g} s, with a change of level"
+            do = "If the head was turned there, give the turn times"
+            found.append(Remark("disturbed", "warning", text, _clock(long, self), len(self.others) - len(level), do))
+        unseen = [one for one in self.turns if one.given and one.first == one.stop]
+        if unseen:
+            text, do = "no spike where the head was turned", "See whether the turn times are on the clock of the record"
+            found.append(Remark("turn_not_seen", "warning", text, _clock(unseen[0], self), len(unseen), do))
+        return tuple(found)
+
+
+def find_turns(
+    signal: Signal | Blocks,
+    time_ns: Times | None = None,
+    sample_interval: float | None = None,
+    *,
+    plan: TurnPlan | None = None,
+    given_ns: Sequence[Instant] | None = None,
+) -> Turns:
+    """Find the turns of a head in a record.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (n,) or (n, channels), a sequence of ndarray, shape (n,), or Blocks
+        Readings of the axes in any unit, of any type of number; blocks of them as they are.
+    time_ns : ndarray of int64, shape (n,), optional
+        Stamps, not descending [ns].
+    sample_interval : float, optional
+        From sample to sample [s], where there are no stamps.
+    plan : TurnPlan, optional
+        Default settings if absent.
+    given_ns : sequence of int or (int, int), optional
+        When the head was turned: instants, or start and stop [ns]. Then no other place is a turn.
+
+    Raises
+    ------
+    DataError
+        If the time does not fit, a channel has no values or the record is too short, or a turn time lies outside.
+    """
+    plan = plan or TurnPlan()
+    blocks = signal if isinstance(signal, Blocks) else block_statistics(signal, plan.block, time_ns, sample_interval)
+    full = np.flatnonzero(blocks.full)
+    found = _moving(blocks, full)
+    quiet = np.zeros(len(blocks), dtype=bool)
+    quiet[full] = np.repeat(found.still, found.stop - found.start) & ~found.samples.outlier
+    peak = _peaks(blocks, full, found, quiet)
+    spikes = _clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
+    apart = LevelScatter(blocks, quiet, plan)
+    if given_ns is None:
+        spikes = [(a, b) for a, b in spikes if peak[a:b].max() >= plan.spike]
+        every = [_measured(blocks, quiet, apart, plan, _narrowed(peak, a, b), peak) for a, b in spikes]
+        longest = plan.blocks(plan.longest) + 1
+        turned = [one.significance > plan.step and one.stop - one.first <= longest for one in every]
+        turns = tuple(one for one, is_turn in zip(every, turned, strict=True) if is_turn)
+        others = tuple(one for one, is_turn in zip(every, turned, strict=True) if not is_turn)
+        return Turns(turns, others, blocks, quiet, found, plan)
+    turns = tuple(_as_given(one, blocks, quiet, apart, plan, spikes, peak) for one in given_ns)
+    taken = {(one.first, one.stop) for one in turns}
+    rest = [_measured(blocks, quiet, apart, plan, _narrowed(peak, a, b), peak) for a, b in spikes]
+    others = tuple(one for one in rest if (one.first, one.stop) not in taken)
+    return Turns(tuple(sorted(turns, key=lambda one: one.start_ns)), others, blocks, quiet, found, plan)
+
+
+def _moving(blocks: Blocks, full: Indices) -> Segmentation:
+    """Still and moving stretches of the block means and of the cube roots of the variances."""
+    if not len(full):
+        raise DataError("no block holds samples of every channel", code="too_short")
+    signal = np.hstack([blocks.mean[full], np.cbrt(blocks.variance[full])])
+    return detect(signal, blocks.time_ns[full], blocks.length, Detection())
+
+
+def _peaks(blocks: Blocks, full: Indices, found: Segmentation, quiet: Flags) -> Array:
+    """Furthest sample of each block from the level around, in standard deviations of a quiet sample, shape (b,).
+
+    In a stretch that is not still, the nearer one of the levels before and after counts: a step alone is no spike.
+    """
+    k = blocks.mean.shape[1]
+    still = np.flatnonzero(found.still)
+    peak = np.zeros(len(blocks))
+    if not len(still):
+        return peak
+    sigma = np.sqrt(np.median(blocks.variance[quiet], axis=0)) if quiet.any() else np.zeros(k)
+    sigma = np.where(sigma > 0.0, sigma, np.inf)
+    number = np.repeat(np.arange(len(found)), found.stop - found.start)
+    after = np.minimum(np.searchsorted(still, number), len(still) - 1)
+    before = np.where(still[after] == number, after, np.maximum(after - 1, 0))
+    nearest = np.full(len(full), np.inf)
+    for level in (found.level[still[before], :k], found.level[still[after], :k]):
+        off = np.maximum(blocks.hi[full] - level, level - blocks.lo[full]) / sigma
+        nearest = np.minimum(nearest, off.max(axis=1))
+    peak[full] = nearest
+    return peak
+
+
+def _clusters(blocks: Blocks, hot: Flags, apart: int) -> list[tuple[int, int]]:
+    """Spikes [first, stop) in blocks; what is nearer together than ``apart`` blocks is one."""
+    at = np.flatnonzero(hot)
+    if not len(at):
+        return []
+    new = np.flatnonzero(np.diff(blocks.at[at]) > max(apart, 1))
+    first, last = at[np.concatenate(([0], new + 1))], at[np.concatenate((new, [len(at) - 1]))]
+    return [(int(a), int(b) + 1) for a, b in zip(first, last, strict=True)]
+
+
+def _narrowed(peak: Array, first: int, stop: int) -> tuple[int, int]:
+    """Give the part of a spike that is above 3 % of its peak: a knock beside a turn does not make it longer."""
+    strong = np.flatnonzero(peak[first:stop] >= INSIDE * peak[first:stop].max())
+    return first + int(strong[0]), first + int(strong[-1]) + 1
+
+
+def _measured(
+    blocks: Blocks,
+    quiet: Flags,
+    apart: LevelScatter,
+    plan: TurnPlan,
+    spike: tuple[int, int],
+    peak: Array,
+    given: bool = False,
+) -> Turn:
+    """Return a spike with the levels on both sides of it."""
+    first, stop = spike
+    start_ns = blocks.start_ns + int(blocks.at[first]) * blocks.length_ns
+    stop_ns = blocks.start_ns + int(blocks.at[stop - 1] + 1) * blocks.length_ns
+    gap, w = plan.blocks(plan.settle), plan.blocks(plan.shortest)
+    before = _level(blocks, quiet, int(blocks.at[first]) - gap - w, w)
+    after = _level(blocks, quiet, int(blocks.at[stop - 1]) + 1 + gap, w)
+    step = after - before
+    ratio = np.abs(step) / apart.of(w, 2 * gap)
+    significance = float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
+    return Turn(start_ns, stop_ns, first, stop, float(peak[first:stop].max()), step, significance, given)
+
+
+def _level(blocks: Blocks, quiet: Flags, at: int, w: int) -> Array:
+    """Mean of the quiet blocks among w from a place in time on, shape (channels,); NaN where more than half lack."""
+    a, b = np.searchsorted(blocks.at, (at, at + w))
+    rows = a + np.flatnonzero(quiet[a:b])
+    if 2 * len(rows) < w:
+        return np.full(blocks.mean.shape[1], np.nan)
+    return np.asarray(blocks.mean[rows].mean(axis=0))
+
+
+def _as_given(
+    when: Instant,
+    blocks: Blocks,
+    quiet: Flags,
+    apart: LevelScatter,
+    plan: TurnPlan,
+    spikes: Sequence[tuple[int, int]],
+    peak: Array,
+) -> Turn:
+    """Return the turn of a time that was given, as long as the spike that is seen there."""
+    start_ns, stop_ns = when if isinstance(when, tuple) else (when, when)
+    if stop_ns < start_ns:
+        raise PlanError(f"turn from {start_ns} to {stop_ns} ns ends before it starts")
+    end_ns = blocks.start_ns + int(blocks.at[-1] + 1) * blocks.length_ns
+    if stop_ns <= blocks.start_ns or start_ns >= end_ns:
+        why = f"the record runs from {blocks.start_ns} to {end_ns} ns"
+        raise DataError(f"turn at {start_ns} ns lies outside the record", why=why, code="turn_outside")
+    a, b = (stamp - blocks.start_ns for stamp in (start_ns, stop_ns))
+    near = [
+        (x, y)
+        for x, y in (_narrowed(peak, *one) for one in spikes)
+        if (blocks.at[x] - 1) * blocks.length_ns <= b and a <= (blocks.at[y - 1] + 2) * blocks.length_ns
+    ]
+    if isinstance(when, tuple):  # taken as it is
+        first, stop = np.searchsorted(blocks.at, (a // blocks.length_ns, -(-b // blocks.length_ns)))
+        seen = _measured(blocks, quiet, apart, plan, (int(first), max(int(stop), int(first) + 1)), peak, True)
+        return Turn(start_ns, stop_ns, seen.first, seen.stop, seen.peak, seen.step, seen.significance, True)
+    if near:
+        return _measured(blocks, quiet, apart, plan, max(near, key=lambda one: peak[one[0] : one[1]].max()), peak, True)
+    here = min(int(np.searchsorted(blocks.at, a // blocks.length_ns)), len(blocks) - 1)
+    seen = _measured(blocks, quiet, apart, plan, (here, here + 1), peak, True)
+    return Turn(when, when, here, here, seen.peak, seen.step, seen.significance, True)
+
+
+@dataclass(frozen=True, eq=False)
+class LevelScatter:
+    """How much means of w blocks differ where nothing happens between, slow noise included."""
+
+    blocks: Blocks
+    quiet: Flags
+    plan: TurnPlan
+
+    def of(self, w: int, gap: int) -> Array:
+        """Return the standard deviation of the difference of two means of w blocks, ``gap`` blocks apart.
+
+        From as many undisturbed places as the record has; where they are fewer than 16, of means over shorter windows,
+        which is no smaller, down to single blocks; infinite where that fails too.
+
+        Returns
+        -------
+        ndarray, shape (channels,)
+        """
+        rows = np.flatnonzero(self.quiet)
+        total = np.vstack([np.zeros(self.blocks.mean.shape[1]), np.cumsum(self._centred()[rows], axis=0)])
+        at = self.blocks.at[rows]
+        while w >= 1:
+            span = 2 * w + gap
+            begin = np.arange(0, max(len(rows) - span + 1, 0), max(w // 2, 1))
+            begin = begin[at[begin + span - 1] - at[begin] == span - 1] if len(begin) else begin
+            if len(begin) >= FEWEST:
+                left = total[begin + w] - total[begin]
+                right = total[begin + span] - total[begin + w + gap]
+                scatter = np.median(np.abs(right - left), axis=0) / (w * NORMAL)
+                return np.where(scatter > 0.0, scatter, np.inf)
+            w //= 2
+        return np.full(self.blocks.mean.shape[1], np.inf)
+
+    def _centred(self) -> Array:
+        mean = self.blocks.mean
+        return np.asarray(mean - np.median(mean[self.quiet], axis=0)) if self.quiet.any() else mean
+
+
+def _clock(one: Turn, found: Turns) -> str:
+    return f"{(one.start_ns - found.blocks.start_ns) / SECOND:.0f} s after the start"

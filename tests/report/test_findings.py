@@ -1,0 +1,177 @@
+"""Findings and highlights pick the row that their rule names, and say it with its number."""
+
+from __future__ import annotations
+
+import re
+from typing import Any
+
+import pytest
+
+from inertialcal.report import findings, wording
+from inertialcal.report.highlights import highlights
+from inertialcal.report.numbers import Number, Text, both, digits, rounded, uncertainty, wrap
+from inertialcal.report.sections import anchor, missing, table
+
+
+def row(quantity: str, axis: str, value: float | None, u: float | None = 0.01, **more: Any) -> dict[str, Any]:
+    return {
+        "quantity": quantity, "axis": axis, "test": "t", "condition": "", "value": value, "u": u, "unit": "%",
+        "dof": 5.0, "interval": None, "status": "estimated" if value is not None else "not_estimated", "reason": "",
+    } | more  # fmt: skip
+
+
+def verdict(word: str, margin: float | None = None, **more: Any) -> dict[str, Any]:
+    return {
+        "requirement": "R1", "test": "t", "axis": "x", "at": 2.0, "at_unit": "deg/s", "margin": margin, "unit": "%",
+        "lower": -5.0, "upper": 5.0, "verdict": word,
+    } | more  # fmt: skip
+
+
+def axis(name: str, raw: float, left: float) -> dict[str, Any]:
+    return {"axis": name, "raw_rms": raw, "compensated_rms": left, "unit": "deg/s", "verdict": "PASS"}
+
+
+def plain(finding: findings.Finding) -> str:
+    return re.sub("<[^>]*>", "", findings.html(finding))
+
+
+def pointers(finding: findings.Finding) -> list[str]:
+    return re.findall('data-at="([^"]*)"', findings.html(finding))
+
+
+def results(**more: Any) -> Any:
+    loop = {"verdict": "not run", "reason": "no test is held out", "axes": []}
+    return wrap({"results": [], "verdicts": [], "closed_loop": loop} | more, "")
+
+
+def test_a_test_says_its_largest_scale_factor_error_and_verdicts() -> None:
+    rows = wrap([row("scale_factor_error", "x", 0.2), row("scale_factor_error", "y", -0.7, 0.03)], "/results")
+    judged = wrap([verdict("PASS"), verdict("INCONCLUSIVE")], "/verdicts")
+    found = findings.of_test(rows, judged)
+    assert plain(found) == "Largest scale factor error -0.700 ± 0.030 %, on y; R1 INCONCLUSIVE"
+    assert pointers(found) == ["/results/1/value", "/results/1/u"]
+
+
+def test_a_test_that_carries_nothing_says_so() -> None:
+    assert plain(findings.of_test(wrap([row("bias", "x", None)], ""), [])) == "No scale factor error could be estimated"
+
+
+@pytest.mark.parametrize(
+    ("word", "verification", "axes", "said"),
+    [
+        (None, [], [], "judges nothing"),
+        ("PASS", [("R1", "PASS")], [], "Every requirement holds with its uncertainty."),
+        ("PASS", [("closed loop", "PASS")], [1], "Compensation improves readings that the model has not seen."),
+        ("INCONCLUSIVE", [("R1", "INCONCLUSIVE"), ("R2", "OPEN")], [], "No test covers R2."),
+        ("INCONCLUSIVE", [("R1", "INCONCLUSIVE"), ("R2", "INCONCLUSIVE")], [], "The data cannot decide R1 and R2"),
+        ("FAIL", [("R1", "FAIL"), ("R2", "PASS")], [], "R1: an interval lies wholly outside what is allowed."),
+        ("FAIL", [("closed loop", "FAIL")], [1], "worse than raw, so no model is delivered"),
+    ],
+)
+def test_the_verdict_says_why(
+    word: str | None, verification: list[tuple[str, str]], axes: list[int], said: str
+) -> None:
+    rows = wrap([{"requirement": name, "verdict": found} for name, found in verification], "/verification")
+    text = plain(findings.of_verdict(word, rows, wrap({"axes": axes}, "/closed_loop")))
+    assert said in text
+    assert text.endswith(".")
+    if said.startswith("R1:"):
+        assert "R2" not in text
+
+
+def test_the_closed_loop_says_the_axis_with_the_largest_error_left() -> None:
+    loop = {"verdict": "PASS", "reason": "", "axes": [axis("x", 0.9, 0.001), axis("y", 0.02, 0.004)]}
+    found = findings.of_closed_loop(wrap(loop, "/closed_loop"))
+    assert "rms error of y" in plain(found)
+    assert pointers(found) == ["/closed_loop/axes/1/raw_rms", "/closed_loop/axes/1/compensated_rms"]
+
+
+def test_highlights_are_those_of_their_rules() -> None:
+    loop = {"verdict": "PASS", "reason": "", "axes": [axis("x", 0.9, 0.001), axis("y", 0.02, 0.004)]}
+    rows = [
+        row("scale_factor_error", "x", 0.9),
+        row("misalignment", "xy", -0.02, 0.001, unit="rad"),  # 0.02 rad counts as 2 %
+        row("scale_factor_error", "z", 7.0, condition="as_published"),
+    ]
+    judged = [
+        verdict("PASS", 4.0),
+        verdict("INCONCLUSIVE", -0.5, lower=-5.0),
+        verdict("PASS", -0.4, upper=1.0, lower=None),
+    ]
+    first, second, third = highlights(results(closed_loop=loop, results=rows, verdicts=judged))
+    assert "rms error of y" in plain(first.label)
+    assert plain(second.figure) == "-0.0200 ± 0.0010 rad"
+    assert pointers(third.figure) == ["/verdicts/2/margin"]  # 0.4 beyond a limit of 1 is worse than 0.5 beyond one of 5
+
+
+def test_highlights_fall_back_where_there_is_no_loop_and_no_requirement() -> None:
+    rows = [row("bias", "x", 0.1, unit="deg/s"), row("bias", "y", -0.3, unit="deg/s"), row("scale_factor", "x", 0.5)]
+    found = highlights(results(results=rows))
+    assert [pointers(one.figure)[0] for one in found] == ["/results/1/value", "/results/2/value"]
+    assert highlights(results()) == []
+
+
+def test_a_budget_says_the_source_with_the_largest_share() -> None:
+    rows = wrap(
+        [{"source": "a", "share": 0.2}, {"source": "b", "share": 0.8}, {"source": "c", "share": None}], "/budgets"
+    )
+    assert plain(findings.of_budget(rows)) == "Mostly b, a share of 0.8 of the variance"
+
+
+def test_texts_in_a_finding_are_escaped() -> None:
+    assert "&lt;b&gt;" in findings.html(("<b>", Text("<b>")))
+    assert "<b>" not in findings.html(("<b>", Text("<b>")))
+
+
+@pytest.mark.parametrize(
+    ("value", "u", "shown"),
+    [
+        (1.001247, 0.000418, ["1.00125", "0.00042"]),
+        (-3.2e-7, 4.1e-8, ["-3.20e-07", "0.41e-07"]),
+        (2.5, None, ["2.5"]),
+        (2.5, 0.0, ["2.5"]),
+    ],
+)
+def test_a_number_is_shown_to_its_uncertainty_and_each_part_reads_back(
+    value: float, u: float | None, shown: list[str]
+) -> None:
+    number, uncertain = Number(value, "/a"), None if u is None else Number(u, "/b")
+    text = str(both(number, uncertain))
+    assert re.findall(">([^<]*)</data>", text) == shown
+    assert float(shown[0]) == pytest.approx(value, rel=1e-3)
+    assert str(rounded(number, uncertain)) in text
+    if len(shown) > 1:
+        assert str(uncertainty(number, uncertain)) in text
+
+
+def test_absent_numbers_are_a_dash() -> None:
+    assert rounded(None, None) == digits(None) == both(None, None) == uncertainty(None, None) == "–"
+
+
+def test_pointers_escape_keys_and_hide_none() -> None:
+    branch = wrap({"a/b": {"~": 1}, "at": 2, "get": 3, "content": 4}, "model:")
+    assert branch["a/b"]["~"].at == "model:/a~1b/~0"
+    assert branch["at"] == Number(2, "model:/at")
+    with pytest.raises(TypeError, match="set is nothing that JSON holds"):
+        wrap({1}, "/x")
+
+
+def test_lines_put_other_ways_of_reduction_beside_the_default() -> None:
+    rows = wrap([row("bias", "x", 1.0), row("bias", "x", 2.0, condition="as_published"), row("bias", "y", None)], "")
+    lines, ways = table(rows)
+    assert ways == ["as_published"]
+    assert lines[0].row is not None
+    assert lines[0].row["value"].raw == 1.0
+    assert lines[0].beside["as_published"]["value"].raw == 2.0
+    assert [len(found) for _, found in missing(rows)] == [1]
+
+
+def test_anchors_differ_where_names_do_not_fit_an_id() -> None:
+    assert anchor("test", "rate_x", 0) == "test-rate_x"
+    assert anchor("test", "a b", 1) != anchor("test", "a.b", 2)
+
+
+def test_counts_are_words() -> None:
+    assert wording.counted(1, "warning") == "one warning"
+    assert wording.severities(["info", "error", "info"]) == "one error and two notes"
+    assert wording.count(100) == "a hundred"
