@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ran_campaigns import Ran, ran
 
-from inertialcal.campaign.clock_text import read_instant
+from inertialcal.core.times import read_instant
 
 
 def test_tests_stand_in_the_order_run_with_the_files_they_drew_on(campaign_ran: Ran) -> None:

@@ -177,6 +177,8 @@ def test_the_page_is_small_loads_nothing_and_knows_no_clock(made: tuple[Files, s
         assert not any(name.startswith("on") or name in {"src", "srcset", "action"} for name in found)
         assert (found.get("href") or "#").startswith("#")
         assert not re.search(r"url\((?!#)", found.get("style") or "")
+        assert not any("<bdi" in (value or "") for value in found.values()), found
+    assert "<bdi>" not in text.partition("<title>")[2].partition("</title>")[0]
     assert sum(tag == "script" for tag, _ in page.tags) == 1
     policy = next(one["content"] or "" for tag, one in page.tags if one.get("http-equiv"))
     assert policy.startswith("default-src 'none'")

@@ -9,12 +9,12 @@ import numpy as np
 
 from ..core.errors import DataError
 from ..core.recording import SECOND, Channel, Recording
+from ..core.times import read_instant
 from ..core.units import convert, si_unit
 from ..files import read, read_table
 from ..procedures.rate_table.recordings import APPLIED, Turned
 from ..sensors.on_recordings import apply_chain
 from .chains import build_chain
-from .clock_text import read_instant
 from .origins import Origin
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 

@@ -13,8 +13,8 @@ from typing import Annotated, Any, Literal
 from pydantic import BaseModel, ConfigDict, Field, field_validator, model_validator
 
 from ..core.influence import Influence
+from ..core.times import read_instant
 from ..core.units import kind, parse_quantity
-from .clock_text import read_instant
 from .quantities import Acceleration, Angle, Duration, Length, Unit, Voltage
 
 Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=64)]

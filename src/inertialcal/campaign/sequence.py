@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from .clock_text import instant_text
+from ..core.times import instant_text
 from .exclusions import RULES
 from .modelling import Prepared
 from .origins import Origin

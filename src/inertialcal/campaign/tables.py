@@ -16,13 +16,13 @@ from numpy.typing import NDArray
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.remarks import Remark
+from ..core.times import read_instant
 from ..core.units import convert, factor, kind, si_unit
 from ..files.table import Table, read_table
 from ..procedures.rate_table import Readings
 from ..procedures.rate_table.earth_input import gathered
 from ..sensors.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors
-from .clock_text import read_instant
 from .schema import Columns, RecordingEntry, Rows, Sensor, Test
 
 Mask = NDArray[np.bool_]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from . import figures
-from .options import Json, Quiet, Units
+from .options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from .output import clean, json_out, wrapped
 from .pairs import pairs
 
@@ -129,6 +129,10 @@ def convert(
     unit: Units = [],  # noqa: B006 - typer copies it
     sample_rate: SampleRate = None,
     time_column: TimeColumn = None,
+    start: Start = None,
+    stop: Stop = None,
+    mission_start: MissionStart = None,
+    frame: Frame = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -138,7 +142,10 @@ def convert(
 
     writer_for(target)
     units = pairs(unit, "--unit", "gyro=deg/s")
-    recording = read(source, units=units, sample_rate=sample_rate, time_column=time_column)
+    recording = read(
+        source, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
+        mission_start=mission_start, frame=frame,
+    )  # fmt: skip
     remarks = [*recording.remarks, *write(target, recording)]
     if as_json:
         inputs = [{"path": recording.source.path, "sha256": recording.source.sha256}]

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 import typer
 
 from . import figures
-from .options import Json, Quiet, Units
+from .options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from .output import clean, json_out, wrapped
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
@@ -23,6 +23,10 @@ def info(
     time_column: Annotated[
         str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
     ] = None,
+    start: Start = None,
+    stop: Stop = None,
+    mission_start: MissionStart = None,
+    frame: Frame = None,
     output: figures.FigureFile = None,
     as_json: Json = False,
     quiet: Quiet = False,
@@ -35,20 +39,21 @@ def info(
     figures.check_figure(output)
     if output is not None and len(files) != 1:
         raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
-    units = _units(unit)
+    said: dict[str, Any] = {
+        "units": _units(unit), "sample_rate": sample_rate, "time_column": time_column,
+        "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
+    }  # fmt: skip
     found, errors = [], []
     for path in files:
         try:
-            found.append(
-                survey(path, units=units, sample_rate=sample_rate, time_column=time_column, commands=_commands())
-            )
+            found.append(survey(path, commands=_commands(), **said))
         except InertialcalError as error:
             errors += list(error.problems)
     line = ""
     if output is not None and not errors:
         from ..files import read
 
-        recording = read(files[0], units=units, sample_rate=sample_rate, time_column=time_column)
+        recording = read(files[0], **said)
         line = figures.write(output, recording, files, {})
     if as_json:
         content = {
@@ -84,7 +89,9 @@ def _commands() -> tuple[str, ...]:
 
 
 def rate_table(
-    file: Annotated[Path, typer.Argument(help="Table, a row a dwell.", show_default=False)],
+    file: Annotated[
+        Path, typer.Argument(help="Table, a row a dwell; or recording of a table turned in steps.", show_default=False)
+    ],
     applied: Annotated[str | None, typer.Option(help="Column with the rate of the table.")] = None,
     reading: Annotated[
         list[str] | None, typer.Option(help="Column with the reading, or AXIS=COLUMN; may be repeated.")
@@ -103,7 +110,7 @@ def rate_table(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Scale factor, bias, asymmetry and misalignment from a table of dwells at known rates."""
+    """Scale factor, bias, asymmetry and misalignment from dwells at known rates: a table, or a recording of it."""
     from ..campaign.single import rate_table as reduce_file
 
     figures.check_figure(output, {"--figure": figure})
@@ -140,10 +147,16 @@ def _readings(given: list[str] | None) -> str | dict[str, str] | None:
     return {name: column for name, _, column in pairs}
 
 
+def _by_axis(value: Any) -> list[tuple[str, Any]]:
+    """Return one column, or one an axis, each with its axis."""
+    return list(value.items()) if isinstance(value, dict) else [("", value)]
+
+
 def _print(columns: dict[str, Any], rows: list[dict[str, Any]], remarks: list[dict[str, Any]]) -> None:
     from .summary import remarks_text, results_text
 
-    print(wrapped("columns: " + ", ".join(f"{what} = {clean(str(name))}" for what, name in columns.items())))
+    taken = {f"{what} {key}".strip(): name for what, value in columns.items() for key, name in _by_axis(value)}
+    print(wrapped("columns: " + ", ".join(f"{what} = {clean(str(name))}" for what, name in taken.items())))
     print(results_text({"results": rows}))
     for text in remarks_text(remarks):
         print(text)

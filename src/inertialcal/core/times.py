@@ -85,8 +85,9 @@ def read_elapsed(given: object) -> int:
     if match:
         return int(match["day"]) * DAY + _time_of_day(match, str(given))
     try:
-        seconds = float(given)  # type: ignore[arg-type]
-        return round(seconds * SECOND)
+        if isinstance(given, str) and "_" in given:  # Python takes it as a separator of digits
+            raise ValueError
+        return round(float(given) * SECOND)  # type: ignore[arg-type]
     except (TypeError, ValueError, OverflowError):
         raise ValueError(f"{given!r} is no elapsed time: write seconds, or DDD/HH:MM:SS like 006/00:56:24") from None
 

@@ -1,4 +1,4 @@
-"""Readers of recordings and tables: text, Parquet, MATLAB, HDF5, NumPy.
+"""Readers of recordings and tables: text, Parquet, MATLAB, HDF5, NumPy, pairs of the acceleration archive.
 
 ``read`` gives a Recording, ``read_table`` a reduced table with its rows, ``survey`` what ``info`` shows. A
 file is read whole; its format is told by its bytes. Nothing is guessed silently: a unit that nobody said is
@@ -12,8 +12,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
+    from ..core.errors import UsageError
     from ..core.recording import Recording
+    from .pad_name import Pair
     from .table import Table
+    from .window import Window
 
 __all__ = ["read", "read_table"]
 
@@ -26,13 +29,18 @@ def read(
     time_column: str | None = None,
     required: Sequence[str] = (),
     variables: Sequence[str] | None = None,
+    start: object = None,
+    stop: object = None,
+    mission_start: object = None,
+    frame: str | None = None,
 ) -> Recording:
     """Return the recording in a file.
 
     Parameters
     ----------
     path : str or Path
-        CSV and other text (also gzip), Parquet, MATLAB, HDF5, npy, npz.
+        CSV and other text (also gzip), Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the
+        acceleration archive (PAD), or a folder of such pairs.
     units : mapping of str to str, optional
         Unit by column or by group: ``{"gyro": "deg/s", "acc_x": "g", "timestamp": "ns"}``; goes before what
         the file says.
@@ -44,6 +52,14 @@ def read(
         Columns that must be there, in numbers; a literal NaN in them is refused.
     variables : sequence of str, optional
         Of a MATLAB, HDF5 or npz file, those to take; by default the largest set of one length.
+    start, stop : str, int, float or datetime, optional
+        Keep the samples from start on and before stop: UTC, UNIX seconds, GMT day of the year or mission elapsed
+        time, as ``core.times.read_instant`` takes them; seconds or DDD/HH:MM:SS where the recording counts from its
+        own time zero.
+    mission_start : str, int, float or datetime, optional
+        Instant at which mission elapsed time is zero.
+    frame : {"data", "sensor"}, optional
+        Of a PAD recording: axes as the data are, or those of the sensor, turned by what the header says.
 
     Returns
     -------
@@ -55,27 +71,75 @@ def read(
     DataError
         By code: ``missing_file``, ``empty_file``, ``unsupported_format``, ``not_text``, ``damaged_file``,
         ``too_large``, ``ragged_row``, ``duplicate_column``, ``text_in_numbers``, ``nan_in_required``,
-        ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, and those of a time column that
-        was named and cannot be time (``not_time``, ``time_missing``, ``time_unit_unknown``).
+        ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``, ``nothing_left``, those of
+        a time column that was named and cannot be time (``not_time``, ``time_missing``, ``time_unit_unknown``), and
+        those of ``pad.read_pad``.
     UsageError
-        If a unit is given to no column (``wrong_column``), cannot belong to it (``unit_mismatch``), or the
-        sample rate is not above zero (``sample_rate``).
+        If a unit is given to no column (``wrong_column``), cannot belong to it (``unit_mismatch``), the
+        sample rate is not above zero (``sample_rate``), a time is none (``wrong_time``), or a frame or a time
+        column is asked for where there is none (``wrong_frame``, ``wrong_column``).
     """
     from ..core.recording import Source  # noqa: PLC0415 - numpy starts slowly
     from .assemble import assemble  # noqa: PLC0415
     from .content import parse_content  # noqa: PLC0415
+    from .pad_pairs import pairs_of  # noqa: PLC0415
     from .source import load  # noqa: PLC0415
+    from .window import Window, cut  # noqa: PLC0415
 
+    window = Window(start, stop, mission_start)
+    pairs = pairs_of(path)
+    if pairs:
+        return _archived(path, pairs, time_column, window, frame, units, sample_rate, required)
+    if frame is not None:
+        raise _no_frame(path)
     loaded = load(path)
     content = parse_content(loaded, variables)
     packed = ", gzip" if loaded.packed else ""
-    return assemble(
+    recording = assemble(
         content,
         Source(loaded.path, loaded.sha256, content.format + packed),
         units=units,
         sample_rate=sample_rate,
         time_column=time_column,
         required=required,
+    )
+    return cut(recording, window)
+
+
+def _archived(
+    path: str | Path,
+    pairs: Sequence[Pair],
+    time_column: str | None,
+    window: Window,
+    frame: str | None,
+    units: Mapping[str, str] | None,
+    sample_rate: float | None,
+    required: Sequence[str],
+) -> Recording:
+    """Return the recording of archive pairs; their time is fixed."""
+    from ..core.errors import UsageError  # noqa: PLC0415
+    from .pad import read_pad  # noqa: PLC0415
+
+    if time_column is not None:
+        raise UsageError(
+            f"{path}: time column {time_column!r}",
+            why="the time of an archive record follows from its header",
+            do="Leave --time-column out",
+            code="wrong_column",
+        )
+    return read_pad(
+        str(path), pairs, window=window, frame=frame, units=units, sample_rate=sample_rate, required=required
+    )
+
+
+def _no_frame(path: str | Path) -> UsageError:
+    from ..core.errors import UsageError  # noqa: PLC0415
+
+    return UsageError(
+        f"{path}: a frame is asked for",
+        why="only records of the acceleration archive say their coordinate systems",
+        do="Leave --frame out",
+        code="wrong_frame",
     )
 
 

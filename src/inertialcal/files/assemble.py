@@ -51,9 +51,13 @@ def assemble(
     path = source.path
     if sample_rate is not None and not (math.isfinite(sample_rate) and sample_rate > 0.0):
         raise UsageError(f"a sample rate of {sample_rate:g} Hz", do="Give one above zero", code="sample_rate")
-    content = without_unfilled_end(content, path)
+    if content.time_ns is None:
+        content = without_unfilled_end(content, path)
     described, unit_remarks = describe(content.columns, units or {}, path)
-    clock = find_clock(described, content, path, time_column)
+    if content.time_ns is None:
+        clock = find_clock(described, content, path, time_column)
+    else:
+        clock = Clock(None, content.time_ns, "utc")
     channels = _channels(described, clock, path)
     _require(described, required, content, path)
     timed = _timed(clock, content, described, sample_rate, path)

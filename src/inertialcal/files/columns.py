@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.recording import Times
 from ..core.remarks import Remark
 
 Rows = NDArray[np.int64]
@@ -73,6 +74,8 @@ class Content:
         As comments or metadata say it [Hz].
     remarks : tuple of Remark
         What reading it brought up.
+    time_ns : ndarray of int64, shape (n,), or None
+        Stamps that the format itself gives [ns since 1970 UTC]; then no column is time.
     """
 
     columns: tuple[Column, ...]
@@ -80,6 +83,7 @@ class Content:
     rows: Rows | None = None
     sample_rate: float | None = None
     remarks: tuple[Remark, ...] = ()
+    time_ns: Times | None = None
 
     def place(self, path: str, index: int) -> str:
         """``file:row`` of a sample, or the file and its sample number where rows have no meaning."""

@@ -10,7 +10,7 @@ from ..core.errors import DataError
 
 Format = Literal["text", "parquet", "hdf5", "mat5", "mat4", "npy", "npz"]
 
-READABLE = "CSV and other text, Parquet, MATLAB, HDF5, NumPy"
+READABLE = "CSV and other text, Parquet, MATLAB, HDF5, NumPy, PAD pairs"
 HDF5 = b"\x89HDF\r\n\x1a\n"
 HDF5_AT = (0, 512, 1024, 2048)  # a user block may stand first (HDF5 file format, II.A)
 MAGIC: tuple[tuple[bytes, Format], ...] = (

@@ -14,6 +14,7 @@ from .hints import Hint
 PLACEHOLDER = "UNIT"  # for the user to fill in
 REDUCED = re.compile(r"(?:^|_)(?:(?<!sample_)rate|applied|reading)(?:_|$)", re.IGNORECASE)
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
+ARCHIVED = "PAD"  # triaxial heads in orbit
 SHORT = 1_000  # samples below which a noise analysis says little
 
 
@@ -41,6 +42,8 @@ def next_command(
     options = _missing_options(recording, hints, remarks)
     if options:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
+    if recording.source.format.startswith(ARCHIVED):
+        return f"inertialcal flip {path}" if "flip" in commands else None
     moving = any(remark.code == "not_at_rest" for remark in remarks)
     turned = any(REDUCED.search(channel.name) for channel in recording.channels)
     wanted = ["rate-table"] if moving and turned else ["positions"] if moving else ["allan", "psd"]

@@ -14,6 +14,7 @@ from __future__ import annotations
 import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -104,10 +105,11 @@ def read_pad(
     if sample_rate is not None and not 0.0 < sample_rate < np.inf:
         raise UsageError(f"a sample rate of {sample_rate:g} Hz", do="Give one above zero", code="sample_rate")
     files = sorted((_File(pair, read_header(pair.header)) for pair in pairs), key=lambda f: f.header.time_zero)
-    _one_clock(files, path)
+    _one_sensor(files, path)
     bounds = window.bounds("utc")
     digest = hashlib.sha256()
     opened = [file for file in files if _may_lie_in(file, bounds)]
+    _one_rate(opened, path)
     parts = [_part(file, bounds, sample_rate, frame, digest) for file in opened]
     rate = sample_rate or files[0].header.sample_rate
     remarks = [*_joints(parts, rate), *(remark for part in parts for remark in part.remarks)]
@@ -123,8 +125,7 @@ def read_pad(
     return assemble(content, source, units=units, sample_rate=sample_rate, required=required)
 
 
-def _one_clock(files: Sequence[_File], path: str) -> None:
-    """Refuse files of different sensors, sample rates or layouts."""
+def _one_sensor(files: Sequence[_File], path: str) -> None:
     sensors = sorted({file.header.sensor for file in files})
     if len(sensors) > 1:
         raise DataError(
@@ -134,6 +135,9 @@ def _one_clock(files: Sequence[_File], path: str) -> None:
             do="Name the folder of one sensor, or one file",
             code="several_sensors",
         )
+
+
+def _one_rate(files: Sequence[_File], path: str) -> None:
     rates = sorted({file.header.sample_rate for file in files})
     if len(rates) > 1:
         raise DataError(
@@ -171,7 +175,7 @@ def _part(
     chosen = stamps.time_ns[kept]
     if len(chosen) < len(stamps.time_ns):  # copies, so that what lies outside is let go
         chosen, values = chosen.copy(), [column[kept].copy() for column in values]
-    values, said = turned(values, header, frame, where)
+    values, said = turned(values, header, frame, where) if layout_of(header).named else (values, ())
     remarks += [*header_remarks(header, where), *said]
     first, last = int(stamps.time_ns[0]), int(stamps.time_ns[-1])
     return _Part(file, first, last, len(stamps.time_ns), chosen, values, tuple(remarks))
@@ -187,7 +191,7 @@ def _inside(time_ns: Times, bounds: tuple[int | None, int | None]) -> slice:
 def _joints(parts: Sequence[_Part], rate: float) -> list[Remark]:
     """Remarks where the sign in a name and the times of two files do not fit; overlapping files are refused."""
     remarks = list(change_remarks([p.file.header for p in parts], [str(p.file.pair.data) for p in parts]))
-    for before, after in zip(parts[:-1], parts[1:], strict=True):
+    for before, after in pairwise(parts):
         where = str(after.file.pair.data)
         gap = (after.first - before.last) / SECOND * rate - 1.0
         if gap < -JOINED:

@@ -101,9 +101,10 @@ def _from_binary(
     with path.open("rb") as stream:
         for first in range(0, n, BLOCK):
             block = buffer[: min(BLOCK, n - first)]
-            if stream.readinto(memoryview(block).cast("B")) != block.nbytes:
+            raw = block.view(np.uint8).data
+            if stream.readinto(raw) != block.nbytes:
                 raise DataError(f"ends before record {n}, while it is read", where=str(path), code="damaged_file")
-            digest.update(memoryview(block).cast("B"))
+            digest.update(raw)
             for column, numbers in enumerate(found):
                 numbers[first : first + len(block)] = block[:, column]
     return found[0], found[1:]

@@ -155,12 +155,16 @@ def survey(
     sample_rate: float | None = None,
     time_column: str | None = None,
     commands: Collection[str] = ("info",),
+    start: object = None,
+    stop: object = None,
+    mission_start: object = None,
+    frame: str | None = None,
 ) -> Survey:
     """Return what a file holds.
 
     Parameters
     ----------
-    path, units, sample_rate, time_column
+    path, units, sample_rate, time_column, start, stop, mission_start, frame
         As ``files.read`` takes them.
     commands : collection of str
         Words that the tool knows: only these are suggested as next.
@@ -170,7 +174,10 @@ def survey(
     DataError, UsageError
         As ``files.read``.
     """
-    recording = read(path, units=units, sample_rate=sample_rate, time_column=time_column)
+    recording = read(
+        path, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
+        mission_start=mission_start, frame=frame,
+    )  # fmt: skip
     return survey_recording(recording, commands)
 
 

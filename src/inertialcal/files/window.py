@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, replace
 from typing import Literal
 
@@ -11,6 +12,8 @@ from ..core.errors import DataError, UsageError
 from ..core.recording import Recording, Times
 from ..core.remarks import Remark
 from ..core.times import SECOND, instant_text, read_elapsed, read_instant
+
+NUMBER = re.compile(r"[+-]?[0-9]+(?:\.[0-9]*)?", re.ASCII)
 
 
 @dataclass(frozen=True)
@@ -117,7 +120,6 @@ def _read(given: object, epoch: Literal["utc", "elapsed"], origin: int | None) -
 
 def _plain(given: object) -> object:
     """Return a number that was typed as text as a number: UNIX seconds."""
-    try:
-        return float(given) if isinstance(given, str) and not given.isdigit() else int(given)  # type: ignore[call-overload]
-    except (TypeError, ValueError):
+    if not isinstance(given, str) or not NUMBER.fullmatch(given.strip()):
         return given
+    return int(given) if given.strip().isdigit() else float(given)

@@ -7,6 +7,6 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import rate_table
+from . import flip, rate_table
 
-PROCEDURES: dict[str, ModuleType] = {"rate_table": rate_table}
+PROCEDURES: dict[str, ModuleType] = {"rate_table": rate_table, "flip": flip}

@@ -37,6 +37,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "digits": numbers.digits,
     "both": numbers.both,
     "told": findings.html,
+    "bare": numbers.clean,
     "words": wording.words,
     "by_severity": sections.by_severity,
 }

@@ -1,7 +1,8 @@
 """In-orbit flip: bias and ambient acceleration of a triaxial head from dwells at positions it is turned to.
 
-Signs and positions stand in ``positions``, the equations in ``separation``; what bias and ambient acceleration mean, and
-where their uncertainty comes from, in ``uncertainty`` (Type A), ``pooling`` (several flips) and ``standards`` (Type B).
+Signs and positions stand in ``positions``, the equations in ``separation``; what bias and ambient acceleration mean,
+and where their uncertainty comes from, in ``uncertainty`` (Type A), ``pooling`` (several flips) and ``standards``
+(Type B).
 
 What is assumed: within a flip bias and ambient acceleration are constant but for noise and the drift that the plan
 names; the head turns about the axis and by the angles stated, within their uncertainty. A value without a known

@@ -11,6 +11,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
@@ -51,7 +52,7 @@ def _dwells(result: Result, axis: str) -> Curve:
 
 
 def _expected(result: Result, axis: str) -> Array:
-    """What a flip's own result makes of each dwell, drifts left out; NaN where it was not separated."""
+    """Return what a flip's own result makes of each dwell, drifts left out; NaN where it was not separated."""
     found = np.full(len(result.readings), np.nan)
     for one in result.flips:
         own = np.flatnonzero(result.readings.flip == one.label)
@@ -59,7 +60,7 @@ def _expected(result: Result, axis: str) -> Array:
     return found
 
 
-def _model(plan: Plan, readings: Readings, one: Separated, axis: str, own: Array) -> Array:
+def _model(plan: Plan, readings: Readings, one: Separated, axis: str, own: NDArray[np.intp]) -> Array:
     angle = readings.angle[own]
     if axis == plan.axis:
         read = np.isfinite(readings.outputs[axis][own])

@@ -99,7 +99,7 @@ def _separates(one: Flip) -> bool:
     return any(name.startswith(AMBIENT) for name in one.names)
 
 
-def _flip(  # noqa: PLR0913 - the parts of one
+def _flip(
     label: str,
     names: tuple[str, ...],
     values: Array,

@@ -47,14 +47,14 @@ def published_rows(plan: Plan, readings: Readings, flip: str, bias: str) -> list
 
 
 def _is_half_turn(angle: Array) -> bool:
-    return len(angle) == 2 and abs(np.ptp(angle) - np.pi) < SAME and directions(angle).shape[1] == 1
+    return len(angle) == 2 and abs(float(np.ptp(angle)) - np.pi) < SAME and directions(angle).shape[1] == 1
 
 
 def _of_axis(plan: Plan, readings: Readings, axis: str, pair: tuple[int, int], bias: str) -> list[Row]:
     m_0, m_pi = (float(readings.outputs[axis][k]) for k in pair)
     difference = "control_error" if axis == plan.axis else "ambient_acceleration"
     values = {difference: 0.5 * (m_0 - m_pi), bias: 0.5 * (m_0 + m_pi)}
-    found = []
+    found: list[Row] = []
     for one in readings.half_widths:
         half = float(one.values[axis][list(pair)].sum())
         if not np.isfinite(half):

@@ -1,9 +1,9 @@
 """Block means of the quiet part of a recording, beside the windows that are its dwells.
 
 Quiet is all that the user names so; else everything but what lies between two windows of different position, where the
-head was turned. Blocks start anew at each window and each quiet stretch, so that no block lies half in a window; what is
-left at the end of a stretch is shorter than a block and left out, and so is a block with samples missing. A window's
-mean is taken as that of its blocks here: this matters to its uncertainty alone.
+head was turned. Blocks start anew at each window and each quiet stretch, so that no block lies half in a window; what
+is left at the end of a stretch is shorter than a block and left out, and so is a block with samples missing. A
+window's mean is taken as that of its blocks here: this matters to its uncertainty alone.
 
 A record of more than 1,000 blocks is cut to the 1,000 about its windows: "the record" is then that part.
 """
@@ -82,7 +82,7 @@ def stretches(
     return sorted(found, key=lambda one: one.start)
 
 
-def quiet_of(  # noqa: PLR0913 - what a recording is made of
+def quiet_of(
     time_ns: Times,
     channels: Mapping[str, NDArray[np.floating]],
     parts: Sequence[Stretch],

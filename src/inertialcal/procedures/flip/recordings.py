@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from itertools import pairwise
 
 import numpy as np
 from numpy.typing import NDArray
@@ -85,8 +86,9 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         (``no_windows``), or a window is no longer than the settling (``shorter_than_settling``) or holds no samples
         (``empty_window``).
     PlanError
-        If windows overlap or end before they start.
+        If windows overlap or end before they start, or a setting of the plan is not above 0.
     """
+    _check(plan)
     if not turned:
         raise DataError("no recordings", code="no_dwells")
     given = [windows(plan, one) for one in turned]
@@ -107,7 +109,16 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     return _gathered(plan, dwells, quiet, places, remarks)
 
 
-def windows(plan: Plan, one: Turned) -> tuple[Window, ...]:  # noqa: ARG001 - what finds them needs the plan
+def _check(plan: Plan) -> None:
+    for name in ("block", "low_pass", "subset"):
+        value = getattr(plan, name)
+        if not (value > 0.0 and math.isfinite(value)):
+            raise PlanError(f"plan.{name} is {value:g}", do="Need a number above 0", code="wrong_value")
+    if not (plan.settle >= 0.0 and math.isfinite(plan.settle)):
+        raise PlanError(f"plan.settle is {plan.settle:g} s", do="Need 0 or more", code="wrong_value")
+
+
+def windows(plan: Plan, one: Turned) -> tuple[Window, ...]:
     """Return the windows of a recording, as given.
 
     Raises
@@ -124,7 +135,7 @@ def windows(plan: Plan, one: Turned) -> tuple[Window, ...]:  # noqa: ARG001 - wh
     for window in ordered:
         if window.stop <= window.start:
             raise PlanError(f"window {_seconds(window, one)} ends before it starts", one.place)
-    for before, after in zip(ordered[:-1], ordered[1:], strict=True):
+    for before, after in pairwise(ordered):
         if after.start < before.stop:
             raise PlanError(f"windows {_seconds(before, one)} and {_seconds(after, one)} overlap", one.place)
     return one.windows
@@ -172,7 +183,10 @@ def _dwell(plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArr
         raise DataError(what, one.place, do=f"The record runs from 0 to {end:.6g} s", code="empty_window")
     stamps = (time_ns[low:high] - window.start) / SECOND
     interval = one.recording.sample_interval or float(np.median(np.diff(stamps)))
-    values, widths, remarks, reasons = {}, {}, [], {}
+    values: dict[str, dict[str, float]] = {}
+    widths: dict[str, tuple[float, ...]] = {}
+    reasons: dict[str, str] = {}
+    remarks = []
     for axis, data in channels.items():
         samples = np.asarray(data[low:high], dtype=np.float64)
         part = 1.0 - float(np.count_nonzero(np.isfinite(samples))) * interval / ((window.stop - window.start) / SECOND)
@@ -207,7 +221,7 @@ def _statistics(plan: Plan, stamps: Array, samples: Array, interval: float) -> t
     return found, {}
 
 
-def _quiet(  # noqa: PLR0913 - what a recording is made of
+def _quiet(
     plan: Plan,
     one: Turned,
     used: Sequence[Window],

@@ -11,8 +11,8 @@ the test itself (``control_error``, eq. (6) halved, as Table 5 has it; with posi
 and sine part, the latter ``control_error_quadrature``).
 
 A drift, if the plan has one, counts from the middle of the flip (mean of time, or of an axis' temperature, over its
-dwells): ``b`` and ``g`` hold there. What the positions cannot separate is left out with its reason; an axis that was read at one
-position only gives ``reading``, bias and ambient acceleration together.
+dwells): ``b`` and ``g`` hold there. What the positions cannot separate is left out with its reason; an axis that was
+read at one position only gives ``reading``, bias and ambient acceleration together.
 
 References
 ----------

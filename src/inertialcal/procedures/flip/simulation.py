@@ -119,7 +119,7 @@ def _windows(truth: Truth) -> list[Window]:
 
 
 def _levels(plan: Plan, truth: Truth, angles: Array, rng: np.random.Generator) -> Array:
-    """What the axes read at each position without noise, shape (n, 3)."""
+    """Return what the axes read at each position without noise, shape (n, 3)."""
     change = slope(plan.axis, angles) * (_draw(plan, "turn.angle", rng) * (angles != 0.0))[:, None, None]
     for axis in plan.turned:
         small = _draw(plan, "turn.axis", rng) * np.eye(3)[AXES.index(axis)]

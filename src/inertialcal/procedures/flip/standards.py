@@ -83,7 +83,7 @@ def _axis(plan: Plan, readings: Readings, found: Separated) -> Array:
     return np.array(made)
 
 
-def _zero(plan: Plan, readings: Readings, found: Separated) -> Array:  # noqa: ARG001 - as the others
+def _zero(plan: Plan, readings: Readings, found: Separated) -> Array:
     return np.array([weights.sum(axis=1) for weights in found.weights.values()])
 
 

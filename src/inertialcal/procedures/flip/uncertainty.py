@@ -30,7 +30,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Component
-from ...statistics.slow_noise import Blocks, blocks_of, slow_noise
+from ...statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
 from .plan import Plan, Quiet, Readings
 from .positions import directions
 from .separation import Separated
@@ -78,8 +78,10 @@ def covariance_of(plan: Plan, record: Quiet, axis: str, weights: Array) -> Array
     DataError
         If the record does not show its noise.
     """
-    noise = slow_noise(record.means[axis], _shape(plan, record))
-    contrasts = _contrasts(record, weights)
+    return _covariance(slow_noise(record.means[axis], _shape(plan, record)), record, _contrasts(record, weights))
+
+
+def _covariance(noise: SlowNoise, record: Quiet, contrasts: Array) -> Array:
     white = contrasts @ contrasts.T * (noise.white / (2.0 * record.length))
     whole = white + noise.flicker * (contrasts @ noise.blocks.flicker @ contrasts.T)
     return np.asarray(0.5 * (whole + whole.T))
@@ -111,7 +113,7 @@ def _slow(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, 
     noise = slow_noise(record.means[axis], _shape(plan, record))
     contrasts = _contrasts(record, weights)
     dof = np.array([noise.variance(line)[1] if np.any(line) else np.inf for line in contrasts])
-    return covariance_of(plan, record, axis, weights), dof, "white and 1/f, by its quiet record"
+    return _covariance(noise, record, contrasts), dof, "white and 1/f, by its quiet record"
 
 
 def _contrasts(record: Quiet, weights: Array) -> Array:
@@ -126,7 +128,7 @@ def _small_to_zero(weights: Array) -> Array:
 
 
 def _shape(plan: Plan, record: Quiet) -> Blocks:
-    """What does not depend on the readings, made once for all axes."""
+    """Return what does not depend on the readings, made once for all axes."""
     steps = directions(record.angle)
     columns = [np.ones(len(record.times)), *steps.T]
     since = (record.times - record.times.mean()) / max(float(np.ptp(record.times)), record.length)

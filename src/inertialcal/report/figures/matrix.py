@@ -142,7 +142,7 @@ def _size(row: Mapping[str, Any]) -> float:
 
 
 def _blank() -> dict[str, Any]:
-    return {"facecolor": "none", "edgecolor": COLOURS["quiet"], "alpha": 0.45, "hatch": "////", "linewidth": 0.0}
+    return {"facecolor": "none", "edgecolor": COLOURS["quiet"], "hatch": "////", "linewidth": 0.0}
 
 
 def _cell(ax: Axes, at: tuple[int, int], row: Mapping[str, Any] | None, largest: float) -> None:
