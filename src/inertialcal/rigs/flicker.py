@@ -37,15 +37,15 @@ def flicker(h: float, n: int, k: int, rng: np.random.Generator) -> Array:
         All draws come from it.
     """
     if h == 0.0 or n < 2:
-        return np.zeros((n, k))
+        return np.zeros((k, n)).T
     size, roots = _circle(n)
     draws = rng.standard_normal((k, size + 2)).view(np.complex128)
     draws[:, 0].imag = draws[:, -1].imag = 0.0
-    steps = fft.irfft(draws * roots, size, axis=1, overwrite_x=True)[:, : n - 1]
+    draws *= roots * np.sqrt(h)
+    steps = fft.irfft(draws, size, axis=1, overwrite_x=True)
     found = np.zeros((k, n))
-    np.cumsum(steps, axis=1, out=found[:, 1:])
+    np.cumsum(steps[:, : n - 1], axis=1, out=found[:, 1:])
     found -= found.mean(axis=1, keepdims=True)
-    found *= np.sqrt(h)
     return np.asarray(found.T)
 
 

@@ -38,7 +38,7 @@ def add_push(total: Array, seconds: Array, start: float, amplitude: Array, frequ
     a, b = np.searchsorted(seconds, (start, start + RINGING * decay))
     since = seconds[a:b] - start
     angular = 2.0 * np.pi * frequency
-    shape = np.exp(-since / decay) * np.sin(angular * since + np.arctan(angular * decay) + 0.5 * np.pi)
+    shape = np.exp(-since / decay) * np.sin(angular * since - np.arctan(angular * decay))  # its integral is 0
     total[a:b] += np.multiply.outer(shape, amplitude)
 
 

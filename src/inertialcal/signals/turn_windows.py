@@ -193,7 +193,7 @@ def _window(blocks: Blocks, at: int, size: int) -> Window:
 
 
 def _unsteady(turns: Turns, edges: tuple[int, int], size: int, apart: LevelScatter) -> list[Remark]:
-    """What speaks against the steadiness of level and variance in two windows."""
+    """List what speaks against the steadiness of level and variance in two windows."""
     blocks, plan, half = turns.blocks, turns.plan, size // 2
     limit, found, spread = plan.step * apart.of(half, size - 2 * half), [], []
     for side, at in zip(("before", "after"), edges, strict=True):
@@ -207,7 +207,9 @@ def _unsteady(turns: Turns, edges: tuple[int, int], size: int, apart: LevelScatt
     lo, hi = np.min(spread, axis=0), np.max(spread, axis=0)
     if np.any(hi > plan.variance_ratio * lo):
         worst = float(np.max(hi[lo > 0.0] / lo[lo > 0.0], initial=0.0))
-        text = f"variance changes by {worst:.3g} between or inside the windows, at most {plan.variance_ratio:g} is quiet"
+        text = (
+            f"variance changes by {worst:.3g} between or inside the windows, at most {plan.variance_ratio:g} is quiet"
+        )
         found.append(Remark("not_stationary", "warning", text))
     return found
 

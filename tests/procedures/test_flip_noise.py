@@ -1,0 +1,195 @@
+"""Uncertainty of a flip: truth held by its intervals, the control axis' false alarms, what the checks find."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.spatial.transform import Rotation
+
+from inertialcal.core.estimate import Array
+from inertialcal.core.influence import Influence
+from inertialcal.procedures.flip import Plan, Readings, Result, Truth, reduce, simulate
+from inertialcal.statistics.intervals import contains, covers, t_interval
+
+UG = 9.80665e-6
+TRUTH = Truth(bias=np.array([1000.0, -900.0, 1200.0]) * UG, ambient=np.array([0.4, -5.0, 4.0]) * UG)
+CORNERS = (0.0, 0.01, 0.1)  # Hz
+STANDARDS = {
+    "turn.angle": Influence(math.radians(1.0), "rad"),
+    "turn.axis": Influence(math.radians(0.5), "rad"),
+    "converter.zero": Influence(0.05 * UG, "m/s^2"),
+    "sensor.scale_factor": Influence(1e-5),
+}
+
+
+def held(result: Result, truth: Truth) -> dict[str, bool]:
+    """Whether the 95 % interval of each value holds the truth."""
+    estimate = result.estimate
+    assert estimate is not None
+    found = {}
+    for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
+        axis = "xyz".index(name[-1])
+        bias, g = truth.bias[axis], truth.ambient[axis]
+        true = {"bias": bias, "ambient_acceleration": g, "reading": bias + g, "control_error": 0.0}
+        found[name] = contains(t_interval(value, u, dof), true[name[:-2]])
+    return found
+
+
+def coverage(corner: float, n: int, plan: Plan) -> None:
+    truth = replace(TRUTH, corner=corner)
+    hits: dict[str, int] = {}
+    alarms = 0
+    for seed in range(1, n + 1):
+        result = reduce(plan, simulate(plan, truth, np.random.default_rng(seed)))
+        for name, hit in held(result, truth).items():
+            hits[name] = hits.get(name, 0) + hit
+        alarms += "control_axis_not_zero" in {one.code for one in result.remarks}
+    assert len(hits) == 6
+    assert all(covers(hit, n) for hit in hits.values()), (corner, hits)
+    assert covers(alarms, n, 0.03, 0.07), (corner, alarms)
+
+
+@pytest.mark.parametrize("corner", CORNERS)
+def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_5_percent(corner: float) -> None:
+    coverage(corner, 300, Plan())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("corner", CORNERS)
+def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_5_percent_long(corner: float) -> None:
+    coverage(corner, 1000, Plan())
+
+
+@pytest.mark.slow
+def test_intervals_hold_the_truth_with_standards_that_are_off() -> None:
+    coverage(0.01, 1000, Plan(standards=STANDARDS))
+
+
+@pytest.mark.slow
+def test_intervals_of_pairs_hold_the_truth() -> None:
+    """The record must be long against the dwells: the level at each position is taken off before."""
+    plan, truth = Plan(noise="pairs"), replace(TRUTH, corner=0.01, record=7200.0, dwell=100.0)
+    hits = {"ambient_acceleration_y": 0, "control_error_x": 0}
+    for seed in range(1, 1001):
+        found = held(reduce(plan, simulate(plan, truth, np.random.default_rng(seed))), truth)
+        hits = {name: hits[name] + found[name] for name in hits}
+    assert all(covers(hit, 1000) for hit in hits.values()), hits
+
+
+def test_sub_means_inside_a_dwell_would_alarm_far_too_often() -> None:
+    """What the procedure is for: with 1/f noise a t-test on white noise inside the dwells is no 5 % test."""
+    plan, alarms = Plan(), 0
+    for seed in range(1, 101):
+        readings = simulate(plan, replace(TRUTH, corner=0.1), np.random.default_rng(seed))
+        means, weights = readings.quiet[0].means["x"], readings.quiet[0].weights
+        u = math.hypot(*(means[w > 0.0].std(ddof=1) / math.sqrt((w > 0.0).sum()) for w in weights)) / 2.0
+        alarms += abs(reduce(plan, readings).whole.separated[0].value("control_error_x") or 0.0) > 2.0 * u
+    assert alarms > 15
+
+
+def test_general_positions_with_noise_hold_the_truth() -> None:
+    truth = replace(TRUTH, angles=tuple(np.radians([0.0, 120.0, 240.0])), dwell=200.0)
+    hits: dict[str, int] = {}
+    for seed in range(1, 61):
+        result = reduce(Plan(), simulate(Plan(), truth, np.random.default_rng(seed)))
+        assert result.estimate is not None
+        own = result.estimate.names.index("control_error_quadrature_x")
+        kept = [name for i, name in enumerate(result.estimate.names) if i != own]
+        whole = replace(result.whole, estimate=result.estimate.select(kept))
+        for name, hit in held(replace(result, whole=whole), truth).items():
+            hits[name] = hits.get(name, 0) + hit
+    assert all(covers(hit, 60) for hit in hits.values()), hits
+
+
+def test_pairs_and_model_agree_on_white_noise() -> None:
+    truth = replace(TRUTH, record=14400.0, dwell=100.0)
+    readings = simulate(Plan(), truth, np.random.default_rng(1))
+    slow, pairs = (reduce(Plan(noise=noise), readings).estimate for noise in ("slow", "pairs"))
+    assert slow is not None
+    assert pairs is not None
+    assert pairs.names == slow.names
+    assert pairs.dof.min() >= 20.0
+    assert pairs.u == pytest.approx(slow.u, rel=0.5)
+    assert "quiet stretches as long" in pairs.components[0].source
+
+
+def test_a_record_that_shows_no_noise_gives_no_uncertainty() -> None:
+    plan = Plan()
+    truth = replace(TRUTH, record=700.0, dwell=300.0)
+    short = simulate(Plan(block=100.0), truth, np.random.default_rng(1))
+    result = reduce(plan, short)
+    assert result.estimate is None
+    row = next(one for one in result.rows() if one.quantity == "bias" and one.axis == "y")
+    assert row.value is not None
+    assert row.u is None
+    assert row.status == "not_estimated"
+    assert "block means" in row.reason
+    assert "quiet places as long and as far apart as its dwells: need 3" in row.reason
+    apart = replace(short, quiet=tuple(_alone(short, k) for k in (0, 1)))
+    assert "the positions lie in different recordings" in reduce(plan, apart).whole.reason
+
+
+def _alone(readings: Readings, dwell: int) -> object:
+    own = readings.quiet[0]
+    spans = np.where(np.arange(len(readings))[:, None] == dwell, own.spans, np.nan)
+    return replace(own, spans=spans)
+
+
+def several(gs: Array, seed: int, corner: float = 0.0) -> Readings:
+    """Flips of different ambient acceleration, each in a record of its own."""
+    rng = np.random.default_rng(seed)
+    parts = [simulate(Plan(), replace(TRUTH, ambient=g, corner=corner), rng) for g in gs]
+    quiet = []
+    for i, part in enumerate(parts):
+        blank = np.zeros((2 * len(parts), len(part.quiet[0].times)))
+        spans = np.full((2 * len(parts), 2), np.nan)
+        blank[2 * i : 2 * i + 2], spans[2 * i : 2 * i + 2] = part.quiet[0].weights, part.quiet[0].spans
+        quiet.append(replace(part.quiet[0], weights=blank, spans=spans))
+    outputs = {axis: np.concatenate([part.outputs[axis] for part in parts]) for axis in "xyz"}
+    labels = np.repeat([str(i + 1) for i in range(len(parts))], 2)
+    return Readings(np.tile(parts[0].angle, len(parts)), labels, outputs, quiet=tuple(quiet))
+
+
+def test_flips_that_differ_beyond_their_noise_are_remarked() -> None:
+    alike = reduce(Plan(), several(np.tile(TRUTH.ambient, (3, 1)), 1))
+    assert "flips_differ" not in {one.code for one in alike.remarks}
+    differing = reduce(Plan(), several(TRUTH.ambient + np.arange(3)[:, None] * 2.0 * UG, 1))
+    told = [one.what for one in differing.remarks if one.code == "flips_differ"]
+    assert any(what.startswith("ambient_acceleration_y: chi-square") for what in told)
+    assert {one.condition for one in differing.rows()} == {"", "flip 1", "flip 2", "flip 3"}
+    assert differing.estimate is not None
+    assert differing.estimate.dof == pytest.approx(2.0)
+
+
+def rotated(vectors: Array, truth: Truth = TRUTH, seed: int = 1) -> Readings:
+    """Readings where the head was really turned by rotation vectors, by scipy's rotations."""
+    readings = simulate(Plan(), truth, np.random.default_rng(seed))
+    stated = np.outer(readings.angle, [1.0, 0.0, 0.0])
+    change = Rotation.from_rotvec(-vectors).apply(truth.ambient) - Rotation.from_rotvec(-stated).apply(truth.ambient)
+    outputs = {axis: y + change[:, i] for i, (axis, y) in enumerate(readings.outputs.items())}
+    return replace(readings, outputs=outputs)
+
+
+def test_a_turn_about_another_axis_is_found() -> None:
+    truth = replace(TRUTH, ambient=np.array([6.0, -5.0, 4.0]) * UG)
+    result = reduce(Plan(), rotated(np.outer([0.0, math.pi], [0.0, 1.0, 0.0]), truth))
+    found = {one.code: one for one in result.remarks}
+    assert "turned about y" in found["turned_about_other_axis"].do
+    assert "control_axis_not_zero" in found
+    right = reduce(Plan(), rotated(np.outer([0.0, math.pi], [1.0, 0.0, 0.0]), truth))
+    assert not {"turned_about_other_axis", "control_axis_not_zero"} & {one.code for one in right.remarks}
+
+
+def test_a_turn_by_another_angle_is_found_where_dwells_are_left_over() -> None:
+    truth = replace(TRUTH, angles=(0.0, math.pi, 0.0), dwell=200.0)
+    wrong = reduce(Plan(), rotated(np.outer([0.0, math.pi, math.pi / 3], [1.0, 0.0, 0.0]), truth))
+    found = {one.code: one for one in wrong.remarks}
+    assert "y and z do not follow the stated angles" in found["not_turned_by_angle"].what
+    alarms = 0
+    for seed in range(1, 101):
+        right = reduce(Plan(), simulate(Plan(), replace(truth, corner=0.01), np.random.default_rng(seed)))
+        alarms += "not_turned_by_angle" in {one.code for one in right.remarks}
+    assert alarms <= 6  # 1 % expected; more than 6 of 100 in 0.003 % of such runs
