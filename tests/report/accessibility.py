@@ -8,11 +8,22 @@ from playwright.sync_api import Page
 SERIOUS = ("serious", "critical")
 UNFOLD = "() => document.querySelectorAll('details').forEach(one => { one.open = true; })"
 
-# One template makes all rows of a table, and axe does not look into drawings: more of the same only takes time.
+# Of neighbours that are made of the same kinds of elements two stay, and axe does not look into drawings: more of the
+# same only takes time.
 PRUNE = """() => {
-  document.querySelectorAll('tbody tr:nth-child(n + 4)').forEach(one => one.remove());
   document.querySelectorAll('svg :not(title)').forEach(one => one.remove());
-  document.querySelectorAll('pre').forEach(one => { one.textContent = one.textContent.slice(0, 500); });
+  document.querySelectorAll('pre').forEach(one => { one.textContent = one.textContent.slice(0, 200); });
+  const kind = e => e.tagName + '.' + e.className;
+  const made = e => [kind(e), ...new Set([...e.querySelectorAll('*')].map(kind))].join(' ');
+  for (const tag of ['tr', 'li', 'figure', 'details', '.scroll', 'section.test']) {
+    const seen = new Map();
+    for (const one of document.querySelectorAll(`main ${tag}`)) {
+      const counts = seen.get(one.parentElement) || {}, key = made(one);
+      seen.set(one.parentElement, counts);
+      counts[key] = (counts[key] || 0) + 1;
+      if (counts[key] > 2) one.remove();
+    }
+  }
 }"""
 
 

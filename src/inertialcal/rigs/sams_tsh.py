@@ -91,7 +91,7 @@ def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> R
 
 
 def _counts(bench: Bench, head: Head, seconds: Array, read: Array, warm: Array) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Counts of readings and of temperatures, shape (n, 3) each, as the converter has them: 16 bits."""
+    """Return counts of readings and of temperatures, shape (n, 3) each, as the converter has them: 16 bits."""
     known, gain = chain(bench, head), None
     if bench.gain_change is not None:
         when, axis, factor = bench.gain_change

@@ -19,8 +19,9 @@ from ..core.estimate import Array
 from ..core.recording import SECOND, Times
 from ..core.remarks import Remark
 from .block_statistics import Blocks, Signal, columns, moments
+from .level_scatter import LevelScatter
 from .samples import Flags
-from .turns import LevelScatter, Turn, TurnPlan, Turns
+from .turns import Turn, TurnPlan, Turns
 
 
 @dataclass(frozen=True, eq=False)
@@ -102,7 +103,7 @@ def turn_windows(turns: Turns, temperature: Blocks | None = None) -> tuple[Windo
         temperature.length_ns != turns.blocks.length_ns or temperature.start_ns != turns.blocks.start_ns
     ):
         raise DataError("the temperatures lie in other blocks than the signal")
-    apart = LevelScatter(turns.blocks, turns.quiet, turns.plan)
+    apart = LevelScatter(turns.blocks, turns.quiet)
     found = []
     for i, turn in enumerate(turns.turns):
         ends = [turns.turns[j] if 0 <= j < len(turns.turns) else None for j in (i - 1, i + 1)]

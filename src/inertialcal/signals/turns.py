@@ -31,12 +31,10 @@ from ..core.estimate import Array
 from ..core.recording import SECOND, Times
 from ..core.remarks import Remark
 from .block_statistics import Blocks, Signal, block_statistics
+from .level_scatter import LevelScatter, quiet_level
 from .samples import Flags, Indices
 from .segments import Detection, Segmentation, detect
-
-FEWEST = 16  # places from which a scatter can be told
-NORMAL = 0.6744897501960817  # median of |x| for unit normal x
-INSIDE = 0.03  # of the peak of a spike: what is below is no part of it
+from .spikes import clusters, narrowed, peaks
 
 Instant = int | tuple[int, int]  # [ns]
 
@@ -215,12 +213,12 @@ def find_turns(
     found = _moving(blocks, full)
     quiet = np.zeros(len(blocks), dtype=bool)
     quiet[full] = np.repeat(found.still, found.stop - found.start) & ~found.samples.outlier
-    peak = _peaks(blocks, full, found, quiet)
-    spikes = _clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
-    apart = LevelScatter(blocks, quiet, plan)
+    peak = peaks(blocks, full, found, quiet)
+    spikes = clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
+    apart = LevelScatter(blocks, quiet)
     if given_ns is None:
         spikes = [(a, b) for a, b in spikes if peak[a:b].max() >= plan.spike]
-        every = [_measured(blocks, quiet, apart, plan, _narrowed(peak, a, b), peak) for a, b in spikes]
+        every = [_measured(blocks, quiet, apart, plan, narrowed(peak, a, b), peak) for a, b in spikes]
         longest = plan.blocks(plan.longest) + 1
         turned = [one.significance > plan.step and one.stop - one.first <= longest for one in every]
         turns = tuple(one for one, is_turn in zip(every, turned, strict=True) if is_turn)
@@ -228,7 +226,7 @@ def find_turns(
         return Turns(turns, others, blocks, quiet, found, plan)
     turns = tuple(_as_given(one, blocks, quiet, apart, plan, spikes, peak) for one in given_ns)
     taken = {(one.first, one.stop) for one in turns}
-    rest = [_measured(blocks, quiet, apart, plan, _narrowed(peak, a, b), peak) for a, b in spikes]
+    rest = [_measured(blocks, quiet, apart, plan, narrowed(peak, a, b), peak) for a, b in spikes]
     others = tuple(one for one in rest if (one.first, one.stop) not in taken)
     return Turns(tuple(sorted(turns, key=lambda one: one.start_ns)), others, blocks, quiet, found, plan)
 
@@ -239,45 +237,6 @@ def _moving(blocks: Blocks, full: Indices) -> Segmentation:
         raise DataError("no block holds samples of every channel", code="too_short")
     signal = np.hstack([blocks.mean[full], np.cbrt(blocks.variance[full])])
     return detect(signal, blocks.time_ns[full], blocks.length, Detection())
-
-
-def _peaks(blocks: Blocks, full: Indices, found: Segmentation, quiet: Flags) -> Array:
-    """Furthest sample of each block from the level around, in standard deviations of a quiet sample, shape (b,).
-
-    In a stretch that is not still, the nearer one of the levels before and after counts: a step alone is no spike.
-    """
-    k = blocks.mean.shape[1]
-    still = np.flatnonzero(found.still)
-    peak = np.zeros(len(blocks))
-    if not len(still):
-        return peak
-    sigma = np.sqrt(np.median(blocks.variance[quiet], axis=0)) if quiet.any() else np.zeros(k)
-    sigma = np.where(sigma > 0.0, sigma, np.inf)
-    number = np.repeat(np.arange(len(found)), found.stop - found.start)
-    after = np.minimum(np.searchsorted(still, number), len(still) - 1)
-    before = np.where(still[after] == number, after, np.maximum(after - 1, 0))
-    nearest = np.full(len(full), np.inf)
-    for level in (found.level[still[before], :k], found.level[still[after], :k]):
-        off = np.maximum(blocks.hi[full] - level, level - blocks.lo[full]) / sigma
-        nearest = np.minimum(nearest, off.max(axis=1))
-    peak[full] = nearest
-    return peak
-
-
-def _clusters(blocks: Blocks, hot: Flags, apart: int) -> list[tuple[int, int]]:
-    """Spikes [first, stop) in blocks; what is nearer together than ``apart`` blocks is one."""
-    at = np.flatnonzero(hot)
-    if not len(at):
-        return []
-    new = np.flatnonzero(np.diff(blocks.at[at]) > max(apart, 1))
-    first, last = at[np.concatenate(([0], new + 1))], at[np.concatenate((new, [len(at) - 1]))]
-    return [(int(a), int(b) + 1) for a, b in zip(first, last, strict=True)]
-
-
-def _narrowed(peak: Array, first: int, stop: int) -> tuple[int, int]:
-    """Give the part of a spike that is above 3 % of its peak: a knock beside a turn does not make it longer."""
-    strong = np.flatnonzero(peak[first:stop] >= INSIDE * peak[first:stop].max())
-    return first + int(strong[0]), first + int(strong[-1]) + 1
 
 
 def _measured(
@@ -294,21 +253,12 @@ def _measured(
     start_ns = blocks.start_ns + int(blocks.at[first]) * blocks.length_ns
     stop_ns = blocks.start_ns + int(blocks.at[stop - 1] + 1) * blocks.length_ns
     gap, w = plan.blocks(plan.settle), plan.blocks(plan.shortest)
-    before = _level(blocks, quiet, int(blocks.at[first]) - gap - w, w)
-    after = _level(blocks, quiet, int(blocks.at[stop - 1]) + 1 + gap, w)
+    before = quiet_level(blocks, quiet, int(blocks.at[first]) - gap - w, w)
+    after = quiet_level(blocks, quiet, int(blocks.at[stop - 1]) + 1 + gap, w)
     step = after - before
     ratio = np.abs(step) / apart.of(w, 2 * gap)
     significance = float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
     return Turn(start_ns, stop_ns, first, stop, float(peak[first:stop].max()), step, significance, given)
-
-
-def _level(blocks: Blocks, quiet: Flags, at: int, w: int) -> Array:
-    """Mean of the quiet blocks among w from a place in time on, shape (channels,); NaN where more than half lack."""
-    a, b = np.searchsorted(blocks.at, (at, at + w))
-    rows = a + np.flatnonzero(quiet[a:b])
-    if 2 * len(rows) < w:
-        return np.full(blocks.mean.shape[1], np.nan)
-    return np.asarray(blocks.mean[rows].mean(axis=0))
 
 
 def _as_given(
@@ -331,7 +281,7 @@ def _as_given(
     a, b = (stamp - blocks.start_ns for stamp in (start_ns, stop_ns))
     near = [
         (x, y)
-        for x, y in (_narrowed(peak, *one) for one in spikes)
+        for x, y in (narrowed(peak, *one) for one in spikes)
         if (blocks.at[x] - 1) * blocks.length_ns <= b and a <= (blocks.at[y - 1] + 2) * blocks.length_ns
     ]
     if isinstance(when, tuple):  # taken as it is
@@ -343,44 +293,6 @@ def _as_given(
     here = min(int(np.searchsorted(blocks.at, a // blocks.length_ns)), len(blocks) - 1)
     seen = _measured(blocks, quiet, apart, plan, (here, here + 1), peak, True)
     return Turn(when, when, here, here, seen.peak, seen.step, seen.significance, True)
-
-
-@dataclass(frozen=True, eq=False)
-class LevelScatter:
-    """How much means of w blocks differ where nothing happens between, slow noise included."""
-
-    blocks: Blocks
-    quiet: Flags
-    plan: TurnPlan
-
-    def of(self, w: int, gap: int) -> Array:
-        """Return the standard deviation of the difference of two means of w blocks, ``gap`` blocks apart.
-
-        From as many undisturbed places as the record has; where they are fewer than 16, of means over shorter windows,
-        which is no smaller, down to single blocks; infinite where that fails too.
-
-        Returns
-        -------
-        ndarray, shape (channels,)
-        """
-        rows = np.flatnonzero(self.quiet)
-        total = np.vstack([np.zeros(self.blocks.mean.shape[1]), np.cumsum(self._centred()[rows], axis=0)])
-        at = self.blocks.at[rows]
-        while w >= 1:
-            span = 2 * w + gap
-            begin = np.arange(0, max(len(rows) - span + 1, 0), max(w // 2, 1))
-            begin = begin[at[begin + span - 1] - at[begin] == span - 1] if len(begin) else begin
-            if len(begin) >= FEWEST:
-                left = total[begin + w] - total[begin]
-                right = total[begin + span] - total[begin + w + gap]
-                scatter = np.median(np.abs(right - left), axis=0) / (w * NORMAL)
-                return np.where(scatter > 0.0, scatter, np.inf)
-            w //= 2
-        return np.full(self.blocks.mean.shape[1], np.inf)
-
-    def _centred(self) -> Array:
-        mean = self.blocks.mean
-        return np.asarray(mean - np.median(mean[self.quiet], axis=0)) if self.quiet.any() else mean
 
 
 def _clock(one: Turn, found: Turns) -> str:
