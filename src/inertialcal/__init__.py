@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from .campaign.run import check, run
     from .campaign.score import score
     from .campaign.single import rate_table
+    from .campaign.single_flip import flip
     from .campaign.twin import simulate
     from .files import read
     from .files.survey import survey as info
@@ -31,6 +32,7 @@ __all__ = [
     "check",
     "compare",
     "compensate",
+    "flip",
     "info",
     "load_model",
     "plot",
@@ -47,6 +49,7 @@ _HOMES = {
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),
+    "flip": ("campaign.single_flip", "flip"),
     "load_model": ("campaign.models", "load_model"),
     "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),

@@ -18,7 +18,7 @@ from typing import Any
 from ..core.estimate import Component, Estimate
 from ..core.results import finite
 from ..core.units import divide, factor
-from ..procedures.rate_table import Plan
+from ..procedures.flip.rows import MODEL_BIAS
 from ..procedures.rate_table.rows import RESIDUAL
 from .curves import ten_digits
 from .display import display_unit, stated_unit
@@ -37,9 +37,7 @@ class _Figure:
     times: float = 1.0
 
 
-def budget_rows(
-    test: str, estimate: Estimate | None, sensor_unit: str, plan: Plan | None = None
-) -> list[dict[str, Any]]:
+def budget_rows(test: str, estimate: Estimate | None, sensor_unit: str, plan: Any = None) -> list[dict[str, Any]]:
     """Return the sources of uncertainty of each figure, in the units of the campaign.
 
     Parameters
@@ -50,7 +48,7 @@ def budget_rows(
         SI.
     sensor_unit : str
         As the campaign has it: ``"deg/s"``.
-    plan : Plan, optional
+    plan : Plan of the procedure, optional
         Of the test, by which a bias is a residual bias, and scale factors in volts are shown too.
     """
     if estimate is None:
@@ -66,13 +64,15 @@ def budget_rows(
     return found
 
 
-def _figures(estimate: Estimate, plan: Plan | None) -> Iterator[_Figure]:
+def _figures(estimate: Estimate, plan: Any) -> Iterator[_Figure]:
     """Return the figures of the rows that an estimate gives, by the names that they have there."""
-    ideal: Mapping[str, float] = (plan.scale_factor if plan is not None else None) or {}
+    ideal: Mapping[str, float] = getattr(plan, "scale_factor", None) or {}
     for i, name in enumerate(estimate.names):
         quantity, _, axis = name.rpartition("_")
-        if quantity == "bias" and plan is not None and plan.zero_reference:
+        if quantity == "bias" and getattr(plan, "zero_reference", False):
             quantity = RESIDUAL
+        elif quantity == "bias" and getattr(plan, "corrected", False):
+            quantity = MODEL_BIAS
         if quantity == "scale_factor_error" and axis in ideal:
             yield _Figure("scale_factor", axis, i, "V/(rad/s)", abs(ideal[axis]))
         yield _Figure(quantity, axis, i, estimate.units[i])

@@ -19,6 +19,7 @@ from .origins import Origin
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 
 AXES = ("x", "y", "z")
+TEMPERATURE = "temperature"  # one for all axes, in units of temperature
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
 
@@ -62,10 +63,12 @@ def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Se
         recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
     else:
         recording = apply_chain(
-            build_chain(sensor, axes), recording, {k: v for k, v in columns.items() if k != APPLIED}
+            build_chain(sensor, axes), recording, {k: v for k, v in columns.items() if k not in (APPLIED, TEMPERATURE)}
         )
     if APPLIED in columns:
         recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
+    if TEMPERATURE in columns:
+        recording = _in_si(recording, {TEMPERATURE: columns[TEMPERATURE]}, "degC")
     return _in_body(recording, sensor, axes)
 
 

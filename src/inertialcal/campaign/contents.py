@@ -18,9 +18,9 @@ from .exclusions import exclusion_rows
 from .load import Campaign
 from .margins import margin
 from .modelling import Modelled, Prepared
-from .prepare import sensor_of
+from .prepare import modelled_sensor, sensor_of
 from .requirements import RULE, Tested, Verdict, judge, worst
-from .schema import Sensor, Test
+from .schema import Test
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
@@ -52,7 +52,7 @@ def results_content(
         displayed(_conditioned(row, one.test), sensor_of(campaign, one.test).unit) for one in tested for row in one.rows
     ]
     if modelled is not None:
-        rows += [displayed(replace(row, test="model"), _model_sensor(campaign).unit) for row in _model_rows(modelled)]
+        rows += [displayed(replace(row, test="model"), modelled_sensor(campaign).unit) for row in _model_rows(modelled)]
     verdicts: list[Verdict] = []
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     for requirement in campaign.file.requirements:
@@ -96,7 +96,7 @@ def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | 
         unit = sensor_of(campaign, one.test).unit
         found += budget_rows(one.test.id, one.result.estimate, unit, one.result.plan)
     if modelled is not None:
-        found += budget_rows("model", modelled.model.estimate, _model_sensor(campaign).unit)
+        found += budget_rows("model", modelled.model.estimate, modelled_sensor(campaign).unit)
     return found
 
 
@@ -128,10 +128,6 @@ def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
         "lower": lower, "upper": upper, "margin": margin(interval, lower, upper),
         "verdict": verdict.verdict, "reason": verdict.reason,
     }  # fmt: skip
-
-
-def _model_sensor(campaign: Campaign) -> Sensor:
-    return sensor_of(campaign, next(test for test in campaign.file.tests if test.use == "fit"))
 
 
 def _model_rows(modelled: Modelled) -> list[Row]:

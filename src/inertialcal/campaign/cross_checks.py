@@ -32,7 +32,12 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "scatter_dwell": RATE,
     "scatter_run": RATE,
     "scatter_recording": RATE,
+    "ambient_acceleration": RATE,
+    "model_bias_error": RATE,
+    "control_error": RATE,
 }
+SENSORS = {"rate_table": ("gyro", "gyros"), "flip": ("accelerometer", "accelerometers")}  # that a procedure tests
+TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
 
 
 def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
@@ -104,6 +109,10 @@ def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntr
         yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
     if sensor is not None and entry.rows is not None:
         yield from _row_units(name, entry.rows, sensor, at)
+    elif sensor is not None and entry.means is not None:
+        if kind(entry.means.unit) != kind(sensor.unit):
+            what = f"recordings.{name}: means in {entry.means.unit!r}, need a unit of {kind(sensor.unit)}"
+            yield Problem(what, at("recordings", name, "means"), code="wrong_value")
     elif sensor is not None:
         yield from _channel_units(name, entry, sensor, at)
 
@@ -132,6 +141,7 @@ def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> 
         if axis in {"x", "y", "z"} and axis not in sensor.axes:
             yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
         need = wanted if channel == "applied" or sensor.chain.kind == "none" else "count"
+        need = "temperature" if channel == "temperature" else need
         if kind(one.unit) != need and not ("_" in channel and sensor.chain.kind == "none"):
             what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {need}"
             yield Problem(what, where, code="wrong_value")
@@ -188,8 +198,10 @@ def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
     where = at("tests", number, "procedure")
     kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
              and file.recordings[n].sensor in file.sensors}  # fmt: skip
-    if test.procedure == "rate_table" and "accelerometer" in kinds:
-        what = f"test {test.id!r}: a rate table tests gyros, the sensor is an accelerometer"
+    wanted, plural = SENSORS[test.procedure]
+    others = kinds - {wanted}
+    if others:
+        what = f"test {test.id!r}: {test.procedure} tests {plural}, the sensor is of kind {others.pop()!r}"
         yield Problem(what, where, code="wrong_value")
 
 
@@ -201,13 +213,24 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
         yield Problem(what, at("tests", number, "recordings"), "its readings would count twice", code="duplicate_id")
     for name in test.recordings:
         entry = file.recordings.get(name)
-        if entry is not None and test.groups is not None and (entry.rows is None or entry.rows.group is None):
+        if entry is None:
+            continue
+        own_key, other_keys = TABLES[test.procedure], [key for key in TABLES.values() if key != TABLES[test.procedure]]
+        for key in other_keys:
+            if getattr(entry, key) is not None:
+                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {own_key} or channels"
+                yield Problem(what, at("recordings", name, key), code="wrong_value")
+        if test.procedure == "flip" and entry.channels is not None and entry.positions is None:
+            what = f"recordings.{name}: nothing says how the head was turned, and when"
+            do = 'Give positions = [{ start = ..., stop = ..., angle = "0 deg" }, ...]'
+            yield Problem(what, at("recordings", name), do=do, code="missing_key")
+        if test.groups is not None and (entry.rows is None or entry.rows.group is None) and entry.means is None:
             what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
             yield Problem(
                 what, at("tests", number, "groups"), do="Choose by windows, or give rows.group", code="wrong_value"
             )
         own = test.plan.get("axis")
-        if entry is not None and own and entry.axis not in (None, own):
+        if own and entry.axis not in (None, own):
             what = f"test {test.id!r}: plan.axis = {own!r}, but recording {name!r} says axis = {entry.axis!r}"
             yield Problem(what, at("tests", number, "plan", "axis"), do="Say it in one place", code="wrong_value")
 

@@ -14,11 +14,10 @@ import numpy as np
 
 from ..core.curve import Column, Curve
 from ..core.units import factor, kind
-from ..procedures import rate_table
 from ..procedures.rate_table.closed_loop import HeldOut
 from .load import Campaign
 from .modelling import Modelled
-from .prepare import sensor_of
+from .prepare import modelled_sensor, sensor_of
 from .requirements import Tested
 
 TEN_DIGITS = ("applied", "rate", "time", "start", "stop")
@@ -39,10 +38,9 @@ def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Model
     found = []
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
-        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in rate_table.curves(one.result)]
+        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.result.curves()]
     if modelled is not None:
-        fitted = next(test for test in campaign.file.tests if test.use == "fit")
-        unit = sensor_of(campaign, fitted).unit
+        unit = modelled_sensor(campaign).unit
         found += [displayed_curve(compensated(one), unit).to_dict("model") for one in modelled.errors]
     return found
 

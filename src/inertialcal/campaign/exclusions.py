@@ -50,10 +50,12 @@ def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dic
     list of dict
         ``count`` says how many of ``counts`` (``dwell``, ``row`` or ``sample``) a row is about.
     """
-    found = []
+    found: list[dict[str, Any]] = []
     for one in prepared:
         sensor = sensor_of(campaign, one.test)
-        found += [*_not_chosen(one), *_samples(one, sensor.chain), *_dwells(one, sensor.unit)]
+        found += _not_chosen(one)
+        if isinstance(one.readings, rate_table.Readings):
+            found += [*_samples(one, sensor.chain), *_dwells(one, sensor.unit)]
     return found
 
 

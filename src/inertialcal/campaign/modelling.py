@@ -42,8 +42,8 @@ class Prepared:
     """A test ready to be reduced: entry, plan, readings, SHA-256 of its files by path, and its recordings."""
 
     test: Test
-    plan: rate_table.Plan
-    readings: rate_table.Readings
+    plan: Any
+    readings: Any
     inputs: Mapping[str, str]
     origins: tuple[Origin, ...] = ()
 

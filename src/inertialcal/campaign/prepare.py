@@ -2,24 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import replace
 
-import numpy as np
-
-from ..core.errors import InertialcalError, PlanError, Problem
+from ..core.errors import InertialcalError, Problem
 from ..core.remarks import Remark
-from ..core.units import parse_quantity, si_unit
-from ..files.table import Table
-from ..procedures import rate_table
-from ..procedures.rate_table.recordings import Turned, readings_from
-from .chains import body_scale_factors
-from .channels import turned_recording
+from .flip_inputs import prepared_flip
 from .load import Campaign
 from .modelling import Prepared
-from .origins import Origin
-from .plans import plan_values
-from .schema import RecordingEntry, Sensor, Test
-from .tables import rate_table_readings, together
+from .rate_table_inputs import prepared_rate_table
+from .schema import Sensor, Test
+
+WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
+    "rate_table": prepared_rate_table,
+    "flip": prepared_flip,
+}
+MODELLED = ("rate_table",)  # procedures whose results become a model
 
 
 def prepare(campaign: Campaign, number: int) -> Prepared:
@@ -27,43 +25,11 @@ def prepare(campaign: Campaign, number: int) -> Prepared:
     test = campaign.file.tests[number]
     try:
         sensor = sensor_of(campaign, test)
-        plan = _plan(campaign, test, sensor)
-        readings, inputs, origins = test_readings(campaign, test, sensor, plan)
-        readings = replace(readings, remarks=tuple(_inside(campaign, remark) for remark in readings.remarks))
-        return Prepared(test, plan, readings, inputs, origins)
+        prepared = WAYS[test.procedure](campaign, test, sensor)
+        inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
+        return replace(prepared, readings=replace(prepared.readings, remarks=inside))
     except InertialcalError as error:
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
-
-
-def test_readings(
-    campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan
-) -> tuple[rate_table.Readings, dict[str, str], tuple[Origin, ...]]:
-    """Return the readings of all recordings of a test, SHA-256 of their files by path, and the recordings."""
-    parts: list[rate_table.Readings] = []
-    turned: list[Turned] = []
-    inputs: dict[str, str] = {}
-    origins: list[Origin] = []
-    for name in test.recordings:
-        entry = campaign.file.recordings[name]
-        if entry.rows is None:
-            one, hashes, origin = turned_recording(campaign.folder, name, entry, sensor, test)
-            turned.append(one)
-            origins.append(origin)
-            inputs |= hashes
-        else:
-            readings, table = rate_table_readings(campaign.folder, name, entry, sensor, test)
-            parts.append(readings)
-            inputs[entry.file] = table.source.sha256
-            origins.append(_of_table(name, entry, table, len(readings)))
-    if turned:
-        parts.append(readings_from(plan, turned))
-    return together(parts), inputs, tuple(origins)
-
-
-def _of_table(name: str, entry: RecordingEntry, table: Table, chosen: int) -> Origin:
-    assert entry.rows is not None  # noqa: S101 - for the type checker
-    without = int(np.count_nonzero(~np.isfinite(table.numbers(entry.rows.applied))))
-    return Origin(name, entry.file, table.source.sha256, "table", len(table), chosen, without)
 
 
 def _inside(campaign: Campaign, remark: Remark) -> Remark:
@@ -83,17 +49,7 @@ def sensor_of(campaign: Campaign, test: Test) -> Sensor:
     return campaign.file.sensors[campaign.file.recordings[test.recordings[0]].sensor]
 
 
-def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
-    values, problems = plan_values(test.procedure, test.plan, "")
-    if problems:
-        raise PlanError(problems)
-    si = si_unit(sensor.unit)
-    ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
-    volts = body_scale_factors(sensor)
-    return rate_table.Plan(
-        **values,
-        input_range=None if ends is None else (min(ends), max(ends)),
-        scale_factor=volts,
-        latitude=campaign.file.site.latitude,
-        standards=campaign.standards,
-    )
+def modelled_sensor(campaign: Campaign) -> Sensor:
+    """Return the sensor that the model of a campaign is of: that of the first test for a fit."""
+    fitted = (test for test in campaign.file.tests if test.use == "fit" and test.procedure in MODELLED)
+    return sensor_of(campaign, next(fitted))

@@ -14,13 +14,13 @@ from ..core.remarks import Remark, gather
 from ..core.result_tables import told
 from ..core.tables import Grid, Part, html, text
 from ..files.model_json import dump_model
-from ..procedures import rate_table
+from ..procedures import PROCEDURES
 from ..report.page import report_html
 from .contents import results_content
 from .load import Campaign, load
 from .modelling import Modelled, Prepared, make_model
 from .outcome_tables import outcome_parts
-from .prepare import placed, prepare, sensor_of
+from .prepare import MODELLED, placed, prepare, sensor_of
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
@@ -195,6 +195,7 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
 
 def _modelled(campaign: Campaign, prepared: Sequence[Prepared]) -> Modelled | None:
     """Make the model of the sensor that was fitted; problems get the place of the first such test."""
+    prepared = [one for one in prepared if one.test.procedure in MODELLED]
     fitted = [one for one in prepared if one.test.use == "fit"]
     if not fitted:
         return None
@@ -222,7 +223,7 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
         tell(number, len(tests), test.id)
         try:
             prepared = prepare(campaign, number)
-            result = rate_table.reduce(prepared.plan, prepared.readings)
+            result = PROCEDURES[test.procedure].reduce(prepared.plan, prepared.readings)
         except InertialcalError as error:
             problems += [placed(problem, campaign, number) for problem in error.problems]
             continue

@@ -7,6 +7,7 @@ setting that silently does nothing.
 from __future__ import annotations
 
 import math
+import re
 from itertools import pairwise
 from typing import Annotated, Any, Literal
 
@@ -25,7 +26,9 @@ PerAxis = str | dict[Axis, str]  # one quantity for all axes, or one each
 # Influences that may stand under [standards.NAME], with the unit that they are read into.
 STANDARDS: dict[str, dict[str, str]] = {
     "rate_table": {"rate": "1", "mounting": "rad"},
-    "converter": {"reference": "1"},
+    "turn": {"angle": "rad", "axis": "rad"},
+    "converter": {"reference": "1", "zero": "m/s^2"},
+    "sensor": {"scale_factor": "1"},
     "site": {"latitude": "rad"},
 }
 
@@ -177,6 +180,36 @@ class Rows(Strict):
     time: Text | None = None
 
 
+class Means(Strict):
+    """means = {...}: which column of a table of reduced means is what; a row is the mean of one axis in one dwell."""
+
+    axis: Text
+    position: Text
+    mean: Text
+    unit: Unit
+    angles: dict[Text, Angle]
+    flip: Text | None = None
+    temperature: Text | None = None
+    half_widths: dict[Text, Text] = {}
+
+    @field_validator("half_widths")
+    @classmethod
+    def _probabilities(cls, given: dict[str, str]) -> dict[str, str]:
+        for text in given:
+            if not re.fullmatch(r"0?\.\d{1,9}", text):
+                raise ValueError(f'half_widths: {text!r} is no probability: write it like "0.95"')
+        return given
+
+
+class Position(Strict):
+    """An entry of ``positions``: when a head stood still, and how it was turned then."""
+
+    start: str | int | float
+    stop: str | int | float
+    angle: Angle
+    flip: Text = "1"
+
+
 class Clock(Strict):
     """clock = {...}: which column is time, and which part of its averaging window a stamp means."""
 
@@ -203,29 +236,33 @@ class Schedule(Strict):
     unit: Unit
 
 
-ChannelName = Annotated[str, Field(pattern=r"^(applied|reference|((reference|temperature|validity)_)?[xyz])$")]
+ChannelName = Annotated[
+    str, Field(pattern=r"^(applied|reference|temperature|((reference|temperature|validity)_)?[xyz])$")
+]
 
 
 class RecordingEntry(Strict):
-    """[recordings.NAME]: a reduced table (``rows``) or a recording of channels on a clock (``channels``)."""
+    """[recordings.NAME]: a reduced table (``rows``, ``means``) or a recording of channels on a clock (``channels``)."""
 
     sensor: Name
     file: Text
     rows: Rows | None = None
+    means: Means | None = None
     channels: dict[ChannelName, ChannelEntry] | None = None
     clock: Clock | None = None
     schedule: Schedule | None = None
+    positions: list[Position] | None = Field(default=None, min_length=1)
     axis: Axis | None = None
     run: Text | None = None
     source: Text = ""
 
     @model_validator(mode="after")
     def _one_kind(self) -> RecordingEntry:
-        if (self.rows is None) == (self.channels is None):
-            raise ValueError("needs rows (a reduced table) or channels (a recording), one of them")
-        extra = [name for name in ("clock", "schedule", "axis", "run") if getattr(self, name) is not None]
-        if self.rows is not None and extra:
-            raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names columns in rows")
+        if [self.rows, self.means, self.channels].count(None) != 2:
+            raise ValueError("needs rows or means (a reduced table) or channels (a recording), one of them")
+        extra = [name for name in ("clock", "schedule", "positions", "axis", "run") if getattr(self, name) is not None]
+        if self.channels is None and extra:
+            raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")
         return self
 
 

@@ -32,7 +32,7 @@ def _row(one: Prepared, exclusions: Sequence[dict[str, Any]]) -> dict[str, Any]:
         "test": test.id, "procedure": test.procedure, "use": test.use, "condition": test.condition,
         "source": test.source, "groups": test.groups, "windows": windows or None,
         "recordings": [_recording(origin) for origin in one.origins],
-        "dwells": len(one.readings), "runs": one.readings.runs, "left_out": len(out),
+        "dwells": len(one.readings), "runs": getattr(one.readings, "runs", None), "left_out": len(out),
     }  # fmt: skip
 
 

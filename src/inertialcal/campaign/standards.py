@@ -7,6 +7,7 @@ from typing import Any
 
 from ..core.influence import Influence
 from ..core.results import finite
+from ..procedures import flip
 from ..procedures.rate_table import INFLUENCES, Plan, Result
 from ..procedures.rate_table.rows import applies
 from .load import Campaign
@@ -14,7 +15,7 @@ from .requirements import Tested
 from .schema import STANDARDS
 
 LATITUDE = "site.latitude"
-EFFECTS = INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
+EFFECTS = INFLUENCES | flip.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
 
 
 def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
@@ -34,6 +35,8 @@ def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[st
 
 def _needs(name: str, one: Tested) -> bool:
     result = one.result
+    if isinstance(result, flip.Result):
+        return name in flip.INFLUENCES
     return isinstance(result, Result) and (
         _earth_rate_is_known(result.plan) if name == LATITUDE else applies(name, result.plan, result.readings)
     )

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, demos, models, recordings, twins
+from . import campaigns, demos, flips, models, recordings, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -36,6 +36,7 @@ def _root(
 
 app.command("info")(recordings.info)
 app.command("rate-table")(recordings.rate_table)
+app.command("flip")(flips.flip)
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)

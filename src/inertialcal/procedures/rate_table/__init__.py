@@ -21,6 +21,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
@@ -94,6 +95,10 @@ class Result:
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""
         return tuple(rows(self))
+
+    def curves(self) -> list[Curve]:
+        """Curves of ``results.json``, SI."""
+        return curves(self)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""

@@ -1,0 +1,122 @@
+"""Readings of a flip: from a table of reduced means, or from recordings with the positions of the head."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import DataError
+from ..core.recording import SECOND, Recording
+from ..core.times import read_elapsed, read_instant
+from ..core.units import convert, factor, si_unit
+from ..files.table import Table, read_table
+from ..procedures import flip
+from ..procedures.flip.recordings import Turned, readings_from
+from ..procedures.flip.tables import MeanOf, readings_of_means
+from .channels import prepare_recording
+from .load import Campaign
+from .modelling import Prepared
+from .origins import Origin
+from .plans import plan_values
+from .schema import Means, Position, RecordingEntry, Sensor, Test
+
+
+def prepared_flip(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:
+    """Return a flip ready to be reduced.
+
+    Raises
+    ------
+    DataError
+        If a recording cannot be read, or means and recordings are mixed in one test.
+    """
+    values, _ = plan_values(test.procedure, test.plan, "")
+    plan = flip.Plan(**values, standards=campaign.standards)
+    entries = {name: campaign.file.recordings[name] for name in test.recordings}
+    tables = [name for name, entry in entries.items() if entry.means is not None]
+    if tables and len(tables) < len(entries):
+        what = f"test {test.id!r}: reduced means ({', '.join(tables)}) and recordings in one test"
+        raise DataError(what, do="Make two tests of them", code="wrong_value")
+    if tables:
+        return _from_means(campaign.folder, test, plan, entries)
+    return _from_recordings(campaign.folder, test, sensor, plan, entries)
+
+
+def _from_means(folder: Path, test: Test, plan: flip.Plan, entries: dict[str, RecordingEntry]) -> Prepared:
+    found: list[MeanOf] = []
+    inputs, origins, remarks = {}, [], []
+    for name, entry in entries.items():
+        table = read_table(folder / entry.file)
+        assert entry.means is not None  # noqa: S101 - tables only
+        means = means_of(table, entry.means, entry.file)
+        chosen = [one for one in means if test.groups is None or one.flip in test.groups]
+        found += chosen
+        inputs[entry.file] = table.source.sha256
+        origins.append(Origin(name, entry.file, table.source.sha256, "table", len(table), len(chosen)))
+        remarks += [*table.remarks, *table.missing(entry.means.mean)]
+    if not found:
+        what = f"test {test.id!r}: no row is in its groups ({', '.join(test.groups or ())})"
+        raise DataError(what, code="nothing_left")
+    readings = readings_of_means(found)
+    readings = replace(readings, remarks=(*remarks, *readings.remarks))
+    return Prepared(test, plan, readings, inputs, tuple(origins))
+
+
+def means_of(table: Table, means: Means, file: str) -> list[MeanOf]:
+    """Return the means of a table, a row each, SI.
+
+    Raises
+    ------
+    DataError
+        If a column is missing, a position has no angle (``wrong_value``), or an axis is none of x, y, z.
+    """
+    angles = means.angles
+    values = convert(table.numbers(means.mean), means.unit, si_unit(means.unit))
+    axes, positions = table.text(means.axis), table.text(means.position)
+    flips = table.text(means.flip) if means.flip else ("1",) * len(table)
+    warm = table.numbers(means.temperature) if means.temperature else [math.nan] * len(table)
+    scale = factor(means.unit, si_unit(means.unit))
+    widths = {float(p): table.numbers(column, required=False) * scale for p, column in means.half_widths.items()}
+    found = []
+    for i, row in enumerate(table.rows):
+        where = f"{file}:{row}"
+        if positions[i] not in angles:
+            what = f"column {means.position!r}: position {positions[i]!r} has no angle"
+            raise DataError(what, where, do=f"means.angles has: {', '.join(angles)}", code="wrong_value")
+        given = tuple((p, float(width[i])) for p, width in widths.items() if math.isfinite(width[i]))
+        found.append(
+            MeanOf(
+                axes[i].lower(), angles[positions[i]], float(values[i]), flips[i], given, float(warm[i]), where=where
+            )
+        )
+    return found
+
+
+def _from_recordings(
+    folder: Path, test: Test, sensor: Sensor, plan: flip.Plan, entries: dict[str, RecordingEntry]
+) -> Prepared:
+    turned, inputs, origins = [], {}, []
+    for name, entry in entries.items():
+        recording = prepare_recording(folder, name, entry, sensor)
+        windows = tuple(_window(one, recording, name) for one in entry.positions or ())
+        turned.append(Turned(recording, windows, name=name))
+        inputs[entry.file] = recording.source.sha256
+        origins.append(Origin(name, entry.file, recording.source.sha256, "recording", len(recording), len(recording)))
+    return Prepared(test, plan, readings_from(plan, turned), inputs, tuple(origins))
+
+
+def _window(given: Position, recording: Recording, name: str) -> flip.Window:
+    start, stop = (_instant(one, recording, name) for one in (given.start, given.stop))
+    return flip.Window(start, stop, given.angle, given.flip)
+
+
+def _instant(given: Any, recording: Recording, name: str) -> int:
+    """Return an instant on the clock of the recording [ns]."""
+    try:
+        return read_instant(given) if recording.epoch == "utc" else read_elapsed(given)
+    except ValueError as error:
+        clock = "UTC" if recording.epoch == "utc" else f"elapsed time ({SECOND} ns a second)"
+        raise DataError(
+            f"recordings.{name}.positions: {error}", why=f"its clock is {clock}", code="wrong_time"
+        ) from None

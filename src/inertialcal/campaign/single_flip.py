@@ -1,0 +1,177 @@
+"""A flip without a campaign file: what ``flip PATH`` and ``inertialcal.flip`` do."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from ..core.errors import UsageError
+from ..core.frames import frame
+from ..core.influence import Influence
+from ..core.remarks import Remark, gather
+from ..core.result_tables import figures, told
+from ..core.results import BESIDE, Row
+from ..core.tables import Part, html, text
+from ..core.units import kind, normalise, parse_quantity
+from ..files import read
+from ..files.table import read_table
+from ..procedures import flip as procedure
+from ..procedures.flip.plan import Axis
+from ..procedures.flip.recordings import Turned, readings_from
+from ..procedures.flip.tables import readings_of_means
+from .display import displayed
+from .flip_inputs import means_of
+from .flip_record import Said, found_windows, given_windows, head_recording
+from .flip_table import is_table_of_means, means_columns
+
+HALF_TURN = "180 deg"
+AXES: dict[str, Axis] = {"x": "x", "y": "y", "z": "z"}
+
+
+@dataclass(frozen=True, eq=False)
+class FlipFile:
+    """Result of one or more files.
+
+    Parameters
+    ----------
+    result : flip.Result
+        SI.
+    rows : tuple of Row
+        In the unit of the files.
+    inputs : mapping of str to str
+        SHA-256 by path.
+    unit : str
+        Of the figures.
+    remarks : tuple of Remark
+        What reading and reducing brought up.
+    """
+
+    result: procedure.Result
+    rows: tuple[Row, ...]
+    inputs: Mapping[str, str]
+    unit: str
+    remarks: tuple[Remark, ...]
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame, a row a figure."""
+        rows = [row.to_dict() for row in self.rows]
+        return frame({name: [row[name] for row in rows] for name in rows[0]})
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: the figures in the unit of the files, how many remarks."""
+        rows = [row.to_dict() for row in self.rows if row.condition not in BESIDE]
+        caption = f"flip about {self.result.plan.axis}: {len(self.result.readings)} dwells"
+        return (*figures(rows, caption), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def flip(
+    paths: str | Path | Sequence[str | Path],
+    *,
+    axis: str = "x",
+    unit: str | None = None,
+    positions: Mapping[str, str] | None = None,
+    windows: Sequence[tuple[str, str, str]] = (),
+    angle: str = HALF_TURN,
+    columns: Mapping[str, str] | None = None,
+    settle: str = "0 s",
+    corrected: bool = False,
+) -> FlipFile:
+    """Separate the bias of a triaxial head from ambient acceleration, by turning it.
+
+    Parameters
+    ----------
+    paths : path or sequence of path
+        A table of means (a row an axis and position), or recordings.
+    axis : {"x", "y", "z"}
+        Head axis about which it was turned.
+    unit : str, optional
+        Of the readings, where the files do not say it.
+    positions : mapping of str to str, optional
+        Of a table: angle of each position, ``{"reverse": "180 deg"}``.
+    windows : sequence of (start, stop, angle), optional
+        Of recordings: when the head stood still, and how it was turned. Absent: found by the spikes of the turns.
+    angle : str
+        Of the turns, where the windows are found.
+    columns : mapping of axis to str, optional
+        Channels of the axes, where their names do not say it.
+    settle : str
+        Left out at the start of each window.
+    corrected : bool
+        The bias of a model was taken off before: what is left of it is ``model_bias_error``.
+
+    Raises
+    ------
+    DataError
+        If a file cannot be read or cannot carry the answer.
+    UsageError
+        If it is not clear which column is what, in which unit, or how the head was turned.
+    """
+    files = [Path(one) for one in ([paths] if isinstance(paths, str | Path) else paths)]
+    if axis not in AXES:
+        raise UsageError(f"axis {axis!r}", do="There are: x, y, z", code="unknown_name")
+    standards: dict[str, Influence] = {}
+    plan = procedure.Plan(
+        axis=AXES[axis],
+        settle=parse_quantity(settle).to("s"),
+        corrected=corrected,
+        standards=standards,
+    )
+    spoken = None if unit is None else normalise(unit)
+    if len(files) == 1 and files[0].is_file() and _holds_means(files[0]):
+        readings, inputs, shown = _of_table(files[0], positions or {}, spoken)
+    else:
+        said = [Said(start, stop, parse_quantity(at).to("rad")) for start, stop, at in windows]
+        readings, inputs, shown = _of_recordings(files, plan, spoken, columns, said, parse_quantity(angle).to("rad"))
+    result = procedure.reduce(plan, readings)
+    rows = tuple(displayed(replace(row, test="flip"), shown) for row in result.rows())
+    return FlipFile(result, rows, inputs, shown, result.remarks)
+
+
+def _holds_means(file: Path) -> bool:
+    return file.suffix.lower() in {".csv", ".txt", ".tsv", ".gz"} and is_table_of_means(read_table(file))
+
+
+def _of_table(
+    file: Path, positions: Mapping[str, str], unit: str | None
+) -> tuple[procedure.Readings, dict[str, str], str]:
+    table = read_table(file)
+    means = means_columns(table, positions, unit)
+    readings = readings_of_means(means_of(table, means, str(file)))
+    remarks = gather([*table.remarks, *table.missing(means.mean), *readings.remarks])
+    return replace(readings, remarks=remarks), {str(file): table.source.sha256}, means.unit
+
+
+def _of_recordings(
+    files: Sequence[Path],
+    plan: procedure.Plan,
+    unit: str | None,
+    columns: Mapping[str, str] | None,
+    said: Sequence[Said],
+    angle: float,
+) -> tuple[procedure.Readings, dict[str, str], str]:
+    turned, inputs, shown = [], {}, unit or ""
+    for file in files:
+        recording = read(file)
+        units = [c.unit for c in recording.channels if c.unit and kind(c.unit) == "acceleration"]
+        shown = shown or (units[0] if units else "")
+        head = head_recording(recording, columns, unit)
+        windows, remarks = (given_windows(head, said), ()) if said else found_windows(head, angle)
+        head = replace(head, remarks=(*head.remarks, *remarks))
+        turned.append(Turned(head, windows, name=str(file)))
+        inputs[str(file)] = recording.source.sha256
+    return readings_from(plan, turned), inputs, shown or "m/s^2"
+
+
+__all__ = ["FlipFile", "flip"]
