@@ -51,8 +51,8 @@ class LevelScatter:
         return np.asarray(mean - np.median(mean[self.quiet], axis=0)) if self.quiet.any() else mean
 
 
-def quiet_level(blocks: Blocks, quiet: Flags, at: int, w: int) -> Array:
-    """Return the mean of the quiet blocks among w from a place in time on, shape (channels,); NaN where more than half lack.
+def quiet_level(blocks: Blocks, quiet: Flags, at: int, way: int, w: int, walls: Flags) -> tuple[Array, int]:
+    """Return the mean of the quiet blocks beside a place, shape (channels,), and their number.
 
     Parameters
     ----------
@@ -60,11 +60,20 @@ def quiet_level(blocks: Blocks, quiet: Flags, at: int, w: int) -> Array:
         The record.
     quiet : ndarray of bool, shape (b,)
         Of its blocks.
-    at, w : int
-        First block of time, and how many.
+    at : int
+        First block of time after the place, or the one after the last before it.
+    way : {1, -1}
+        To later, or to earlier blocks.
+    w : int
+        How many blocks of time are looked at.
+    walls : ndarray of bool, shape (b,)
+        Blocks that it does not look across.
     """
-    a, b = np.searchsorted(blocks.at, (at, at + w))
+    a, b = (int(i) for i in np.searchsorted(blocks.at, (at, at + w) if way > 0 else (at - w, at)))
+    hit = np.flatnonzero(walls[a:b])
+    if len(hit):
+        a, b = (a, a + int(hit[0])) if way > 0 else (a + int(hit[-1]) + 1, b)
     rows = a + np.flatnonzero(quiet[a:b])
-    if 2 * len(rows) < w:
-        return np.full(blocks.mean.shape[1], np.nan)
-    return np.asarray(blocks.mean[rows].mean(axis=0))
+    if not len(rows):
+        return np.full(blocks.mean.shape[1], np.nan), 0
+    return np.asarray(blocks.mean[rows].mean(axis=0)), len(rows)

@@ -12,7 +12,8 @@ say); take a stretch for still whose noise is more than twice that of the quiete
 exists, cut by that (``dwells_by_reference``, ``dwells_by_windows``).
 
 Selections: ``dwells`` (every still stretch long enough), ``static_intervals`` (one for each placement of a
-sensor set down by hand), ``quiet_windows`` (equally long windows inside still stretches). All give Dwells.
+sensor set down by hand), ``quiet_windows`` (equally long windows inside still stretches). All give Dwells. ``turns``
+selects the turns of a head from a long record, by its block means and variances.
 """
 
 from __future__ import annotations

@@ -13,7 +13,7 @@ INSIDE = 0.03  # of the peak of a spike: what is below is no part of it
 
 
 def peaks(blocks: Blocks, full: Indices, found: Segmentation, quiet: Flags) -> Array:
-    """Return the furthest sample of each block from the level around, in standard deviations of a quiet sample, shape (b,).
+    """Return the furthest sample of each block from the level around, (b,), in standard deviations of a quiet sample.
 
     In a stretch that is not still, the nearer one of the levels before and after counts: a step alone is no spike.
     """

@@ -238,6 +238,18 @@ def _slope(temperature: Blocks, at: int, size: int) -> float:
     return max(slopes)
 
 
+def quiet_part(turns: Turns, start_ns: int, stop_ns: int) -> float:
+    """Return the part of the blocks of a stretch, half-open [ns], that are there and quiet; 1 where nothing moves.
+
+    Blocks that the stretch only touches at its ends count too: a window should keep off them.
+    """
+    blocks = turns.blocks
+    begin = (start_ns - blocks.start_ns) // blocks.length_ns
+    end = -(-(stop_ns - blocks.start_ns) // blocks.length_ns)
+    a, b = np.searchsorted(blocks.at, (begin, end))
+    return float(np.count_nonzero(turns.quiet[a:b])) / max(end - begin, 1)
+
+
 def windows_as_given(signal: Signal, time_ns: Times, windows_ns: Sequence[tuple[int, int]]) -> tuple[Window, ...]:
     """Return windows of the user, by the sample and as they are.
 

@@ -22,19 +22,27 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ..core.errors import DataError, PlanError
 from ..core.estimate import Array
 from ..core.recording import SECOND, Times
-from ..core.remarks import Remark
+from ..core.remarks import Remark, Severity
 from .block_statistics import Blocks, Signal, block_statistics
 from .level_scatter import LevelScatter, quiet_level
 from .samples import Flags, Indices
 from .segments import Detection, Segmentation, detect
 from .spikes import clusters, narrowed, peaks
+
+SPIKES = {
+    "spike_without_step": "spike with one level before and after: a disturbance, or a turn in next to no acceleration",
+    "spike_undecided": "spike too near to other disturbances for a level before and after",
+    "disturbed": "spike with a change of level that is no turn: it takes longer, or other turn times are given",
+}
+
+FEWEST = 8  # quiet blocks beside a spike from which a level is told
 
 Instant = int | tuple[int, int]  # [ns]
 
@@ -162,16 +170,15 @@ class Turns:
     def remarks(self) -> tuple[Remark, ...]:
         """Spikes that are no turns, as far as the record tells; turns that are given and leave none."""
         found = []
-        level = [one for one in self.others if not one.significance > self.plan.step]
-        if level:
-            text = "spike with the same level before and after: a disturbance, or a turn in next to no acceleration"
-            do = "If the head was turned there, give the turn times"
-            found.append(Remark("spike_without_step", "info", text, _clock(level[0], self), len(level), do))
-        if len(level) < len(self.others):
-            long = next(one for one in self.others if one.significance > self.plan.step)
-            text = f"disturbance longer than {self.plan.longest:g} s, with a change of level"
-            do = "If the head was turned there, give the turn times"
-            found.append(Remark("disturbed", "warning", text, _clock(long, self), len(self.others) - len(level), do))
+        groups: dict[str, list[Turn]] = {}
+        for one in self.others:
+            stepped = one.significance > self.plan.step
+            kind = "disturbed" if stepped else "spike_without_step" if one.significance >= 0.0 else "spike_undecided"
+            groups.setdefault(kind, []).append(one)
+        do = "If the head was turned there, give the turn times"
+        for kind, group in groups.items():
+            severity: Severity = "warning" if kind == "disturbed" else "info"
+            found.append(Remark(kind, severity, SPIKES[kind], _clock(group[0], self), len(group), do))
         unseen = [one for one in self.turns if one.given and one.first == one.stop]
         if unseen:
             text, do = "no spike where the head was turned", "See whether the turn times are on the clock of the record"
@@ -214,21 +221,17 @@ def find_turns(
     quiet = np.zeros(len(blocks), dtype=bool)
     quiet[full] = np.repeat(found.still, found.stop - found.start) & ~found.samples.outlier
     peak = peaks(blocks, full, found, quiet)
+    scatter = LevelScatter(blocks, quiet).of(plan.blocks(plan.shortest), 2 * plan.blocks(plan.settle))
+    look = _Look(blocks, quiet, peak, scatter, plan)
     spikes = clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
-    apart = LevelScatter(blocks, quiet)
+    every = [look.measured(*narrowed(peak, *one)) for one in spikes]
     if given_ns is None:
-        spikes = [(a, b) for a, b in spikes if peak[a:b].max() >= plan.spike]
-        every = [_measured(blocks, quiet, apart, plan, narrowed(peak, a, b), peak) for a, b in spikes]
-        longest = plan.blocks(plan.longest) + 1
-        turned = [one.significance > plan.step and one.stop - one.first <= longest for one in every]
-        turns = tuple(one for one, is_turn in zip(every, turned, strict=True) if is_turn)
-        others = tuple(one for one, is_turn in zip(every, turned, strict=True) if not is_turn)
-        return Turns(turns, others, blocks, quiet, found, plan)
-    turns = tuple(_as_given(one, blocks, quiet, apart, plan, spikes, peak) for one in given_ns)
+        turns = [one for one in every if one.significance > plan.step and one.stop - one.first <= look.longest]
+    else:
+        turns = sorted((look.given(one, every) for one in given_ns), key=lambda one: one.start_ns)
     taken = {(one.first, one.stop) for one in turns}
-    rest = [_measured(blocks, quiet, apart, plan, narrowed(peak, a, b), peak) for a, b in spikes]
-    others = tuple(one for one in rest if (one.first, one.stop) not in taken)
-    return Turns(tuple(sorted(turns, key=lambda one: one.start_ns)), others, blocks, quiet, found, plan)
+    others = tuple(one for one in every if (one.first, one.stop) not in taken)
+    return Turns(tuple(turns), others, blocks, quiet, found, plan)
 
 
 def _moving(blocks: Blocks, full: Indices) -> Segmentation:
@@ -239,60 +242,61 @@ def _moving(blocks: Blocks, full: Indices) -> Segmentation:
     return detect(signal, blocks.time_ns[full], blocks.length, Detection())
 
 
-def _measured(
-    blocks: Blocks,
-    quiet: Flags,
-    apart: LevelScatter,
-    plan: TurnPlan,
-    spike: tuple[int, int],
-    peak: Array,
-    given: bool = False,
-) -> Turn:
-    """Return a spike with the levels on both sides of it."""
-    first, stop = spike
-    start_ns = blocks.start_ns + int(blocks.at[first]) * blocks.length_ns
-    stop_ns = blocks.start_ns + int(blocks.at[stop - 1] + 1) * blocks.length_ns
-    gap, w = plan.blocks(plan.settle), plan.blocks(plan.shortest)
-    before = quiet_level(blocks, quiet, int(blocks.at[first]) - gap - w, w)
-    after = quiet_level(blocks, quiet, int(blocks.at[stop - 1]) + 1 + gap, w)
-    step = after - before
-    ratio = np.abs(step) / apart.of(w, 2 * gap)
-    significance = float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
-    return Turn(start_ns, stop_ns, first, stop, float(peak[first:stop].max()), step, significance, given)
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """What the blocks of a record tell of a place in it: `peaks`, and the scatter of levels beside each other."""
 
+    blocks: Blocks
+    quiet: Flags
+    peak: Array
+    scatter: Array
+    plan: TurnPlan
 
-def _as_given(
-    when: Instant,
-    blocks: Blocks,
-    quiet: Flags,
-    apart: LevelScatter,
-    plan: TurnPlan,
-    spikes: Sequence[tuple[int, int]],
-    peak: Array,
-) -> Turn:
-    """Return the turn of a time that was given, as long as the spike that is seen there."""
-    start_ns, stop_ns = when if isinstance(when, tuple) else (when, when)
-    if stop_ns < start_ns:
-        raise PlanError(f"turn from {start_ns} to {stop_ns} ns ends before it starts")
-    end_ns = blocks.start_ns + int(blocks.at[-1] + 1) * blocks.length_ns
-    if stop_ns <= blocks.start_ns or start_ns >= end_ns:
-        why = f"the record runs from {blocks.start_ns} to {end_ns} ns"
-        raise DataError(f"turn at {start_ns} ns lies outside the record", why=why, code="turn_outside")
-    a, b = (stamp - blocks.start_ns for stamp in (start_ns, stop_ns))
-    near = [
-        (x, y)
-        for x, y in (narrowed(peak, *one) for one in spikes)
-        if (blocks.at[x] - 1) * blocks.length_ns <= b and a <= (blocks.at[y - 1] + 2) * blocks.length_ns
-    ]
-    if isinstance(when, tuple):  # taken as it is
+    @property
+    def longest(self) -> int:
+        """Blocks that the longest turn reaches into."""
+        return self.plan.blocks(self.plan.longest) + 1
+
+    def measured(self, first: int, stop: int) -> Turn:
+        """Return the blocks [first, stop) as a spike, with the levels on both sides of it."""
+        blocks, plan = self.blocks, self.plan
+        begin, end = int(blocks.at[first]), int(blocks.at[stop - 1]) + 1
+        gap, w = plan.blocks(plan.settle), plan.blocks(plan.shortest)
+        walls = (self.peak >= plan.spike) & ~self.quiet
+        after, n = quiet_level(blocks, self.quiet, end + gap, 1, w, walls)
+        before, m = quiet_level(blocks, self.quiet, begin - gap, -1, w, walls)
+        step = after - before if min(n, m) >= FEWEST else np.full(len(before), np.nan)
+        ratio = np.abs(step) / (self.scatter * np.sqrt(max(w / max(min(n, m), 1), 1.0)))
+        significance = float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
+        start_ns, stop_ns = (blocks.start_ns + at * blocks.length_ns for at in (begin, end))
+        return Turn(start_ns, stop_ns, first, stop, float(self.peak[first:stop].max()), step, significance)
+
+    def given(self, when: Instant, spikes: Sequence[Turn]) -> Turn:
+        """Return the turn of a time that was given: of an instant, as long as the spike that is seen there."""
+        start_ns, stop_ns = when if isinstance(when, tuple) else (when, when)
+        first, stop = self._blocks(start_ns, stop_ns)
+        slack = self.blocks.length_ns
+        near = [one for one in spikes if one.start_ns <= stop_ns + slack and start_ns <= one.stop_ns + slack]
+        if isinstance(when, tuple):
+            stop = max(stop, first + 1)
+            return replace(self.measured(first, stop), start_ns=start_ns, stop_ns=stop_ns, given=True)
+        if near:
+            return replace(max(near, key=lambda one: one.peak), given=True)
+        seen = self.measured(first, first + 1)
+        return replace(seen, start_ns=when, stop_ns=when, stop=first, given=True)
+
+    def _blocks(self, start_ns: int, stop_ns: int) -> tuple[int, int]:
+        """Blocks [first, stop) that a time reaches into."""
+        blocks = self.blocks
+        if stop_ns < start_ns:
+            raise PlanError(f"turn from {start_ns} to {stop_ns} ns ends before it starts")
+        end_ns = blocks.start_ns + int(blocks.at[-1] + 1) * blocks.length_ns
+        if stop_ns <= blocks.start_ns or start_ns >= end_ns:
+            why = f"the record runs from {blocks.start_ns} to {end_ns} ns"
+            raise DataError(f"turn at {start_ns} ns lies outside the record", why=why, code="turn_outside")
+        a, b = (stamp - blocks.start_ns for stamp in (start_ns, stop_ns))
         first, stop = np.searchsorted(blocks.at, (a // blocks.length_ns, -(-b // blocks.length_ns)))
-        seen = _measured(blocks, quiet, apart, plan, (int(first), max(int(stop), int(first) + 1)), peak, True)
-        return Turn(start_ns, stop_ns, seen.first, seen.stop, seen.peak, seen.step, seen.significance, True)
-    if near:
-        return _measured(blocks, quiet, apart, plan, max(near, key=lambda one: peak[one[0] : one[1]].max()), peak, True)
-    here = min(int(np.searchsorted(blocks.at, a // blocks.length_ns)), len(blocks) - 1)
-    seen = _measured(blocks, quiet, apart, plan, (here, here + 1), peak, True)
-    return Turn(when, when, here, here, seen.peak, seen.step, seen.significance, True)
+        return min(int(first), len(blocks) - 1), int(stop)
 
 
 def _clock(one: Turn, found: Turns) -> str:
