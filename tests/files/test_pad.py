@@ -8,12 +8,12 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pad_pairs_made import BIG, START, header, pair, records, stamp, systems
 
 import inertialcal as ic
 from inertialcal.core.recording import Recording
 from inertialcal.core.remarks import Remark
 from inertialcal.core.times import SECOND, read_instant
+from pad_pairs_made import BIG, START, header, pair, records, stamp, systems
 
 ZERO = read_instant(START)
 REAL = "2014_10_22_09_36_36.324-2014_10_22_09_37_35.317.121f03006"

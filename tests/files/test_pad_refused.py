@@ -7,10 +7,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from pad_pairs_made import BIG, START, header, pair, records, stamp, systems
 
 import inertialcal as ic
 from inertialcal.core.errors import DataError, InertialcalError, Problem, UsageError
+from pad_pairs_made import BIG, START, header, pair, records, stamp, systems
 
 BOMB = (
     '<?xml version="1.0"?><!DOCTYPE sams2_accel [<!ENTITY a "aaaaaaaaaa"><!ENTITY b "&a;&a;&a;&a;&a;&a;&a;&a;">]>'

@@ -157,6 +157,10 @@ def test_the_accuracy_as_published_is_the_sum_of_the_half_widths() -> None:
     assert control.interval.hi is not None
     assert control.interval.hi < 0.0  # the document's own control axis is beyond its accuracy
     assert of(result, "bias", "x", condition) == pytest.approx(-1270.475, abs=ROUNDING)
+    assert of(result, "control_error", "x", condition) == pytest.approx(TABLE_5["x"]["1"], abs=ROUNDING)
+    second = "as_published, flip 2"
+    assert of(result, "ambient_acceleration", "y", second) == pytest.approx(TABLE_4["y"]["2"], abs=ROUNDING)
+    assert of(result, "bias", "z", second) == pytest.approx(TABLE_6["z"]["2"], abs=ROUNDING)
     assert control.interval.p == 0.95
     assert control.u is None
 

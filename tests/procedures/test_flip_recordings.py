@@ -157,6 +157,16 @@ def test_a_window_at_the_rails_is_not_read_by_that_axis() -> None:
     assert other.u is not None
 
 
+def test_a_gain_that_changes_inside_a_window_is_found() -> None:
+    whole = recording(y=signal("y"), z=signal("z"), gain_y=np.where(STAMPS < 800.0, 10.0, 100.0))
+    readings = read(Plan(), of=whole)
+    told = next(one for one in readings.remarks if one.code == "gain_changed")
+    assert told.what == "the gain changes from 10 to 100 inside the window: y is not read"
+    assert told.where == "head: 760 to 1100 s"
+    assert np.isnan(readings.outputs["y"][1])
+    assert np.isfinite(readings.outputs["z"]).all()
+
+
 def test_temperatures_are_the_mean_of_each_window() -> None:
     whole = recording(y=signal("y"), z=signal("z"), temperature=STAMPS / 100.0, temperature_z=STAMPS / 50.0)
     readings = read(Plan(), of=whole)

@@ -14,7 +14,7 @@ from itertools import pairwise
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter, FixedLocator
+from matplotlib.ticker import FixedFormatter, FixedLocator, MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
 from .metrics import LEADING, folded, height, width
@@ -27,6 +27,7 @@ TICK = 7.0  # a tick and the gap to its label [pt]
 GAP = 4.0  # between tick labels, label and legend [pt]
 BETWEEN = 12.0  # panels: half a tick label of each [pt]
 TICK_TEXT = TEXT - 1.0
+MOST_TICKS = 6  # but one, of a linear axis
 FEWEST = 120.0  # width of the panels that long tick labels leave [pt]
 
 
@@ -101,6 +102,10 @@ def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
 
 def _fixed(axis: Axis) -> list[str]:
     """Fix the ticks of an axis as they are; return their labels, which no layout need ask for any more."""
+    if not _labelled(axis):
+        return [""]
+    if isinstance(locator := axis.get_major_locator(), MaxNLocator):
+        locator.set_params(nbins=MOST_TICKS)
     low, high = sorted(axis.get_view_interval())
     places = [place for place in axis.get_majorticklocs() if low <= place <= high]
     labels = axis.get_major_formatter().format_ticks(places)

@@ -102,4 +102,6 @@ def _fill(part: Figure | SubFigure, picture: Picture) -> list[Axes]:
     for ax in axes:
         set_ticks(ax)
     picture.draw(axes, "")
+    for ax in axes[: len(axes) - 1 if picture.share_x else 0]:
+        ax.tick_params(axis="x", bottom=False, labelbottom=False)  # those under the lowest panel are theirs too
     return axes
