@@ -6,9 +6,8 @@ import hashlib
 from collections.abc import Callable
 from pathlib import Path
 
-from ran_campaigns import Ran, ran
-
 from inertialcal.core.times import read_instant
+from ran_campaigns import Ran, ran
 
 
 def test_tests_stand_in_the_order_run_with_the_files_they_drew_on(campaign_ran: Ran) -> None:

@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 import hashlib
+import tracemalloc
 from pathlib import Path
 
 import numpy as np
 import pytest
-from pad_pairs_made import BIG, START, header, pair, records, stamp, systems
 
 import inertialcal as ic
 from inertialcal.core.recording import Recording
 from inertialcal.core.remarks import Remark
 from inertialcal.core.times import SECOND, read_instant
+from pad_pairs_made import BIG, START, header, pair, records, stamp, systems
 
 ZERO = read_instant(START)
 REAL = "2014_10_22_09_36_36.324-2014_10_22_09_37_35.317.121f03006"
@@ -44,6 +45,7 @@ def test_both_byte_orders_read_bit_for_bit(tmp_path: Path, kind: str, text: str 
             assert channel.data.dtype == np.float32
             assert np.array_equal(channel.data, table[:, i + 1])
         assert found.epoch == "utc"
+        assert found.time_ns is not None
         assert np.array_equal(found.time_ns, ZERO + np.arange(20) * SECOND // 100)
 
 
@@ -248,6 +250,42 @@ def test_only_files_in_the_window_are_opened(tmp_path: Path) -> None:
     assert remark(found, "cut_to_times").what == (
         "5 of 20 samples lie between the times asked for; 1 file(s) outside them not opened"
     )
+
+
+# A day at 250 samples/s
+
+
+def peak(path: Path, frame: str) -> int:
+    """Return the most memory that reading takes [bytes]."""
+    tracemalloc.start()
+    try:
+        ic.read(path, frame=frame)
+        return tracemalloc.get_traced_memory()[1]
+    finally:
+        tracemalloc.stop()
+
+
+@pytest.mark.parametrize("frame", ["data", "sensor"])
+def test_a_day_of_records_takes_less_than_a_gibibyte(tmp_path: Path, frame: str) -> None:
+    n, text = 600_000, header(rate="250.00", more=systems((0.0, 30.0, -90.0)))
+    for length in (n, 2 * n):
+        (tmp_path / str(length)).mkdir()
+        pair(tmp_path / str(length), records(length, rate=250.0), text=text)
+    once, twice = (peak(tmp_path / str(length), frame) for length in (n, 2 * n))
+    assert twice + (twice - once) / n * (86_400 * 250 - 2 * n) < 2**30
+
+
+@pytest.mark.slow
+def test_a_whole_day_keeps_its_stamps_and_values(tmp_path: Path) -> None:
+    n = 86_400 * 250
+    table = np.empty((n, 4), dtype=np.float32)
+    table[:, 0] = np.arange(n) / 250.0
+    for axis in (1, 2, 3):
+        table[:, axis] = np.random.default_rng(axis).standard_normal(n, dtype=np.float32) * np.float32(1e-4)
+    found = ic.read(pair(tmp_path, table, text=header(rate="250.00")))
+    assert found.time_ns is not None
+    assert np.array_equal(found.time_ns, ZERO + np.arange(n) * (SECOND // 250))
+    assert all(np.array_equal(c.data, table[:, i + 1]) for i, c in enumerate(found.channels))
 
 
 # info, and the record of the archive itself

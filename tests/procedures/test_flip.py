@@ -157,6 +157,10 @@ def test_the_accuracy_as_published_is_the_sum_of_the_half_widths() -> None:
     assert control.interval.hi is not None
     assert control.interval.hi < 0.0  # the document's own control axis is beyond its accuracy
     assert of(result, "bias", "x", condition) == pytest.approx(-1270.475, abs=ROUNDING)
+    assert of(result, "control_error", "x", condition) == pytest.approx(TABLE_5["x"]["1"], abs=ROUNDING)
+    second = "as_published, flip 2"
+    assert of(result, "ambient_acceleration", "y", second) == pytest.approx(TABLE_4["y"]["2"], abs=ROUNDING)
+    assert of(result, "bias", "z", second) == pytest.approx(TABLE_6["z"]["2"], abs=ROUNDING)
     assert control.interval.p == 0.95
     assert control.u is None
 
@@ -209,7 +213,7 @@ def turned(angles: Array, axis: str = "x", change: Array | None = None, labels: 
     y[:, j] = B[j] - np.sin(angles) * G[i] + np.cos(angles) * G[j]
     y = y if change is None else y + change
     outputs = {name: y[:, "xyz".index(name)] for name in labels}
-    return Readings(angles, np.full(len(angles), "1"), outputs, time=np.arange(len(angles)) * 100.0)
+    return Readings(angles, np.full(len(angles), "1"), outputs, time=100.0 * np.arange(len(angles), dtype=np.float64))
 
 
 @pytest.mark.parametrize("axis", ["x", "y", "z"])
@@ -260,11 +264,11 @@ def test_an_incomplete_flip_is_not_pooled() -> None:
 @pytest.mark.parametrize("drift", ["ambient", "bias", "temperature"])
 def test_a_drift_is_fitted_where_three_dwells_carry_it(drift: str) -> None:
     angles = np.radians([0.0, 180.0, 0.0, 180.0])
-    since = np.arange(4) * 100.0 - 150.0
+    since: Array = np.array([-150.0, -50.0, 50.0, 150.0])
     sign = np.cos(angles)[:, None] if drift == "ambient" else np.ones((4, 1))
     slopes = np.array([0.0, 0.02, -0.01])
     readings = turned(angles, change=sign * since[:, None] * slopes)
-    readings = replace(readings, temperature=dict.fromkeys("xyz", 20.0 + since))
+    readings = replace(readings, temperature=dict.fromkeys("xyz", np.asarray(20.0 + since)))
     result = reduce(Plan(drift=drift), readings)  # type: ignore[arg-type]
     name = {"ambient": "ambient_acceleration_rate", "bias": "bias_rate"}.get(drift, "bias_temperature_coefficient")
     assert row(result, name, "y").value == pytest.approx(0.02)

@@ -98,7 +98,7 @@ def test_only_what_is_named_quiet_shows_the_noise() -> None:
 
 def test_a_long_record_is_cut_to_the_blocks_about_its_windows() -> None:
     times = readings_from(Plan(block=1.0), [Turned(head(), placed(*LONG))]).quiet[0].times
-    assert len(times) == 1000
+    assert len(times) == 720
     assert (times < 400.0).sum() == pytest.approx((times > 1100.0).sum(), abs=1)
 
 
@@ -155,6 +155,16 @@ def test_a_window_at_the_rails_is_not_read_by_that_axis() -> None:
     assert row.u is not None
     other = next(one for one in result.rows() if one.quantity == "bias" and one.axis == "z" and not one.condition)
     assert other.u is not None
+
+
+def test_a_gain_that_changes_inside_a_window_is_found() -> None:
+    whole = recording(y=signal("y"), z=signal("z"), gain_y=np.where(STAMPS < 800.0, 10.0, 100.0))
+    readings = read(Plan(), of=whole)
+    told = next(one for one in readings.remarks if one.code == "gain_changed")
+    assert told.what == "the gain changes from 10 to 100 inside the window: y is not read"
+    assert told.where == "head: 760 to 1100 s"
+    assert np.isnan(readings.outputs["y"][1])
+    assert np.isfinite(readings.outputs["z"]).all()
 
 
 def test_temperatures_are_the_mean_of_each_window() -> None:

@@ -76,9 +76,9 @@ class Visit:
 
 @contextmanager
 def visit(browser: Browser, path: Path, width: int = DESKTOP, **options: Any) -> Iterator[Visit]:
-    """Open a file at a width; ``options`` are those of a browser context (``color_scheme``, ...)."""
+    """Open a file at a width, without animations; ``options`` are those of a browser context (``permissions``, ...)."""
     size: Any = {"width": width, "height": HEIGHT.get(width, PAPER_HEIGHT)}
-    context = browser.new_context(viewport=size, **options)
+    context = browser.new_context(viewport=size, reduced_motion="reduce", **options)
     try:
         found = Visit(context.new_page())
         found.watch(context)

@@ -80,7 +80,7 @@ def test_every_link_of_the_contents_leads_into_sight(seen: Visit, width: int) ->
         target = (link.get_attribute("href") or "").removeprefix("#")
         assert page.locator(f'[id="{target}"]').count() == 1, target
         link.evaluate("one => one.click()")
-        assert soon(page, partial(page.locator(f'[id="{target}"]').evaluate, IN_SIGHT)), target
+        assert soon(page, partial(page.locator(f'[id="{target}"]').evaluate, IN_SIGHT)), f"{target} is out of sight"
     assert seen.page.url.startswith(f"{seen.url}#")
 
 

@@ -66,6 +66,9 @@ def test_a_test_that_carries_nothing_says_so() -> None:
         ("INCONCLUSIVE", [("R1", "INCONCLUSIVE"), ("R2", "INCONCLUSIVE")], [], "The data cannot decide R1 and R2"),
         ("FAIL", [("R1", "FAIL"), ("R2", "PASS")], [], "R1: an interval lies wholly outside what is allowed."),
         ("FAIL", [("closed loop", "FAIL")], [1], "worse than raw, so no model is delivered"),
+        ("FAIL", [("R1", "INCONCLUSIVE"), ("closed loop", "FAIL")], [1], "is delivered. The data cannot decide R1: "),
+        ("FAIL", [("R1", "FAIL"), ("R2", "OPEN")], [], "what is allowed. No test covers R2."),
+        ("INCONCLUSIVE", [("closed loop", "INCONCLUSIVE")], [1], "The data cannot tell whether compensation improves"),
     ],
 )
 def test_the_verdict_says_why(
@@ -75,6 +78,7 @@ def test_the_verdict_says_why(
     text = plain(findings.of_verdict(word, rows, wrap({"axes": axes}, "/closed_loop")))
     assert said in text
     assert text.endswith(".")
+    assert "decide closed loop" not in text
     if said.startswith("R1:"):
         assert "R2" not in text
 
@@ -116,6 +120,27 @@ def test_a_budget_says_the_source_with_the_largest_share() -> None:
         [{"source": "a", "share": 0.2}, {"source": "b", "share": 0.8}, {"source": "c", "share": None}], "/budgets"
     )
     assert plain(findings.of_budget(rows)) == "Mostly b, a share of 0.8 of the variance"
+
+
+def left_out(count: int, counts: str, test: str = "t", rule: str = "edge") -> dict[str, Any]:
+    return {"test": test, "rule": rule, "count": count, "counts": counts}
+
+
+@pytest.mark.parametrize(
+    ("rows", "said"),
+    [
+        ([], "Nothing was left out"),
+        ([left_out(1, "dwell"), left_out(1, "dwell", rule="at_rail")], "Two dwells left out, by two stated rules"),
+        ([left_out(22, "sample"), left_out(22, "sample")], "Samples at two places left out, by one stated rule"),
+        (
+            [left_out(1, "dwell"), left_out(54, "row", "u", "not_chosen")],
+            "One dwell and rows at one place left out, by two stated rules; "
+            "what several tests leave out counts in each",
+        ),
+    ],
+)
+def test_exclusions_are_counted_as_what_they_are(rows: list[dict[str, Any]], said: str) -> None:
+    assert plain(findings.of_exclusions(wrap(rows, "/exclusions"))) == said
 
 
 def test_texts_in_a_finding_are_escaped() -> None:

@@ -50,9 +50,9 @@ def flat(row: Mapping[str, Any]) -> dict[str, Any]:
 def _cell(value: Any) -> Any:
     if value is None:
         return ""
-    text = repr(value) if isinstance(value, float) else str(value)
+    text = repr(value) if isinstance(value, float) else str(value).replace("\r", "\n")  # csv quotes the latter alone
     # A spreadsheet would run a text cell that starts like a formula.
-    return f"'{text}" if isinstance(value, str) and text[:1] in "=+-@\t\r" and text[1:2] != "" else text
+    return f"'{text}" if isinstance(value, str) and text[:1] in "=+-@\t\n" and text[1:2] != "" else text
 
 
 def check_writable(folder: Path) -> None:

@@ -89,11 +89,11 @@ def _rate(header: PadHeader, stamps: Stamps, said: float | None, where: str) -> 
 def _check_records(stop: int, header: PadHeader, stamps: Stamps, where: str) -> None:
     """Refuse data that end far from the stop in the name."""
     found = len(stamps.time_ns)
-    off = (int(stamps.time_ns[-1]) - stop) / SECOND * header.sample_rate
-    if abs(off) <= max(2.0, RECORDS * found) + header.sample_rate / 1000.0:
+    off = (stamps.end - stop) / SECOND * header.sample_rate
+    if abs(off) <= max(2.0, RECORDS * found) + header.sample_rate * (0.001 + stamps.resolution):
         return
     raise DataError(
-        f"{found} records end {instant_text(int(stamps.time_ns[-1]))}, the name says {instant_text(stop)}: "
+        f"{found} records end {instant_text(_to_microsecond(stamps.end))}, the name says {instant_text(stop)}: "
         f"{abs(off):.0f} records {'too many' if off > 0 else 'are missing'}",
         where=where,
         why="a file that was cut short loses its end silently",
@@ -104,11 +104,11 @@ def _check_records(stop: int, header: PadHeader, stamps: Stamps, where: str) -> 
 
 def _stops(stop: int, header: PadHeader, stamps: Stamps, where: str) -> tuple[Remark, ...]:
     """Remark where name, header and data do not end at the same millisecond."""
-    ends = {"the name": stop, "the data": int(stamps.time_ns[-1])}
+    ends = {"the name": stop, "the data": stamps.end}
     named = parse_name(header.data_file)
     if named is not None:
         ends["GData in the header"] = named.stop
-    if max(ends.values()) - min(ends.values()) <= MILLISECOND:
+    if max(ends.values()) - min(ends.values()) <= MILLISECOND + stamps.resolution * SECOND:
         return ()
     said = ", ".join(f"{what} {instant_text(_to_microsecond(end))}" for what, end in ends.items())
     return (Remark("stop_differs", "warning", f"end of the record: {said}", where, do="The data were taken"),)

@@ -34,8 +34,12 @@ class Stamps:
     ----------
     time_ns : ndarray of int64, shape (n,)
         Regenerated [ns since 1970 UTC].
+    end : int
+        Last of the file's own stamps [ns since 1970 UTC].
     interval : float
-        By the file's own stamps [s].
+        By the file's own stamps, over the longest run without a gap [s].
+    uncertain : float
+        By how much it may be wrong for the width of the stamps [s].
     deviation : float
         Largest difference of the file's stamps from the regenerated ones [s].
     resolution : float
@@ -47,7 +51,9 @@ class Stamps:
     """
 
     time_ns: Times
+    end: int
     interval: float
+    uncertain: float
     deviation: float
     resolution: float
     drifts: bool
@@ -76,9 +82,9 @@ def regenerate(time: NDArray[Any], zero: int, sample_rate: float, where: str) ->
     if not np.all(np.isfinite(time)):
         first = int(np.argmin(np.isfinite(time)))
         raise bad_stamps(f"record {first + 1}: the time is no number", where)
-    interval = median_step(time) if len(time) > 1 else 1.0 / sample_rate
     resolution = float(np.spacing(np.float32(np.abs(time).max())))
-    jumps = _jumps(time, interval, resolution, where)
+    jumps = _jumps(time, median_step(time) if len(time) > 1 else 1.0 / sample_rate, resolution, where)
+    interval, uncertain = _longest_run(time, jumps, resolution) if len(time) > 1 else (1.0 / sample_rate, 0.0)
     time_ns = np.empty(len(time), dtype=np.int64)
     deviation = 0.0
     for first, last in _runs(len(time), jumps):
@@ -89,7 +95,8 @@ def regenerate(time: NDArray[Any], zero: int, sample_rate: float, where: str) ->
             time_ns[a:b] = zero + np.rint(since * SECOND).astype(np.int64)
             deviation = max(deviation, float(np.abs(time[a:b] - since).max()))
     drifts = deviation > resolution + DRIFT / sample_rate
-    return Stamps(time_ns, interval, deviation, resolution, drifts, jumps)
+    end = zero + round(float(time[-1]) * SECOND)
+    return Stamps(time_ns, end, interval, uncertain, deviation, resolution, drifts, jumps)
 
 
 def median_step(time: NDArray[Any]) -> float:
@@ -101,15 +108,22 @@ def median_step(time: NDArray[Any]) -> float:
 
 def rates_agree(stamps: Stamps, sample_rate: float) -> bool:
     """Whether the file's own stamps go as fast as the sample rate [Hz], within a hundredth."""
-    size = max(1, (len(stamps.time_ns) - 1) // STRETCHES)
-    allowed = RATES_AGREE / sample_rate + stamps.resolution / size
-    return abs(stamps.interval - 1.0 / sample_rate) <= allowed
+    return abs(stamps.interval - 1.0 / sample_rate) <= RATES_AGREE / sample_rate + stamps.uncertain
 
 
 def _runs(n: int, jumps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
     """Begin and end of each run of samples without a gap."""
     ends = [*(int(jump) + 1 for jump in jumps), n]
     yield from zip([0, *ends[:-1]], ends, strict=True)
+
+
+def _longest_run(time: NDArray[Any], jumps: NDArray[np.int64], resolution: float) -> tuple[float, float]:
+    """Mean step over the longest run without a gap, and how far the width of the stamps may move it [s]."""
+    first, last = max(_runs(len(time), jumps), key=lambda run: run[1] - run[0])
+    steps = last - first - 1
+    if not steps:
+        return median_step(time), resolution
+    return (float(time[last - 1]) - float(time[first])) / steps, resolution / steps
 
 
 def _jumps(time: NDArray[Any], interval: float, resolution: float, where: str) -> NDArray[np.int64]:

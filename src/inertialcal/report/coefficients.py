@@ -129,5 +129,8 @@ def _sentence(one: Any, rows: dict[tuple[str, str], Any]) -> Finding:
             figure,
             ".",
         )
+    ends = row["interval"]
+    if ends is not None and None not in (ends["lo"], ends["hi"]) and ends["lo"].raw <= 0.0 <= ends["hi"].raw:
+        return ("The ", sensor, " sensor reads its own axis right, as far as the data tell: error ", figure, ".")
     much = "too much" if row["value"].raw >= 0 else "too little"
-    return ("The ", sensor, " sensor reads ", much, " of its own axis: ", figure, ".")
+    return ("The ", sensor, " sensor reads ", much, " of its own axis: error ", figure, ".")

@@ -9,7 +9,7 @@ from typing import Any
 
 from .numbers import clean
 
-FORMULA = ("=", "+", "-", "@", "\t", "\r")  # a spreadsheet would run a text that begins so
+FORMULA = ("=", "+", "-", "@", "\t", "\n")  # a spreadsheet would run a text that begins so
 
 
 def curve_csv(curve: Mapping[str, Any]) -> str:
@@ -45,6 +45,6 @@ def _cell(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        text = clean(value)
+        text = clean(value).replace("\r", "\n")  # csv quotes the latter alone
         return f"'{text}" if text.startswith(FORMULA) else text
     return repr(value)

@@ -107,16 +107,9 @@ def of_verdict(verdict: str | None, verification: Sequence[Any], loop: Any) -> F
     if not verdict:
         return ("No requirement is stated and no closed loop was run, so this report judges nothing.",)
     named = {word: [row["requirement"] for row in verification if row["verdict"] == word] for word in ORDER}
-    if verdict == "FAIL":
-        return _failed(named["FAIL"])
-    if verdict == "INCONCLUSIVE":
-        parts: Finding = ()
-        if named["INCONCLUSIVE"]:
-            parts = ("The data cannot decide ", *_names(named["INCONCLUSIVE"]), ": an interval straddles a limit, ")
-            parts = (*parts, "or a reading that is needed is missing.")
-        if named["OPEN"]:
-            parts = (*parts, " " if parts else "", "No test covers ", *_names(named["OPEN"]), ".")
-        return parts
+    if verdict in ("FAIL", "INCONCLUSIVE"):
+        reasons = (_failed(named["FAIL"]), _undecided(named["INCONCLUSIVE"]), _open(named["OPEN"]))
+        return _joined([one for one in reasons if one])
     what = "Every requirement holds" if any(row["requirement"] != LOOP for row in verification) else ""
     better = "compensation improves readings that the model has not seen" if loop["axes"] else ""
     told = " with its uncertainty, and ".join(part for part in (what, better) if part)
@@ -130,7 +123,29 @@ def _failed(names: Sequence[str]) -> Finding:
     if len(stated) == len(names):
         return parts
     worse = "Compensation makes readings that the model has not seen worse than raw, so no model is delivered."
-    return (*parts, " " if parts else "", worse)
+    return _joined([one for one in (parts, (worse,)) if one])
+
+
+def _undecided(names: Sequence[str]) -> Finding:
+    """Say what the data cannot decide, requirements and closed loop each in their own words."""
+    stated = [name for name in names if name != LOOP]
+    parts: Finding = ()
+    if stated:
+        parts = ("The data cannot decide ", *_names(stated), ": an interval straddles a limit, ")
+        parts = (*parts, "or a reading that is needed is missing.")
+    if len(stated) == len(names):
+        return parts
+    unknown = "The data cannot tell whether compensation improves readings that the model has not seen."
+    return _joined([one for one in (parts, (unknown,)) if one])
+
+
+def _open(names: Sequence[str]) -> Finding:
+    return ("No test covers ", *_names(names), ".") if names else ()
+
+
+def _joined(sentences: Sequence[Finding]) -> Finding:
+    """Sentences one after the other, a blank between."""
+    return tuple(part for i, one in enumerate(sentences) for part in ((" ", *one) if i else one))
 
 
 def _names(names: Sequence[str]) -> Finding:
@@ -160,11 +175,19 @@ def of_budget(rows: Sequence[Any]) -> Finding:
 
 
 def of_exclusions(rows: Sequence[Any]) -> Finding:
-    """Say how many dwells were left out, and who decided it."""
+    """Say how many dwells were left out, where else something was, and by how many rules.
+
+    A row is one dwell, or a place with the count of what was left out there.
+    """
     if not rows:
-        return ("No dwell was left out",)
-    stated = len({str(row["rule"]) for row in rows})
-    return (f"{counted(len(rows), 'dwell').capitalize()} left out, by {counted(stated, 'stated rule')}",)
+        return ("Nothing was left out",)
+    by_kind = {kind: sum(str(row["counts"]) == kind for row in rows) for kind in ("dwell", "row", "sample")}
+    told = [counted(by_kind["dwell"], "dwell")] if by_kind["dwell"] else []
+    told += [f"{kind}s at {counted(by_kind[kind], 'place')}" for kind in ("row", "sample") if by_kind[kind]]
+    rules = counted(len({str(row["rule"]) for row in rows}), "stated rule")
+    several = "; what several tests leave out counts in each" if len({str(row["test"]) for row in rows}) > 1 else ""
+    text = f"{listed(told)} left out, by {rules}{several}"
+    return (text[:1].upper() + text[1:],)
 
 
 def of_remarks(remarks: Sequence[Any]) -> Finding:

@@ -91,8 +91,8 @@ def record(bench: Bench, head: Head, rng: np.random.Generator) -> Record:
     rng : numpy.random.Generator
         All draws come from it.
     """
-    of_world, of_noise = rng.spawn(2)
-    errors = draw_errors(bench, of_world)
+    of_errors, of_world, of_noise = rng.spawn(3)
+    errors = draw_errors(bench, of_errors)
     n = round(bench.duration * bench.rate)
     seconds: Array = (np.arange(n, dtype=np.float64) + 0.5) / bench.rate
     temperature = _temperature(bench, seconds, of_world)

@@ -1,17 +1,19 @@
 """The flip with nothing in it but bias, ambient acceleration and noise: fast, for coverage over thousands of records.
 
-The same record as the rig makes, without temperature, lines, crew and filters, before the converter.
+The same record as the rig makes, without temperature, lines, crew and filters, before the converter. The head is
+aligned and its scale factors are the stated ones: what a ground model takes away is taken away.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 
 from ..core.influence import Influence
 from .sams_tsh_record import Record, record
-from .sams_tsh_setup import Bench, draw_head
+from .sams_tsh_setup import Bench, Head, draw_head
 
 
 def reduced(
@@ -40,7 +42,14 @@ def reduced(
     """
     bench = reduced_bench(corner, turn_starts, positions_deg, arm, standards)
     of_head, of_record = np.random.default_rng(seed).spawn(2)
-    return record(bench, draw_head(bench, of_head), of_record)
+    return record(bench, aligned(draw_head(bench, of_head)), of_record)
+
+
+def aligned(head: Head) -> Head:
+    """Return a head without misalignment, with the ideal scale factors at every temperature."""
+    scale = np.zeros_like(head.scale)
+    scale[:, 0] = 1.0
+    return replace(head, matrix=np.stack([np.eye(3), np.zeros((3, 3))]), scale=scale)
 
 
 def reduced_bench(

@@ -199,6 +199,8 @@ def _matrix_sentence(model: SensorModel, one: Parameter) -> str:
     entry = 100.0 * float(model.matrix[one.index])
     if power:
         return f"{sensor} sensor and {moves} motion, term in {_power(power)}"
+    if row != column and not entry and one.name in model.not_estimated:
+        return f"{sensor} sensor and {moves} motion: not estimated, taken as none"
     if row != column:
         return f"{sensor} sensor reads {number(entry, PERCENT_DIGITS)} % of {moves} motion"
     excess = entry - 100.0

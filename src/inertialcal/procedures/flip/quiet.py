@@ -5,7 +5,7 @@ head was turned. Blocks start anew at each window and each quiet stretch, so tha
 is left at the end of a stretch is shorter than a block and left out, and so is a block with samples missing. A
 window's mean is taken as that of its blocks here: this matters to its uncertainty alone.
 
-A record of more than 1,000 blocks is cut to the 1,000 about its windows: "the record" is then that part.
+A record of more than 720 blocks is cut to the 720 about its windows: "the record" is then that part.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Times
 from .plan import Quiet
 
-MOST = 1000  # blocks: time and memory of the noise model grow with their cube and square
+MOST = 720  # blocks: time and memory of the noise model grow with their cube and square
 PRESENT = 0.9  # of the samples that a block should have
 
 

@@ -36,7 +36,8 @@ class Turned:
     Parameters
     ----------
     recording : Recording
-        Channels named by axis [m/s^2]; ``temperature``, or ``temperature_x`` of each axis, where there is one [degC].
+        Channels named by axis [m/s^2]; ``temperature``, or ``temperature_x`` of each axis, where there is one [degC];
+        ``gain_x``, ... where the gain of an axis was recorded.
     windows : tuple of Window
         Its dwells.
     quiet : tuple of (int, int), optional
@@ -189,10 +190,10 @@ def _dwell(plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArr
     remarks = []
     for axis, data in channels.items():
         samples = np.asarray(data[low:high], dtype=np.float64)
-        part = 1.0 - float(np.count_nonzero(np.isfinite(samples))) * interval / ((window.stop - window.start) / SECOND)
-        if part > plan.missing:
-            what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: {axis} is not read"
-            remarks.append(Remark("dwell_incomplete", "warning", what, f"{one.place}: {_seconds(window, one)}"))
+        present = float(np.count_nonzero(np.isfinite(samples))) * interval / ((window.stop - window.start) / SECOND)
+        doubt = _not_read(plan, one, axis, slice(int(low), int(high)), 1.0 - present)
+        if doubt is not None:
+            remarks.append(doubt.at(f"{one.place}: {_seconds(window, one)}"))
             continue
         values[axis], why = _statistics(plan, stamps, samples, interval)
         reasons |= why
@@ -200,6 +201,19 @@ def _dwell(plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArr
     middle = (0.5 * (window.start + window.stop)) / SECOND
     warm = {axis: _temperature(one, axis, int(low), int(high)) for axis in channels}
     return _Dwell(window, values, widths, middle, warm, tuple(remarks), reasons)
+
+
+def _not_read(plan: Plan, one: Turned, axis: str, inside: slice, absent: float) -> Remark | None:
+    """Return why an axis is not read in a window; None where it is."""
+    if absent > plan.missing:
+        what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: {axis} is not read"
+        return Remark("dwell_incomplete", "warning", what)
+    name = f"gain_{axis}"
+    gains = np.unique(one.recording.channel(name).data[inside]) if name in one.recording.names else np.zeros(0)
+    if len(gains) > 1:
+        what = f"the gain changes from {gains[0]:g} to {gains[-1]:g} inside the window: {axis} is not read"
+        return Remark("gain_changed", "warning", what, do="Choose a window of one gain: its zero and bias are others")
+    return None
 
 
 def _temperature(one: Turned, axis: str, low: int, high: int) -> float:

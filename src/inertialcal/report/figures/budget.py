@@ -90,8 +90,7 @@ def draw(ax: Axes, rows: Rows, title: str = "") -> None:
     ax.tick_params(axis="y", length=0)
     set_title(ax, title)
     set_labels(ax, "share of the variance [%]")
-    longest = max(len(source.label) for source in known)
-    set_legend(ax, 2 if longest <= 26 else 1, [Patch(label=source.label, **_look(source)) for source in known])
+    set_legend(ax, [Patch(label=source.label, **_look(source)) for source in known])
 
 
 def sources(rows: Rows) -> list[Source]:

@@ -79,4 +79,4 @@ def draw(axes: Sequence[Axes], found: Sequence[Curve], title: str = "") -> None:
         ax.tick_params(labelbottom=False)
     set_title(axes[0], title)
     set_labels(axes[-1], with_unit("applied", unit(found[0], "applied")))
-    set_legend(axes[-1], 2)
+    set_legend(axes[-1])

@@ -67,7 +67,7 @@ def draw(ax: Axes, trace: Curve, dwells: Curve, title: str = "") -> None:
     patches = _spans(ax, dwells)
     set_title(ax, title)
     set_labels(ax, with_unit("time", unit(trace, "time")), with_unit(plain(trace.get("axis", "")), unit(trace, "lo")))
-    set_legend(ax, 1 if len(patches) > 2 else 2, patches)
+    set_legend(ax, patches)
 
 
 def envelope(time: Array, lo: Array, hi: Array) -> tuple[Array, Array]:

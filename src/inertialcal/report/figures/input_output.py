@@ -86,7 +86,7 @@ def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
     set_labels(below, with_unit("applied", unit(curve, "applied")), with_unit("residual", unit(curve, "residual")))
     above.tick_params(labelbottom=False)
     handles = [*above.get_legend_handles_labels()[0], *_only_below(below)]
-    set_legend(below, 1 if len(handles) > 2 else 2, handles)
+    set_legend(below, handles)
 
 
 def _only_below(ax: Axes) -> list[Any]:

@@ -129,7 +129,7 @@ def draw(ax: Axes, rows: Rows, title: str = "") -> None:
         Patch(color=COLOURS[role], alpha=STRONGEST, label=label)
         for role, label in (("orange", "positive"), ("blue", "negative"))
     ]
-    set_legend(ax, 3, [*tints, *hatched], below=-8.0)
+    set_legend(ax, [*tints, *hatched], below=-8.0)
 
 
 def _known(row: Mapping[str, Any] | None) -> bool:

@@ -6,6 +6,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from .layout import place
 from .style import WIDTH, look, set_heading, set_ticks
 
 if TYPE_CHECKING:
@@ -61,7 +62,8 @@ def stacked(pictures: Sequence[Picture]) -> Figure:
         whole = NewFigure(figsize=(WIDTH, sum(heights)), layout="constrained", facecolor="white")
         parts = whole.subfigures(len(pictures), 1, height_ratios=heights, squeeze=False)[:, 0]
         for part, picture in zip(parts, pictures, strict=True):
-            _fill(part, picture, titled=True)
+            _fill(part, picture)
+            set_heading(part, picture.finding)
     return whole
 
 
@@ -83,16 +85,23 @@ def on_new_figure(picture: Picture, titled: bool, figure: Figure | None = None) 
         fig = NewFigure() if figure is None else figure
         fig.set_size_inches(WIDTH, sum(picture.heights) + GAP)
         fig.set_facecolor("white")
-        fig.set_layout_engine("constrained")
-        _fill(fig, picture, titled)
+        if titled:
+            fig.set_layout_engine("constrained")
+            _fill(fig, picture)
+            set_heading(fig, picture.finding)
+        else:
+            place(fig, _fill(fig, picture), picture.heights)
     return fig
 
 
-def _fill(part: Figure | SubFigure, picture: Picture, titled: bool) -> None:
+def _fill(part: Figure | SubFigure, picture: Picture) -> list[Axes]:
+    """Return the panels, drawn."""
     ratios = {"height_ratios": picture.heights}
     grid = part.subplots(len(picture.heights), 1, sharex=picture.share_x, squeeze=False, gridspec_kw=ratios)
-    for ax in grid[:, 0]:
+    axes = list(grid[:, 0])
+    for ax in axes:
         set_ticks(ax)
-    picture.draw(list(grid[:, 0]), "")
-    if titled:
-        set_heading(part, picture.finding)
+    picture.draw(axes, "")
+    for ax in axes[: len(axes) - 1 if picture.share_x else 0]:
+        ax.tick_params(axis="x", bottom=False, labelbottom=False)  # those under the lowest panel are theirs too
+    return axes

@@ -162,7 +162,7 @@ def draw(axes: Sequence[Axes], curve: Curve, verdicts: Sequence[Mapping[str, Any
         set_labels(ax, y=with_unit(what, unit(curve, "error")))
     set_title(axes[0], title)
     set_labels(axes[-1], with_unit("rate", unit(curve, "rate")))
-    set_legend(axes[-1], 2, _handles(axes))
+    set_legend(axes[-1], _handles(axes))
 
 
 def _handles(axes: Sequence[Axes]) -> list[Any]:

@@ -13,8 +13,9 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from itertools import islice
 from textwrap import fill
 from typing import Any
 
@@ -23,11 +24,18 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
 
+from .metrics import folded, height, width
+
 WIDTH = 5.0  # [in]
 TEXT = 10.0  # [pt]
 LINE = 62  # characters in a line of a title
 LONGEST = 40  # characters of a name from the data
 BELOW = -38.0  # of the legend under the axes, clear of their label [pt]
+LEGEND = 300.0  # width of a legend [pt]
+LEGEND_TEXT = TEXT - 1.0  # [pt]
+MOST_COLUMNS = 3  # of a legend
+HANDLE = 2.5 * LEGEND_TEXT  # width of what stands before a label of the legend [pt]
+COLUMN_GAP, ROW_GAP = 11.0, 4.5  # of a legend [pt]
 
 # role -> (light, dark); the light ones differ from each other, so that a page can find them again.
 ROLES: dict[str, tuple[str, str]] = {
@@ -75,7 +83,7 @@ _RC: Any = {
     "ytick.labelcolor": COLOURS["ink"],
     "grid.color": COLOURS["grid"],
     "grid.linewidth": 0.6,
-    "legend.fontsize": TEXT - 1.0,
+    "legend.fontsize": LEGEND_TEXT,
     "legend.frameon": False,
     "lines.linewidth": 1.2,
     "lines.markersize": 5.0,
@@ -132,16 +140,44 @@ def set_labels(ax: Axes, x: str = "", y: str = "") -> None:
         ax.set_ylabel(y, parse_math=False)
 
 
-def set_legend(ax: Axes, columns: int = 2, handles: Any = None, below: float = BELOW) -> None:
-    """Put the legend under the axes, where it covers nothing; labels are taken as they are."""
+def set_legend(ax: Axes, handles: Any = None, below: float = BELOW) -> None:
+    """Put the legend under the axes, where it covers nothing; labels are taken as they are, long ones are folded."""
     given, labels = ax.get_legend_handles_labels() if handles is None else (handles, [h.get_label() for h in handles])
     if not given:
         return
+    texts = [folded(str(label), LEGEND_TEXT, LEGEND - HANDLE) for label in labels]
     place = offset_copy(ax.transAxes, ax.get_figure(root=True), 0.0, below, units="points")
     legend = ax.legend(
         given, [f"{i}" for i in range(len(given))], loc="upper left", bbox_to_anchor=(0.0, 0.0), bbox_transform=place,
-        ncols=columns, borderaxespad=0.0, borderpad=0.0, columnspacing=1.2, handletextpad=0.5,
+        ncols=len(_columns(texts)), borderaxespad=0.0, borderpad=0.0, columnspacing=COLUMN_GAP / LEGEND_TEXT,
+        handletextpad=0.5, handlelength=2.0, labelspacing=ROW_GAP / LEGEND_TEXT,
     )  # fmt: skip
-    for shown, label in zip(legend.get_texts(), labels, strict=True):
+    for shown, text in zip(legend.get_texts(), texts, strict=True):
         shown.set_parse_math(False)
-        shown.set_text(str(label))  # set here, because a label that begins with "_" would be left out
+        shown.set_text(text)  # set here, because a label that begins with "_" would be left out
+
+
+def legend_size(ax: Axes) -> tuple[float, float]:
+    """Return width and height of the legend of axes [pt]; zeros for none."""
+    legend = ax.get_legend()
+    if legend is None:
+        return 0.0, 0.0
+    columns = _columns([text.get_text() for text in legend.get_texts()])
+    high = max(sum(height(text, LEGEND_TEXT) + ROW_GAP for text in column) for column in columns)
+    return _wide(columns), high
+
+
+def _columns(texts: Sequence[str]) -> list[list[str]]:
+    """Return the columns of a legend, as many as there is room for; the first ones are the longer ones."""
+    for count in range(min(MOST_COLUMNS, len(texts)), 0, -1):
+        sizes = [len(texts) // count + (i < len(texts) % count) for i in range(count)]
+        rest = iter(texts)
+        columns = [list(islice(rest, size)) for size in sizes]
+        if _wide(columns) <= LEGEND:
+            break
+    return columns
+
+
+def _wide(columns: Sequence[Sequence[str]]) -> float:
+    own = [HANDLE + max(width(text, LEGEND_TEXT) for text in column) for column in columns]
+    return sum(own) + COLUMN_GAP * (len(own) - 1)

@@ -12,6 +12,7 @@ import warnings
 from xml.etree import ElementTree as ET
 
 from matplotlib import rc_context
+from matplotlib.backends.backend_svg import FigureCanvasSVG
 
 from .picture import Picture, on_new_figure
 from .style import COLOURS
@@ -58,8 +59,9 @@ def _saved(picture: Picture) -> bytes:
     with rc_context({"svg.fonttype": "none", "svg.hashsalt": SALT}), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # the reader's fonts have it, or not
         figure = on_new_figure(picture, titled=False)
+        figure.set_facecolor("none")
         nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-        figure.savefig(out, format="svg", transparent=True, metadata=nothing)
+        FigureCanvasSVG(figure).print_svg(out, metadata=nothing)
     return out.getvalue()
 
 

@@ -14,9 +14,8 @@ BIG = "binary 32 bit IEEE float big endian"
 
 def stamp(start: str, seconds: float) -> str:
     """Return a time of the archive some seconds later, to the millisecond."""
-    base = np.datetime64(f"{start[:10].replace('_', '-')}T{start[11:19].replace('_', ':')}{start[19:]}", "ns")
-    later = str((base + np.timedelta64(round(seconds * 1e9), "ns")).astype("datetime64[us]").astype("datetime64[ms]"))
-    return later.replace("-", "_").replace("T", "_").replace(":", "_")
+    base = np.datetime64(f"{start[:10].replace('_', '-')}T{start[11:19].replace('_', ':')}{start[19:]}", "ms")
+    return str(base + np.timedelta64(round(seconds * 1e3), "ms")).replace("-", "_").replace("T", "_").replace(":", "_")
 
 
 def header(
@@ -66,7 +65,5 @@ def pair(
     stop = stamp(start, float(table[-1, 0])) if stop is None else stop
     path = folder / f"{start}{sign}{stop}.{sensor}"
     path.write_bytes(table.astype(kind).tobytes())
-    path.with_name(path.name + ".header").write_text(
-        header(start, sensor) if text is None else text, encoding="ascii"
-    )
+    path.with_name(path.name + ".header").write_text(header(start, sensor) if text is None else text, encoding="ascii")
     return path

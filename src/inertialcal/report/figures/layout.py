@@ -1,0 +1,124 @@
+"""Places of panels, labels and legend on a figure of a page, reckoned from its texts before anything is drawn.
+
+A page has dozens of figures. To find room by drawing, as layouts for any figure do, takes longer than the figure
+itself; here all is known: the size of the font, the labels, the rows of the legend. Panels have the height that the
+picture asks for, and the figure grows with what stands around them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+from matplotlib.axes import Axes
+from matplotlib.axis import Axis
+from matplotlib.figure import Figure
+from matplotlib.ticker import FixedFormatter, FixedLocator, MaxNLocator
+from matplotlib.transforms import ScaledTranslation
+
+from .metrics import LEADING, folded, height, width
+from .style import TEXT, WIDTH, legend_size
+
+INCH = 72.0  # [pt]
+WHOLE = WIDTH * INCH
+EDGE = 4.0  # free at every edge of the figure [pt]
+TICK = 7.0  # a tick and the gap to its label [pt]
+GAP = 4.0  # between tick labels, label and legend [pt]
+BETWEEN = 12.0  # panels: half a tick label of each [pt]
+TICK_TEXT = TEXT - 1.0
+MOST_TICKS = 6  # but one, of a linear axis
+FEWEST = 120.0  # width of the panels that long tick labels leave [pt]
+
+
+@dataclass(frozen=True)
+class Around:
+    """What a panel needs above and below it [pt]: to the middle of the gap."""
+
+    above: float
+    below: float
+
+
+def place(figure: Figure, axes: Sequence[Axes], heights: Sequence[float]) -> None:
+    """Give a figure its height, and what stands on it its place.
+
+    Parameters
+    ----------
+    figure : Figure
+        Of the width of the house, without title.
+    axes : sequence of Axes
+        Its panels, drawn, from the top.
+    heights : sequence of float
+        Of the panels [in].
+    """
+    tall = [INCH * one for one in heights]
+    for ax, high in zip(axes, tall, strict=True):
+        ax.yaxis.label.set_text(folded(ax.get_ylabel(), TEXT, high + BETWEEN))
+        ax.xaxis.label.set_text(folded(ax.get_xlabel(), TEXT, WHOLE * 0.7))
+    legend = legend_size(axes[-1])
+    around = [_around(ax) for ax in axes]
+    gaps = [max(a.below + b.above, BETWEEN) for a, b in pairwise(around)]
+    under = around[-1].below + (GAP + legend[1] if legend[1] else 0.0) + EDGE
+    whole = around[0].above + EDGE + sum(tall) + sum(gaps) + under
+    figure.set_size_inches(WIDTH, whole / INCH)
+    bottoms = [under + sum(tall[i + 1 :]) + sum(gaps[i:]) for i in range(len(tall))]
+    left = _across(axes, [(bottom / whole, high / whole) for bottom, high in zip(bottoms, tall, strict=True)])
+    _put_legend(axes[-1], min(left, WHOLE - EDGE - legend[0]), under - around[-1].below - GAP, whole)
+
+
+def _around(ax: Axes) -> Around:
+    label, title = height(ax.get_xlabel(), TEXT), height(ax.get_title(loc="left"), TICK_TEXT)
+    ticks = TICK + LEADING * TICK_TEXT if _labelled(ax.xaxis) else 0.0
+    both = ticks + (GAP + label if label else 0.0)
+    at_top = ax.xaxis.get_label_position() == "top"
+    sign, edge = (1.0, 1.0) if at_top else (-1.0, 0.0)
+    offset = ScaledTranslation(0.0, sign * (ticks + GAP) / INCH, ax.get_figure(root=True).dpi_scale_trans)
+    ax.xaxis.set_label_coords(0.5, edge, transform=ax.transAxes + offset)
+    half = LEADING * TICK_TEXT / 2.0
+    title += GAP if title else 0.0
+    return Around(title + both, half) if at_top else Around(max(title, half), max(both, half))
+
+
+def _labelled(axis: Axis) -> bool:
+    """Whether an axis shows the labels of its ticks."""
+    shown = axis.get_tick_params()
+    return bool(shown.get("labelbottom", True) or shown.get("labeltop", False))
+
+
+def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
+    """Set the panels between their tick labels and the right edge; return where they begin [pt]."""
+    for ax, (bottom, high) in zip(axes, rows, strict=True):
+        ax.set_position((0.15, bottom, 0.8, high))
+    widest = max(width(label, TICK_TEXT) for ax in axes for label in _fixed(ax.yaxis))
+    label = max(height(ax.get_ylabel(), TEXT) for ax in axes)
+    left = min(EDGE + label + GAP + widest + TICK, WHOLE - FEWEST)
+    right = max(2.0 * EDGE, *(width(label, TICK_TEXT) / 2.0 + 1.0 for ax in axes for label in _fixed(ax.xaxis)[-1:]))
+    for ax, (bottom, high) in zip(axes, rows, strict=True):
+        ax.set_position((left / WHOLE, bottom, (WHOLE - left - right) / WHOLE, high))
+        offset = ScaledTranslation(-(TICK + widest + GAP) / INCH, 0.0, ax.get_figure(root=True).dpi_scale_trans)
+        ax.yaxis.set_label_coords(0.0, 0.5, transform=ax.transAxes + offset)
+    return left
+
+
+def _fixed(axis: Axis) -> list[str]:
+    """Fix the ticks of an axis as they are; return their labels, which no layout need ask for any more."""
+    if not _labelled(axis):
+        return [""]
+    if isinstance(locator := axis.get_major_locator(), MaxNLocator):
+        locator.set_params(nbins=MOST_TICKS)
+    low, high = sorted(axis.get_view_interval())
+    places = [place for place in axis.get_majorticklocs() if low <= place <= high]
+    labels = axis.get_major_formatter().format_ticks(places)
+    axis.set_major_locator(FixedLocator(places))
+    axis.set_major_formatter(FixedFormatter(labels))
+    for tick in axis.get_major_ticks(len(places)):
+        tick.label1.set_in_layout(False)
+        tick.label2.set_in_layout(False)
+    return [*labels, ""]
+
+
+def _put_legend(ax: Axes, left: float, top: float, whole: float) -> None:
+    legend = ax.get_legend()
+    if legend is not None:
+        place = (max(left, EDGE) / WHOLE, top / whole)
+        legend.set_bbox_to_anchor(place, transform=ax.get_figure(root=True).transFigure)

@@ -1,0 +1,52 @@
+"""Widths of texts in the font of the figures, from the advances of their letters: no drawing is needed for them."""
+
+from __future__ import annotations
+
+from functools import cache
+
+from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.ft2font import FT2Font, LoadFlags
+
+FONT = "DejaVu Sans"  # wider than the fonts of browsers: what has room in it has room in them
+LEADING = 1.2  # height of a line, relative to the size of the font
+SIZE = 100.0  # at which letters are measured [pt]
+
+
+def width(text: str, size: float) -> float:
+    """Return how wide the widest line of a text is at a size of the font. [pt]"""
+    return max(sum(map(_advance, line)) for line in text.split("\n")) * size
+
+
+def height(text: str, size: float) -> float:
+    """Return how high a text is, all its lines; 0 for none. [pt]"""
+    return (text.count("\n") + 1) * LEADING * size if text else 0.0
+
+
+def folded(text: str, size: float, widest: float) -> str:
+    """Return a text folded into lines that are not wider than that [pt], between words where it has any."""
+    lines = [""]
+    for word in text.split(" "):
+        whole = f"{lines[-1]} {word}" if lines[-1] else word
+        if width(whole, size) <= widest:
+            lines[-1] = whole
+            continue
+        lines += [""] if lines[-1] else []
+        for letter in word:
+            lines += [""] if lines[-1] and width(lines[-1] + letter, size) > widest else []
+            lines[-1] += letter
+    return "\n".join(lines)
+
+
+@cache
+def _font() -> FT2Font:
+    font = get_font(findfont(FontProperties(family=[FONT])))
+    font.set_size(SIZE, 72)
+    return font
+
+
+@cache
+def _advance(letter: str) -> float:
+    """Advance of a letter, relative to the size of the font; a whole size for one that the font has not."""
+    if not _font().get_char_index(ord(letter)):
+        return 1.0
+    return float(_font().load_char(ord(letter), flags=LoadFlags.NO_HINTING).linearHoriAdvance) / 65536.0 / SIZE
