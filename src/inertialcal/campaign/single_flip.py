@@ -10,6 +10,7 @@ from typing import Any
 from ..core.errors import UsageError
 from ..core.frames import frame
 from ..core.influence import Influence
+from ..core.recording import Recording
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
 from ..core.results import BESIDE, Row
@@ -87,6 +88,10 @@ def flip(
     columns: Mapping[str, str] | None = None,
     settle: str = "0 s",
     corrected: bool = False,
+    start: str | None = None,
+    stop: str | None = None,
+    mission_start: str | None = None,
+    frame: str | None = None,
 ) -> FlipFile:
     """Separate the bias of a triaxial head from ambient acceleration, by turning it.
 
@@ -110,6 +115,8 @@ def flip(
         Left out at the start of each window.
     corrected : bool
         The bias of a model was taken off before: what is left of it is ``model_bias_error``.
+    start, stop, mission_start, frame : str, optional
+        Of recordings: as ``inertialcal.read`` takes them. Records of the archive are taken in axes of the sensor.
 
     Raises
     ------
@@ -129,11 +136,14 @@ def flip(
         standards=standards,
     )
     spoken = None if unit is None else normalise(unit)
+    part = {"start": start, "stop": stop, "mission_start": mission_start, "frame": frame}
     if len(files) == 1 and files[0].is_file() and _holds_means(files[0]):
         readings, inputs, shown = _of_table(files[0], positions or {}, spoken)
     else:
         said = [Said(start, stop, parse_quantity(at).to("rad")) for start, stop, at in windows]
-        readings, inputs, shown = _of_recordings(files, plan, spoken, columns, said, parse_quantity(angle).to("rad"))
+        heads, inputs, shown = _heads(files, spoken, columns, part)
+        turned = [_turned(head, said, parse_quantity(angle).to("rad")) for head in heads]
+        readings = readings_from(plan, turned)
     result = procedure.reduce(plan, readings)
     rows = tuple(displayed(replace(row, test="flip"), shown) for row in result.rows())
     return FlipFile(result, rows, inputs, shown, result.remarks)
@@ -153,25 +163,25 @@ def _of_table(
     return replace(readings, remarks=remarks), {str(file): table.source.sha256}, means.unit
 
 
-def _of_recordings(
-    files: Sequence[Path],
-    plan: procedure.Plan,
-    unit: str | None,
-    columns: Mapping[str, str] | None,
-    said: Sequence[Said],
-    angle: float,
-) -> tuple[procedure.Readings, dict[str, str], str]:
-    turned, inputs, shown = [], {}, unit or ""
+def _heads(
+    files: Sequence[Path], unit: str | None, columns: Mapping[str, str] | None, part: Mapping[str, str | None]
+) -> tuple[list[Recording], dict[str, str], str]:
+    """Return the recordings with the axes of the head, SHA-256 of their files, and the unit to show."""
+    heads, inputs, shown = [], {}, unit or ""
     for file in files:
-        recording = read(file)
+        recording = read(file, **part)  # type: ignore[arg-type]
+        if part["frame"] is None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
+            recording = read(file, **{**part, "frame": "sensor"})  # type: ignore[arg-type]
         units = [c.unit for c in recording.channels if c.unit and kind(c.unit) == "acceleration"]
         shown = shown or (units[0] if units else "")
-        head = head_recording(recording, columns, unit)
-        windows, remarks = (given_windows(head, said), ()) if said else found_windows(head, angle)
-        head = replace(head, remarks=(*head.remarks, *remarks))
-        turned.append(Turned(head, windows, name=str(file)))
+        heads.append(head_recording(recording, columns, unit))
         inputs[str(file)] = recording.source.sha256
-    return readings_from(plan, turned), inputs, shown or "m/s^2"
+    return heads, inputs, shown or "m/s^2"
+
+
+def _turned(head: Recording, said: Sequence[Said], angle: float) -> Turned:
+    windows, remarks = (given_windows(head, said), ()) if said else found_windows(head, angle)
+    return Turned(replace(head, remarks=(*head.remarks, *remarks)), windows, name=head.source.path)
 
 
 __all__ = ["FlipFile", "flip"]

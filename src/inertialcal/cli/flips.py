@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from .options import Json, Quiet
+from .options import Frame, Json, MissionStart, Quiet, Start, Stop
 from .output import json_out
 
 Paths = Annotated[list[Path], typer.Argument(help="A table of means, or recordings of the head.", show_default=False)]
@@ -27,6 +27,10 @@ def flip(
     column: Annotated[list[str] | None, typer.Option(help="Channel of an axis: x=COLUMN; may be repeated.")] = None,
     settle: Annotated[str, typer.Option(help="Left out at the start of each window.")] = "0 s",
     corrected: Annotated[bool, typer.Option("--corrected", help="The bias of a model was taken off before.")] = False,
+    start: Start = None,
+    stop: Stop = None,
+    mission_start: MissionStart = None,
+    frame: Frame = None,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -38,6 +42,7 @@ def flip(
         list(paths), axis=axis, unit=unit, positions=pairs(position or [], "--position", '"reverse=180 deg"'),
         columns=pairs(column or [], "--column", "x=ax"),
         windows=_windows(window or []), angle=angle, settle=settle, corrected=corrected,
+        start=start, stop=stop, mission_start=mission_start, frame=frame,
     )  # fmt: skip
     rows = [row.to_dict() for row in found.rows]
     remarks = [remark.to_dict() for remark in found.remarks]
