@@ -107,7 +107,8 @@ def _counted(parts: Sequence[_Part]) -> Remark:
     )
     outliers = sum(part.tally.outliers for part in parts)
     what = (
-        f"{len(parts)} recording{'s' * (len(parts) != 1)}, {samples} samples: {used} used in {sum(part.dwells for part in parts)} dwells,"
+        f"{len(parts)} recording{'s' * (len(parts) != 1)}, {samples} samples:"
+        f" {used} used in {sum(part.dwells for part in parts)} dwells,"
         f" {edges} dropped at their edges, {bad} missing or invalid in them, {outliers} outliers, the rest between them"
     )
     return Remark("dwells", "info", what)
