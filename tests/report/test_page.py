@@ -122,6 +122,14 @@ def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactor
     return read(folder), (folder / "out" / "report.html").read_text(encoding="utf-8")
 
 
+@pytest.fixture(scope="module")
+def thesis(tmp_path_factory: pytest.TempPathFactory) -> Files:
+    folder = tmp_path_factory.mktemp("page") / "published"
+    copy_example("npsat2011", folder)
+    run(folder)
+    return read(folder)
+
+
 @pytest.fixture
 def small(campaign: Callable[..., Path]) -> Files:
     run(campaign())
@@ -283,6 +291,46 @@ def test_a_large_campaign_stays_small(made: tuple[Files, str]) -> None:
     page = Page(text)
     assert "verdict" in {found.get("id") for _, found in page.tags}
     assert "No room for" in text
+
+
+def said(text: str) -> str:
+    """Return what a page says, without its elements."""
+    return " ".join(re.sub("<[^>]*>", "", text).split())
+
+
+def test_what_was_not_estimated_does_not_look_measured(thesis: Files) -> None:
+    text = report_html(*thesis)
+    matrix = text.partition('<table class="matrix">')[2].partition("</table>")[0]
+    assert matrix.count("not estimated") == 6
+    assert "The x sensor reads its own axis right, as far as the data tell: error 0.099 ± 0.038 %." in said(text)
+    assert "The y sensor reads too much of its own axis: error 0.530 ± 0.011 %." in said(text)
+
+
+def test_the_way_from_codes_to_the_input_of_the_code_is_said(thesis: Files) -> None:
+    results, model, provenance = copy.deepcopy(thesis)
+    assert "times 0.5 V/(deg/s) they are volts." in said(report_html(results, model, provenance))
+    sensor = results["sensors"]["suite"]
+    sensor["mounting"] = [[-1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, -1.0]]
+    sensor["chain"] |= {"kind": "adc", "lsb": "0.0012 V", "counts": [0, 4095], "reference": "channel"}
+    sensor["chain"] |= {"gain": {"x": 100, "z": 10}, "zero": "0.1 V"}
+    told = said(report_html(results, model, provenance))
+    assert "volts are codes 0 to 4095 times 0.0012 V , less the reference read beside each signal" in told
+    assert "less the zero of 0.1 V , divided by the gain of x 100, z 10" in told
+    assert "[-1, 0, 0], [0, 1, 0], [0, 0, -1]" in told
+    sensor["chain"] |= {"kind": "pulse_rate", "gate": "100 s", "reference": None}
+    assert "pulses a second are codes divided by a gate of 100 s" in said(report_html(results, model, provenance))
+
+
+def test_a_budget_ends_with_the_uncertainty_of_its_quantity(thesis: Files) -> None:
+    """The squares of the contributions add up to it: by hand, from the numbers on the page."""
+    results, model, provenance = thesis
+    page = report_html(results, model, provenance)
+    feet = re.findall(r"<tbody>((?:(?!<tbody>).)*?)</tbody><tfoot>(.*?)</tfoot>", page, re.DOTALL)
+    assert len(feet) == len({(one["test"], one["quantity"], one["axis"]) for one in results["budgets"]})
+    for body, foot in feet:
+        parts = [float(v) for v, _ in re.findall(r'<data value="([^"]*)" data-at="/budgets/(\d+)/u"', body)]
+        (total,) = re.findall(r'<data value="([^"]*)" data-at="/results/\d+/u"', foot)
+        assert float(total) == pytest.approx(sum(one * one for one in parts) ** 0.5, rel=1e-9)
 
 
 def test_no_template_prints_a_bare_number() -> None:

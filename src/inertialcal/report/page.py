@@ -90,6 +90,7 @@ def _content(
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
+        "totals": sections.budgeted(lists["results"]),
         "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
         "lists": lists,
         "pictures": _pictures(results),
@@ -136,7 +137,7 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", page, rows=rows)
     for name, _, rows in page["budgets"]:
-        yield name, _block("budget", page, rows=rows, grouped=sections.grouped, find=findings)
+        yield name, _block("budget", page, rows=rows, totals=page["totals"], grouped=sections.grouped, find=findings)
     yield "exclusions", _block("exclusions", page, rows=page["lists"]["exclusions"])
     for section in page["sections"]:
         if section.step is not None:

@@ -113,6 +113,15 @@ def missing(rows: Iterable[Any]) -> list[tuple[str, list[Any]]]:
     return list(reasons.items())
 
 
+def budgeted(rows: Iterable[Any]) -> dict[tuple[str, str, str], Any]:
+    """Return the rows that budgets add up to, by test, quantity and axis."""
+    return {
+        (row["test"], row["quantity"], row["axis"]): row
+        for row in rows
+        if not row["condition"] and row["status"] == "estimated" and row["u"] is not None
+    }
+
+
 def placed(remarks: Iterable[Any], test: str) -> list[Any]:
     """Return the remarks of a test, the serious ones first."""
     mine = [one for one in remarks if one["where"] == test or one["where"].startswith(f"{test}: ")]

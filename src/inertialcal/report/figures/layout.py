@@ -12,22 +12,15 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedFormatter, FixedLocator, MaxNLocator
-from matplotlib.transforms import ScaledTranslation
 
 from .metrics import LEADING, folded, height, width
 from .style import TEXT, WIDTH, legend_size
+from .ticks import GAP, INCH, TICK, TICK_TEXT, draw_ticks, is_labelled, is_on_top, ticks_of
 
-INCH = 72.0  # [pt]
 WHOLE = WIDTH * INCH
 EDGE = 4.0  # free at every edge of the figure [pt]
-TICK = 7.0  # a tick and the gap to its label [pt]
-GAP = 4.0  # between tick labels, label and legend [pt]
 BETWEEN = 12.0  # panels: half a tick label of each [pt]
-TICK_TEXT = TEXT - 1.0
-MOST_TICKS = 6  # but one, of a linear axis
 FEWEST = 120.0  # width of the panels that long tick labels leave [pt]
 
 
@@ -63,62 +56,37 @@ def place(figure: Figure, axes: Sequence[Axes], heights: Sequence[float]) -> Non
     figure.set_size_inches(WIDTH, whole / INCH)
     bottoms = [under + sum(tall[i + 1 :]) + sum(gaps[i:]) for i in range(len(tall))]
     left = _across(axes, [(bottom / whole, high / whole) for bottom, high in zip(bottoms, tall, strict=True)])
-    _put_legend(axes[-1], min(left, WHOLE - EDGE - legend[0]), under - around[-1].below - GAP, whole)
+    _put_legend(figure, axes[-1], min(left, WHOLE - EDGE - legend[0]), under - around[-1].below - GAP, whole)
 
 
 def _around(ax: Axes) -> Around:
     label, title = height(ax.get_xlabel(), TEXT), height(ax.get_title(loc="left"), TICK_TEXT)
-    ticks = TICK + LEADING * TICK_TEXT if _labelled(ax.xaxis) else 0.0
+    ticks = TICK + LEADING * TICK_TEXT if is_labelled(ax.xaxis) else 0.0
     both = ticks + (GAP + label if label else 0.0)
-    at_top = ax.xaxis.get_label_position() == "top"
-    sign, edge = (1.0, 1.0) if at_top else (-1.0, 0.0)
-    offset = ScaledTranslation(0.0, sign * (ticks + GAP) / INCH, ax.get_figure(root=True).dpi_scale_trans)
-    ax.xaxis.set_label_coords(0.5, edge, transform=ax.transAxes + offset)
     half = LEADING * TICK_TEXT / 2.0
     title += GAP if title else 0.0
-    return Around(title + both, half) if at_top else Around(max(title, half), max(both, half))
-
-
-def _labelled(axis: Axis) -> bool:
-    """Whether an axis shows the labels of its ticks."""
-    shown = axis.get_tick_params()
-    return bool(shown.get("labelbottom", True) or shown.get("labeltop", False))
+    return Around(title + both, half) if is_on_top(ax.xaxis) else Around(max(title, half), max(both, half))
 
 
 def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
     """Set the panels between their tick labels and the right edge; return where they begin [pt]."""
     for ax, (bottom, high) in zip(axes, rows, strict=True):
         ax.set_position((0.15, bottom, 0.8, high))
-    widest = max(width(label, TICK_TEXT) for ax in axes for label in _fixed(ax.yaxis))
+    upright = [ticks_of(ax.yaxis) for ax in axes]
+    level = [ticks_of(ax.xaxis) for ax in axes]
+    widest = max(width(label, TICK_TEXT) for _, labels in upright for label in (*labels, ""))
     label = max(height(ax.get_ylabel(), TEXT) for ax in axes)
     left = min(EDGE + label + GAP + widest + TICK, WHOLE - FEWEST)
-    right = max(2.0 * EDGE, *(width(label, TICK_TEXT) / 2.0 + 1.0 for ax in axes for label in _fixed(ax.xaxis)[-1:]))
-    for ax, (bottom, high) in zip(axes, rows, strict=True):
+    right = max(2.0 * EDGE, *(width(label, TICK_TEXT) / 2.0 + 1.0 for _, labels in level for label in labels[-1:]), 0.0)
+    for ax, (bottom, high), x, y in zip(axes, rows, level, upright, strict=True):
         ax.set_position((left / WHOLE, bottom, (WHOLE - left - right) / WHOLE, high))
-        offset = ScaledTranslation(-(TICK + widest + GAP) / INCH, 0.0, ax.get_figure(root=True).dpi_scale_trans)
-        ax.yaxis.set_label_coords(0.0, 0.5, transform=ax.transAxes + offset)
+        draw_ticks(ax.xaxis, x, LEADING * TICK_TEXT)
+        draw_ticks(ax.yaxis, y, widest)
     return left
 
 
-def _fixed(axis: Axis) -> list[str]:
-    """Fix the ticks of an axis as they are; return their labels, which no layout need ask for any more."""
-    if not _labelled(axis):
-        return [""]
-    if isinstance(locator := axis.get_major_locator(), MaxNLocator):
-        locator.set_params(nbins=MOST_TICKS)
-    low, high = sorted(axis.get_view_interval())
-    places = [place for place in axis.get_majorticklocs() if low <= place <= high]
-    labels = axis.get_major_formatter().format_ticks(places)
-    axis.set_major_locator(FixedLocator(places))
-    axis.set_major_formatter(FixedFormatter(labels))
-    for tick in axis.get_major_ticks(len(places)):
-        tick.label1.set_in_layout(False)
-        tick.label2.set_in_layout(False)
-    return [*labels, ""]
-
-
-def _put_legend(ax: Axes, left: float, top: float, whole: float) -> None:
+def _put_legend(figure: Figure, ax: Axes, left: float, top: float, whole: float) -> None:
     legend = ax.get_legend()
     if legend is not None:
         place = (max(left, EDGE) / WHOLE, top / whole)
-        legend.set_bbox_to_anchor(place, transform=ax.get_figure(root=True).transFigure)
+        legend.set_bbox_to_anchor(place, transform=figure.transFigure)

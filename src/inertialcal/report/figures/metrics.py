@@ -13,12 +13,12 @@ SIZE = 100.0  # at which letters are measured [pt]
 
 
 def width(text: str, size: float) -> float:
-    """Return how wide the widest line of a text is at a size of the font. [pt]"""
+    """Return how wide the widest line of a text is at a size of the font, in points."""
     return max(sum(map(_advance, line)) for line in text.split("\n")) * size
 
 
 def height(text: str, size: float) -> float:
-    """Return how high a text is, all its lines; 0 for none. [pt]"""
+    """Return how high a text is, all its lines, in points; 0 for none."""
     return (text.count("\n") + 1) * LEADING * size if text else 0.0
 
 

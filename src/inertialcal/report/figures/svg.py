@@ -61,7 +61,7 @@ def _saved(picture: Picture) -> bytes:
         figure = on_new_figure(picture, titled=False)
         figure.set_facecolor("none")
         nothing = dict.fromkeys(("Date", "Creator", "Format", "Type"))
-        FigureCanvasSVG(figure).print_svg(out, metadata=nothing)
+        FigureCanvasSVG(figure).print_svg(out, metadata=nothing)  # type: ignore[no-untyped-call]
     return out.getvalue()
 
 
