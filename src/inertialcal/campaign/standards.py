@@ -37,9 +37,11 @@ def _needs(name: str, one: Tested) -> bool:
     result = one.result
     if isinstance(result, flip.Result):
         return name in flip.INFLUENCES
-    return isinstance(result, Result) and (
-        _earth_rate_is_known(result.plan) if name == LATITUDE else applies(name, result.plan, result.readings)
-    )
+    if not isinstance(result, Result):
+        return False
+    if name == LATITUDE:
+        return _earth_rate_is_known(result.plan)
+    return name in INFLUENCES and applies(name, result.plan, result.readings)
 
 
 def _earth_rate_is_known(plan: Plan) -> bool:
