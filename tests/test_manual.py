@@ -52,6 +52,8 @@ CAMPAIGN_TABLES: dict[str, type[schema.Strict]] = {
     "`thermometer`:": schema.Thermometer,
     "`[recordings.NAME]`": schema.RecordingEntry,
     "`rows`, of": schema.Rows,
+    "`means`, of": schema.Means,
+    "`positions`, of": schema.Position,
     "`channels`, of": schema.ChannelEntry,
     "`clock`, of": schema.Clock,
     "`schedule`, of": schema.Schedule,

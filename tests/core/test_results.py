@@ -8,7 +8,7 @@ import math
 import numpy as np
 import pytest
 
-from inertialcal.core.results import Interval, Row, finite, not_estimated
+from inertialcal.core.results import Interval, Row, finite, is_beside, not_estimated
 
 KEYS = ["quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "interval", "status", "reason"]
 
@@ -55,3 +55,12 @@ def test_row_that_the_data_cannot_carry() -> None:
 def test_finite(number: float | None, plain: float | None) -> None:
     assert finite(number) == plain
     assert type(finite(number)) in {float, type(None)}
+
+
+@pytest.mark.parametrize(
+    ("condition", "beside"),
+    [("", False), ("vacuum", False), ("R1", False), ("as_published", True), ("all_readings", True), ("median", True),
+     ("low_pass", True), ("flip 12", True), ("as_published, flip 2", True), ("flip", False), ("no flip 1", False)],
+)  # fmt: skip
+def test_conditions_that_are_not_the_result(condition: str, beside: bool) -> None:
+    assert is_beside(condition) is beside

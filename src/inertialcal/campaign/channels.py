@@ -13,6 +13,7 @@ from ..core.times import read_instant
 from ..core.units import convert, si_unit
 from ..files import read, read_table
 from ..procedures.rate_table.recordings import APPLIED, Turned
+from ..sensors.chain import Chain
 from ..sensors.on_recordings import apply_chain
 from .chains import build_chain
 from .origins import Origin
@@ -46,25 +47,43 @@ def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Se
         If the file or a column cannot be read, or as the chain says.
     """
     channels = entry.channels or {}
-    clock = entry.clock or Clock()
     recording = read(
         folder / entry.file,
-        time_column=clock.column,
+        time_column=(entry.clock or Clock()).column,
         required=[channels[axis].column for axis in channels if axis in AXES],
     )
-    recording = _timed(recording, clock)
+    return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor))
+
+
+def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
+    """Return the chain of the axes that a recording has; None where they are in units already, or there is none."""
+    axes = tuple(axis for axis in sensor.axes if axis in (entry.channels or {}))
+    return build_chain(sensor, axes) if axes and sensor.chain.kind != "none" else None
+
+
+def in_body_axes(
+    recording: Recording, name: str, entry: RecordingEntry, sensor: Sensor, chain: Chain | None
+) -> Recording:
+    """Return the readings of a recording that was read, as `prepare_recording` does; `chain` as `chain_of` has it.
+
+    Raises
+    ------
+    DataError
+        If a column is missing, the stamps are not as far apart as stated, or as the chain says.
+    """
+    channels = entry.channels or {}
+    recording = _timed(recording, entry.clock or Clock())
     for one in channels.values():
         recording = recording.with_unit([one.column], one.unit, "campaign")
     axes = tuple(axis for axis in sensor.axes if axis in channels)
     if not axes:
         raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
     columns = {what: one.column for what, one in channels.items()}
-    if sensor.chain.kind == "none":
+    if chain is None:
         recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
     else:
-        recording = apply_chain(
-            build_chain(sensor, axes), recording, {k: v for k, v in columns.items() if k not in (APPLIED, TEMPERATURE)}
-        )
+        beside = (APPLIED, TEMPERATURE)
+        recording = apply_chain(chain, recording, {k: v for k, v in columns.items() if k not in beside})
     if APPLIED in columns:
         recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
     if TEMPERATURE in columns:

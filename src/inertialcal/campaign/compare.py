@@ -13,7 +13,7 @@ from typing import Any
 
 from ..core.errors import DataError
 from ..core.remarks import Remark
-from ..core.results import BESIDE, Interval, finite
+from ..core.results import Interval, finite, is_beside
 from ..core.tables import Part, html, text
 from ..statistics.decision import Status, Verdict, no_change, overall
 from ..statistics.intervals import ends
@@ -139,7 +139,7 @@ def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tupl
 
 
 def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
-    general = one.word != "not compared" and one.row.condition not in BESIDE
+    general = one.word != "not compared" and not is_beside(one.row.condition)
     if not (general or is_named(one.row, stated)):
         return None
     limit = allowed_for(one.first, stated)

@@ -6,7 +6,8 @@ from collections.abc import Sequence
 
 from ..core.remarks import Remark
 from ..core.result_tables import folded, told
-from ..core.results import BESIDE, Row
+from ..core.results import Row
+from ..core.results import is_beside as is_beside_the_result
 from ..core.rounding import number, with_uncertainty
 from ..core.tables import Grid, Part
 from .differences import Difference
@@ -53,8 +54,8 @@ def is_shown(one: Difference) -> bool:
 
 
 def is_beside(one: Difference) -> bool:
-    """Return whether the figure is of another way of reducing the same readings."""
-    return one.row.condition in BESIDE
+    """Return whether the figure is of another way of reducing the same readings, or of a part of them."""
+    return is_beside_the_result(one.row.condition)
 
 
 def line(one: Difference, judged: bool) -> list[str]:

@@ -15,6 +15,7 @@ from .budgets import budget_rows
 from .curves import curves_content, ten_digits
 from .display import display_unit, displayed, scaled, scaled_interval
 from .exclusions import exclusion_rows
+from .cross_checks import MODELLED
 from .load import Campaign
 from .margins import margin
 from .modelling import Modelled, Prepared
@@ -78,7 +79,7 @@ def results_content(
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": RULE,
         "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
-        "closed_loop": _closed_loop(modelled, unit),
+        "closed_loop": _closed_loop(campaign, modelled, unit),
         "verification": _verification(campaign, verdicts, modelled),
     }
     return results, verdicts
@@ -146,11 +147,19 @@ def _model_rows(modelled: Modelled) -> list[Row]:
     return rows
 
 
-def _closed_loop(modelled: Modelled | None, unit: str) -> dict[str, Any]:
+def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
+    """Say why there is no closed loop."""
+    if modelled is not None:
+        return "no test is held out"
+    procedures = dict.fromkeys(test.procedure for test in campaign.file.tests)
+    made = [one for one in procedures if one in MODELLED]
+    return "no model" if made else f"no model is made of a {' or a '.join(procedures).replace('_', ' ')}"
+
+
+def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> dict[str, Any]:
     """Say what the closed loop gave, in the unit of the sensor."""
     if modelled is None or not modelled.loops:
-        reason = "no model" if modelled is None else "no test is held out"
-        return {"verdict": "not run", "reason": reason, "axes": []}
+        return {"verdict": "not run", "reason": _not_run(campaign, modelled), "axes": []}
     scale = factor("rad/s", unit)
     axes = [
         {

@@ -35,9 +35,11 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "ambient_acceleration": RATE,
     "model_bias_error": RATE,
     "control_error": RATE,
+    "reading": RATE,
 }
 SENSORS = {"rate_table": ("gyro", "gyros"), "flip": ("accelerometer", "accelerometers")}  # that a procedure tests
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+MODELLED = ("rate_table",)  # procedures whose results become a model
 
 
 def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
@@ -171,6 +173,10 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
         do = f"There are: {', '.join(PROCEDURES)}"
         yield Problem(f"test {test.id!r}: no procedure {test.procedure!r}", where, do=do, code="unknown_name")
         return
+    if test.use == "hold_out" and test.procedure not in MODELLED:
+        what = f'test {test.id!r}: use = "hold_out", but no model is made of a {test.procedure} and none judged on it'
+        do = 'Give it use = "report_only", or leave use out'
+        yield Problem(what, at("tests", number, "use"), "it would have no effect", do, "wrong_value")
     for name in test.recordings:
         if name not in file.recordings:
             do = f"There are: {', '.join(file.recordings)}"
@@ -246,8 +252,10 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
 def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find readings that the model is fitted on twice, or fitted on and judged by."""
     do = "Give them different recordings, groups or windows"
-    for number, one in enumerate(file.tests):
-        for other in file.tests[:number]:
+    modelled = [test for test in file.tests if test.procedure in MODELLED]
+    for one in modelled:
+        number = file.tests.index(one)
+        for other in modelled[: modelled.index(one)]:
             uses = {one.use, other.use}
             if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
                 continue
@@ -263,13 +271,13 @@ def _same_readings(file: CampaignFile, one: Test, other: Test) -> bool:
 
 
 def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
-    uses = {test.id: test.use for test in file.tests}
+    uses = {test.id: test.use for test in file.tests if test.procedure in MODELLED}
     lists = {}
     for term, names in file.model.terms.items():
         where = at("model", "terms", term)
         for name in names:
             if uses.get(name) != "fit":
-                what = f"model.terms.{term}: {name!r} is no test with use = 'fit'"
+                what = f"model.terms.{term}: {name!r} is no test with use = 'fit' that a model is made of"
                 have = ", ".join(test for test, use in uses.items() if use == "fit")
                 yield Problem(what, where, do=f"There are: {have or 'none'}", code="unknown_name")
         if term != "bias":

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError
-from ..core.recording import SECOND, Recording
+from ..core.influence import Standards
+from ..core.recording import Recording
 from ..core.times import read_elapsed, read_instant
 from ..core.units import convert, factor, si_unit
 from ..files.table import Table, read_table
@@ -31,8 +32,7 @@ def prepared_flip(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:
     DataError
         If a recording cannot be read, or means and recordings are mixed in one test.
     """
-    values, _ = plan_values(test.procedure, test.plan, "")
-    plan = flip.Plan(**values, standards=campaign.standards)
+    plan = flip_plan(test, campaign.standards)
     entries = {name: campaign.file.recordings[name] for name in test.recordings}
     tables = [name for name, entry in entries.items() if entry.means is not None]
     if tables and len(tables) < len(entries):
@@ -41,6 +41,12 @@ def prepared_flip(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:
     if tables:
         return _from_means(campaign.folder, test, plan, entries)
     return _from_recordings(campaign.folder, test, sensor, plan, entries)
+
+
+def flip_plan(test: Test, standards: Standards) -> flip.Plan:
+    """Return the plan of a test, with the standards of the campaign."""
+    values, _ = plan_values(test.procedure, test.plan, "")
+    return flip.Plan(**values, standards=standards)
 
 
 def _from_means(folder: Path, test: Test, plan: flip.Plan, entries: dict[str, RecordingEntry]) -> Prepared:
@@ -99,11 +105,21 @@ def _from_recordings(
     turned, inputs, origins = [], {}, []
     for name, entry in entries.items():
         recording = prepare_recording(folder, name, entry, sensor)
-        windows = tuple(_window(one, recording, name) for one in entry.positions or ())
-        turned.append(Turned(recording, windows, name=name))
+        turned.append(turned_head(recording, name, entry))
         inputs[entry.file] = recording.source.sha256
         origins.append(Origin(name, entry.file, recording.source.sha256, "recording", len(recording), len(recording)))
     return Prepared(test, plan, readings_from(plan, turned), inputs, tuple(origins))
+
+
+def turned_head(recording: Recording, name: str, entry: RecordingEntry) -> Turned:
+    """Return a recording with the windows that its entry gives.
+
+    Raises
+    ------
+    DataError
+        ``wrong_time`` if a time is not on the clock of the recording.
+    """
+    return Turned(recording, tuple(_window(one, recording, name) for one in entry.positions or ()), name=name)
 
 
 def _window(given: Position, recording: Recording, name: str) -> flip.Window:
@@ -116,7 +132,6 @@ def _instant(given: Any, recording: Recording, name: str) -> int:
     try:
         return read_instant(given) if recording.epoch == "utc" else read_elapsed(given)
     except ValueError as error:
-        clock = "UTC" if recording.epoch == "utc" else f"elapsed time ({SECOND} ns a second)"
-        raise DataError(
-            f"recordings.{name}.positions: {error}", why=f"its clock is {clock}", code="wrong_time"
-        ) from None
+        clock = "UTC" if recording.epoch == "utc" else "elapsed time, without a date"
+        why = f"the clock of {recording.source.path or name} is {clock}"
+        raise DataError(f"recordings.{name}.positions: {error}", why=why, code="wrong_time") from None

@@ -73,6 +73,14 @@ def given_windows(recording: Recording, said: Sequence[Said]) -> tuple[flip.Wind
         raise UsageError(f"--window: {error}", code="wrong_time") from None
 
 
+def _length(recording: Recording) -> str:
+    """Return how long a recording is, in words."""
+    time_ns = recording.time_ns
+    if time_ns is None:
+        return f"{len(recording)} samples"
+    return f"{(int(time_ns[-1]) - int(time_ns[0])) / SECOND + (recording.sample_interval or 0.0):.4g} s"
+
+
 def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window, ...], tuple[Remark, ...]]:
     """Return the windows beside the turns that the record shows, and what speaks against them.
 
@@ -88,7 +96,7 @@ def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window
     turns = find_turns(recording.array(axes), recording.time_ns, recording.sample_interval)
     pairs = turn_windows(turns)
     if not pairs:
-        what = f"{recording.source.path}: no turn of the head is seen"
+        what = f"{recording.source.path}: no turn of the head is seen in {_length(recording)}"
         why = "the level of no axis changes across a spike"
         do = 'Give the windows: --window "START..STOP=0 deg" --window "START..STOP=180 deg"'
         raise UsageError(what, why=why, do=do, code="no_turns")

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..core.beside import names_of
 from ..core.remarks import Remark
 from ..core.result_tables import estimated, folded, not_estimated, told
-from ..core.results import BESIDE
+from ..core.results import is_beside
 from ..core.rounding import number
 from ..core.tables import Grid, Part
 
@@ -26,14 +27,15 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
     remarks : sequence of Remark
         Of the campaign.
     """
-    shown = [row for row in results["results"] if row["condition"] not in BESIDE]
+    shown = [row for row in results["results"] if not is_beside(row["condition"])]
     parts: list[Part] = []
     for test in dict.fromkeys(row["test"] for row in shown):
         parts += estimated([row for row in shown if row["test"] == test], str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
-    left_out = len(results["results"]) - len(shown)
+    left_out = [row["condition"] for row in results["results"] if is_beside(row["condition"])]
     if left_out:
-        parts.append(f"left out here: {left_out} figures of other ways of reduction ({', '.join(BESIDE)})")
+        names = names_of(list(dict.fromkeys(left_out)))
+        parts.append(f"left out here: {len(left_out)} figures beside the result ({names})")
     parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
     return (*parts, *told(remarks), f"verdict: {verdict or 'no requirement stated'}")
 

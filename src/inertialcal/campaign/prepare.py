@@ -7,6 +7,7 @@ from dataclasses import replace
 
 from ..core.errors import InertialcalError, Problem
 from ..core.remarks import Remark
+from .cross_checks import MODELLED
 from .flip_inputs import prepared_flip
 from .load import Campaign
 from .modelling import Prepared
@@ -17,7 +18,6 @@ WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "rate_table": prepared_rate_table,
     "flip": prepared_flip,
 }
-MODELLED = ("rate_table",)  # procedures whose results become a model
 
 
 def prepare(campaign: Campaign, number: int) -> Prepared:

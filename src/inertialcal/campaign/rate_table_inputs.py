@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.errors import PlanError
+from ..core.influence import Standards
 from ..core.units import parse_quantity, si_unit
 from ..files.table import Table
 from ..procedures import rate_table
@@ -15,7 +16,7 @@ from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin
 from .plans import plan_values
-from .schema import RecordingEntry, Sensor, Test
+from .schema import CampaignFile, RecordingEntry, Sensor, Test
 from .tables import rate_table_readings, together
 
 
@@ -27,7 +28,7 @@ def prepared_rate_table(campaign: Campaign, test: Test, sensor: Sensor) -> Prepa
     PlanError, DataError
         If a recording cannot be read, or the plan.
     """
-    plan = _plan(campaign, test, sensor)
+    plan = rate_table_plan(campaign.file, campaign.standards, test, sensor)
     readings, inputs, origins = test_readings(campaign, test, sensor, plan)
     return Prepared(test, plan, readings, inputs, origins)
 
@@ -63,7 +64,14 @@ def _of_table(name: str, entry: RecordingEntry, table: Table, chosen: int) -> Or
     return Origin(name, entry.file, table.source.sha256, "table", len(table), chosen, without)
 
 
-def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
+def rate_table_plan(file: CampaignFile, standards: Standards, test: Test, sensor: Sensor) -> rate_table.Plan:
+    """Return the plan of a test, with what the sensor and the campaign say.
+
+    Raises
+    ------
+    PlanError
+        If a setting is wrong.
+    """
     values, problems = plan_values(test.procedure, test.plan, "")
     if problems:
         raise PlanError(problems)
@@ -74,6 +82,6 @@ def _plan(campaign: Campaign, test: Test, sensor: Sensor) -> rate_table.Plan:
         **values,
         input_range=None if ends is None else (min(ends), max(ends)),
         scale_factor=volts,
-        latitude=campaign.file.site.latitude,
-        standards=campaign.standards,
+        latitude=file.site.latitude,
+        standards=standards,
     )

@@ -17,10 +17,11 @@ from ..files.model_json import dump_model
 from ..procedures import PROCEDURES
 from ..report.page import report_html
 from .contents import results_content
+from .cross_checks import MODELLED
 from .load import Campaign, load
 from .modelling import Modelled, Prepared, make_model
 from .outcome_tables import outcome_parts
-from .prepare import MODELLED, placed, prepare, sensor_of
+from .prepare import placed, prepare, sensor_of
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst

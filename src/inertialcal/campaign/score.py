@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
-from ..core.results import BESIDE
+from ..core.results import is_beside
 from ..core.rounding import number, with_uncertainty
 from ..core.tables import Grid, Part, html, text
 from ..core.units import convert
@@ -149,7 +149,7 @@ def score(folder: str | Path) -> Score:
         why = "they were made before the campaign was"
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
                         "stale_results")  # fmt: skip
-    rows = [row for row in results["results"] if row["condition"] not in BESIDE]
+    rows = [row for row in results["results"] if not is_beside(row["condition"])]
     return Score(truth, tuple(_scored(row, truth) for row in rows if (row["quantity"], row["axis"]) in truth.values))
 
 
@@ -215,7 +215,7 @@ def coverage(
 
 
 def _held(twin: Twin) -> dict[tuple[str, str], bool]:
-    """Whether the interval of each quantity holds its truth."""
+    """Whether the interval of each quantity whose truth is known holds it."""
     found = {}
     values = {(one.quantity, one.axis): one.value for one in twin.truth}
     for result in fit_results(twin):
@@ -224,6 +224,7 @@ def _held(twin: Twin) -> dict[tuple[str, str], bool]:
             continue
         for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
             quantity, _, axis = name.rpartition("_")
-            interval = t_interval(float(value), float(u), float(dof))
-            found[quantity, axis] = contains(interval, values[quantity, axis])
+            if (quantity, axis) in values:
+                interval = t_interval(float(value), float(u), float(dof))
+                found[quantity, axis] = contains(interval, values[quantity, axis])
     return found

@@ -12,7 +12,7 @@ from ..core.frames import frame
 from ..core.recording import Recording
 from ..core.remarks import Remark
 from ..core.result_tables import figures, told
-from ..core.results import BESIDE, Row
+from ..core.results import Row, is_beside
 from ..core.tables import Part, html, text
 from ..core.units import parse_quantity, si_unit
 from ..files import read
@@ -63,7 +63,7 @@ class RateTableFile:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which column was what, the figures in the unit of the file, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
-        rows = [row.to_dict() for row in self.rows if row.condition not in BESIDE]
+        rows = [row.to_dict() for row in self.rows if not is_beside(row.condition)]
         dwells = f"rate table: {len(self.result.readings)} dwells"
         return (f"columns: {taken}", *figures(rows, dwells), *told(self.remarks))
 

@@ -13,7 +13,7 @@ from ..core.influence import Influence
 from ..core.recording import Recording
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
-from ..core.results import BESIDE, Row
+from ..core.results import Row, is_beside
 from ..core.tables import Part, html, text
 from ..core.units import kind, normalise, parse_quantity
 from ..files import read
@@ -62,7 +62,7 @@ class FlipFile:
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: the figures in the unit of the files, how many remarks."""
-        rows = [row.to_dict() for row in self.rows if row.condition not in BESIDE]
+        rows = [row.to_dict() for row in self.rows if not is_beside(row.condition)]
         caption = f"flip about {self.result.plan.axis}: {len(self.result.readings)} dwells"
         return (*figures(rows, caption), *told(self.remarks))
 

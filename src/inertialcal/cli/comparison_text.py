@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..campaign.compare import Comparison
 from ..campaign.comparison_tables import HEADS, JUDGED, is_beside, is_shown, line, not_compared
-from ..core.results import BESIDE
+from ..core.beside import names_of
 from .output import table, wrapped
 from .summary import remarks_text
 
@@ -33,6 +33,6 @@ def _figures(found: Comparison) -> str:
 
 
 def _beside(found: Comparison) -> list[str]:
-    left_out = sum(1 for one in found.differences if is_beside(one) and not is_shown(one))
-    names = ", ".join(BESIDE)
-    return [f"  left out: {left_out} figures of other ways of reduction ({names}); --json has them"] if left_out else []
+    left_out = [one.row.condition for one in found.differences if is_beside(one) and not is_shown(one)]
+    names = names_of(list(dict.fromkeys(left_out)))
+    return [f"  left out: {len(left_out)} figures beside the result ({names}); --json has them"] if left_out else []

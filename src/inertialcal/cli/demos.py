@@ -16,7 +16,7 @@ from .progress import progress
 
 def demo(
     rig: Annotated[
-        str, typer.Argument(help="Example: npsat2011 or rate_table; both where not given.", show_default=False)
+        str, typer.Argument(help="Example: npsat2011, sams1996, or a rig: rate_table, sams_tsh; npsat2011 and rate_table where not given.", show_default=False)
     ] = "",
     output: Annotated[Path, typer.Option("--output", "-o", help="Where to put the published one.")] = Path(
         "inertialcal-demo"
@@ -55,12 +55,14 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
 
 
 def _print_scored(outcome: Any, found: Any) -> None:
-    """Print the model beside the truth, not every figure of every test."""
+    """Print the model beside the truth, not every figure of every test; those where no model is made."""
     from .summary import closed_loop_text
     from .twins import held_text, truth_table
 
-    print(f"\n{outcome.results['campaign']['title']}: the model that was found beside the truth that was simulated")
-    print(truth_table([row for row in found.rows if row["test"] == "model"]))
+    model = [row for row in found.rows if row["test"] == "model"]
+    what = "the model that was found" if model else "what was found"
+    print(f"\n{outcome.results['campaign']['title']}: {what} beside the truth that was simulated")
+    print(truth_table(model or found.rows))
     print(f"\n{held_text(found)}")
     print(f"\n{closed_loop_text(outcome.results)}")
     print(f"overall: {outcome.verdict}\n\n{where_text(outcome)}")

@@ -5,17 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from ..core.beside import columns_of, lines_of, names_of
 from ..core.remarks import Remark
-from ..core.result_tables import degrees, figure, interval
+from ..core.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ..core.rounding import number
 from .output import table, wrapped
 
-PUBLISHED = "as_published"
-ALL = "all_readings"
-
 
 def results_text(results: Mapping[str, Any]) -> str:
-    """Return the figures of a campaign, test by test, the default beside the published and the unpruned ones."""
+    """Return the figures of a campaign, test by test, each result with what stands beside it."""
     blocks = []
     tests = list(dict.fromkeys(row["test"] for row in results["results"]))
     for test in tests:
@@ -28,38 +26,29 @@ def results_text(results: Mapping[str, Any]) -> str:
 
 
 def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
-    """One line a quantity: the default estimate, and beside it the other ways of reduction."""
-    shown = [row for row in rows if row["status"] != "not_estimated"]
-    beside = [name for name in (ALL, PUBLISHED) if any(row["condition"] == name for row in shown)]
-    groups: dict[tuple[str, str, str], dict[str, Mapping[str, Any]]] = {}
-    for row in shown:
-        way = row["condition"] if row["condition"] in beside else ""
-        name = row["quantity"] if way or not row["condition"] else f"{row['quantity']} ({row['condition']})"
-        groups.setdefault((name, row["axis"], row["unit"]), {})[way] = row
+    """One line a quantity: the result, and beside it the other ways of reduction and single flips."""
+    lines = lines_of(rows)
+    beside, left = columns_of(lines)
     cells = [
-        [f"  {name}", axis, figure(ways.get("")), unit, interval(ways.get("")), degrees(ways.get("")),
-         *(figure(ways.get(way)) for way in beside)]
-        for (name, axis, unit), ways in groups.items()
+        [f"  {_name(quantity, condition)}", axis, figure(ways.get("")), unit, interval(ways.get("")),
+         degrees(ways.get("")), *(figure_beside(ways.get(way), ways.get("")) for way in beside)]
+        for (quantity, condition, axis, unit), ways in lines.items()
+        if not ways.keys() <= set(left)
     ]  # fmt: skip
-    heads = [
-        "  quantity",
-        "axis",
-        "value ± u",
-        "unit",
-        "95 % interval",
-        "dof",
-        *(way.replace("_", " ") for way in beside),
-    ]
-    return table(cells, heads)
+    heads = ["  quantity", "axis", "value ± u", "unit", "95 % interval", "dof"]
+    shown = table(cells, [*heads, *(way.replace("_", " ") for way in beside)])
+    if not left:
+        return shown
+    count = sum(way in left for ways in lines.values() for way in ways)
+    return f"{shown}\n  left out: {count} figures beside the result ({names_of(left)}); --json has them"
+
+
+def _name(quantity: str, condition: str) -> str:
+    return f"{quantity} ({condition})" if condition else quantity
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
-    reasons: dict[str, list[str]] = {}
-    for row in rows:
-        if row["status"] == "not_estimated" and row["condition"] != "all_readings":
-            known = "" if row["value"] is None else f" ({number(row['value'], 3)} {row['unit']})"
-            reasons.setdefault(row["reason"], []).append(f"{row['quantity']} {row['axis']}{known}")
-    return "\n".join(f"  not estimated: {', '.join(names)}: {reason}" for reason, names in reasons.items())
+    return "\n".join(f"  {line}" for line in not_estimated(rows))
 
 
 def verdicts_text(results: Mapping[str, Any]) -> str:

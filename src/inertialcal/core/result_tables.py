@@ -8,8 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from .beside import PUBLISHED, missing_of
 from .remarks import Remark
-from .rounding import number, with_uncertainty
+from .results import is_beside
+from .rounding import near, number, with_uncertainty
 from .tables import Folded, Grid, Part
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
@@ -22,6 +24,13 @@ def figure(row: Mapping[str, Any] | None) -> str:
     if row is None:
         return ""
     return ("< " if row["status"] == "upper_limit" else "") + with_uncertainty(row["value"], row["u"])
+
+
+def figure_beside(row: Mapping[str, Any] | None, result: Mapping[str, Any] | None) -> str:
+    """Return a figure that stands beside a result; with the digits of the result where it has no ``u``."""
+    if row is None or row["u"] is not None or result is None or row["status"] == "upper_limit":
+        return figure(row)
+    return near(row["value"], result["u"])
 
 
 def interval(row: Mapping[str, Any] | None) -> str:
@@ -64,12 +73,16 @@ def folded(summary: str, lines: Sequence[str]) -> tuple[Part, ...]:
 
 def not_estimated(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     """Return a line a reason why figures were not estimated, with what is known of each."""
-    reasons: dict[str, list[str]] = {}
-    for row in rows:
-        if row["status"] == "not_estimated":
-            known = "" if row["value"] is None else f" ({number(row['value'], 3)} {row['unit']})"
-            reasons.setdefault(row["reason"], []).append(f"{row['quantity']} {row['axis']}".strip() + known)
+    reasons = {reason: dict.fromkeys(map(_told, found)) for reason, found in missing_of(rows).items()}
     return tuple(f"not estimated: {', '.join(names)}: {reason}" for reason, names in reasons.items())
+
+
+def _told(row: Mapping[str, Any]) -> str:
+    """Return which figure a row is, or for one beside the result of what it is."""
+    if is_beside(row["condition"]) and row["condition"] != PUBLISHED:
+        return str(row["condition"]).replace("_", " ")
+    known = "" if row["value"] is None else f" ({number(row['value'], 3)} {row['unit']})"
+    return f"{row['quantity']} {row['axis']}".strip() + known
 
 
 def _name(row: Mapping[str, Any]) -> str:

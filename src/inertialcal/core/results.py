@@ -7,10 +7,12 @@ are null; degrees of freedom null mean infinite.
 from __future__ import annotations
 
 import math
+import re
 from dataclasses import dataclass
 from typing import Any, Literal
 
-BESIDE = ("as_published", "all_readings")  # conditions that mark other ways of reducing the same readings
+WAYS = ("all_readings", "median", "low_pass", "as_published")  # conditions: other ways of reducing the same readings
+FLIP = re.compile(r"(as_published, )?flip .+")  # conditions: one flip of several, each by its own
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
 
@@ -86,6 +88,11 @@ class Row:
 def not_estimated(quantity: str, axis: str, unit: str, reason: str, condition: str = "") -> Row:
     """Return the row of a quantity that the data cannot carry."""
     return Row(quantity, axis, None, None, unit, status="not_estimated", reason=reason, condition=condition)
+
+
+def is_beside(condition: str) -> bool:
+    """Return whether a condition marks another way of reducing the same readings, or a part of them, not the result."""
+    return condition in WAYS or FLIP.fullmatch(condition) is not None
 
 
 def finite(number: float | None) -> float | None:

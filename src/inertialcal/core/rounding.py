@@ -34,6 +34,22 @@ def with_uncertainty(value: float | None, u: float | None) -> str:
     return f"({value * scale:.{places}f} ± {u * scale:.{places}f})e{decade:+03d}"
 
 
+def near(value: float | None, u: float | None) -> str:
+    """Return a value with one digit more than an uncertainty has, which is not its own; with six where there is none.
+
+    Examples
+    --------
+    >>> near(979.0512, 0.724)
+    '979.051'
+    """
+    if value is None or u is None or not (math.isfinite(u) and math.isfinite(value) and u > 0.0):
+        return with_uncertainty(value, None)
+    last = _decade(float(f"{u:.{DIGITS - 1}e}")) - DIGITS
+    if SMALLEST <= max(_decade(value), last) < LARGEST and last <= 0:
+        return f"{value:.{-last}f}"
+    return f"{value:.{max(_decade(value) - last, 0)}e}"
+
+
 def number(value: float | None, digits: int = PLAIN) -> str:
     """Return a figure with significant digits, or ``"-"`` where it is absent."""
     return "-" if value is None or not math.isfinite(value) else f"{value:.{digits}g}"

@@ -9,6 +9,7 @@ Whole numbers without a unit stay untaken: the remark says what each unit would 
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
@@ -18,7 +19,7 @@ from numpy.typing import NDArray
 
 from ..core import units
 from ..core.errors import DataError
-from ..core.recording import Times
+from ..core.recording import SECOND, Times
 from ..core.remarks import Remark
 from .columns import Content
 from .describe import Described, find_column
@@ -29,6 +30,8 @@ BACKWARD = 0.1  # share of backward steps from which a column is no time
 LARGEST_STEP = 1000  # largest step of stamps that are taken for seconds with a digit too many
 SLOWEST, FASTEST = 0.01, 1e5  # sample rates that come into question [Hz]
 UNITS = ("s", "ms", "us", "ns")
+SAID_UTC = re.compile(r"(?:^|[^A-Za-z])(?:unix|epoch|utc)(?:[^A-Za-z]|$)", re.IGNORECASE)
+SAID_FROM = 10**8 * SECOND  # 1973: a smaller number in a column of that name counts from the start of a record
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,8 +128,13 @@ def _clock(described: Described, at: int, place: _Place) -> Clock:
     else:
         time_ns, remarks = _from_numbers(described, place)
     _require_forward(described, time_ns, place)
-    utc = kind in "MO" or is_utc(time_ns)
+    utc = kind in "MO" or is_utc(time_ns) or _said_utc(described.name, time_ns)
     return Clock(at, time_ns, "utc" if utc else "elapsed", remarks)
+
+
+def _said_utc(name: str, time_ns: Times) -> bool:
+    """Whether the name says that stamps before 2001 are UTC: their digits alone do not."""
+    return len(time_ns) > 0 and int(time_ns[0]) >= SAID_FROM and SAID_UTC.search(name) is not None
 
 
 def _require_complete(described: Described, place: _Place) -> None:

@@ -7,17 +7,17 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..core.beside import columns_of, lines_of, missing_of
 from .findings import Finding, of_test
 from .wording import SEVERITIES
 
-WAYS = ("all_readings", "as_published")  # other ways of reduction, shown beside the default
 MODEL = "model"
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 
 @dataclass(frozen=True)
 class Line:
-    """One quantity of one axis: its row, and the rows of other ways of reduction beside it."""
+    """One quantity of one axis: its row, and those beside it."""
 
     quantity: str
     condition: str
@@ -44,7 +44,7 @@ class Section:
     lines : list of Line
         Estimated quantities.
     ways : list of str
-        Which other ways of reduction there are.
+        Which conditions stand beside the result: other ways of reduction, single flips.
     missing : list of (reason, rows)
         Quantities that the data could not carry, by reason.
     remarks : list
@@ -92,25 +92,16 @@ def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[An
 
 
 def table(rows: Iterable[Any]) -> tuple[list[Line], list[str]]:
-    """Return the estimated rows, a line a quantity and axis, and which other ways of reduction stand beside."""
-    shown = [row for row in rows if row["status"] != "not_estimated"]
-    ways = [way for way in WAYS if any(row["condition"] == way for row in shown)]
-    groups: dict[tuple[str, str, str, str], dict[str, Any]] = {}
-    for row in shown:
-        way = row["condition"] if row["condition"] in WAYS else ""
-        condition = "" if way else row["condition"]
-        groups.setdefault((row["quantity"], condition, row["axis"], row["unit"]), {})[way] = row
+    """Return the estimated rows, a line a quantity and axis, and which conditions stand beside the result."""
+    groups = lines_of(rows)
+    shown, left = columns_of(groups)
     lines = [Line(*key, found.get(""), {w: r for w, r in found.items() if w}) for key, found in groups.items()]
-    return lines, ways
+    return lines, [*shown, *left]
 
 
 def missing(rows: Iterable[Any]) -> list[tuple[str, list[Any]]]:
     """Return the rows that the data could not carry, by their reason."""
-    reasons: dict[str, list[Any]] = {}
-    for row in rows:
-        if row["status"] == "not_estimated" and row["condition"] != "all_readings":
-            reasons.setdefault(row["reason"], []).append(row)
-    return list(reasons.items())
+    return list(missing_of(rows).items())
 
 
 def budgeted(rows: Iterable[Any]) -> dict[tuple[str, str, str], Any]:

@@ -62,6 +62,8 @@ def build(bench: Bench, seed: int) -> Twin:
     made = record(bench, head, of_record)
     truth = [TrueValue("bias", axis, float(made.bias[i]), "m/s^2") for i, axis in enumerate(AXES)]
     truth += [TrueValue("ambient_acceleration", axis, float(made.ambient[i]), "m/s^2") for i, axis in enumerate(AXES)]
+    truth.append(TrueValue("reading", "x", float(made.bias[0] + made.ambient[0]), "m/s^2"))
+    truth.append(TrueValue("control_error", "x", 0.0, "m/s^2"))
     drawn: Drawn = {
         "turn_angle_error": made.errors.angle,
         "turn_axis_error": made.errors.axis.tolist(),

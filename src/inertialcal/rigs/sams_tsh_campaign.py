@@ -121,32 +121,29 @@ def _recording(bench: Bench) -> str:
     warm = "count" if bench.saved == "count" else "degC"
     units = dict.fromkeys(AXES, bench.said) | dict.fromkeys([f"temperature_{axis}" for axis in AXES], warm)
     channels = ", ".join(f'{name} = {{ column = "{name}", unit = "{unit}" }}' for name, unit in units.items())
+    rows = ",\n".join(
+        f'  {{ start = "{instant(start)}", stop = "{instant(stop)}", angle = "{angle:g} deg", flip = "1" }}'
+        for start, stop, angle in windows(bench)
+    )
     return f"""\
 [recordings.{RECORDING}]
 sensor = "head"
 file = "{FILE}"
 clock = {{ column = "{TIME}", stamp = "middle", interval = "{1.0 / bench.rate:g} s" }}
 channels = {{ {channels} }}
+positions = [  # the windows beside each turn
+{rows},
+]
 """
 
 
 def _test(bench: Bench) -> str:
-    rows = ",\n".join(
-        f'  {{ start = "{instant(start)}", stop = "{instant(stop)}", angle = "{angle:g} deg" }}'
-        for start, stop, angle in windows(bench)
-    )
     return f"""\
 [[tests]]
 id = "flip"
 procedure = "flip"
 recordings = ["{RECORDING}"]
-
-[tests.plan]
-axis = "x"  # of the turn
-settle = "{bench.settle:g} s"
-windows = [  # the windows beside each turn, with their positions
-{rows},
-]
+plan = {{ axis = "x", settle = "{bench.settle:g} s" }}  # x: of the turn
 """
 
 

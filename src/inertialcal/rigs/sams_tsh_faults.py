@@ -16,8 +16,17 @@ FAULTS: dict[str, Fault] = {
     "missing_position": Fault(
         "what was recorded in the turned position is lost", "missing_position", {"lost": (1202.0, 2404.0)}
     ),
-    "at_rails": Fault("x at gain 1000 is beyond the converter", "at_rails", {"gains": (1000.0, 100.0, 10.0)}),
+    "at_rails": Fault("x at gain 1000 is beyond the converter", "rail", {"gains": (1000.0, 100.0, 10.0)}),
     "magnitude": Fault("recorded in g, said to be in ug", "magnitude", {"saved": "g", "said": "ug"}),
     "robot_arm": Fault("the robot arm moves during a flip", "disturbed", {"arm": (2250.0, 2600.0)}),
-    "wrong_sign": Fault("y is wired the wrong way", "inverted", {"signs": (1, -1, 1)}),
+    "wrong_sign": Fault(
+        "y is wired the wrong way: half turns do not show it, a quarter turn does",
+        "not_turned_by_angle",
+        {
+            "signs": (1, -1, 1),
+            "turn_starts": (900.0, 1800.0, 2700.0),
+            "positions_deg": (90.0, 180.0, 0.0),
+            "stopped_deg": (0.0, 0.0, 0.0),
+        },
+    ),
 }

@@ -110,7 +110,7 @@ def _angles(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> list[Remar
             square, free, p = told
             what = f"chi-square {square:.3g} of {free:.0f} that should be zero (p = {p:.2g})"
             what = f"{' and '.join(plan.turned)} do not follow the stated angles: {what}"
-            do = "Check the positions; or fit a drift (plan.drift)"
+            do = "Check the positions and the sign of each axis; or fit a drift (plan.drift)"
             found.append(Remark("not_turned_by_angle", "warning", what, f"flip {one.label}", do=do))
     return found
 

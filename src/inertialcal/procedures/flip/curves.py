@@ -1,6 +1,6 @@
 """Curves of a flip's result, SI: what its figures show.
 
-``dwells``
+``flip_dwells``
     Each dwell of an axis: position, time, reading, what the flip's result says it should read, and its residual.
 ``quiet``
     Of each recording: the block means of an axis that the noise was found from, with the position.
@@ -37,7 +37,7 @@ def _dwells(result: Result, axis: str) -> Curve:
     expected = _expected(result, axis)
     time = readings.time if readings.time is not None else np.full(len(readings), np.nan)
     return Curve(
-        "dwells",
+        "flip_dwells",
         axis,
         {
             "flip": Column([str(label) for label in readings.flip]),

@@ -74,6 +74,8 @@ def directions(angle: Array) -> Array:
     middle, so that a half turn gives +1 and -1; it is positive at the end that is nearer position 0.
     """
     points = np.column_stack([_clean(np.cos(angle)), _clean(np.sin(angle))])
+    if not len(points):
+        return np.zeros((0, 0))
     spread, axes = np.linalg.svd(points - points.mean(axis=0), full_matrices=False)[1:]
     rank = int(np.sum(spread > SAME))
     if rank != 1:

@@ -7,7 +7,7 @@ samples missing, invalid or at the rail is not read by that axis. What else is q
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping, Sequence, Set
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -18,6 +18,7 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark, gather
+from .disturbances import seen
 from .plan import AXES, HalfWidths, Plan, Quiet, Readings
 from .quiet import Window, quiet_of, stretches
 from .windows import PROBABILITIES, half_widths, low_passed
@@ -102,12 +103,15 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         used = _settled(plan, one, own)
         channels = _channels(one)
         rows = len(dwells) + np.arange(len(own))
-        dwells += [_dwell(plan, one, window, channels) for window in used]
-        record, found = _quiet(plan, one, used, channels, rows, total)
+        told = seen(_time(one), channels, used, [axis for axis in channels if f"gain_{axis}" in one.recording.names])
+        mine = [_dwell(plan, one, window, channels, told.unread) for window in used]
+        dwells += mine
+        record, found = _quiet(plan, one, used, _read(channels, mine), rows, total)
         quiet.append(record)
-        remarks += [*one.recording.remarks, *found]
+        remarks += [*one.recording.remarks, *(remark.at(one.place) for remark in told.remarks), *found]
         places += [f"{one.place}: window {i + 1}" for i in range(len(own))]
-    return _gathered(plan, dwells, quiet, places, remarks)
+    axes = [axis for axis in AXES if any(axis in one.recording.names for one in turned)]
+    return _gathered(plan, axes, dwells, quiet, places, remarks)
 
 
 def _check(plan: Plan) -> None:
@@ -175,7 +179,9 @@ def _time(one: Turned) -> Times:
     return one.recording.time_ns
 
 
-def _dwell(plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArray[np.floating]]) -> _Dwell:
+def _dwell(
+    plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArray[np.floating]], unread: Set[str]
+) -> _Dwell:
     time_ns = _time(one)
     low, high = np.searchsorted(time_ns, (window.start, window.stop))
     if high - low < FEWEST:
@@ -194,6 +200,7 @@ def _dwell(plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArr
         doubt = _not_read(plan, one, axis, slice(int(low), int(high)), 1.0 - present)
         if doubt is not None:
             remarks.append(doubt.at(f"{one.place}: {_seconds(window, one)}"))
+        if doubt is not None or axis in unread:
             continue
         values[axis], why = _statistics(plan, stamps, samples, interval)
         reasons |= why
@@ -235,6 +242,11 @@ def _statistics(plan: Plan, stamps: Array, samples: Array, interval: float) -> t
     return found, {}
 
 
+def _read(channels: Mapping[str, NDArray[np.floating]], dwells: Sequence[_Dwell]) -> dict[str, NDArray[np.floating]]:
+    """Return the axes that some dwell reads: what another one lacks takes no block from them."""
+    return {axis: data for axis, data in channels.items() if any(axis in one.values for one in dwells)}
+
+
 def _quiet(
     plan: Plan,
     one: Turned,
@@ -262,9 +274,13 @@ def _quiet(
 
 
 def _gathered(
-    plan: Plan, dwells: Sequence[_Dwell], quiet: Sequence[Quiet], places: Sequence[str], remarks: Sequence[Remark]
+    plan: Plan,
+    axes: Sequence[str],
+    dwells: Sequence[_Dwell],
+    quiet: Sequence[Quiet],
+    places: Sequence[str],
+    remarks: Sequence[Remark],
 ) -> Readings:
-    axes = [axis for axis in AXES if any(axis in one.means for one in quiet)]
     tables = {
         name: {axis: np.array([d.values.get(axis, {}).get(name, np.nan) for d in dwells]) for axis in axes}
         for name in STATISTICS

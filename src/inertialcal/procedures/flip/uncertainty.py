@@ -94,6 +94,8 @@ def record_of(readings: Readings, weights: Mapping[str, Array]) -> Quiet | None:
 
 
 def _of_axis(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+    if not len(record.times):
+        raise DataError("no block of the record is quiet and whole", do="Record longer", code="too_few_blocks")
     if plan.noise == "pairs":
         return _pairs(plan, record, axis, weights)
     try:

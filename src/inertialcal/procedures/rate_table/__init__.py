@@ -26,7 +26,7 @@ from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
 from ...core.result_tables import figures, told
-from ...core.results import BESIDE, Row
+from ...core.results import Row, is_beside
 from ...core.tables import Part, html, text
 from .checks import check_agreement
 from .curves import curves
@@ -104,7 +104,7 @@ class Result:
         """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
         runs = f", {self.readings.runs} run(s)" if self.readings.run is not None else ""
         caption = f"rate table: {len(self.readings)} dwells{runs}"
-        found = figures([row.to_dict() for row in self.rows() if row.condition not in BESIDE], caption)
+        found = figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption)
         reasons = tuple(f"sensor {sensor}: {reason}" for sensor, reason in self.reasons.items())
         return (*found, *reasons, *told(self.remarks))
 

@@ -1,0 +1,301 @@
+"""Flips in a campaign file: reduced means and recordings, what is refused, and the mistakes of the rig, end to end."""
+
+from __future__ import annotations
+
+import shutil
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
+
+import pytest
+
+from inertialcal.campaign.example import copy_example
+from inertialcal.campaign.in_memory import fit_results
+from inertialcal.campaign.load import load
+from inertialcal.campaign.run import check, run
+from inertialcal.campaign.score import coverage, score
+from inertialcal.campaign.twin import simulate
+from inertialcal.core.errors import DataError, InertialcalError, PlanError
+from inertialcal.core.units import convert
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.sams_tsh import FAULTS, Bench, build
+from inertialcal.rigs.twin import Twin
+
+STAMPS = 1e-8  # UNIX seconds with a fraction are good to 0.1 us in a file
+SMALL = replace(Bench(), rate=5.0)
+Edit = Callable[..., Path]
+
+
+def small_twin(seed: int, fault: str = "") -> Twin:
+    bench = replace(SMALL, **FAULTS[fault].change) if fault else SMALL
+    return replace(build(bench, seed), fault=fault)
+
+
+@pytest.fixture(scope="module")
+def rig() -> Iterator[str]:
+    """Name of the rig with records of 5 samples a second."""
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setitem(RIGS, "small_flip", SimpleNamespace(twin=small_twin))
+        yield "small_flip"
+
+
+@pytest.fixture(scope="module")
+def simulated(rig: str, tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return simulate(rig, tmp_path_factory.mktemp("twin") / "flip", 4).folder
+
+
+def edited(source: Path, target: Path, *replacements: tuple[str, str], file: str = "campaign.toml") -> Path:
+    """Copy a campaign with some text of a file replaced."""
+    if not target.exists():
+        shutil.copytree(source, target, ignore=shutil.ignore_patterns("out"))
+    path = target / file
+    text = path.read_text(encoding="utf-8")
+    for old, new in replacements:
+        assert old in text, f"no {old!r} in {file}"
+        text = text.replace(old, new)
+    path.write_text(text, encoding="utf-8")
+    return target
+
+
+@pytest.fixture
+def turned(simulated: Path, tmp_path: Path) -> Edit:
+    """The simulated campaign with some text replaced."""
+    return lambda *pairs, file="campaign.toml": edited(simulated, tmp_path / "flip", *pairs, file=file)
+
+
+@pytest.fixture
+def published(tmp_path: Path) -> Edit:
+    """The published campaign with some text replaced."""
+    source = copy_example("sams1996", tmp_path / "source")
+    return lambda *pairs, file="campaign.toml": edited(source, tmp_path / "sams", *pairs, file=file)
+
+
+def refused(folder: Path, act: Callable[[Path], Any] = load) -> list[str]:
+    with pytest.raises(InertialcalError) as caught:
+        act(folder)
+    return [" ".join(filter(None, (one.what, one.why, one.do))) for one in caught.value.problems]
+
+
+# What is right
+
+
+def test_a_simulated_flip_finds_its_truth(simulated: Path) -> None:
+    outcome = run(simulated)
+    assert outcome.verdict == "PASS"
+    assert outcome.results["closed_loop"]["reason"] == "no model is made of a flip"
+    assert not (simulated / "out" / "model.json").exists()
+    found = score(simulated)
+    named = {(row["quantity"], row["axis"]): row for row in found.rows}
+    assert named["bias", "x"]["inside"] is None
+    assert found.estimated == 6
+    assert all(abs(row["value"] - row["truth"]) < 4.0 * row["u"] for row in found.rows if row["u"] is not None)
+
+
+def test_in_memory_and_from_files_the_figures_are_the_same(simulated: Path) -> None:
+    (result,) = fit_results(small_twin(4))
+    rows = {(row["quantity"], row["axis"]): row for row in run(simulated, write=False).results["results"]
+            if row["condition"] == ""}  # fmt: skip
+    assert result.estimate is not None
+    for i, name in enumerate(result.estimate.names):
+        quantity, _, axis = name.rpartition("_")
+        row = rows[quantity, axis]
+        value, u = (
+            float(convert([x], "m/s^2", row["unit"])[0]) for x in (result.estimate.values[i], result.estimate.u[i])
+        )
+        assert row["value"] == pytest.approx(value, rel=STAMPS)
+        assert row["u"] == pytest.approx(u, rel=STAMPS)
+
+
+def test_coverage_is_counted_for_every_quantity_that_is_estimated() -> None:
+    found = {(one.quantity, one.axis): one for one in coverage(small_twin, 3)}
+    assert set(found) == {
+        ("ambient_acceleration", "y"), ("ambient_acceleration", "z"), ("bias", "y"), ("bias", "z"),
+        ("reading", "x"), ("control_error", "x"),
+    }  # fmt: skip
+    assert all((one.n, one.missing) == (3, 0) for one in found.values())
+
+
+def test_results_are_the_same_bytes_without_the_truth_and_wherever_the_folder_lies(
+    simulated: Path, tmp_path: Path
+) -> None:
+    outputs = []
+    for name in ("here", "there/deeper"):
+        copy = tmp_path / name
+        shutil.copytree(simulated, copy, ignore=shutil.ignore_patterns("out", ".truth"))
+        run(copy)
+        outputs.append({p.name: p.read_bytes() for p in (copy / "out").iterdir() if p.suffix in {".json", ".csv"}})
+        outputs[-1].pop("provenance.json")
+    assert outputs[0] == outputs[1]
+
+
+def test_groups_are_flips(published: Edit) -> None:
+    folder = published(('recordings = ["semiprocessed"]\n', 'recordings = ["semiprocessed"]\ngroups = ["2", "3"]\n'))
+    rows = [row for row in run(folder).results["results"] if row["test"] == "flips"]
+    assert {row["condition"] for row in rows if row["quantity"] == "bias"} >= {"", "flip 2", "flip 3"}
+    assert "flip 1" not in {row["condition"] for row in rows}
+    missing = published(('groups = ["2", "3"]', 'groups = ["7"]'))
+    assert "no row is in its groups (7)" in refused(missing, run)[0]
+
+
+def test_flips_may_share_readings_for_no_model_is_made_of_them(published: Edit) -> None:
+    run(published(('use = "report_only"\n', ""), ('recordings = ["filtered"]', 'recordings = ["unfiltered"]')))
+
+
+# What is refused in a campaign file
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('use = "report_only"', 'use = "hold_out"', "no model is made of a flip and none judged on it"),
+        ('mean = "mean_ug"\nunit = "ug"', 'mean = "mean_ug"\nunit = "furlong"', "furlong"),
+        ('mean = "mean_ug"\nunit = "ug"', 'mean = "mean_ug"\nunit = "deg/s"', "need a unit of acceleration"),
+        ('kind = "accelerometer"', 'kind = "gyro"', "flip tests accelerometers, the sensor is of kind 'gyro'"),
+        ('procedure = "flip"\nrecordings = ["semiprocessed"]', 'procedure = "rate_table"\nrecordings = ["semiprocessed"]',
+         "has means, a rate_table needs rows or channels"),
+        ('angles = { forward = "0 deg", reverse = "180 deg" }\nhalf', "half", "angles is missing"),
+        ('reverse = "180 deg" }\nhalf', 'reverse = "180 ug" }\nhalf', "means.angles.reverse: 'ug' cannot be expressed in 'rad'"),
+        ('plan = { axis = "x" }', 'plan = { axis = "w" }', "axis"),
+        ('"0.95" = ', '"95" = ', "'95' is no probability"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_meant_is_refused(published: Edit, old: str, new: str, words: str) -> None:
+    pairs = [(old, new)]
+    if "gyro" in new:
+        pairs.append(('unit = "ug"\n\n[recordings.semi', 'unit = "deg/s"\n\n[recordings.semi'))
+    assert any(words in one for one in refused(published(*pairs)))
+
+
+def test_a_model_cannot_take_a_term_from_a_flip(turned: Edit) -> None:
+    folder = turned(("[[requirements]]", '[model]\nterms = { bias = ["flip"] }\n\n[[requirements]]'))
+    assert any("'flip' is no test with use = 'fit' that a model is made of" in one for one in refused(folder))
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("x,1,reverse", "x,1,sideways", "position 'sideways' has no angle means.angles has: forward, reverse"),
+        ("x,1,reverse", "w,1,reverse", "axis 'w'"),
+        ("x,1,reverse", "x,1,forward", "axis x stands twice at 0 deg of flip 1"),
+        ("mean_ug", "average", "mean_ug"),
+    ],
+)
+def test_a_row_that_cannot_be_meant_is_refused(published: Edit, old: str, new: str, words: str) -> None:
+    folder = published((old, new), file="table03_semiprocessed.csv")
+    assert any(words in one for one in refused(folder, run))
+
+
+def test_means_and_recordings_are_not_mixed_in_a_test(turned: Edit, published: Edit) -> None:
+    folder = turned(
+        ('recordings = ["flip"]', 'recordings = ["flip", "means"]'),
+        ("[[tests]]", '[recordings.means]\nsensor = "head"\nfile = "means.csv"\nmeans = { axis = "axis", '
+         'position = "orientation", flip = "time", mean = "mean_ug", unit = "ug", '
+         'angles = { forward = "0 deg", reverse = "180 deg" } }\n\n[[tests]]'),
+    )  # fmt: skip
+    shutil.copy(published() / "table07_unfiltered.csv", folder / "means.csv")
+    assert refused(folder, run) == ["test 'flip': reduced means (means) and recordings in one test Make two tests of them"]
+
+
+# Positions on the clock of the record
+
+
+def test_a_recording_without_positions_is_refused(turned: Edit) -> None:
+    text = (turned() / "campaign.toml").read_text(encoding="utf-8")
+    whole = text[text.index("positions = [") : text.index("]\n\n[[tests]]") + 2]
+    (problem,) = refused(turned((whole, "")))
+    assert "nothing says how the head was turned, and when" in problem
+    assert "positions = [" in problem
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ("T12:14:40.000Z", "T10:14:40.000Z", "overlap"),
+        ("1996-02-20T12:14:40.000Z", "006/00:14:40", "elapsed time"),
+        ("1996-02-20T12:14:40.000Z", "yesterday", "positions: 'yesterday'"),
+        ("T12:20:05.000Z", "T12:30:05.000Z", "ends before it starts"),
+    ],
+)
+def test_a_time_that_cannot_be_meant_is_refused(turned: Edit, old: str, new: str, words: str) -> None:
+    folder = turned((old, new))
+    if words == "overlap":
+        folder = turned(('stop = "1996-02-20T12:20:00.000Z"', 'stop = "1996-02-20T12:21:00.000Z"'))
+    assert any(words in one for one in refused(folder, run))
+
+
+def test_positions_outside_the_record_are_refused(turned: Edit) -> None:
+    (problem,) = refused(turned(("1996-02-20T12:", "1996-02-21T12:")), run)
+    assert "holds 0 sample(s)" in problem
+    assert "The record runs from 0 to" in problem
+
+
+def test_GMT_day_of_year_is_understood(turned: Edit, simulated: Path) -> None:
+    folder = turned(("1996-02-20T12:14:40.000Z", "1996/051/12:14:40"), ("1996-02-20T12:20:00.000Z", "1996:051:12:20:00"))
+    assert run(folder, write=False).results["results"] == run(simulated, write=False).results["results"]
+
+
+def test_the_place_of_a_problem_is_its_test_in_the_campaign_file(turned: Edit) -> None:
+    with pytest.raises(DataError) as caught:
+        run(turned(("1996-02-20T12:14:40.000Z", "006/00:14:40")))
+    assert caught.value.problems[0].where.startswith("campaign.toml:")
+
+
+# Mistakes of the flip: each is named
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_every_mistake_is_named(rig: str, fault: str, tmp_path: Path) -> None:
+    folder = simulate(rig, tmp_path / fault, 2, fault).folder
+    try:
+        outcome = run(folder)
+    except DataError as error:
+        assert FAULTS[fault].shows in {problem.code for problem in error.problems}
+        assert FAULTS[fault].shows == "shorter_than_settling"
+        assert not (folder / "out").exists()
+        return
+    assert FAULTS[fault].shows in {one.code for one in outcome.remarks}
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    told = next(one for one in outcome.remarks if one.code == FAULTS[fault].shows)
+    assert told.severity in ("warning", "error")
+    assert told.what[:20] in page
+
+
+def test_without_a_mistake_no_mistake_is_named() -> None:
+    named = {one.shows for one in FAULTS.values()} | {"control_axis_not_zero"}
+    for seed in range(1, 6):
+        (result,) = fit_results(small_twin(seed))
+        assert not named & {one.code for one in result.remarks}
+
+
+def test_an_axis_whose_gain_changes_is_not_read_and_the_others_are(rig: str, tmp_path: Path) -> None:
+    rows = run(simulate(rig, tmp_path / "gain", 2, "gain_changed").folder).results["results"]
+    status = {(row["quantity"], row["axis"]): row for row in rows if row["condition"] == ""}
+    assert status["bias", "y"]["reason"] == "the y axis was not read"
+    assert status["bias", "z"]["status"] == "estimated"
+
+
+def test_a_single_sided_flip_gives_what_it_can_and_is_marked(rig: str, tmp_path: Path) -> None:
+    rows = run(simulate(rig, tmp_path / "lost", 2, "missing_position").folder).results["results"]
+    found = {(row["quantity"], row["axis"]): row for row in rows if row["condition"] == ""}
+    assert found["reading", "y"]["status"] == "estimated"
+    assert found["reading", "y"]["reason"].startswith("bias and ambient acceleration together")
+    for quantity in ("bias", "ambient_acceleration"):
+        assert found[quantity, "y"]["value"] is None
+        assert "missing position: y was read at 0 deg only" in found[quantity, "y"]["reason"]
+
+
+def test_an_axis_at_the_rails_takes_nothing_from_the_others(rig: str, tmp_path: Path) -> None:
+    rows = run(simulate(rig, tmp_path / "rails", 2, "at_rails").folder).results["results"]
+    found = {(row["quantity"], row["axis"]): row for row in rows if row["condition"] == ""}
+    assert found["bias", "y"]["status"] == "estimated"
+    assert "the x axis was not read" in found["reading", "x"]["reason"]
+
+
+def test_check_judges_the_inputs_of_a_flip(simulated: Path) -> None:
+    campaign, inputs, remarks = check(simulated)
+    assert set(inputs) == {"campaign.toml", "recordings/flip.csv"}
+    assert "settling" in {one.code for one in remarks}
+    with pytest.raises(PlanError):
+        load(campaign.folder / "nowhere")
