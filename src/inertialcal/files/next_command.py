@@ -13,6 +13,7 @@ from .hints import Hint
 
 PLACEHOLDER = "UNIT"  # for the user to fill in
 REDUCED = re.compile(r"(?:^|_)(?:(?<!sample_)rate|applied|reading)(?:_|$)", re.IGNORECASE)
+CAMPAIGN = "campaign.toml"
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
 ARCHIVED = "PAD"  # triaxial heads in orbit
 SHORT = 1_000  # samples below which a noise analysis says little
@@ -38,7 +39,7 @@ def next_command(
         return None
     path = shlex.quote(recording.source.path)
     if is_reduced_table(recording):
-        return f"inertialcal init {_folder(recording)}" if "init" in commands else None
+        return _campaign(recording, commands)
     options = _missing_options(recording, hints, remarks)
     if options:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
@@ -52,7 +53,7 @@ def next_command(
     word = next((word for word in wanted if word in commands), None)
     if word is not None:
         return f"inertialcal {word} {path}"
-    return f"inertialcal init {_folder(recording)}" if "init" in commands else None
+    return _campaign(recording, commands)
 
 
 def is_reduced_table(recording: Recording) -> bool:
@@ -73,5 +74,8 @@ def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Seque
     return options
 
 
-def _folder(recording: Recording) -> str:
-    return shlex.quote(str(Path(recording.source.path).parent))
+def _campaign(recording: Recording, commands: Collection[str]) -> str | None:
+    """Return what to do with the folder: its campaign file is to be written once, then to be run."""
+    folder = Path(recording.source.path).parent
+    word = "run" if (folder / CAMPAIGN).is_file() else "init"
+    return f"inertialcal {word} {shlex.quote(str(folder))}" if word in commands else None

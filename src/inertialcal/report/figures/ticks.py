@@ -15,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
+from .metrics import shortened
 from .style import COLOURS, TEXT
 
 INCH = 72.0  # [pt]
@@ -23,6 +24,7 @@ TICK = MARK + PAD
 GAP = 4.0  # between tick labels, label and legend [pt]
 TICK_TEXT = TEXT - 1.0
 MOST_TICKS = 6  # but one, of a linear axis
+LONGEST = 200.0  # width of a label [pt]
 BEHIND = 0.5  # order of drawing: under the data
 
 Ticks = tuple[Sequence[float], Sequence[str]]
@@ -66,7 +68,11 @@ def ticks_of(axis: Axis) -> Ticks:
     low, high = sorted(axis.get_view_interval())
     places = axis.get_majorticklocs().tolist()
     labels = axis.get_major_formatter().format_ticks(places)
-    seen = [(place, label) for place, label in zip(places, labels, strict=True) if low <= place <= high]
+    seen = [
+        (place, shortened(label, TICK_TEXT, LONGEST))
+        for place, label in zip(places, labels, strict=True)
+        if low <= place <= high
+    ]
     return [place for place, _ in seen], [label for _, label in seen]
 
 
