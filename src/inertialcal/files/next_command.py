@@ -39,14 +39,17 @@ def next_command(
         return None
     path = shlex.quote(recording.source.path)
     if is_reduced_table(recording):
-        return _campaign(recording, commands)
+        alone = "rate-table" in commands and not _in_campaign(recording)
+        return f"inertialcal rate-table {path}" if alone else _campaign(recording, commands)
     options = _missing_options(recording, hints, remarks)
     if options:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
     if recording.source.format.startswith(ARCHIVED):
         return f"inertialcal flip {path}" if "flip" in commands else None
     moving = any(remark.code == "not_at_rest" for remark in remarks)
-    turned = any(REDUCED.search(channel.name) for channel in recording.channels)
+    turned = any(REDUCED.search(channel.name) for channel in recording.channels) and any(
+        channel.axis and channel.quantity == "gyro" for channel in recording.channels
+    )  # counts need the chain of a campaign file
     wanted = ["rate-table"] if moving and turned else ["positions"] if moving else ["allan", "psd"]
     if not moving and len(recording) < SHORT:
         wanted = []
@@ -76,6 +79,10 @@ def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Seque
 
 def _campaign(recording: Recording, commands: Collection[str]) -> str | None:
     """Return what to do with the folder: its campaign file is to be written once, then to be run."""
+    word = "run" if _in_campaign(recording) else "init"
     folder = Path(recording.source.path).parent
-    word = "run" if (folder / CAMPAIGN).is_file() else "init"
     return f"inertialcal {word} {shlex.quote(str(folder))}" if word in commands else None
+
+
+def _in_campaign(recording: Recording) -> bool:
+    return (Path(recording.source.path).parent / CAMPAIGN).is_file()
