@@ -6,10 +6,13 @@ from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
-from ran_campaigns import TEST_LOW, Ran, ran
+import pytest
 
 from inertialcal.campaign.exclusions import RULES, SAMPLES
+from inertialcal.campaign.run import run
+from inertialcal.core.errors import DataError
 from inertialcal.procedures import rate_table
+from ran_campaigns import TEST_LOW, Ran, ran
 
 
 def test_counts_are_those_of_the_remarks(campaign_ran: Ran) -> None:
@@ -90,3 +93,10 @@ def test_rows_without_a_rate_are_counted(campaign: Callable[..., Path]) -> None:
     assert (row["rule"], row["count"], row["counts"]) == ("no_rate", 5, "row")
     remark = next(r for r in found.results["remarks"] if r["code"] == "missing_cells")
     assert remark["count"] == row["count"]
+
+
+def test_a_group_that_no_row_is_in_is_refused(campaign: Callable[..., Path]) -> None:
+    folder = campaign(('recordings = ["one"]', 'recordings = ["one"]\ngroups = ["1", "c"]'))
+    with pytest.raises(DataError, match="no row of 'one' is in group 'c' of test 'first'") as refused:
+        run(folder, write=False)
+    assert refused.value.problems[0].do == "There are: '1', '2'"

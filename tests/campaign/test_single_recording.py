@@ -44,7 +44,9 @@ def test_the_truth_is_found_with_no_more_than_the_axis(tmp_path: Path) -> None:
 
 
 def test_the_axis_is_asked_for_and_the_one_that_follows_is_named(tmp_path: Path) -> None:
-    with pytest.raises(UsageError, match=r"nothing says which axis was turned; the one that follows .* is y") as refused:
+    with pytest.raises(
+        UsageError, match=r"nothing says which axis was turned; the one that follows .* is y"
+    ) as refused:
         ic.rate_table(write(tmp_path))
     assert refused.value.problems[0].do == "Say it: --axis y"
 

@@ -199,6 +199,14 @@ def test_a_reduced_table_leads_to_init(file: Path) -> None:
     assert survey(file).next is None
 
 
+def test_a_file_of_a_campaign_leads_to_run(file: Path) -> None:
+    """``init`` refuses a folder that has a campaign file already."""
+    write(file, rate_dps=[-5, 0, 5], x_dps=[-5.01, 0.0, 5.02])
+    (file.parent / "campaign.toml").write_text("schema = 1\n")
+    assert survey(file, commands=["info", "init", "run"]).next == f"inertialcal run {file.parent}"
+    assert survey(file, commands=["info", "init"]).next is None
+
+
 def test_the_time_axis(file: Path) -> None:
     stamps = 1_283_358_139 + np.delete(np.arange(0, 400, 2), [50, 51])
     found = survey(write(file, unix_s=stamps, x=RNG.normal(size=198)))

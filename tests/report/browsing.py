@@ -23,6 +23,7 @@ DESKTOP, PHONE, SMALL_PHONE = 1280, 390, 320  # px
 HEIGHT = {DESKTOP: 900, PHONE: 844, SMALL_PHONE: 568}
 PAPER = 718  # px: A4 less 10 mm on each side, at 96 to the inch
 PAPER_HEIGHT = 1047  # px
+PATIENCE = 120_000.0  # ms: a busy machine is no failure
 
 
 @dataclass
@@ -80,6 +81,7 @@ def visit(browser: Browser, path: Path, width: int = DESKTOP, **options: Any) ->
     size: Any = {"width": width, "height": HEIGHT.get(width, PAPER_HEIGHT)}
     context = browser.new_context(viewport=size, reduced_motion="reduce", **options)
     try:
+        context.set_default_timeout(PATIENCE)
         found = Visit(context.new_page())
         found.watch(context)
         found.open(path)

@@ -6,6 +6,7 @@ import io
 from typing import Any
 
 import numpy as np
+from browsing import PATIENCE
 from layout import Texts
 from numpy.typing import NDArray
 from PIL import Image
@@ -101,7 +102,7 @@ def blank(page: Page) -> list[str]:
 
 
 def _taken(page: Page) -> bytes:
-    return page.screenshot(full_page=True, type="jpeg", quality=60)
+    return page.screenshot(full_page=True, type="jpeg", quality=60, timeout=PATIENCE)
 
 
 def _share(picture: NDArray[np.uint8]) -> float:

@@ -314,11 +314,19 @@ def test_the_way_from_codes_to_the_input_of_the_code_is_said(thesis: Files) -> N
     sensor["chain"] |= {"kind": "adc", "lsb": "0.0012 V", "counts": [0, 4095], "reference": "channel"}
     sensor["chain"] |= {"gain": {"x": 100, "z": 10}, "zero": "0.1 V"}
     told = said(report_html(results, model, provenance))
-    assert "volts are codes 0 to 4095 times 0.0012 V , less the reference read beside each signal" in told
-    assert "less the zero of 0.1 V , divided by the gain of x 100, z 10" in told
+    assert "volts are codes 0 to 4095 times 0.0012 V, less the reference read beside each signal" in told
+    assert "less the zero of 0.1 V, divided by the gain of x 100, z 10" in told
     assert "[-1, 0, 0], [0, 1, 0], [0, 0, -1]" in told
     sensor["chain"] |= {"kind": "pulse_rate", "gate": "100 s", "reference": None}
     assert "pulses a second are codes divided by a gate of 100 s" in said(report_html(results, model, provenance))
+
+
+def test_exclusions_of_many_are_in_the_plural(thesis: Files) -> None:
+    results, model, provenance = copy.deepcopy(thesis)
+    results["exclusions"][0] |= {"count": 22, "counts": "sample"}
+    told = said(report_html(results, model, provenance))
+    assert "22 samples" in told
+    assert "1 dwells" not in told
 
 
 def test_a_budget_ends_with_the_uncertainty_of_its_quantity(thesis: Files) -> None:

@@ -94,3 +94,10 @@ def test_false_alarms_are_rare() -> None:
     rng = np.random.default_rng(9)
     quantised = (np.round(rng.normal(0, spread, 2000)) for spread in np.linspace(0.4, 5, 300))
     assert sum(is_stuck(values) for values in quantised) == 0
+
+
+def test_a_rate_that_is_set_in_steps_is_not_clipped() -> None:
+    levels = np.repeat([0.0, 1.5, -1.5, 3.0, -3.0, 4.5, -4.5, 0.0], 30)
+    ramps = np.linspace(-4.0, 4.0, 23)
+    assert _rails(np.concatenate([levels, ramps])) == ()
+    assert len(_rails(np.clip(np.random.default_rng(1).normal(0.0, 3.0, 2000), -4.5, 4.5))) == 2

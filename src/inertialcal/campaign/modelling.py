@@ -196,7 +196,10 @@ def _model(
 
 
 def _provenance(name: str, tests: Mapping[str, list[Prepared]]) -> Provenance:
-    which = tests["bias" if name.startswith("bias") else "matrix"]
+    """Return where a term comes from: the tests in which its sensor was read."""
+    sensor = name.rpartition("_")[2][0]
+    family = tests["bias" if name.startswith("bias") else "matrix"]
+    which = [one for one in family if np.isfinite(one.readings.outputs.get(sensor, np.nan)).any()]
     recordings = tuple(dict.fromkeys(r for one in which for r in one.test.recordings))
     return Provenance(", ".join(one.test.id for one in which), recordings)
 

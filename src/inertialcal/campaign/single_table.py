@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -42,12 +42,13 @@ def table_columns(
     if said["axis"] is not None and found.axis is not None:
         what = f"{file}: column {found.axis!r} says which axis was turned, and --axis says {said['axis']}"
         raise UsageError(what, do="Leave --axis out", code="wrong_value")
-    chosen = _columns(found, names, said, file)
+    lacks = [*_lacking(found, names, said)]
+    if lacks:
+        code = lacks[0][2]
+        asked = " ".join(dict.fromkeys(option for _, option, _ in lacks))
+        raise UsageError(f"{file}: {'; '.join(what for what, _, _ in lacks)}", do=f"Say it: {asked}", code=code)
+    chosen = _columns(found, said)
     spoken = said["unit"] or found.unit
-    if spoken is None:
-        raise UsageError(
-            f"{file}: nothing says the unit of rate and reading", do="Say it: --unit deg/s", code="no_unit"
-        )
     rows = Rows(
         applied=chosen["applied"],
         reading=chosen["reading"],
@@ -85,23 +86,30 @@ def table_readings(file: Path, columns: Mapping[str, Any], sensor: Sensor) -> tu
     return readings, table.source.sha256
 
 
-def _columns(found: Guess, names: Sequence[str], said: Mapping[str, Any], file: Path) -> dict[str, Any]:
-    applied, reading, axis = said["applied"], said["reading"], said["axis"]
-    if applied is None and found.applied is None:
-        raise UsageError(
-            f"{file}: no column is clearly the applied rate", do="Say it: --applied COLUMN", code="no_column"
-        )
-    if reading is None and len(found.readings) != 1 and not found.by_axis:
-        have = f" ({', '.join(found.readings)})" if found.readings else ""
-        have = have or f"; it has {', '.join(names)}"
-        what = f"{file}: {len(found.readings)} columns can be the reading{have}"
-        raise UsageError(what, do="Say it: --reading COLUMN", code="no_column")
+def _lacking(found: Guess, names: Sequence[str], said: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:
+    """Yield what is not clear, the option that says it, and its code: all at once, so that one more try is enough."""
+    if said["applied"] is None and found.applied is None:
+        yield "no column is clearly the applied rate", "--applied COLUMN", "no_column"
+    if said["reading"] is None and len(found.readings) != 1 and not found.by_axis:
+        have = f" ({', '.join(found.readings)})" if found.readings else f"; it has {', '.join(names)}"
+        yield f"{len(found.readings)} columns can be the reading{have}", "--reading COLUMN", "no_column"
+        if said["axis"] is None and found.axis is None and not isinstance(said["reading"], dict):
+            yield "nothing says which axis was turned", "--axis x", "no_axis"
+    elif said["axis"] is None and found.axis is None and _only_axis(found, _reading(found, said)) is None:
+        yield "nothing says which axis was turned", "--axis x", "no_axis"
+    if said["unit"] is None and found.unit is None:
+        yield "nothing says the unit of rate and reading", "--unit deg/s", "no_unit"
+
+
+def _reading(found: Guess, said: Mapping[str, Any]) -> Any:
     by_axis = dict(found.by_axis) if len(found.by_axis) > 1 else None
-    chosen: Any = reading or by_axis or found.readings[0]
-    turned = axis or (None if found.axis else _only_axis(found, chosen))
-    if turned is None and found.axis is None:
-        raise UsageError(f"{file}: nothing says which axis was turned", do="Say it: --axis x", code="no_axis")
-    return {"applied": applied or found.applied, "reading": chosen, "axis": turned or ""}
+    return said["reading"] or by_axis or found.readings[0]
+
+
+def _columns(found: Guess, said: Mapping[str, Any]) -> dict[str, Any]:
+    reading = _reading(found, said)
+    turned = said["axis"] or (None if found.axis else _only_axis(found, reading))
+    return {"applied": said["applied"] or found.applied, "reading": reading, "axis": turned or ""}
 
 
 def _only_axis(found: Guess, chosen: Any) -> str | None:

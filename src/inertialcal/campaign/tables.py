@@ -28,6 +28,9 @@ from .schema import Columns, RecordingEntry, Rows, Sensor, Test
 Mask = NDArray[np.bool_]
 
 
+MOST_GROUPS = 12  # that a message lists
+
+
 @dataclass(frozen=True, eq=False)
 class _Source:
     """A table with what the campaign says about it."""
@@ -158,7 +161,9 @@ def _scale(source: _Source, axis: str) -> float:
 def _chosen(source: _Source, test: Test, readings: Readings) -> Readings:
     """Keep the rows of the test's groups and windows that have a reading; the rest is counted."""
     keep = np.isfinite(readings.applied)
+    absent: list[Remark] = []
     if test.groups is not None:
+        absent = _without_rows(source, test, _group(source, readings))
         keep &= np.isin(_group(source, readings), test.groups)
     if test.windows is not None:
         keep &= _in_windows(source, test)
@@ -166,7 +171,7 @@ def _chosen(source: _Source, test: Test, readings: Readings) -> Readings:
         what = f"test {test.id!r}: no row of {source.table.source.path} is in its groups and windows"
         raise DataError(what, code="nothing_left")
     chosen = readings.take(keep)
-    remarks = list(chosen.remarks)
+    remarks = [*chosen.remarks, *absent]
     for axis, values in chosen.outputs.items():
         missing = ~np.isfinite(values)
         if missing.any():
@@ -174,6 +179,26 @@ def _chosen(source: _Source, test: Test, readings: Readings) -> Readings:
             what = f"{axis} sensor: empty cells, taken as not read"
             remarks.append(Remark("empty_cells", "info", what, first, int(missing.sum())))
     return replace(chosen, remarks=tuple(remarks))
+
+
+def _without_rows(source: _Source, test: Test, group: NDArray[Any]) -> list[Remark]:
+    """Name groups of the test that no row is in: an error where the test has no other table, else a remark.
+
+    Raises
+    ------
+    DataError
+        ``unknown_name``.
+    """
+    there = list(dict.fromkeys(str(one) for one in group))
+    absent = [one for one in test.groups or [] if one not in there]
+    if not absent:
+        return []
+    names, have = ", ".join(repr(one) for one in absent), ", ".join(repr(one) for one in there[:MOST_GROUPS])
+    what = f"no row of {source.name!r} is in group {names} of test {test.id!r}"
+    if len(test.recordings) == 1:
+        why = "the test would use less than it says"
+        raise DataError(what, str(source.table.source.path), why, f"There are: {have}", "unknown_name")
+    return [Remark("group_absent", "warning", what, do=f"There are: {have}")]
 
 
 def _group(source: _Source, readings: Readings) -> NDArray[Any]:

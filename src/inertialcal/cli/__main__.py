@@ -7,6 +7,7 @@ import sys
 import tempfile
 import traceback
 from collections.abc import Sequence
+from typing import NoReturn
 
 from ..core.errors import InertialcalError, Problem, UsageError
 from .output import FOUND, errors_out
@@ -24,6 +25,23 @@ def main(arguments: Sequence[str] | None = None) -> None:
         sys.stdout.flush()
     except BrokenPipeError:  # the reader has seen enough
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+    sys.exit(status)
+
+
+def entry() -> NoReturn:
+    """Run the command line as a process of its own, and end it.
+
+    Once the work is done and told, nothing may change the exit status: the threads that a library keeps can abort the
+    interpreter while it is taken down, so it is not.
+    """
+    status = 70
+    try:
+        main()
+    except SystemExit as left:
+        status = int(left.code or 0)
+    sys.stderr.flush()
+    if "pyarrow" in sys.modules:
+        os._exit(status)
     sys.exit(status)
 
 
@@ -76,4 +94,4 @@ def _help(error: Exception) -> str:
 
 
 if __name__ == "__main__":
-    main()
+    entry()

@@ -13,6 +13,7 @@ from .hints import Hint
 
 PLACEHOLDER = "UNIT"  # for the user to fill in
 REDUCED = re.compile(r"(?:^|_)(?:(?<!sample_)rate|applied|reading)(?:_|$)", re.IGNORECASE)
+CAMPAIGN = "campaign.toml"
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
 ARCHIVED = "PAD"  # triaxial heads in orbit
 SHORT = 1_000  # samples below which a noise analysis says little
@@ -38,21 +39,24 @@ def next_command(
         return None
     path = shlex.quote(recording.source.path)
     if is_reduced_table(recording):
-        return f"inertialcal init {_folder(recording)}" if "init" in commands else None
+        alone = "rate-table" in commands and not _in_campaign(recording)
+        return f"inertialcal rate-table {path}" if alone else _campaign(recording, commands)
     options = _missing_options(recording, hints, remarks)
     if options:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
     if recording.source.format.startswith(ARCHIVED):
         return f"inertialcal flip {path}" if "flip" in commands else None
     moving = any(remark.code == "not_at_rest" for remark in remarks)
-    turned = any(REDUCED.search(channel.name) for channel in recording.channels)
+    turned = any(REDUCED.search(channel.name) for channel in recording.channels) and any(
+        channel.axis and channel.quantity == "gyro" for channel in recording.channels
+    )  # counts need the chain of a campaign file
     wanted = ["rate-table"] if moving and turned else ["positions"] if moving else ["allan", "psd"]
     if not moving and len(recording) < SHORT:
         wanted = []
     word = next((word for word in wanted if word in commands), None)
     if word is not None:
         return f"inertialcal {word} {path}"
-    return f"inertialcal init {_folder(recording)}" if "init" in commands else None
+    return _campaign(recording, commands)
 
 
 def is_reduced_table(recording: Recording) -> bool:
@@ -73,5 +77,12 @@ def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Seque
     return options
 
 
-def _folder(recording: Recording) -> str:
-    return shlex.quote(str(Path(recording.source.path).parent))
+def _campaign(recording: Recording, commands: Collection[str]) -> str | None:
+    """Return what to do with the folder: its campaign file is to be written once, then to be run."""
+    word = "run" if _in_campaign(recording) else "init"
+    folder = Path(recording.source.path).parent
+    return f"inertialcal {word} {shlex.quote(str(folder))}" if word in commands else None
+
+
+def _in_campaign(recording: Recording) -> bool:
+    return (Path(recording.source.path).parent / CAMPAIGN).is_file()

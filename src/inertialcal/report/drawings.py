@@ -18,6 +18,9 @@ RECORDINGS_SHOWN = 1  # traces of a test, of each axis that was turned: the othe
 Results = Mapping[str, Any]
 
 
+STILL = 0.01  # of the largest input: next to none
+
+
 @dataclass(frozen=True, eq=False)
 class Drawing:
     """One figure.
@@ -82,11 +85,23 @@ def _caption(results: Results, picture: Picture) -> Finding:
             told = " The other recordings of this test are in results.json." if more > 1 else ""
             return ("The dwells found in one recording with ", axis, " turned.", told)
         case "compensated":
-            return ("Errors on readings held out, raw and compensated, at each applied input.",)
+            others = " At no input lie the dwells in which another axis was turned." if _others_turned(results) else ""
+            return ("Errors on readings held out, raw and compensated, at each applied input.", others)
         case "matrix":
-            return ("The matrix as a picture: row = the sensor that reads, column = the axis that moves.",)
+            told = "How the matrix differs from the identity: scale factor errors on the diagonal, misalignments beside"
+            return (told, " it; row = the sensor that reads, column = the axis that moves.")
         case _:
             return ("Share of each source in the variance of each quantity.",)
+
+
+def _others_turned(results: Results) -> bool:
+    """Whether most dwells of an axis in the closed loop have next to no input: others were turned."""
+    for one in results["curves"]:
+        if one["name"] == "compensated":
+            sizes = [abs(float(value)) for value in one["columns"]["applied"]["values"] if value is not None]
+            if sizes and sum(size < STILL * max(sizes) for size in sizes) > len(sizes) / 2:
+                return True
+    return False
 
 
 def _judged(results: Results, picture: Picture) -> Finding:

@@ -80,9 +80,19 @@ def _least_margin(verdicts: Sequence[Any]) -> Highlight | None:
     if one is None:
         return None
     at: Finding = () if one["at"] is None else (" at ", Figure(one["at"], None, one["at_unit"]))
-    label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"])
+    label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"],
+             *_limits(one))  # fmt: skip
     rule = "interval to limit, the least for the size of the limits; negative is beyond"
     return Highlight(label, (Figure(one["margin"], None, one["unit"]),), rule)
+
+
+def _limits(one: Any) -> Finding:
+    """Say what the margin is to."""
+    lower, upper, unit = one["lower"], one["upper"], one["unit"]
+    if lower is not None and upper is not None:
+        return ("; limits ", Figure(lower), " to ", Figure(upper, None, unit))
+    end = upper if lower is None else lower
+    return () if end is None else ("; limit ", Figure(end, None, unit))
 
 
 def _margin(one: Any) -> float:

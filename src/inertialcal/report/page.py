@@ -26,10 +26,10 @@ from .highlights import highlights
 
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
-MOST_FIGURES = 30  # drawn on a page: each takes time
+MOST_FIGURES = 21  # drawn on a page: each takes time
 AT_TOP = ("compensated", "rate_error", "input_output")  # the first of these that there is
 OF_TESTS = ("input_output", "rate_error", "dwells")
-USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most
+USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
     "rounded": numbers.rounded,
@@ -118,7 +118,8 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
         drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.axis))
     budgets = {one.picture.test: one for one in found if _is(one, "budget")}
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
-    steps = sorted(results["sequence"], key=lambda step: USES.index(step["use"]))
+    judged = {one["test"] for one in results["verdicts"]}
+    steps = sorted(results["sequence"], key=lambda step: (step["test"] not in judged, USES.index(step["use"])))
     wanted = [top, matrix, *budgets.values(), *(one for step in steps for one in of_tests.get(step["test"], []))]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
     return {"top": top, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}

@@ -18,6 +18,7 @@ OFF_STEP = 0.02  # largest distance from a whole number of steps, in steps
 DIVIDERS = 10  # a gap between neighbouring levels may be this many steps
 PILE = 5  # fewest samples at an extreme that are called a pile ...
 PILE_RATIO = 3.0  # ... and how much more than at the next level
+STEPS = 2  # levels inside that pile up: the channel is set in steps
 FEW_LEVELS = 10  # with fewer levels (a switch, a flag) the extremes are no rails
 RAIL_CODES = frozenset(
     {0, *(2**bits - 1 for bits in (8, 10, 12, 14, 16, 24, 32))}
@@ -100,21 +101,30 @@ def rails(found: Levels) -> tuple[Rail, ...]:
     """Return the extremes at which values pile up: clipped samples.
 
     An extreme counts if at least five samples lie on it, three times as many as on the level beside it; or,
-    for whole numbers, if two samples lie on the last code of a usual converter.
+    for whole numbers, if two samples lie on the last code of a usual converter. Where levels inside pile up like
+    that too, the channel goes in steps (the rate of a table), and its extremes are two of them.
     """
     levels, counts = found.values, found.counts
     if len(levels) < FEW_LEVELS:
         return ()
+    steps = _goes_in_steps(counts)
     whole = bool(np.all(levels == np.rint(levels)))
     piles = []
     for end, beside in ((0, 1), (-1, -2)):
         count, is_code = int(counts[end]), whole and int(levels[end]) in RAIL_CODES
-        piled = count >= PILE and count > PILE_RATIO * counts[beside]
+        piled = not steps and count >= PILE and count > PILE_RATIO * counts[beside]
         # Zero is the end of an unsigned converter only for channels that live far above it.
         at_code = is_code and count >= CONSTANT_IN_COUNTS and levels[end] != 0.0
         if piled or at_code:
             piles.append(Rail(float(levels[end]), count, is_code))
     return tuple(piles)
+
+
+def _goes_in_steps(counts: NDArray[np.int64]) -> bool:
+    """Whether two levels or more between the extremes stand out from both their neighbours as a pile does."""
+    inside = counts[1:-1]
+    beside = np.maximum(counts[:-2], counts[2:])
+    return int(np.count_nonzero((inside >= PILE) & (inside > PILE_RATIO * beside))) >= STEPS
 
 
 def longest_run(values: NDArray[np.generic]) -> Run:

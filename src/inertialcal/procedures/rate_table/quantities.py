@@ -49,7 +49,7 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
     values = np.concatenate([part[1] for part in parts])
     units = tuple(_unit(name) for name in names)
     components = [
-        _type_a(parts, usable, len(names)),
+        _type_a(plan, parts, usable, len(names)),
         *_type_b(plan, names, values, parts, usable),
         *_earth(plan, parts, usable),
     ]
@@ -116,9 +116,10 @@ SOURCES = {
     "dwell": "scatter between dwells",
     "sample": "scatter between samples",
 }
+RECORDINGS = "scatter between recordings"  # where a run is a recording, and no power-up is known
 
 
-def _type_a(parts: list[Part], lines: list[Line], k: int) -> Component:
+def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Component:
     covariance, dof, start = np.zeros((k, k)), np.empty(k), 0
     for (names, _, jacobian, about), one in zip(parts, lines, strict=True):
         block = slice(start, start + len(names))
@@ -129,6 +130,8 @@ def _type_a(parts: list[Part], lines: list[Line], k: int) -> Component:
         start += len(names)
     levels = {one.level for one in lines}
     source = SOURCES[levels.pop()] if len(levels) == 1 else "scatter at the highest level repeated"
+    if source == SOURCES["run"] and plan.run_level == "recording":
+        source = RECORDINGS
     return Component(source, "A", covariance, dof, "t")
 
 

@@ -21,7 +21,6 @@ from .ticks import GAP, INCH, TICK, TICK_TEXT, draw_ticks, is_labelled, is_on_to
 WHOLE = WIDTH * INCH
 EDGE = 4.0  # free at every edge of the figure [pt]
 BETWEEN = 12.0  # panels: half a tick label of each [pt]
-FEWEST = 120.0  # width of the panels that long tick labels leave [pt]
 
 
 @dataclass(frozen=True)
@@ -76,7 +75,7 @@ def _across(axes: Sequence[Axes], rows: Sequence[tuple[float, float]]) -> float:
     level = [ticks_of(ax.xaxis) for ax in axes]
     widest = max(width(label, TICK_TEXT) for _, labels in upright for label in (*labels, ""))
     label = max(height(ax.get_ylabel(), TEXT) for ax in axes)
-    left = min(EDGE + label + GAP + widest + TICK, WHOLE - FEWEST)
+    left = EDGE + label + GAP + widest + TICK
     right = max(2.0 * EDGE, *(width(label, TICK_TEXT) / 2.0 + 1.0 for _, labels in level for label in labels[-1:]), 0.0)
     for ax, (bottom, high), x, y in zip(axes, rows, level, upright, strict=True):
         ax.set_position((left / WHOLE, bottom, (WHOLE - left - right) / WHOLE, high))

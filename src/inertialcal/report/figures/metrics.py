@@ -37,6 +37,15 @@ def folded(text: str, size: float, widest: float) -> str:
     return "\n".join(lines)
 
 
+def shortened(text: str, size: float, widest: float) -> str:
+    """Return a text that is not wider than that [pt]: its end gives way to an ellipsis."""
+    if width(text, size) <= widest:
+        return text
+    while text and width(text + "…", size) > widest:
+        text = text[:-1]
+    return text + "…"
+
+
 @cache
 def _font() -> FT2Font:
     font = get_font(findfont(FontProperties(family=[FONT])))

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Literal
 
 from matplotlib.axes import Axes
 from matplotlib.axis import Axis
@@ -14,6 +15,7 @@ from matplotlib.lines import Line2D
 from matplotlib.ticker import MaxNLocator
 from matplotlib.transforms import ScaledTranslation
 
+from .metrics import shortened
 from .style import COLOURS, TEXT
 
 INCH = 72.0  # [pt]
@@ -22,6 +24,7 @@ TICK = MARK + PAD
 GAP = 4.0  # between tick labels, label and legend [pt]
 TICK_TEXT = TEXT - 1.0
 MOST_TICKS = 6  # but one, of a linear axis
+LONGEST = 200.0  # width of a label [pt]
 BEHIND = 0.5  # order of drawing: under the data
 
 Ticks = tuple[Sequence[float], Sequence[str]]
@@ -36,7 +39,7 @@ class Side:
     out: tuple[float, float]
     ha: str
     va: str
-    mark: int
+    mark: Literal[0, 2, 3]
     turned: float
 
 
@@ -63,8 +66,13 @@ def ticks_of(axis: Axis) -> Ticks:
     if isinstance(locator := axis.get_major_locator(), MaxNLocator):
         locator.set_params(nbins=MOST_TICKS)
     low, high = sorted(axis.get_view_interval())
-    places, labels = axis.get_majorticklocs(), axis.get_major_formatter().format_ticks(axis.get_majorticklocs())
-    seen = [(float(place), label) for place, label in zip(places, labels, strict=True) if low <= place <= high]
+    places = axis.get_majorticklocs().tolist()
+    labels = axis.get_major_formatter().format_ticks(places)
+    seen = [
+        (place, shortened(label, TICK_TEXT, LONGEST))
+        for place, label in zip(places, labels, strict=True)
+        if low <= place <= high
+    ]
     return [place for place, _ in seen], [label for _, label in seen]
 
 
@@ -82,7 +90,7 @@ def draw_ticks(axis: Axis, ticks: Ticks, room: float) -> None:
     """
     axis.set_visible(False)
     ax = axis.axes
-    side = LEFT if axis.axis_name == "y" else TOP if is_on_top(axis) else BOTTOM
+    side = LEFT if axis is ax.yaxis else TOP if is_on_top(axis) else BOTTOM
     _marks(ax, axis, ticks[0], side)
     along = ax.get_yaxis_transform() if side is LEFT else ax.get_xaxis_transform()
     size = axis.get_tick_params().get("labelsize", TICK_TEXT)
@@ -120,9 +128,11 @@ def _marks(ax: Axes, axis: Axis, places: Sequence[float], side: Side) -> None:
             color=COLOURS["quiet"],
             zorder=BEHIND,
             clip_on=False,
-        )  # fmt: skip
+        )
     )
 
 
 def _away(ax: Axes, side: Side, points: float) -> ScaledTranslation:
-    return ScaledTranslation(*(points / INCH * way for way in side.out), ax.get_figure(root=True).dpi_scale_trans)  # type: ignore[union-attr]
+    x, y = side.out
+    scale = ax.figure.dpi_scale_trans
+    return ScaledTranslation(points / INCH * x, points / INCH * y, scale)

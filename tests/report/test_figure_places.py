@@ -1,0 +1,67 @@
+"""Figures of a page are placed without drawing them: what was reckoned is what a drawing finds."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
+from matplotlib.text import Text
+from matplotlib.textpath import text_to_path
+from matplotlib.transforms import Affine2D
+from test_figures import poisoned, results
+
+from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures.metrics import folded, shortened, width
+
+SLACK = 2.0  # pt: kerning, rounding
+FINE = 10  # dots a point: letters then stand where they do in a file of shapes
+LETTERS = st.text(st.characters(codec="ascii", exclude_categories=["Cc"]), max_size=60)
+
+
+@pytest.mark.parametrize("text", ["rate [deg/s]", "−0.0050", "INCONCLUSIVE (3)", "WWWW", "iiii"])
+def test_a_width_is_that_of_the_font(text: str) -> None:
+    found, _, _ = text_to_path.get_text_width_height_descent(
+        text, FontProperties(family=["DejaVu Sans"], size=9), False
+    )
+    assert width(text, 9.0) == pytest.approx(found, abs=SLACK)
+
+
+@given(LETTERS, st.floats(20.0, 200.0))
+def test_folding_keeps_every_letter_and_the_width(text: str, widest: float) -> None:
+    lines = folded(text, 9.0, widest)
+    assert lines.replace("\n", "").replace(" ", "") == text.replace(" ", "")
+    assert width(lines, 9.0) <= widest
+    assert width(shortened(text, 9.0, widest), 9.0) <= widest
+
+
+def texts_of(figure: Figure) -> list[tuple[str, Any]]:
+    figure.set_dpi(72 * FINE)
+    figure.draw_without_rendering()
+    shown = [one for ax in figure.axes for one in ax.findobj(Text) if isinstance(one, Text) and one.get_text()]
+    axes = {id(one) for ax in figure.axes for axis in (ax.xaxis, ax.yaxis) for one in axis.findobj(Text)}
+    return [
+        (one.get_text(), one.get_window_extent().transformed(Affine2D().scale(1 / FINE)))
+        for one in shown
+        if id(one) not in axes and one.get_visible()
+    ]
+
+
+@pytest.mark.parametrize("text", ["", "W" * 60, "a long name of many words, longer than any"])
+@pytest.mark.parametrize("name", FIGURES)
+def test_no_text_is_cut_or_lies_over_another(name: str, text: str) -> None:
+    figure = on_new_figure(FIGURES[name].pictures(poisoned(text) if text else results())[0], titled=False)
+    found = texts_of(figure)
+    wide, high = (72.0 * size for size in figure.get_size_inches())
+    for label, box in found:
+        assert box.x0 > -SLACK, label
+        assert box.y0 > -SLACK, label
+        assert box.x1 < wide + SLACK, label
+        assert box.y1 < high + SLACK, label
+    for count, (label, one) in enumerate(found):
+        for other, two in found[:count]:
+            over = min(one.x1, two.x1) - max(one.x0, two.x0), min(one.y1, two.y1) - max(one.y0, two.y0)
+            assert min(over) < SLACK, f"{label!r} over {other!r}"
