@@ -25,6 +25,7 @@ from typer.main import get_command
 
 import inertialcal as ic
 from inertialcal.campaign import schema
+from inertialcal.campaign.example import build
 from inertialcal.campaign.plans import plan_settings
 from inertialcal.campaign.publish import ROW_COLUMNS
 from inertialcal.campaign.run import VERDICT_COLUMNS
@@ -321,6 +322,20 @@ def test_every_quantity_and_status_is_documented(results: dict[str, Any]) -> Non
         assert row["condition"] in named or f"`{row['condition']}`" in words, row["condition"]
     for verdict in ("PASS", "FAIL", "INCONCLUSIVE", "OPEN"):
         assert f"| `{verdict}` |" in words
+
+
+def test_every_quantity_condition_and_curve_of_a_flip_is_documented(tmp_path: Path) -> None:
+    page = (DOCS / "procedures" / "flip.md").read_text(encoding="utf-8")
+    words, curves = ((DOCS / name).read_text(encoding="utf-8") for name in ("words.md", "results.md"))
+    for folder in (build("sams1996", tmp_path / "published"), build("sams_tsh", tmp_path / "simulated")):
+        found = ic.run(folder, write=False).results
+        for row in found["results"]:
+            told = re.sub(r"flip \d+$", "flip 1", row["condition"])
+            assert f"`{row['quantity']}`" in page, row["quantity"]
+            assert not told or f"`{told}`" in words, row["condition"]
+        for curve in found["curves"]:
+            columns = rows_after(curves, "A curve has")[curve["name"]][2]
+            assert all(f"`{name}`" in columns for name in curve["columns"]), curve["name"]
 
 
 def test_every_remark_of_a_procedure_is_documented() -> None:

@@ -94,7 +94,9 @@ def test_a_requirement_on_what_has_no_uncertainty_is_inconclusive_with_its_reaso
     toml = copy / "campaign.toml"
     text = toml.read_text(encoding="utf-8")
     assert 'recordings = ["semiprocessed"]\n' in text
-    toml.write_text(text.replace('recordings = ["semiprocessed"]\n', 'recordings = ["semiprocessed"]\ngroups = ["1"]\n'))
+    toml.write_text(
+        text.replace('recordings = ["semiprocessed"]\n', 'recordings = ["semiprocessed"]\ngroups = ["1"]\n')
+    )
     outcome = run(copy)
     (verdict,) = outcome.results["verdicts"]
     assert (verdict["verdict"], outcome.exit_status) == ("INCONCLUSIVE", 4)

@@ -12,10 +12,10 @@ from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows
+from .cross_checks import MODELLED
 from .curves import curves_content, ten_digits
 from .display import display_unit, displayed, scaled, scaled_interval
 from .exclusions import exclusion_rows
-from .cross_checks import MODELLED
 from .load import Campaign
 from .margins import margin
 from .modelling import Modelled, Prepared

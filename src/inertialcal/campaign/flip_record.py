@@ -8,23 +8,23 @@ from dataclasses import dataclass, replace
 from ..core.errors import UsageError
 from ..core.recording import SECOND, Channel, Recording
 from ..core.remarks import Remark
-from ..core.times import read_elapsed, read_instant
+from ..core.times import elapsed_text, instant_text, read_elapsed, read_instant
 from ..core.units import convert, kind
 from ..procedures import flip
 from ..signals.turn_windows import turn_windows
-from ..signals.turns import find_turns
+from ..signals.turns import TurnPlan, find_turns
 
 AXES = ("x", "y", "z")
+PART = 0.1  # of a record that a window may be: its noise is known from ten times as much
 
 
 @dataclass(frozen=True)
 class Said:
-    """One window that the user gives: start, stop, angle [rad], flip."""
+    """One window that the user gives: start, stop, angle [rad]."""
 
     start: str
     stop: str
     angle: float
-    flip: str = "1"
 
 
 def head_recording(recording: Recording, columns: Mapping[str, str] | None, unit: str | None) -> Recording:
@@ -58,34 +58,44 @@ def _axes(recording: Recording) -> dict[str, str]:
     return named if len(named) == len(found) else {}
 
 
-def given_windows(recording: Recording, said: Sequence[Said]) -> tuple[flip.Window, ...]:
-    """Return the windows that the user gave, on the clock of the recording.
+def given_windows(recordings: Sequence[Recording], said: Sequence[Said]) -> list[tuple[flip.Window, ...]]:
+    """Return the windows that the user gave, of each recording those that lie in it, on its clock.
 
     Raises
     ------
     UsageError
-        If a time cannot be read on that clock.
+        If a time cannot be read on that clock, or a window lies in no recording.
     """
+    found = [tuple(_given(recording, one) for one in said) for recording in recordings]
+    if len(recordings) == 1:
+        return found
+    inside = [[_touches(recording, w) for w in own] for recording, own in zip(recordings, found, strict=True)]
+    for i, one in enumerate(said):
+        if not any(of[i] for of in inside):
+            what = f"--window {one.start}..{one.stop}: lies in none of the {len(recordings)} recordings"
+            raise UsageError(what, code="empty_window")
+    return [tuple(w for w, there in zip(own, of, strict=True) if there) for own, of in zip(found, inside, strict=True)]
+
+
+def _given(recording: Recording, one: Said) -> flip.Window:
     read = read_instant if recording.epoch == "utc" else read_elapsed
     try:
-        return tuple(flip.Window(read(one.start), read(one.stop), one.angle, one.flip) for one in said)
+        return flip.Window(read(one.start), read(one.stop), one.angle)
     except ValueError as error:
         raise UsageError(f"--window: {error}", code="wrong_time") from None
 
 
-def _length(recording: Recording) -> str:
-    """Return how long a recording is, in words."""
+def _touches(recording: Recording, window: flip.Window) -> bool:
     time_ns = recording.time_ns
-    if time_ns is None:
-        return f"{len(recording)} samples"
-    return f"{(int(time_ns[-1]) - int(time_ns[0])) / SECOND + (recording.sample_interval or 0.0):.4g} s"
+    return time_ns is not None and window.start <= int(time_ns[-1]) and window.stop > int(time_ns[0])
 
 
 def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window, ...], tuple[Remark, ...]]:
     """Return the windows beside the turns that the record shows, and what speaks against them.
 
-    The head starts at position 0 and each turn takes it to ``angle`` or back. A turn is one flip; its windows are the
-    same length on both sides.
+    The head starts at position 0 and each turn takes it to ``angle`` or back; all turns of a recording are one flip.
+    Windows are the same length on both sides of a turn, and no longer than a part of the record: what is left shows the
+    noise. Two that reach into each other between their turns are one.
 
     Raises
     ------
@@ -93,19 +103,36 @@ def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window
         If no turn is found.
     """
     axes = [axis for axis in AXES if axis in recording.names]
-    turns = find_turns(recording.array(axes), recording.time_ns, recording.sample_interval)
+    shortest = TurnPlan().shortest
+    plan = TurnPlan(widest=min(max(PART * _seconds(recording), shortest), TurnPlan().widest))
+    turns = find_turns(recording.array(axes), recording.time_ns, recording.sample_interval, plan=plan)
     pairs = turn_windows(turns)
     if not pairs:
-        what = f"{recording.source.path}: no turn of the head is seen in {_length(recording)}"
+        what = f"{recording.source.path}: no turn of the head is seen in {_seconds(recording):.4g} s"
         why = "the level of no axis changes across a spike"
         do = 'Give the windows: --window "START..STOP=0 deg" --window "START..STOP=180 deg"'
         raise UsageError(what, why=why, do=do, code="no_turns")
-    windows, remarks = [], list(turns.remarks)
+    windows: list[flip.Window] = []
+    remarks = [*turns.remarks, *(problem for pair in pairs for problem in pair.problems)]
     for i, pair in enumerate(pairs):
         ends = ((pair.before, 0.0 if i % 2 == 0 else angle), (pair.after, angle if i % 2 == 0 else 0.0))
-        windows += [flip.Window(w.start_ns, w.stop_ns, at, str(i + 1)) for w, at in ends if w is not None]
-        remarks += pair.problems
-    lengths = ", ".join(f"{pair.turn.start_ns / SECOND:.0f} s" for pair in pairs)
+        for w, at in ends:
+            if w is not None:
+                windows = _joined(windows, flip.Window(w.start_ns, w.stop_ns, at))
+    said = instant_text if recording.epoch == "utc" else elapsed_text
+    when = ", ".join(said(round(pair.turn.start_ns, -8)) for pair in pairs)  # to 0.1 s
     word = "turn" if len(pairs) == 1 else "turns"
-    remarks.append(Remark("turns_found", "info", f"{len(pairs)} {word} found, at {lengths} on the clock of the record"))
-    return tuple(sorted(windows, key=lambda one: one.start)), tuple(remarks)
+    remarks.append(Remark("turns_found", "info", f"{len(pairs)} {word} found, at {when}"))
+    return tuple(windows), tuple(remarks)
+
+
+def _joined(before: list[flip.Window], after: flip.Window) -> list[flip.Window]:
+    if before and after.start <= before[-1].stop and after.angle == before[-1].angle:
+        return [*before[:-1], replace(before[-1], stop=max(before[-1].stop, after.stop))]
+    return [*before, after]
+
+
+def _seconds(recording: Recording) -> float:
+    """Length of a recording [s]."""
+    time_ns, interval = recording.time_ns, recording.sample_interval or 0.0
+    return len(recording) * interval if time_ns is None else (int(time_ns[-1]) - int(time_ns[0])) / SECOND + interval

@@ -142,7 +142,7 @@ def flip(
     else:
         said = [Said(start, stop, parse_quantity(at).to("rad")) for start, stop, at in windows]
         heads, inputs, shown = _heads(files, spoken, columns, part)
-        turned = [_turned(head, said, parse_quantity(angle).to("rad")) for head in heads]
+        turned = _turned(heads, said, parse_quantity(angle).to("rad"))
         readings = readings_from(plan, turned)
     result = procedure.reduce(plan, readings)
     rows = tuple(displayed(replace(row, test="flip"), shown) for row in result.rows())
@@ -179,9 +179,22 @@ def _heads(
     return heads, inputs, shown or "m/s^2"
 
 
-def _turned(head: Recording, said: Sequence[Said], angle: float) -> Turned:
-    windows, remarks = (given_windows(head, said), ()) if said else found_windows(head, angle)
-    return Turned(replace(head, remarks=(*head.remarks, *remarks)), windows, name=head.source.path)
+def _turned(heads: Sequence[Recording], said: Sequence[Said], angle: float) -> list[Turned]:
+    """Return the recordings with their windows, given or found; each recording is a flip."""
+    if said:
+        windows = given_windows(heads, said)
+        remarks: list[tuple[Remark, ...]] = [()] * len(heads)
+    else:
+        found = [found_windows(head, angle) for head in heads]
+        windows, remarks = [one[0] for one in found], [one[1] for one in found]
+    return [
+        Turned(
+            replace(head, remarks=(*head.remarks, *more)),
+            tuple(replace(window, flip=str(number)) for window in own),
+            name=head.source.path,
+        )
+        for number, (head, own, more) in enumerate(zip(heads, windows, remarks, strict=True), 1)
+    ]
 
 
 __all__ = ["FlipFile", "flip"]

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from ..core.errors import InertialcalError, PlanError, StoreError, UsageError
@@ -13,16 +14,24 @@ from ..core.units import kind
 from ..files import read
 from ..files.table import Table, read_table
 from .load import FILE, MARK
+from .schema import Means
+from .starter_flip import accelerometers, flip_parts, means_of_table
 from .table_columns import Guess, guess
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz")
 MOST = 200  # files
 LONGEST_TABLE = 10_000  # rows; a longer file is no table of dwells
+HEADER = ".header"  # of an archive record, beside its data
+REQUIREMENT = (
+    '# [[requirements]]\n# id = "R1"\n# quantity = "rate_error"\n# of = "dwell_mean"\n# limit = "5 %"\n'
+    '# where = "abs(rate) >= 0.1 deg/s"\n'
+)
+FLIP_REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error"\n# limit = "0.5 ug"\n'
 CLOCK_COLUMN = re.compile(r"time column '(.*)'")
 
 
 def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
-    """Write campaign.toml for the reduced tables of a folder.
+    """Write campaign.toml for the tables and recordings of a folder.
 
     Returns
     -------
@@ -42,11 +51,12 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     path = root / FILE
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
-    tables, raw, remarks = _files(root)
-    if not tables and not raw:
-        do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels"
-        raise PlanError(f"no recording of a rate table in {root}", do=do, code="nothing_found")
-    text = starter_text(root.resolve().name, tables, raw)
+    found, remarks = _files(root)
+    if not any((found.tables, found.raw, found.means, found.heads)):
+        do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels; for a "
+        do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels"
+        raise PlanError(f"no recording of a rate table or a flip in {root}", do=do, code="nothing_found")
+    text = starter_text(root.resolve().name, found)
     try:
         with path.open("x", encoding="utf-8") as handle:
             handle.write(text)
@@ -56,31 +66,59 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     return path, lines, tuple(remarks)
 
 
-def _files(root: Path) -> tuple[dict[str, Guess], dict[str, Recording], list[Remark]]:
-    """Return the reduced tables and the recordings of a folder, by file, and what was left out."""
-    tables: dict[str, Guess] = {}
-    raw: dict[str, Recording] = {}
+@dataclass(frozen=True)
+class Found:
+    """What a folder holds, by file.
+
+    Parameters
+    ----------
+    tables, raw : dict
+        Of a rate table: reduced tables and recordings.
+    means, heads : dict
+        Of a flip: tables of means and recordings.
+    """
+
+    tables: dict[str, Guess] = field(default_factory=dict)
+    raw: dict[str, Recording] = field(default_factory=dict)
+    means: dict[str, Means] = field(default_factory=dict)
+    heads: dict[str, Recording] = field(default_factory=dict)
+
+
+def _files(root: Path) -> tuple[Found, list[Remark]]:
+    """Return what a folder holds, and what was left out."""
+    found = Found()
     remarks: list[Remark] = []
     for path in sorted(root.rglob("*"))[:MOST]:
         name = path.relative_to(root).as_posix()
-        if name.startswith((".", "out/")) or not path.is_file() or not name.lower().endswith(ENDINGS):
+        if name.startswith((".", "out/")) or not path.is_file() or not name.lower().endswith((*ENDINGS, HEADER)):
             continue
         try:
-            table = read_table(path)
-            found = guess(table)
-            if found.applied and found.readings and table.rows.size <= LONGEST_TABLE:
-                tables[name] = found
-                continue
-            recording = read(path)
+            remarks += _take(found, path, name)
         except InertialcalError as error:
             remarks.append(Remark("not_read", "warning", error.problems[0].what, name))
-            continue
-        if recording.time_ns is not None and _gyros(recording):
-            raw[name] = recording
-        else:
-            what = f"neither columns of rate and reading, nor gyro channels with time ({_names(table)})"
-            remarks.append(Remark("not_taken", "info", what, name))
-    return tables, raw, remarks
+    return found, remarks
+
+
+def _take(found: Found, path: Path, name: str) -> list[Remark]:
+    """Put a file where it belongs; return the remark on one that belongs nowhere."""
+    if name.lower().endswith(HEADER):  # of an archive record: the data beside it have no ending
+        name, columns = name[: -len(HEADER)], "an archive record"
+    else:
+        table = read_table(path)
+        rates, means = guess(table), means_of_table(table)
+        if means is not None:
+            found.means[name] = means
+            return []
+        if rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE:
+            found.tables[name] = rates
+            return []
+        columns = _names(table)
+    recording = read(path)
+    if recording.time_ns is not None and (_gyros(recording) or accelerometers(recording)):
+        (found.raw if _gyros(recording) else found.heads)[name] = recording
+        return []
+    what = f"neither columns of rate and reading, nor gyro or accelerometer channels with time ({columns})"
+    return [Remark("not_taken", "info", what, name)]
 
 
 def _gyros(recording: Recording) -> dict[str, Channel]:
@@ -92,39 +130,43 @@ def _names(table: Table) -> str:
     return ", ".join(table.names[:8]) + (", ..." if len(table.names) > 8 else "")
 
 
-def starter_text(name: str, tables: dict[str, Guess], raw: dict[str, Recording]) -> str:
+def starter_text(name: str, found: Found) -> str:
     """Return the text of a campaign file.
 
     Parameters
     ----------
     name : str
         Of the campaign.
-    tables : mapping of str to Guess
-        Reduced tables by file.
-    raw : mapping of str to Recording
-        Recordings by file.
+    found : Found
+        What its folder holds.
     """
     identifier = (
         "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in name).strip("-_") or "campaign"
     )
-    said = [found.unit for found in tables.values()]
-    said += [c.unit for one in raw.values() for c in _gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
-    unit = next((one for one in said if one), None)
-    unit_line = f"unit = {_text(unit)}" if unit else f'unit = "?"  {MARK}'
     parts = [
         f'schema = 1\n\n[campaign]\nid = "{identifier}"\n',
         f'[item]\nmaker = ""  {MARK}\npart = ""  {MARK}\nserial = ""  {MARK}\n',
+        *(_rate_table_parts(found.tables, found.raw) if found.tables or found.raw else ()),
+        *flip_parts(found.means, found.heads),
+        REQUIREMENT if found.tables or found.raw else FLIP_REQUIREMENT,
+    ]
+    return "\n".join(part for part in parts if part)
+
+
+def _rate_table_parts(tables: dict[str, Guess], raw: dict[str, Recording]) -> list[str]:
+    said = [one.unit for one in tables.values()]
+    said += [c.unit for one in raw.values() for c in _gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
+    unit = next((one for one in said if one), None)
+    unit_line = f"unit = {_text(unit)}" if unit else f'unit = "?"  {MARK}'
+    return [
         "# Uncertainties of the rate table: without them the results are relative to the fixture.\n"
         '# [standards.rate_table]\n# rate = { u = "0.05 %", certificate = "..." }\n# mounting = { u = "0.1 deg" }\n',
         f'[sensors.suite]\nkind = "gyro"\naxes = ["x", "y", "z"]\n{unit_line}\n'
         '# range = ["-100 deg/s", "100 deg/s"]\n# chain = { kind = "none", scale_factor = "0.5 V/(deg/s)" }\n',
         *(_raw_entry(number, file, one) for number, (file, one) in enumerate(raw.items(), 1)),
         _raw_test(len(raw)),
-        *(_entry(number, file, found) for number, (file, found) in enumerate(tables.items(), 1)),
-        '# [[requirements]]\n# id = "R1"\n# quantity = "rate_error"\n# of = "dwell_mean"\n# limit = "5 %"\n'
-        '# where = "abs(rate) >= 0.1 deg/s"\n',
+        *(_entry(number, file, one) for number, (file, one) in enumerate(tables.items(), 1)),
     ]
-    return "\n".join(part for part in parts if part)
 
 
 def _entry(number: int, file: str, found: Guess) -> str:

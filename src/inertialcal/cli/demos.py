@@ -16,7 +16,11 @@ from .progress import progress
 
 def demo(
     rig: Annotated[
-        str, typer.Argument(help="Example: npsat2011, sams1996, or a rig: rate_table, sams_tsh; npsat2011 and rate_table where not given.", show_default=False)
+        str,
+        typer.Argument(
+            help="npsat2011, sams1996, or a rig: rate_table, sams_tsh; npsat2011 and rate_table where not given.",
+            show_default=False,
+        ),
     ] = "",
     output: Annotated[Path, typer.Option("--output", "-o", help="Where to put the published one.")] = Path(
         "inertialcal-demo"

@@ -73,8 +73,19 @@ def _drawing(results: Results, picture: Picture, number: int) -> Drawing:
     return Drawing(prefix(picture, number), picture, _caption(results, picture), data)
 
 
+PLAIN: dict[str, Finding] = {
+    "matrix": (
+        "How the matrix differs from the identity: scale factor errors on the diagonal, misalignments beside it; row ="
+        " the sensor that reads, column = the axis that moves.",
+    ),
+    "budget": ("Share of each source in the variance of each quantity.",),
+}
+
+
 def _caption(results: Results, picture: Picture) -> Finding:
     axis = Text(picture.axis)
+    if picture.name in PLAIN:
+        return PLAIN[picture.name]
     match picture.name:
         case "input_output":
             return ("Reading of ", axis, " against the applied input, and what the fitted line leaves.")
@@ -84,14 +95,16 @@ def _caption(results: Results, picture: Picture) -> Finding:
             more = sum(one["name"] == "dwells" and one["test"] == picture.test for one in results["curves"])
             told = " The other recordings of this test are in results.json." if more > 1 else ""
             return ("The dwells found in one recording with ", axis, " turned.", told)
-        case "compensated":
-            others = " At no input lie the dwells in which another axis was turned." if _others_turned(results) else ""
-            return ("Errors on readings held out, raw and compensated, at each applied input.", others)
-        case "matrix":
-            told = "How the matrix differs from the identity: scale factor errors on the diagonal, misalignments beside"
-            return (told, " it; row = the sensor that reads, column = the axis that moves.")
-        case _:
-            return ("Share of each source in the variance of each quantity.",)
+        case "flip":
+            return _flip_caption(picture)
+    others = " At no input lie the dwells in which another axis was turned." if _others_turned(results) else ""
+    return ("Errors on readings held out, raw and compensated, at each applied input.", others)
+
+
+def _flip_caption(picture: Picture) -> Finding:
+    if picture.recorded:
+        return ("Block means of the quiet record; shaded are the windows, their ends are A, B and so on.",)
+    return ("What each axis read at its positions, in the order of the dwells, and what was found (line).",)
 
 
 def _others_turned(results: Results) -> bool:
@@ -129,6 +142,10 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
         return [("matrix", rows_csv(rows))]
     if name == "budget":
         return [("budget", rows_csv([row for row in results["budgets"] if row["test"] == test]))]
+    if name == "flip":
+        of = "quiet" if picture.recorded else "flip_dwells"
+        own = [one for one in results["curves"] if (one["name"], one["test"]) == (of, test)]
+        return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own]
     mine = [one for one in results["curves"] if one["name"] == name and one["test"] == test]
     if name == "compensated":
         return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]

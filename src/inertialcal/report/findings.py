@@ -62,8 +62,15 @@ def largest(rows: Sequence[Any]) -> Any | None:
     return max(rows, key=lambda row: abs(row["value"].raw), default=None)
 
 
+BIASES = ("bias", "model_bias_error", "residual_bias")
+
+
 def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
-    """Say the scale factor error, the largest of several axes, and what the requirements made of the test."""
+    """Say the scale factor error, the largest of several axes, or the bias; and what the requirements made of it."""
+    biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
+    if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
+        row = largest(biases)
+        return (*_bias(row, rows), *_made_of(verdicts))
     found = largest(estimated(rows, "scale_factor_error")) or largest(
         [row for row in rows if row["quantity"] == "scale_factor_error" and row["value"] is not None]
     )
@@ -73,6 +80,19 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
         parts = ("Largest scale factor error ", of_row(found), ", on ", found["axis"])
     else:
         parts = ("Scale factor error of ", found["axis"], " ", of_row(found))
+    return (*parts, *_made_of(verdicts))
+
+
+def _bias(row: Any, rows: Sequence[Any]) -> Finding:
+    """Say the largest bias, and the error of the control axis, of a flip."""
+    said: Finding = ("Largest ", row["quantity"].replace("_", " "), " ", of_row(row), ", on ", row["axis"])
+    control = largest(estimated(rows, "control_error"))
+    return said if control is None else (*said, "; control axis ", control["axis"], " off by ", of_row(control))
+
+
+def _made_of(verdicts: Sequence[Any]) -> Finding:
+    """Say what each requirement made of a test."""
+    parts: Finding = ()
     for requirement in dict.fromkeys(one["requirement"] for one in verdicts):
         mine = [one for one in verdicts if one["requirement"] == requirement]
         parts = (*parts, "; ", requirement, " ", worst(mine))

@@ -27,8 +27,8 @@ from .highlights import highlights
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
-AT_TOP = ("compensated", "rate_error", "input_output")  # the first of these that there is
-OF_TESTS = ("input_output", "rate_error", "dwells")
+AT_TOP = ("compensated", "rate_error", "input_output", "flip")  # the first of these that there is
+OF_TESTS = ("input_output", "rate_error", "dwells", "flip")
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {

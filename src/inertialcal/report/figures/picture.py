@@ -36,6 +36,8 @@ class Picture:
         Takes as many axes as there are panels, and a title (empty: none).
     share_x : bool
         Whether the panels have one x axis.
+    recorded : bool
+        Of a flip: whether it shows the record, not the dwells.
     """
 
     name: str
@@ -46,6 +48,7 @@ class Picture:
     heights: tuple[float, ...]
     draw: Callable[[Sequence[Axes], str], None]
     share_x: bool = True
+    recorded: bool = False
 
     @property
     def label(self) -> str:
