@@ -64,9 +64,7 @@ def seen(
     return Seen(frozenset(changed), (*changed.values(), *moved))
 
 
-def _changed(
-    time_ns: Times, read: Mapping[str, NDArray[np.floating]], known_gain: Sequence[str]
-) -> dict[str, Remark]:
+def _changed(time_ns: Times, read: Mapping[str, NDArray[np.floating]], known_gain: Sequence[str]) -> dict[str, Remark]:
     """Return the first change of gain of each axis."""
     found: dict[str, Remark] = {}
     axes, blocks = tuple(read), block_statistics(list(read.values()), BLOCK, time_ns)
