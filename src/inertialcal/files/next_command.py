@@ -12,7 +12,7 @@ from ..core.remarks import Remark
 from .hints import Hint
 
 PLACEHOLDER = "UNIT"  # for the user to fill in
-REDUCED = re.compile(r"(?:^|_)(?:(?<!sample_)rate|applied|reading)(?:_|$)", re.IGNORECASE)
+REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 CAMPAIGN = "campaign.toml"
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
 ARCHIVED = "PAD"  # triaxial heads in orbit
