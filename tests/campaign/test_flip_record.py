@@ -95,8 +95,29 @@ def test_given_windows_are_on_the_clock_of_the_record() -> None:
     assert (windows[0].start, windows[0].stop) == (60 * SECOND, 300 * SECOND)
     (windows,) = given_windows([head((), start=UTC)], [Said("1996/051/12:01:00", "1996-02-20T12:05:00Z", 0.0)])
     assert (windows[0].start - UTC, windows[0].stop - UTC) == (60 * SECOND, 300 * SECOND)
-    with pytest.raises(UsageError, match="--window: "):
+    with pytest.raises(UsageError, match="mission elapsed time, but when the mission started is not said"):
         given_windows([head((), start=UTC)], [Said("006/00:14:40", "006/00:20:00", 0.0)])
+    with pytest.raises(UsageError, match=r"--window 300\.\.60: from 300 to 60: the end is not after the start"):
+        given_windows([head(())], [Said("300", "60", 0.0)])
+
+
+def test_mission_elapsed_time_counts_from_the_start_of_the_mission() -> None:
+    said = [Said("005/11:30:00", "005/11:40:00", 0.0)]
+    (windows,) = given_windows([head((), start=UTC)], said, "1996-02-15T00:30:00Z")
+    assert (windows[0].start - UTC, windows[0].stop - UTC) == (0, 600 * SECOND)
+
+
+def test_counts_are_sent_to_a_campaign() -> None:
+    counts = Recording(tuple(Channel(name, np.arange(9), None, "", name) for name in "xyz"))
+    with pytest.raises(UsageError, match="counts become readings by gain, zero and scale factor"):
+        head_recording(counts, None, None)
+
+
+def test_an_axis_that_is_not_named_is_not_taken() -> None:
+    """It would be read in the unit of the file as if that were SI."""
+    assert head_recording(head((), unit="ug"), {"y": "y"}, None).names == ("y",)
+    with pytest.raises(UsageError, match="--column: axis 'w'"):
+        head_recording(head(()), {"w": "y"}, None)
 
 
 def test_each_recording_has_the_windows_that_lie_in_it() -> None:

@@ -97,9 +97,17 @@ def test_only_what_is_named_quiet_shows_the_noise() -> None:
 
 
 def test_a_long_record_is_cut_to_the_blocks_about_its_windows() -> None:
-    times = readings_from(Plan(block=1.0), [Turned(head(), placed(*LONG))]).quiet[0].times
+    short = ((700.0, 740.0, 0.0), (760.0, 800.0, math.pi))
+    times = readings_from(Plan(block=1.0), [Turned(head(), placed(*short))]).quiet[0].times
     assert len(times) == 720
-    assert (times < 400.0).sum() == pytest.approx((times > 1100.0).sum(), abs=1)
+    assert (times < 700.0).sum() == pytest.approx((times > 800.0).sum(), abs=1)
+
+
+def test_blocks_are_longer_where_windows_are_long_beside_what_is_kept() -> None:
+    quiet = readings_from(Plan(block=1.0), [Turned(head(), placed(*LONG))]).quiet[0]
+    assert len(quiet.times) <= 720
+    assert quiet.length == pytest.approx((1500.0 - 20.0) / 720.0, rel=0.01)
+    assert (quiet.times.min(), quiet.times.max()) == pytest.approx((0.0, 1500.0), abs=5.0)  # nothing was cut
 
 
 def test_the_low_pass_passes_what_is_slow_and_settles_first() -> None:

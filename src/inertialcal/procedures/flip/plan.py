@@ -45,7 +45,7 @@ class Plan:
         What changes between the dwells of a flip and is fitted: ambient acceleration or bias in proportion to time,
         or bias in proportion to temperature. Needs three dwells.
     block : float
-        Length of the block means that show the noise [s].
+        Length of the block means that show the noise [s]; longer in a long record with long windows.
     settle : float
         Left out at the start of every window: settling of the turn and of the sensor's filters [s].
     low_pass : float
@@ -59,7 +59,8 @@ class Plan:
     corrected : bool
         The bias of a model was taken off before: what is left of it is called ``model_bias_error``.
     raw_bias : float
-        Size of what was taken off before [m/s^2]: the scale factor's uncertainty acts on it too.
+        Size of what was taken off before [m/s^2]: the scale factor's uncertainty acts on it too. 0: what the ground
+        model predicts, where the readings come with it.
     largest_ambient : float
         Ambient acceleration beyond this is a mistake in units or positions, not orbit [m/s^2].
     largest_bias : float
@@ -170,6 +171,8 @@ class Readings:
         What reading them brought up.
     reasons : mapping of str to str
         Why a statistic of ``others`` is not there.
+    predicted : mapping of str to ndarray, shape (n,)
+        Bias that a ground model predicts in each dwell, in axes of the head [m/s^2]; NaN or absent where not given.
     """
 
     angle: Array
@@ -183,6 +186,7 @@ class Readings:
     where: tuple[str, ...] = ()
     remarks: tuple[Remark, ...] = ()
     reasons: Mapping[str, str] = field(default_factory=dict[str, str])
+    predicted: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     def __len__(self) -> int:
         """Return the number of dwells."""

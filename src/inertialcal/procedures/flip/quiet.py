@@ -5,7 +5,8 @@ head was turned. Blocks start anew at each window and each quiet stretch, so tha
 is left at the end of a stretch is shorter than a block and left out, and so is a block with samples missing. A
 window's mean is taken as that of its blocks here: this matters to its uncertainty alone.
 
-A record of more than 720 blocks is cut to the 720 about its windows: "the record" is then that part.
+A record of more than 720 blocks is cut to the 720 about its windows: "the record" is then that part. Where windows are
+long, ``recordings`` takes longer blocks, so that it still is many times as long as a window.
 """
 
 from __future__ import annotations

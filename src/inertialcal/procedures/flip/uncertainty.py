@@ -71,15 +71,40 @@ def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[
     return components, reason
 
 
-def covariance_of(plan: Plan, record: Quiet, axis: str, weights: Array) -> Array:
-    """Return the covariance of combinations of dwells by the record's slow noise alone, shape (r, r).
+def independent(plan: Plan, record: Quiet, lines: Mapping[str, Array]) -> tuple[Array, Array, Array]:
+    """Return independent directions of combinations of dwells, by the record's slow noise alone.
+
+    Parameters
+    ----------
+    plan, record : Plan, Quiet
+        Whose noise.
+    lines : mapping of str to ndarray, shape (r, n)
+        Weights of the dwells of each axis; a combination is the sum over the axes.
+
+    Returns
+    -------
+    directions : ndarray, shape (r, r)
+        Orthonormal, a row each.
+    variance, dof : ndarray, shape (r,)
+        Of each; degrees of freedom by Welch and Satterthwaite.
 
     Raises
     ------
     DataError
         If the record does not show its noise.
     """
-    return _covariance(slow_noise(record.means[axis], _shape(plan, record)), record, _contrasts(record, weights))
+    used = {axis: _contrasts(record, weights) for axis, weights in lines.items() if np.any(weights)}
+    noises = {axis: slow_noise(record.means[axis], _shape(plan, record)) for axis in used}
+    whole = np.asarray(sum(_covariance(noises[axis], record, contrasts) for axis, contrasts in used.items()))
+    directions = np.linalg.eigh(whole)[1].T
+    variance, spread = np.zeros(len(whole)), np.zeros(len(whole))
+    for axis, contrasts in used.items():
+        for i, line in enumerate(_small_to_zero(directions) @ contrasts):
+            if np.any(np.abs(line) > DEPENDS * np.abs(contrasts).max()):
+                own, dof = noises[axis].variance(line - line.mean())
+                variance[i] += own
+                spread[i] += own**2 / dof
+    return directions, variance, variance**2 / np.maximum(spread, np.finfo(float).tiny)
 
 
 def _covariance(noise: SlowNoise, record: Quiet, contrasts: Array) -> Array:
