@@ -13,6 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from test_figure_flip import dwells as flip_dwells
+from test_figure_flip import quiet as flip_quiet
 
 from inertialcal.core.errors import DataError
 from inertialcal.report.figures import FIGURES, budget, data, matrix, on_new_figure, prefix, rate_error, to_svg
@@ -126,7 +128,8 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 
 def results() -> dict[str, Any]:
     return {
-        "curves": [input_output(), errors(), *trace(), compensated(), compensated("y")],
+        "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
+                   flip_quiet("y")],
         "verdicts": VERDICTS, "results": ROWS, "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip
 
