@@ -10,7 +10,7 @@ demo: $(READY)  ## the published campaign of three rate gyros, end to end
 	$(BIN)/inertialcal demo
 
 test: $(READY)  ## the default suite
-	$(BIN)/python -m pytest -m "not slow and not bench" --durations=20
+	$(BIN)/python -m pytest -m "not slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
 slow: $(READY)  ## long coverage runs
 	$(BIN)/python -m pytest -m "slow and not bench" --durations=20

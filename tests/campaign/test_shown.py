@@ -22,6 +22,7 @@ from inertialcal.core.tables import WIDTH, Grid
 from inertialcal.sensors.model import Item
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
+FLIPS = EXAMPLE.with_name("sams1996")
 EVIL = "<script>alert('x')</script>"
 
 
@@ -40,6 +41,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "read_table": ic.read_table(table),
         "info": ic.info(twin / written.recordings[0]),
         "rate_table": one,
+        "flip": ic.flip(FLIPS / "table03_semiprocessed.csv", positions={"forward": "0 deg", "reverse": "180 deg"}),
         "result": one.result,
         "estimate": one.result.estimate,
         "check": ic.check(EXAMPLE),
@@ -52,8 +54,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "result", "estimate", "check", "run", "model", "compare",
-         "judged", "simulate", "score")  # fmt: skip
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "result", "estimate", "check", "run", "model",
+         "compare", "judged", "simulate", "score")  # fmt: skip
 
 
 class Cells(HTMLParser):

@@ -388,9 +388,13 @@ class TestFactors:
     def test_there_and_back(self, unit: str) -> None:
         inside = si_unit(unit)
         values = np.array([-3.5, 0.0, 1.0, 1e6])
+        kelvins = kind(unit) == "temperature"  # the offset of 273.15 degC costs digits of small units
+        lost = (
+            4.0 * np.spacing(300.0) / abs(convert(1.0, unit, inside) - convert(0.0, unit, inside)) if kelvins else 0.0
+        )
         back = convert(convert(values, unit, inside), inside, unit)
-        np.testing.assert_allclose(back, values, rtol=1e-12, atol=1e-9)
-        if kind(unit) != "temperature":
+        np.testing.assert_allclose(back, values, rtol=1e-12, atol=1e-9 + lost)
+        if not kelvins:
             assert factor(unit, inside) * factor(inside, unit) == pytest.approx(1.0, rel=RELATIVE)
             assert convert(2.0, unit, inside) == pytest.approx(2.0 * factor(unit, inside), rel=RELATIVE)
 

@@ -8,14 +8,14 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from matplotlib.figure import Figure
-from matplotlib.font_manager import FontProperties
+from matplotlib.font_manager import FontProperties, findfont, get_font
 from matplotlib.text import Text
 from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Affine2D
 from test_figures import poisoned, results
 
 from inertialcal.report.figures import FIGURES, on_new_figure
-from inertialcal.report.figures.metrics import folded, shortened, width
+from inertialcal.report.figures.metrics import _advance, folded, shortened, width
 
 SLACK = 2.0  # pt: kerning, rounding
 FINE = 10  # dots a point: letters then stand where they do in a file of shapes
@@ -28,6 +28,14 @@ def test_a_width_is_that_of_the_font(text: str) -> None:
         text, FontProperties(family=["DejaVu Sans"], size=9), False
     )
     assert width(text, 9.0) == pytest.approx(found, abs=SLACK)
+
+
+def test_a_width_stays_whatever_is_drawn_meanwhile() -> None:
+    before = [width(letter, 9.0) for letter in "aW0"]
+    _advance.cache_clear()
+    text_to_path.get_text_width_height_descent("aW0", FontProperties(family=["DejaVu Sans"], size=31), False)
+    get_font(findfont(FontProperties(family=["DejaVu Sans"]))).set_size(31.0, 300)
+    assert [width(letter, 9.0) for letter in "aW0"] == before
 
 
 @given(LETTERS, st.floats(20.0, 200.0))

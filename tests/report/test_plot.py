@@ -15,6 +15,7 @@ import inertialcal as ic
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.recording import SECOND, Channel, Recording
+from inertialcal.report.figures import FIGURES
 from inertialcal.sensors.assemble import model_from
 from inertialcal.sensors.catalogue import flight_unit
 
@@ -158,7 +159,7 @@ def test_what_cannot_be_drawn_is_refused() -> None:
     for nothing in (None, 3, "results.json", {}, {"other": 1}):
         with pytest.raises(UsageError, match="cannot be drawn"):
             ic.plot(nothing)
-    with pytest.raises(UsageError, match="There are: compensated, input_output, rate_error, dwells, matrix, budget"):
+    with pytest.raises(UsageError, match=f"There are: {', '.join(FIGURES)}"):
         ic.plot({"curves": []}, figure="pie")
     with pytest.raises(DataError, match="no data that a figure shows"):
         ic.plot({"curves": [], "results": []})

@@ -94,7 +94,7 @@ def _axis(source: _Source, test: Test) -> NDArray[Any]:
                 raise DataError(f"column {source.rows.axis!r}: axis {value!r}", where, do=f"The sensor has: {have}")
         return found
     axis = test.plan.get("axis")
-    if axis is None:
+    if not axis:
         what = f"test {test.id!r}: nothing says which axis was turned"
         raise DataError(what, do='Give plan = { axis = "x" }, or rows.axis', code="no_axis")
     return np.full(len(source.table), str(axis))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cache
 
-from matplotlib.font_manager import FontProperties, findfont, get_font
+from matplotlib.font_manager import FontProperties, findfont
 from matplotlib.ft2font import FT2Font, LoadFlags
 
 FONT = "DejaVu Sans"  # wider than the fonts of browsers: what has room in it has room in them
@@ -48,7 +48,7 @@ def shortened(text: str, size: float, widest: float) -> str:
 
 @cache
 def _font() -> FT2Font:
-    font = get_font(findfont(FontProperties(family=[FONT])))
+    font = FT2Font(findfont(FontProperties(family=[FONT])))  # our own: of shared ones the size changes
     font.set_size(SIZE, 72)
     return font
 
