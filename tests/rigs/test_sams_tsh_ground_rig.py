@@ -104,6 +104,14 @@ def test_a_gain_that_changes_unrecorded_is_seen_before_the_model_hides_it() -> N
         assert not any(row.axis == "y" and row.u is not None for row in result.rows())
 
 
+def test_a_level_near_zero_that_changes_is_no_change_of_gain() -> None:
+    """In seed 307 the level of z, small after the model, changes by a factor of two at the second turn."""
+    for result in fit_results(build(BENCH, 307)):
+        assert "gain_changed" not in {remark.code for remark in result.remarks}
+        assert result.estimate is not None
+        assert "bias_z" in result.estimate.names
+
+
 def check(n: int, order: str) -> None:
     found = {
         (one.quantity, one.axis): one for one in coverage(lambda seed: build(replace(BENCH, ground=order), seed), n)

@@ -106,7 +106,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         used = _settled(plan, one, own)
         channels = _channels(one)
         rows = len(dwells) + np.arange(len(own))
-        told = seen(_time(one), channels, used, [axis for axis in channels if f"gain_{axis}" in one.recording.names])
+        told = seen(_time(one), channels, used, [axis for axis in channels if _gain_is_known(one, axis)])
         mine = [_dwell(plan, one, window, channels, told.unread) for window in used]
         dwells += mine
         record, found = _quiet(plan, one, used, _read(channels, mine), rows, total)
@@ -180,6 +180,11 @@ def _channels(one: Turned) -> dict[str, NDArray[np.floating]]:
 def _time(one: Turned) -> Times:
     assert one.recording.time_ns is not None  # noqa: S101 - checked with the channels
     return one.recording.time_ns
+
+
+def _gain_is_known(one: Turned, axis: str) -> bool:
+    """Tell whether the gain was recorded, or looked for before a ground model: levels near zero do not show it."""
+    return any(name in one.recording.names for name in (f"gain_{axis}", PREDICTED + axis))
 
 
 def _dwell(

@@ -30,6 +30,7 @@ MODEL_BIAS = "model_bias_error"  # what a ground model leaves of the bias
 ALONG = "not turned: bias and ambient acceleration along the turn are one (see reading)"
 NOT_READ = "the axis was not read"
 NO_STATISTIC = "its own uncertainty is not worked out: see that of the mean"
+DOUBTED = "readings of a size that orbit and head cannot have (remark `magnitude`): their unit is in doubt"
 PREDICTION = "of the ground model, taken as it is: the readings do not say how well it is known"
 
 
@@ -48,7 +49,15 @@ def rows(result: Result) -> list[Row]:
     for one in result.flips:
         own = published_rows(result.plan, result.readings, one.label, _called(result.plan, BIAS))
         found += [replace(row, condition=f"{CONDITION}, flip {one.label}") for row in own] if several else own
-    return found
+    doubted = any(remark.code == "magnitude" for remark in result.remarks)
+    return [_doubted(row) for row in found] if doubted else found
+
+
+def _doubted(row: Row) -> Row:
+    """Return the row without its uncertainty: in a wrong unit it is wrong, too."""
+    if row.status == "not_estimated":
+        return row
+    return replace(row, u=None, dof=None, interval=None, status="not_estimated", reason=DOUBTED)
 
 
 def _wanted(result: Result) -> list[tuple[str, str]]:
