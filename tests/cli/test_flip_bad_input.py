@@ -29,7 +29,7 @@ RUN = {
     "too_short": (3, "is no longer than the 20 s of settling"),
     "missing_position": (4, "missing position: x, y, z were read at 0 deg only"),
     "at_rails": (0, "at an end of the converter"),
-    "magnitude": (0, "less than the bias of any head"),
+    "magnitude": (4, "less than the bias of any head"),
     "robot_arm": (0, "Something else moved there (robot arm, crew)"),
     "wrong_sign": (0, "Check the positions and the sign of each axis"),
 }
