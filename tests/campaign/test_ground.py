@@ -171,10 +171,10 @@ def test_scale_factors_need_the_one_that_the_readings_were_made_with() -> None:
 
 def test_a_campaign_with_a_ground_model_finds_its_truth(simulated: Path) -> None:
     outcome = run(simulated)
-    assert {one["test"] for one in outcome.results["results"]} >= {"flip", "model"}
+    assert {one["test"] for one in outcome.results["results"]} >= {"flip", "corrected"}
     found = {(row["test"], row["quantity"], row["axis"]): row for row in score(simulated).rows}
-    for test, name in (("flip", "bias"), ("flip", "bias_shift"), ("model", "model_bias_error"),
-                       ("model", "corrected_bias")):  # fmt: skip
+    for test, name in (("flip", "bias"), ("flip", "bias_shift"), ("corrected", "model_bias_error"),
+                       ("corrected", "corrected_bias")):  # fmt: skip
         for axis in "yz":
             row = found[test, name, axis]
             assert abs(row["value"] - row["truth"]) < 4.0 * row["u"]

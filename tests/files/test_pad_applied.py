@@ -22,6 +22,8 @@ HEADER = PadHeader("sams2_accel", "121f03", 0, 500.0, "<f4", "", None, None, Non
         ("gain+axial-mis-alignment, No temperature compensation", ("scale_factor", "misalignment")),
         ("Gain, Axial misalignment", ("scale_factor", "misalignment")),
         ("not temperature compensated, gain", ("scale_factor",)),
+        ("uncompensated for temperature, gain", ("scale_factor",)),
+        ("temperature uncorrected; gain", ("scale_factor",)),
         ("Valid", ()),
         ("", ()),
     ],

@@ -128,4 +128,4 @@ def test_coverage_with_a_ground_model_in_a_few_records() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("order", ["jointly", "bias_first"])
 def test_coverage_with_a_ground_model(order: str) -> None:
-    check(400, order)
+    check(100, order)

@@ -45,6 +45,7 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
 }
 SENSORS = {"rate_table": ("gyro", "gyros"), "flip": ("accelerometer", "accelerometers")}  # that a procedure tests
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 MODELLED = ("rate_table",)  # procedures whose results become a model
 
 
@@ -66,6 +67,7 @@ def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
         *(p for number, test in enumerate(file.tests) for p in _test(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in _against(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
+        *_reserved(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
         *_apart(file, at),
         *_model_terms(file, at),
@@ -288,6 +290,13 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
             what = f"duplicate id {one!r} in {table}: used before"
             why = "results could not be told apart"
             yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
+
+
+def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
+    for number, test in enumerate(file.tests):
+        if test.id == RESERVED:
+            what = f"tests: id {RESERVED!r}: results have the rows of the model of the sensor under this name"
+            yield Problem(what, at("tests", number, "id"), "they could not be told apart", "Rename it", "duplicate_id")
 
 
 def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:

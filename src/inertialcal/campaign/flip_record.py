@@ -18,9 +18,10 @@ from ..files.window import Window as Between
 from ..procedures import flip
 from ..procedures.flip.plausible import readable
 from ..signals.turn_windows import turn_windows
-from ..signals.turns import TurnPlan, find_turns
+from ..signals.turns import Turn, TurnPlan, find_turns
 
 AXES = ("x", "y", "z")
+MOST = 8  # times told
 PART = 0.1  # of a record that a window may be: its noise is known from ten times as much
 
 
@@ -89,6 +90,10 @@ def axes_of(recording: Recording, columns: Mapping[str, str] | None = None) -> d
     strange = [axis for axis in named if axis not in AXES]
     if strange:
         raise UsageError(f"--column: axis {strange[0]!r}", do="There are: x, y, z", code="unknown_name")
+    twice = [name for name in named.values() if list(named.values()).count(name) > 1]
+    if twice:
+        what = f"--column: {twice[0]!r} is the channel of {' and '.join(a for a in named if named[a] == twice[0])}"
+        raise UsageError(what, do="Give each axis a channel of its own", code="duplicate_id")
     return named
 
 
@@ -109,13 +114,12 @@ def given_windows(
         If a time cannot be read on that clock, or a window lies in no recording.
     """
     found = [tuple(_given(recording, one, mission_start) for one in said) for recording in recordings]
-    if len(recordings) == 1:
-        return found
     inside = [[_touches(recording, w) for w in own] for recording, own in zip(recordings, found, strict=True)]
     for i, one in enumerate(said):
         if not any(of[i] for of in inside):
-            what = f"--window {one.start}..{one.stop}: lies in none of the {len(recordings)} recordings"
-            raise UsageError(what, code="empty_window")
+            none = f"none of the {len(recordings)} recordings" if len(recordings) > 1 else "no part of the recording"
+            what = f"--window {one.start}..{one.stop}: lies in {none}"
+            raise UsageError(what, do=f"There is {', '.join(map(_reach, recordings[:3]))}", code="empty_window")
     return [tuple(w for w, there in zip(own, of, strict=True) if there) for own, of in zip(found, inside, strict=True)]
 
 
@@ -132,9 +136,17 @@ def _given(recording: Recording, one: Said, mission_start: str | None) -> flip.W
     return flip.Window(start, stop, one.angle)
 
 
+def _reach(recording: Recording) -> str:
+    """Say from when to when a recording goes, as its own clock has it."""
+    said = instant_text if recording.epoch == "utc" else lambda at: f"{at / SECOND:.9g} s"
+    time_ns = recording.time_ns
+    ends = "" if time_ns is None else f" from {said(int(time_ns[0]))} to {said(int(time_ns[-1]))}"
+    return f"{recording.source.path}{ends}"
+
+
 def _touches(recording: Recording, window: flip.Window) -> bool:
     time_ns = recording.time_ns
-    return time_ns is not None and window.start <= int(time_ns[-1]) and window.stop > int(time_ns[0])
+    return time_ns is None or (window.start <= int(time_ns[-1]) and window.stop > int(time_ns[0]))
 
 
 def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window, ...], tuple[Remark, ...]]:
@@ -157,7 +169,8 @@ def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window
     pairs = turn_windows(turns)
     if not pairs:
         what = f"{recording.source.path}: no turn of the head is seen in {_seconds(recording):.4g} s"
-        why = "the level of no axis changes across a spike"
+        spikes = _spikes(recording, turns.others)
+        why = f"no axis clearly changes its level, by means over {shortest:g} s, across {spikes}"
         do = 'Give the windows: --window "START..STOP=0 deg" --window "START..STOP=180 deg"'
         raise UsageError(what, why=why, do=do, code="no_turns")
     windows: list[flip.Window] = []
@@ -167,11 +180,45 @@ def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window
         for w, at in ends:
             if w is not None:
                 windows = _joined(windows, flip.Window(w.start_ns, w.stop_ns, at))
-    said = instant_text if recording.epoch == "utc" else elapsed_text
-    when = ", ".join(said(round(pair.turn.start_ns, -8)) for pair in pairs)  # to 0.1 s
-    word = "turn" if len(pairs) == 1 else "turns"
-    remarks.append(Remark("turns_found", "info", f"{len(pairs)} {word} found, at {when}"))
+    remarks.append(_turns_found(recording, [pair.turn for pair in pairs], turns.others, angle))
     return tuple(windows), tuple(remarks)
+
+
+def _turns_found(recording: Recording, found: Sequence[Turn], others: Sequence[Turn], angle: float) -> Remark:
+    """Say where turns were found and which positions follow; a warning where a spike may be one more."""
+    word = "turn" if len(found) == 1 else "turns"
+    there = f"0 deg before, {np.degrees(angle):g} deg after{'' if len(found) == 1 else ', and so on by turns'}"
+    what = f"{len(found)} {word} found, at {_times(recording, found)}: {there}"
+    unsure = [one for one in others if not one.significance > TurnPlan().step]
+    if not unsure:
+        return Remark("turns_found", "info", what)
+    more = (
+        f"{_spikes(recording, unsure)} is not taken for a turn"
+        if len(unsure) == 1
+        else (f"{_spikes(recording, unsure)} are not taken for turns")
+    )
+    why = "if one is, positions and the sign of ambient acceleration are wrong"
+    do = 'If the head was turned there, give the windows: --window "START..STOP=0 deg" ...'
+    return Remark("turns_found", "warning", f"{what}. {more}: {why}", do=do)
+
+
+def _spikes(recording: Recording, others: Sequence[Turn]) -> str:
+    """Say which spikes there are."""
+    if not others:
+        return "a spike"
+    return f"the {'spike' if len(others) == 1 else f'{len(others)} spikes'} at {_times(recording, others)}"
+
+
+def _times(recording: Recording, turns: Sequence[Turn]) -> str:
+    """Say when turns begin, to 0.1 s, on the clock of the recording; of many, the first few."""
+    at = [round(one.start_ns, -8) for one in turns]
+    said = instant_text if recording.epoch == "utc" else _elapsed
+    more = f" and {len(at) - MOST} more" if len(at) > MOST else ""
+    return ", ".join(said(one) for one in at[:MOST]) + more
+
+
+def _elapsed(at: int) -> str:
+    return elapsed_text(at) if at >= 0 else f"{at / SECOND:.9g} s"
 
 
 def _joined(before: list[flip.Window], after: flip.Window) -> list[flip.Window]:

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from ..core.errors import UsageError
+from ..core.errors import DataError, UsageError
 from ..core.frames import frame
 from ..core.influence import Influence
 from ..core.recording import Recording
@@ -134,12 +134,13 @@ def flip(
         If it is not clear which column is what, in which unit, or how the head was turned.
     """
     files = [Path(one) for one in ([paths] if isinstance(paths, str | Path) else paths)]
+    _check_once(files)
     if axis not in AXES:
         raise UsageError(f"axis {axis!r}", do="There are: x, y, z", code="unknown_name")
     standards: dict[str, Influence] = {}
     plan = procedure.Plan(
         axis=AXES[axis],
-        settle=parse_quantity(settle).to("s"),
+        settle=_quantity(settle, "s", "settle"),
         corrected=corrected,
         standards=standards,
     )
@@ -148,9 +149,10 @@ def flip(
     if len(files) == 1 and files[0].is_file() and _holds_means(files[0]):
         readings, inputs, shown, sources = _of_table(files[0], positions or {}, spoken)
     else:
-        said = [Said(start, stop, parse_quantity(at).to("rad")) for start, stop, at in windows]
+        _no_tables(files)
+        said = [Said(start, stop, _quantity(at, "rad", f"window {start}..{stop}")) for start, stop, at in windows]
         heads, inputs, shown, sources = _heads(files, spoken, columns, part)
-        turned = _turned(heads, said, parse_quantity(angle).to("rad"), mission_start)
+        turned = _turned(heads, said, _quantity(angle, "rad", "angle"), mission_start)
         windowed = zip(sources.items(), turned, strict=True)
         sources = {path: replace(source, windows=one.windows) for (path, source), one in windowed}
         readings = readings_from(plan, turned)
@@ -158,6 +160,35 @@ def flip(
     shown = _in_orbit(shown, result)
     rows = tuple(displayed(replace(row, test="flip"), shown) for row in result.rows())
     return FlipFile(result, rows, inputs, shown, result.remarks, sources)
+
+
+def _check_once(files: Sequence[Path]) -> None:
+    """Refuse a file that is given twice: its flips would count twice, and scatter by nothing."""
+    known: set[Path] = set()
+    for file in files:
+        if file.resolve() in known:
+            raise UsageError(f"{file}: given twice", why="its flips would count twice", code="duplicate_id")
+        known.add(file.resolve())
+
+
+def _no_tables(files: Sequence[Path]) -> None:
+    """Refuse a table of means among several files."""
+    tables = [file for file in files if file.is_file() and _holds_means(file)] if len(files) > 1 else []
+    if tables:
+        what = f"{tables[0]} is a table of means, one of {len(files)} files"
+        why = "tables, or a table and recordings, are not taken together here"
+        raise UsageError(what, why=why, do="Put all rows into one table, a flip a value", code="wrong_value")
+
+
+def _quantity(given: str, unit: str, what: str) -> float:
+    """Return a setting in a unit; that it needs one is said with the setting and the text given."""
+    try:
+        return float(parse_quantity(given).to(unit))
+    except DataError:
+        like = {"rad": "180 deg", "s": "20 s"}[unit]
+        raise UsageError(
+            f"{what}: {given!r}", do=f"Write a number with its unit, like {like}", code="no_unit"
+        ) from None
 
 
 def _in_orbit(unit: str, result: procedure.Result) -> str:

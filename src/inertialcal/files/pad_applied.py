@@ -21,11 +21,11 @@ MEANINGS = (
     (re.compile(r"gain"), ("scale_factor",)),
     (re.compile(r"mis-?\s?alignment"), ("misalignment",)),
 )
-NOT = re.compile(r"\b(no|not|without|un)\b[^,;]*")
+NOT = re.compile(r"\b(no|not|without)\b[^,;]*|[^,;]*\bun(compensat|correct|calibrat|appli)[^,;]*")
 
 
 def applied(header: PadHeader) -> tuple[str, ...]:
-    """Return the steps that a header says were made; what follows "no" was not."""
+    """Return the steps that a header says were made; what follows "no", or is called uncorrected, was not."""
     said = NOT.sub("", header.quality.lower())
     found = {step for word, steps in MEANINGS if word.search(said) for step in steps}
     return tuple(step for step in STEPS if step in found)

@@ -190,7 +190,7 @@ plan = {{ axis = "x", settle = "{bench.settle:g} s" }}  # x: of the turn
 TEST_OF_MODEL = """\
 # The same, after the bias of the ground model was taken off: what is left is the error of that model.
 [[tests]]
-id = "model"
+id = "corrected"
 procedure = "flip"
 recordings = ["flip"]
 plan = {{ axis = "x", settle = "{settle:g} s", corrected = true }}

@@ -104,7 +104,7 @@ class Quiet:
     angle : ndarray, shape (m,)
         Turn of the head in each block [rad].
     means : mapping of str to ndarray, shape (m,)
-        Of each axis [m/s^2].
+        Of each axis [m/s^2]; NaN in blocks that it has not its samples in.
     weights : ndarray, shape (n, m)
         Of each block in each dwell of the Readings; a row adds up to 1, or is 0 for dwells of other recordings.
     spans : ndarray, shape (n, 2)
@@ -125,6 +125,17 @@ class Quiet:
     def dwells(self) -> NDArray[np.bool_]:
         """Which dwells of the Readings lie in this recording, shape (n,)."""
         return np.isfinite(self.spans[:, 0])
+
+    def of(self, axis: str) -> Quiet:
+        """Return the blocks that an axis has its samples in; the dwells are means of these."""
+        own = np.isfinite(self.means[axis])
+        if own.all():
+            return self
+        weights = self.weights[:, own]
+        total = weights.sum(axis=1, keepdims=True)
+        weights = weights / np.where(total > 0.0, total, 1.0)
+        means = {axis: self.means[axis][own]}
+        return replace(self, times=self.times[own], angle=self.angle[own], means=means, weights=weights)
 
 
 @dataclass(frozen=True, eq=False)

@@ -122,6 +122,8 @@ def _check(plan: Plan) -> None:
         value = getattr(plan, name)
         if not (value > 0.0 and math.isfinite(value)):
             raise PlanError(f"plan.{name} is {value:g}", do="Need a number above 0", code="wrong_value")
+    if not 0.0 <= plan.missing < 1.0:
+        raise PlanError(f"plan.missing is {plan.missing:g}", do="Need a part below 1", code="wrong_value")
     if not (plan.settle >= 0.0 and math.isfinite(plan.settle)):
         raise PlanError(f"plan.settle is {plan.settle:g} s", do="Need 0 or more", code="wrong_value")
 
@@ -282,7 +284,7 @@ def _quiet(
     remarks = []
     quiet, need = len(record.times) * length, LONG * max(lengths)
     if lost:
-        what = f"{lost} blocks of {length:g} s with missing samples, not used for the noise"
+        what = f"{lost} blocks of {length:g} s with missing samples, not used for the noise of the axes that miss them"
         remarks.append(Remark("blocks_incomplete", "info", what, one.place))
     if quiet < need:
         what = f"{quiet:.6g} s of quiet record, less than {LONG:g} times its longest window ({need:.6g} s)"
