@@ -20,7 +20,7 @@ from inertialcal.statistics.intervals import covers
 from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_of
 
 CORNERS = (0.0, 0.01, 0.1)  # of the 1/f noise [Hz]; 0: white alone
-LONG, SHORT = range(1, 1001), range(1, 31)
+LONG, FURTHER, SHORT = range(1, 1001), range(1, 301), range(1, 31)
 MINUTES = 8.0  # for 3,000 flips on PROCESSES
 PROCESSES = 2
 QUIET = {"relative_to_fixture", "settling"}  # what is said of every flip
