@@ -111,7 +111,9 @@ class Sphere:
         wide = np.maximum(r, self.radius)
         unit = away / wide[:, None]
         outside = np.where(r >= self.radius, 3.0, 0.0)[:, None, None]
-        slope: Array = self.mass * (outside * unit[:, :, None] * unit[:, None, :] - np.eye(3)) / wide[:, None, None] ** 3
+        slope: Array = (
+            self.mass * (outside * unit[:, :, None] * unit[:, None, :] - np.eye(3)) / wide[:, None, None] ** 3
+        )
         return slope
 
 

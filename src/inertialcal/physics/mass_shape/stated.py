@@ -1,0 +1,68 @@
+"""Whether a stated attraction can be at all: no body of a mass attracts more than the bound."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+from scipy import optimize
+
+from .bound import Keep, largest_field
+
+
+@dataclass(frozen=True)
+class Checked:
+    """A stated attraction beside the most that can be.
+
+    Parameters
+    ----------
+    stated, bound : float
+        [m/s^2].
+    mass_needed : float
+        Least mass with the stated attraction [kg].
+    """
+
+    stated: float
+    bound: float
+    mass_needed: float
+
+    @property
+    def excess(self) -> float:
+        """Stated over bound less one: above zero it cannot be."""
+        return self.stated / self.bound - 1.0
+
+
+def checked(
+    stated: float, mass: float, density: float, stand_off: float, gravitational_constant: float, keep: Keep = "plane"
+) -> Checked:
+    """Return a stated attraction with the largest one of a mass.
+
+    Parameters
+    ----------
+    stated : float
+        Attraction [m/s^2].
+    mass : float
+        [kg].
+    density : float
+        [kg/m^3].
+    stand_off : float
+        From the point to the nearest material [m].
+    gravitational_constant : float
+        Of the document that states it [m^3/s^2/kg].
+    keep : {"plane", "sphere"}
+        Where material may be.
+
+    Raises
+    ------
+    DataError
+        As `largest_field`.
+    """
+
+    def over(log_factor: float) -> float:
+        return (
+            gravitational_constant * largest_field(mass * math.exp(log_factor), density, stand_off, keep).field - stated
+        )
+
+    bound = gravitational_constant * largest_field(mass, density, stand_off, keep).field
+    needed = mass * math.exp(float(optimize.brentq(over, -30.0, 30.0, xtol=1e-12)))
+    return Checked(stated, bound, needed)
