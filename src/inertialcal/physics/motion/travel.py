@@ -1,0 +1,215 @@
+"""Attraction along a travel: how the component along the input axis changes as a mass is moved on a line.
+
+The mass is shifted by ``position * direction``; the proof mass stays at the origin. A travel is a body, or a table of
+a document: positions with fields, between which a cubic spline goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import interpolate, optimize
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ..attraction.bodies import Body
+from ..attraction.extended import ProofMass, mean_field
+
+Direction = tuple[float, float, float]
+LOOKED = 401  # positions that are looked through before an extreme is refined
+FINE = 1e-12  # of a travel, to which positions are found
+FEWEST = 4  # positions of a table, for a cubic
+
+
+@dataclass(frozen=True, eq=False)
+class Travel:
+    """Field along the input axis against the position of the mass.
+
+    Parameters
+    ----------
+    field : callable
+        Positions, shape (n,) [m] -> fields, shape (n,), in any one unit.
+    first, last : float
+        Positions that the mass can have [m].
+    """
+
+    field: Callable[[Array], Array]
+    first: float
+    last: float
+
+    def at(self, positions: ArrayLike) -> Array:
+        """Return the field at positions, in their shape.
+
+        Raises
+        ------
+        DataError
+            If one is outside of the travel.
+        """
+        given = np.asarray(positions, dtype=float)
+        beyond = (given < self.first) | (given > self.last) | ~np.isfinite(given)
+        if beyond.any():
+            raise DataError(
+                f"position {given[beyond].flat[0]:g} m is outside of the rig's travel, {self.first:g} to {self.last:g} m",
+                why="there is no field to tell there",
+                code="outside_travel",
+            )
+        return self.field(given.ravel()).reshape(given.shape)
+
+
+def travel_of_body(
+    body: Body,
+    direction: Direction,
+    first: float,
+    last: float,
+    axis: Direction = (1.0, 0.0, 0.0),
+    proof_mass: ProofMass | None = None,
+    gravitational_constant: float = 1.0,
+) -> Travel:
+    """Return the travel of a body.
+
+    Parameters
+    ----------
+    body : Body
+        At position zero, the proof mass at the origin.
+    direction : tuple of float
+        Of the travel.
+    first, last : float
+        Ends of it [m].
+    axis : tuple of float
+        Input axis.
+    proof_mass : ProofMass, optional
+        Default: a point.
+    gravitational_constant : float
+        Default: one.
+
+    Raises
+    ------
+    DataError
+        If a direction has no length, or the ends are the same.
+    """
+    way, along = _unit(direction, "direction"), _unit(axis, "axis")
+    if not last > first:
+        raise DataError(f"a travel from {first:g} to {last:g} m has no length", code="no_travel")
+
+    def field(positions: Array) -> Array:
+        points = np.ascontiguousarray(-positions[:, None] * way)
+        found = body.field(points) if proof_mass is None else mean_field(body, proof_mass, points)
+        component: Array = gravitational_constant * found @ along
+        return component
+
+    return Travel(field, first, last)
+
+
+def travel_of_table(positions: ArrayLike, fields: ArrayLike) -> Travel:
+    """Return the travel that a table tells; between its rows a cubic spline.
+
+    Parameters
+    ----------
+    positions : array_like, shape (n,)
+        Rising [m].
+    fields : array_like, shape (n,)
+        In any one unit.
+
+    Raises
+    ------
+    DataError
+        If there are fewer than four rows, or positions do not rise.
+    """
+    x, y = np.asarray(positions, dtype=float), np.asarray(fields, dtype=float)
+    if len(x) < FEWEST or x.shape != y.shape or not (np.diff(x) > 0.0).all():
+        raise DataError(
+            f"{len(x)} positions: a travel needs {FEWEST} or more, rising, with a field each", code="no_travel"
+        )
+    spline = interpolate.CubicSpline(x, y)
+    return Travel(lambda at: np.asarray(spline(at), dtype=float), float(x[0]), float(x[-1]))
+
+
+@dataclass(frozen=True)
+class Window:
+    """Part of a travel.
+
+    Parameters
+    ----------
+    start, end : float
+        [m].
+    change : float
+        Field at the start less that at the end.
+    """
+
+    start: float
+    end: float
+    change: float
+
+
+def best_window(travel: Travel, length: float) -> Window:
+    """Return the window of a length whose ends differ most in field.
+
+    Parameters
+    ----------
+    travel : Travel
+        Where.
+    length : float
+        Stroke of the drive [m].
+
+    Raises
+    ------
+    DataError
+        If the stroke is longer than the travel.
+    """
+    room = travel.last - travel.first - length
+    if not (length > 0.0 and room >= -FINE * abs(length)):
+        raise DataError(
+            f"a stroke of {length:g} m does not fit the rig's travel, {travel.first:g} to {travel.last:g} m",
+            do="Shorten the stroke, or lengthen the travel.",
+            code="outside_travel",
+        )
+
+    def change(start: float) -> float:
+        ends = travel.at(np.clip([start, start + length], travel.first, travel.last))
+        return float(ends[0] - ends[1])
+
+    start = _largest(lambda s: abs(change(s)), travel.first, travel.first + max(room, 0.0))
+    return Window(start, start + length, change(start))
+
+
+def position_of(travel: Travel, field: float, between: tuple[float, float]) -> float:
+    """Return the position of a field between two positions [m].
+
+    Raises
+    ------
+    DataError
+        If the field does not pass the value between them.
+    """
+    low, high = between
+    ends = travel.at([low, high]) - field
+    if ends[0] * ends[1] > 0.0:
+        raise DataError(
+            f"field {field:g} does not occur between {low:g} and {high:g} m: there it goes from "
+            f"{ends[0] + field:g} to {ends[1] + field:g}",
+            code="outside_travel",
+        )
+    return float(optimize.brentq(lambda s: float(travel.at(s)) - field, low, high, xtol=FINE * abs(high - low)))
+
+
+def _largest(value: Callable[[float], float], low: float, high: float) -> float:
+    """Place of the largest value: looked through, then refined between the neighbours."""
+    if high <= low:
+        return low
+    at = np.linspace(low, high, LOOKED)
+    best = int(np.argmax([value(float(s)) for s in at]))
+    ends = at[max(best - 1, 0)], at[min(best + 1, LOOKED - 1)]
+    found = optimize.minimize_scalar(lambda s: -value(s), bounds=ends, method="bounded", options={"xatol": 1e-10})
+    return max((float(found.x), float(at[best])), key=value)
+
+
+def _unit(given: Direction, name: str) -> Array:
+    """Direction of length one."""
+    vector = np.array(given, dtype=float)
+    length = float(np.linalg.norm(vector))
+    if not (length > 0.0 and np.isfinite(length)):
+        raise DataError(f"{name} {given} has no length", code="no_direction")
+    unit: Array = vector / length
+    return unit
