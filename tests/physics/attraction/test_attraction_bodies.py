@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cuboid_reference import cuboid_field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cuboid_reference import cuboid_field
 from inertialcal.core.constants import REINEL_GRAVITATIONAL_CONSTANT
 from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction import (
@@ -53,7 +53,9 @@ def directions(n: int, seed: int) -> np.ndarray:
 def test_the_gradient_is_that_of_the_field_symmetric_and_without_trace(body: Body, away: float) -> None:
     points = away * directions(5, 2)
     h = 1e-4 * away
-    slopes = np.stack([(body.field(points + h * e) - body.field(points - h * e)) / (2.0 * h) for e in np.eye(3)], axis=2)
+    slopes = np.stack(
+        [(body.field(points + h * e) - body.field(points - h * e)) / (2.0 * h) for e in np.eye(3)], axis=2
+    )
     found = body.gradient(points)
     size = np.abs(found).max()
     np.testing.assert_allclose(found, slopes, atol=SLOPE * size * 10)
@@ -64,10 +66,14 @@ def test_the_gradient_is_that_of_the_field_symmetric_and_without_trace(body: Bod
 @pytest.mark.parametrize("body", BODIES.values(), ids=BODIES)
 def test_far_away_a_body_is_a_point_of_its_mass(body: Body) -> None:
     points = 1e5 * directions(4, 3)
-    np.testing.assert_allclose(body.field(points), Point(body.mass).field(points), rtol=0.0, atol=1e-5 * body.mass * 1e-10)
+    np.testing.assert_allclose(
+        body.field(points), Point(body.mass).field(points), rtol=0.0, atol=1e-5 * body.mass * 1e-10
+    )
 
 
-@pytest.mark.parametrize("body", [CUBE, BODIES["solid cylinder"], BODIES["lattice"]], ids=["cube", "cylinder", "lattice"])
+@pytest.mark.parametrize(
+    "body", [CUBE, BODIES["solid cylinder"], BODIES["lattice"]], ids=["cube", "cylinder", "lattice"]
+)
 def test_inside_the_trace_is_that_of_the_density(body: Body) -> None:
     """Poisson: minus four pi times the density."""
     density = {id(CUBE): 1.0, id(BODIES["lattice"]): CELLS[2, 2, 2]}.get(id(body), 3.0 / (np.pi * 0.09 * 0.5))
@@ -216,7 +222,10 @@ def test_the_constant_is_the_callers() -> None:
     [
         (lambda: Sphere(1.0, 0.0), "radius 0 is not above zero"),
         (lambda: Prism((0.0, 0.0, 0.0), (1.0, -1.0, 1.0), 1.0), "extent of the prism along y -1 is not above zero"),
-        (lambda: Cylinder(1.0, 0.1, 0.1, inner_radius=0.1), "inner radius 0.1 m is not between 0 and the radius, 0.1 m"),
+        (
+            lambda: Cylinder(1.0, 0.1, 0.1, inner_radius=0.1),
+            "inner radius 0.1 m is not between 0 and the radius, 0.1 m",
+        ),
         (lambda: Cylinder(1.0, 0.1, 0.1, axis=(0.0, 0.0, 0.0)), "has no direction"),
         (lambda: ProofMass(1.0, 0.1, 0.2), "inner radius 0.2 m is not between"),
         (lambda: ProofMass(1.0, 0.1, axis=(0.0, 0.0, 0.0)), "has no direction"),

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from cuboid_reference import cuboid_field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cuboid_reference import cuboid_field
 from inertialcal.physics.attraction import Lattice, Prism
 
 CLAIM = 1e-12

@@ -18,7 +18,7 @@ from ..attraction.lattice import Lattice
 from .gain import Gain
 
 DENSEST = 23000.0  # kg/m^3: no metal is denser than osmium, 22,590
-LIGHTEST = 1.0  # kg/m^3
+LIGHTEST = 100.0  # kg/m^3, of balsa: below it a density was given in g/cm^3
 PLAIN = Gain()
 
 

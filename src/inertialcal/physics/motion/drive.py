@@ -143,7 +143,7 @@ def harmonics(travel: Travel, positions: Array, count: int = 5) -> Array:
     """
     if len(positions) <= 2 * count:
         raise DataError(
-            f"{len(positions)} positions a period tell fewer than {count} harmonics: {2 * count + 1} or more are needed",
+            f"{len(positions)} positions a period tell fewer than {count} harmonics: {2 * count + 1} are needed",
             code="too_few_positions",
         )
     lines = np.fft.rfft(travel.at(positions)) / len(positions)

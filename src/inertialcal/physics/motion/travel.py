@@ -52,7 +52,7 @@ class Travel:
         beyond = (given < self.first) | (given > self.last) | ~np.isfinite(given)
         if beyond.any():
             raise DataError(
-                f"position {given[beyond].flat[0]:g} m is outside of the rig's travel, {self.first:g} to {self.last:g} m",
+                f"position {given[beyond].flat[0]:g} m is outside the rig's travel, {self.first:g} to {self.last:g} m",
                 why="there is no field to tell there",
                 code="outside_travel",
             )

@@ -1,0 +1,88 @@
+"""A moved mass with its doubts: what is known of pieces, places, stops, angles and the constant.
+
+The amplitude of the drive is half the difference of the attraction along the input axis between two stops. All errors
+are independent of each other, and stay the same from cycle to cycle.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.constants import GRAVITATIONAL_CONSTANT
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ..attraction.lattice import Lattice
+
+
+@dataclass(frozen=True)
+class Doubts:
+    """Standard uncertainties.
+
+    Parameters
+    ----------
+    density : float
+        Of the material, common to all pieces, relative.
+    piece_density : float
+        Of each piece, relative.
+    piece_place : float
+        Of each piece in the body, along each direction [m].
+    place : tuple of float
+        Of the body against the proof mass, the same at both stops, along x, y and z [m].
+    stop : float
+        Of each stop along the travel [m].
+    angle : float
+        Of the body about each of x, y and z, through the origin of its frame [rad].
+    gravitational_constant : float
+        Relative.
+    """
+
+    density: float = 0.0
+    piece_density: float = 0.0
+    piece_place: float = 0.0
+    place: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    stop: float = 0.0
+    angle: float = 0.0
+    gravitational_constant: float = GRAVITATIONAL_CONSTANT.u / GRAVITATIONAL_CONSTANT.value
+
+    def __post_init__(self) -> None:
+        for name, value in vars(self).items():
+            if not np.all(np.asarray(value) >= 0.0):
+                raise DataError(f"uncertainty {name} = {value} is below zero", code="no_uncertainty")
+
+
+@dataclass(frozen=True, eq=False)
+class Source:
+    """A mass moved between two stops before a proof mass at the origin.
+
+    Parameters
+    ----------
+    body : Lattice
+        At position zero; each cell is a piece.
+    direction : tuple of float
+        Of the travel, of length one.
+    stops : tuple of float
+        Positions of both ends [m].
+    axis : tuple of float
+        Input axis, of length one.
+    gravitational_constant : float
+        [m^3/s^2/kg].
+    """
+
+    body: Lattice
+    direction: tuple[float, float, float]
+    stops: tuple[float, float]
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    gravitational_constant: float = GRAVITATIONAL_CONSTANT.value
+
+    @property
+    def shifts(self) -> Array:
+        """Of the body at both stops, shape (2, 3) [m]."""
+        return np.outer(self.stops, self.direction)
+
+    @property
+    def amplitude(self) -> float:
+        """Half the difference of the attraction along the axis [m/s^2]."""
+        fields = self.body.field(-self.shifts) @ np.array(self.axis)
+        return self.gravitational_constant * float(fields[0] - fields[1]) / 2.0
