@@ -197,26 +197,12 @@ def each(
 
 
 @compiled
-def vertices(
-    at: NDArray[np.float64], places: NDArray[np.float64], weight: NDArray[np.float64], field: NDArray[np.float64]
-) -> None:
-    """Fill ``field`` (3,) with the sum over the vertices of a lattice, each with its mixed third difference."""
-    gx = gy = gz = 0.0
-    for i in range(len(weight)):
-        fx, fy, fz = corner(places[i, 0] - at[0], places[i, 1] - at[1], places[i, 2] - at[2])
-        gx += weight[i] * fx
-        gy += weight[i] * fy
-        gz += weight[i] * fz
-    field[0], field[1], field[2] = gx, gy, gz
-
-
-@compiled
 def vertices_gradient(
     at: NDArray[np.float64], places: NDArray[np.float64], weight: NDArray[np.float64], slope: NDArray[np.float64]
 ) -> None:
     """Fill ``slope`` (6,) with the sum over the vertices of a lattice."""
     slope[:] = 0.0
     for i in range(len(weight)):
-        k = corner_gradient(places[i, 0] - at[0], places[i, 1] - at[1], places[i, 2] - at[2])
+        k = corner_gradient(places[0, i] - at[0], places[1, i] - at[1], places[2, i] - at[2])
         for j in range(6):
             slope[j] += weight[i] * k[j]

@@ -13,6 +13,7 @@ cells are summed one by one, in closed form near and by Gauss and Legendre far (
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
@@ -23,12 +24,14 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from . import _kernels
+from . import _kernels, _kernels_vertices
 from .bodies import matrix, positive
 
 ROUNDED = 8.0 * np.finfo(float).eps  # of one vertex's term, with its logarithms
 ALLOWED = 5e-13  # of the sum of the magnitudes of all cells' attractions
 SMALL = 100_000  # vertices times points up to which one processor is quicker than two
+EXACT = 8  # vertices that a cell takes for itself
+PARTS = 4  # slices a processor
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,12 +73,12 @@ class Lattice:
 
     @cached_property
     def vertices(self) -> tuple[Array, Array]:
-        """Places (m, 3) [m] and weights (m,) [kg/m^3] of the vertices whose weight is not zero."""
+        """Places (3, m) [m] and weights (m,) [kg/m^3] of the vertices whose weight is not zero."""
         weight = np.pad(self.density.astype(float), 1)
         for axis in range(3):
             weight = -np.diff(weight, axis=axis)
         at = np.nonzero(weight)
-        places = np.stack([self.lower[i] + at[i] * self.edges[i] for i in range(3)], axis=1)
+        places = np.stack([self.lower[i] + at[i] * self.edges[i] for i in range(3)])
         return np.ascontiguousarray(places), weight[at]
 
     @cached_property
@@ -94,16 +97,18 @@ class Lattice:
 
     def field(self, points: Array) -> Array:
         """Return the field at points, shape (n, 3) [kg/m^2]; rightly on faces, edges and vertices too."""
+        places, weight = self.vertices
         field = np.zeros((len(points), 3))
-        if not len(self.vertices[1]):
+        if not len(weight):
             return field
-        near = self._near(points)
 
-        def one(i: int) -> None:
-            _kernels.vertices(points[i], *self.vertices, field[i])
+        def part(rows: slice) -> int:
+            return int(
+                _kernels_vertices.vertices(points[rows], places, weight, self._corners, self._reach, field[rows])
+            )
 
-        _spread(one, np.flatnonzero(near), len(self.vertices[1]))
-        self._one_by_one(points, ~near, field, np.empty((len(points), 0)))
+        if sum(_spread(part, len(points), len(weight))):
+            self._one_by_one(points, np.isnan(field[:, 0]), field, np.empty((len(points), 0)))
         return field
 
     def gradient(self, points: Array) -> Array:
@@ -112,11 +117,13 @@ class Lattice:
         if not len(self.vertices[1]):
             return matrix(slope)
         near = self._near(points)
+        rows = np.flatnonzero(near)
 
-        def one(i: int) -> None:
-            _kernels.vertices_gradient(points[i], *self.vertices, slope[i])
+        def part(some: slice) -> None:
+            for i in rows[some]:
+                _kernels.vertices_gradient(points[i], *self.vertices, slope[i])
 
-        _spread(one, np.flatnonzero(near), len(self.vertices[1]))
+        _spread(part, len(rows), len(self.vertices[1]))
         self._one_by_one(points, ~near, np.empty((len(points), 3)), slope)
         return matrix(slope)
 
@@ -139,14 +146,17 @@ class Lattice:
         def part(rows: slice) -> None:
             _kernels.each(point, centres[rows], edges, field[rows])
 
-        size = max(1, -(-len(centres) // _processors()))
-        parts = [slice(start, start + size) for start in range(0, len(centres), size)]
-        _spread(part, parts, size)
+        _spread(part, len(centres), EXACT)
         return field.reshape(*self.density.shape, 3)
+
+    @cached_property
+    def _corners(self) -> Array:
+        """Smallest and largest coordinates of the body, shape (2, 3) [m]."""
+        return np.stack([self.vertices[0].min(axis=1), self.vertices[0].max(axis=1)])
 
     def _near(self, points: Array) -> Any:
         """Whether vertices may be summed: the farthest corner of the body is within reach."""
-        low, high = self.vertices[0].min(axis=0), self.vertices[0].max(axis=0)
+        low, high = self._corners
         farthest = np.maximum(np.abs(low - points), np.abs(high - points))
         return np.linalg.norm(farthest, axis=1) <= self._reach
 
@@ -156,24 +166,22 @@ class Lattice:
         centres, density = self.cells
         edges = np.broadcast_to(np.array(self.edges), centres.shape)
 
-        def one(i: int) -> None:
-            rows = slice(i, i + 1)
-            _kernels.cuboids(points[rows], centres, edges, density, field[rows], slope[rows])
+        def part(some: slice) -> None:
+            for i in far[some]:
+                rows = slice(i, i + 1)
+                _kernels.cuboids(points[rows], centres, edges, density, field[rows], slope[rows])
 
-        _spread(one, far, len(density))
-
-
-def _processors() -> int:
-    """How many there are."""
-    return cpu_count() or 1
+        _spread(part, len(far), EXACT * len(density))
 
 
-def _spread(work: Any, parts: Any, terms: int) -> None:
-    """Do parts of a work, side by side where that pays: starting threads costs more than a small sum."""
-    if len(parts) * terms <= SMALL or len(parts) == 1:
-        for part in parts:
-            work(part)
-        return
-    with ThreadPoolExecutor(_processors()) as pool:
-        for _ in pool.map(work, parts):
-            pass
+def _spread(work: Callable[[slice], Any], count: int, terms: int) -> list[Any]:
+    """Do a work on slices of so many things of so many terms; side by side where that pays, as starting threads costs.
+
+    What comes out does not depend on how many there are: things do not meet.
+    """
+    if count <= 1 or count * terms <= SMALL:
+        return [work(slice(0, count))]
+    size = -(-count // (PARTS * (cpu_count() or 1)))
+    slices = [slice(start, min(start + size, count)) for start in range(0, count, size)]
+    with ThreadPoolExecutor(cpu_count()) as pool:
+        return list(pool.map(work, slices))
