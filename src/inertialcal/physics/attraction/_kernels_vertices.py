@@ -1,4 +1,4 @@
-"""Sum over the vertices of a lattice in blocks, so that the compiler fills vector registers; arrays in and out, no checks.
+"""Sum over the vertices of a lattice in blocks, so that the compiler fills vector registers; no checks.
 
 The closed form of a vertex takes three logarithms and three angles. Those of the C library come one at a time; here
 they are polynomials without branches, to two units of the last place, over blocks that stay in the nearest cache.
@@ -12,7 +12,6 @@ References
 from __future__ import annotations
 
 import math
-from typing import Any
 
 import numba
 import numpy as np
@@ -30,7 +29,7 @@ TAN_67, TAN_22 = 1.0 + ROOT_2, ROOT_2 - 1.0  # of three eighths and one eighth o
 HALF_PI_REST = 6.123233995736766e-17  # of pi / 2, beyond its double
 
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
-reordered: Any = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+reordered = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @compiled
@@ -115,8 +114,8 @@ def _summed(log: Array, angle: Array, away: Array, weight: Array, start: int, n:
 def vertices(points: Array, places: Array, weight: Array, ends: Array, reach: float, field: Array) -> int:
     """Fill ``field`` (p, 3) with the sum over vertices at ``places`` (3, n), each with its mixed third difference.
 
-    Points from which the farthest corner of the body, whose smallest and largest coordinates are ``ends`` (2, 3), is not
-    within reach get no number. Return how many there are.
+    Points from which the farthest corner of the body is not within reach get no number; ``ends`` (2, 3) are the smallest
+    and largest coordinates of the body. Return how many such points there are.
     """
     far = 0
     for i in range(len(points)):

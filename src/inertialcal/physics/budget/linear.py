@@ -1,8 +1,8 @@
 """Budget of the amplitude by its slopes (GUM): each doubt times the slope of the amplitude to it.
 
 Shifting the body by a small ``e`` changes the field by ``-gradient e``. Turning it by ``w`` about the origin of its
-frame turns the field with it, while the proof mass, seen from the body, turns back. At the shift s, with field and gradient
-at ``-s`` in the frame of the body, the change is::
+frame turns the field with it, while the proof mass, seen from the body, turns back. At the shift s, with field and
+gradient at ``-s`` in the frame of the body, the change is::
 
     w x g - gradient (w x (-s))
 
