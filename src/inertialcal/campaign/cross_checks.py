@@ -42,9 +42,26 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "corrected_bias": RATE,
     "model_bias_error_change": RATE,
     "model_bias_error_reduction": RATE,
+    "path_difference": RATE,
+    "hysteresis": RATE,
+    "vacuum_offset": RATE,
+    "residual_bias": RATE,
+    "warm_up_change": RATE,
+    "warm_up_time": ("time",),
+    "warm_up_time_constant": ("time",),
+    "thermal_lag": ("time",),
+    "reference_voltage": ("voltage",),
+    "temperature_reference_voltage": ("voltage",),
 }
-SENSORS = {"rate_table": ("gyro", "gyros"), "flip": ("accelerometer", "accelerometers")}  # that a procedure tests
+# The kind of sensor that a procedure tests.
+SENSORS = {
+    "rate_table": ("gyro", "gyros"),
+    "flip": ("accelerometer", "accelerometers"),
+    "thermal": ("gyro", "gyros"),
+}
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+AGAINST = ("flip", "thermal")  # procedures whose tests are set beside each other
+HELD_OUT = ("rate_table", "thermal")  # procedures whose tests judge what another one found
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 MODELLED = ("rate_table",)  # procedures whose results become a model
 
@@ -163,8 +180,8 @@ def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> 
 def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
     """Return the kinds of unit that a channel may have; none where it is not used."""
     counted = sensor.chain.kind != "none"
-    if channel == "temperature":
-        return ("temperature",)
+    if channel in ("temperature", "pressure"):
+        return (channel,)
     if channel.startswith("temperature"):
         return ("temperature", "count") if counted else ("temperature",)
     if channel.startswith("gain"):
@@ -198,7 +215,7 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
         do = f"There are: {', '.join(PROCEDURES)}"
         yield Problem(f"test {test.id!r}: no procedure {test.procedure!r}", where, do=do, code="unknown_name")
         return
-    if test.use == "hold_out" and test.procedure not in MODELLED:
+    if test.use == "hold_out" and test.procedure not in HELD_OUT:
         what = f'test {test.id!r}: use = "hold_out", but no model is made of a {test.procedure} and none judged on it'
         do = 'Give it use = "report_only", or leave use out'
         yield Problem(what, at("tests", number, "use"), "it would have no effect", do, "wrong_value")
@@ -251,10 +268,11 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
         entry = file.recordings.get(name)
         if entry is None:
             continue
-        own_key, other_keys = TABLES[test.procedure], [key for key in TABLES.values() if key != TABLES[test.procedure]]
-        for key in other_keys:
+        own_key = TABLES.get(test.procedure)
+        for key in (key for key in TABLES.values() if key != own_key):
             if getattr(entry, key) is not None:
-                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {own_key} or channels"
+                need = f"{own_key} or channels" if own_key else "channels"
+                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {need}"
                 yield Problem(what, at("recordings", name, key), code="wrong_value")
         if test.procedure == "flip" and entry.channels is not None and entry.positions is None:
             what = f"recordings.{name}: nothing says how the head was turned, and when"
@@ -275,12 +293,12 @@ def _against(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Pr
     if test.against is None:
         return
     where = at("tests", number, "against")
-    others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == "flip"}
-    if test.procedure != "flip":
-        what = f"test {test.id!r}: against, but only flips are set side by side"
+    others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == test.procedure}
+    if test.procedure not in AGAINST:
+        what = f"test {test.id!r}: against, but only {' and '.join(AGAINST)} tests are set side by side"
         yield Problem(what, where, do="Leave it out, or compare two campaigns: compare A B", code="wrong_value")
     elif test.against not in others:
-        what = f"test {test.id!r}: against = {test.against!r} is no other flip of this campaign"
+        what = f"test {test.id!r}: against = {test.against!r} is no other {test.procedure} test of this campaign"
         yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
 
 
@@ -302,10 +320,10 @@ def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
 def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find readings that the model is fitted on twice, or fitted on and judged by."""
     do = "Give them different recordings, groups or windows"
-    modelled = [test for test in file.tests if test.procedure in MODELLED]
+    modelled = [test for test in file.tests if test.procedure in HELD_OUT]
     for one in modelled:
         number = file.tests.index(one)
-        for other in modelled[: modelled.index(one)]:
+        for other in (test for test in modelled[: modelled.index(one)] if test.procedure == one.procedure):
             uses = {one.use, other.use}
             if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
                 continue

@@ -12,10 +12,11 @@ from functools import lru_cache
 
 from ..core.influence import Standards
 from ..core.recording import Recording
-from ..procedures import flip, rate_table
+from ..procedures import flip, rate_table, thermal
 from ..procedures.flip.recordings import readings_from as flip_readings
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
+from ..procedures.thermal.recordings import readings_from as thermal_readings
 from ..rigs.twin import SEED, Twin
 from ..sensors.chain import Chain
 from .channels import chain_of, in_body_axes
@@ -23,8 +24,9 @@ from .flip_inputs import flip_plan, turned_head
 from .ground import ChainModel, chain_model
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
+from .thermal_inputs import thermal_plan, warmed_recording
 
-Result = rate_table.Result | flip.Result
+Result = rate_table.Result | flip.Result | thermal.Result
 Placed = Sequence[tuple[str, RecordingEntry, Recording]]
 
 
@@ -33,7 +35,7 @@ class _Fit:
     """A test with ``use = "fit"``, ready for recordings."""
 
     procedure: str
-    plan: rate_table.Plan | flip.Plan
+    plan: rate_table.Plan | flip.Plan | thermal.Plan
     sensor: Sensor
     entries: tuple[tuple[str, RecordingEntry, Chain | None], ...]
     model: ChainModel | None = None
@@ -68,10 +70,14 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
     entries = tuple((name, entry, chain_of(entry, sensor)) for name, entry in named.items())
     if test.procedure == "flip":
         return _Fit(test.procedure, flip_plan(test, standards), sensor, entries, chain_model(sensor))
+    if test.procedure == "thermal":
+        return _Fit(test.procedure, thermal_plan(file, standards, test, sensor), sensor, entries)
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
 
 
 def _result(twin: Twin, fit: _Fit) -> Result:
+    if isinstance(fit.plan, thermal.Plan):
+        return _thermal(twin, fit.plan, fit)
     keep_bias = isinstance(fit.plan, flip.Plan) and not fit.plan.corrected
     placed = [
         (name, entry, in_body_axes(twin.recordings[entry.file], name, entry, fit.sensor, chain, fit.model, keep_bias))
@@ -87,6 +93,12 @@ def _rate_table(plan: rate_table.Plan, placed: Placed) -> rate_table.Result:
 
 def _flip(plan: flip.Plan, placed: Placed) -> flip.Result:
     return flip.reduce(plan, flip_readings(plan, [turned_head(body, name, entry) for name, entry, body in placed]))
+
+
+def _thermal(twin: Twin, plan: thermal.Plan, fit: _Fit) -> thermal.Result:
+    raw = {name: twin.recordings[entry.file] for name, entry, _ in fit.entries}
+    warmed = [warmed_recording(raw[name], name, entry, fit.sensor, chain) for name, entry, chain in fit.entries]
+    return thermal.reduce(plan, thermal_readings(warmed))
 
 
 REDUCED: dict[str, Callable[..., Result]] = {"rate_table": _rate_table, "flip": _flip}

@@ -13,10 +13,12 @@ from .load import Campaign
 from .modelling import Prepared
 from .rate_table_inputs import prepared_rate_table
 from .schema import Sensor, Test
+from .thermal_inputs import prepared_thermal
 
 WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "rate_table": prepared_rate_table,
     "flip": prepared_flip,
+    "thermal": prepared_thermal,
 }
 
 

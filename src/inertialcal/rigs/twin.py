@@ -23,12 +23,17 @@ Drawn = Mapping[str, float | list[float] | list[list[float]]]
 
 @dataclass(frozen=True)
 class TrueValue:
-    """True value of a quantity, named as the rows of the results name it, in an SI unit."""
+    """True value of a quantity, named as the rows of the results name it, in an SI unit.
+
+    Of one test and one condition where they are given; of all tests where no test is given.
+    """
 
     quantity: str
     axis: str
     value: float
     unit: str
+    test: str = ""
+    condition: str = ""
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,79 @@
+"""Earth rate along the axes of a body at rest: what is known of it is taken off, what is not is Type B.
+
+The body lies as ``plan.Attitude`` says; its axes are those of the table of ``physics.earth`` at table angle zero. With
+an unknown azimuth the vertical part is known, and the level part may point anywhere: two unknowns of mean zero and
+variance one half. Without an attitude or a latitude every direction of the whole is equally likely: each component has
+mean zero and standard uncertainty Omega / sqrt(3).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.estimate import Array
+from ...core.influence import Influence
+from ...physics.earth import OMEGA, earth_rate, level_to_table
+from .plan import Attitude, Plan
+
+STEP = 1e-4  # [rad], of the differences
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """What is not known of the earth rate from one source.
+
+    Parameters
+    ----------
+    patterns : ndarray, shape (s, 3)
+        Along x, y, z, each one standard uncertainty [rad/s].
+    influence : Influence
+        What it rests on.
+    """
+
+    patterns: Array
+    influence: Influence
+
+
+def earth_along(plan: Plan) -> tuple[Array, Mapping[str, Unknown]]:
+    """Return earth rate along the body axes, shape (3,) [rad/s], and what is not known of it, by source."""
+    attitude, latitude = plan.attitude, plan.latitude
+    if attitude is None or latitude is None:
+        size = OMEGA / np.sqrt(3.0)
+        unknown = Unknown(size * np.eye(3), Influence(size, "rad/s", distribution="rectangular"))
+        return np.zeros(3), {"attitude unknown": unknown}
+    sources = {
+        "tilt of the body": (Influence(attitude.u, "rad"), lambda d: (latitude, attitude.tilt + d, attitude.azimuth)),
+        "latitude": (
+            plan.standards.get("site.latitude", Influence(0.0, "rad")),
+            lambda d: (latitude + d, attitude.tilt, attitude.azimuth),
+        ),
+    }
+    if attitude.azimuth is not None:
+        azimuth = attitude.azimuth
+        stated = Influence(attitude.u_azimuth, "rad")
+        sources["azimuth of the body"] = (stated, lambda d: (latitude, attitude.tilt, azimuth + d))
+    found = {}
+    for name, (influence, moved) in sources.items():
+        if influence.u > 0.0:
+            slope = (_mean(*moved(STEP)) - _mean(*moved(-STEP))) / (2.0 * STEP)
+            found[name] = Unknown((influence.u * slope)[None], influence)
+    if attitude.azimuth is None:
+        found["azimuth of the body unknown"] = _any_azimuth(latitude, attitude)
+    return _mean(latitude, attitude.tilt, attitude.azimuth), found
+
+
+def _mean(latitude: float, tilt: float, azimuth: float | None) -> Array:
+    """Earth rate along x, y, z; mean over all azimuths where it is not known."""
+    if azimuth is None:
+        return np.asarray(0.5 * (_mean(latitude, tilt, 0.0) + _mean(latitude, tilt, np.pi)))
+    return np.asarray(level_to_table(tilt, azimuth) @ earth_rate(latitude))
+
+
+def _any_azimuth(latitude: float, attitude: Attitude) -> Unknown:
+    middle = _mean(latitude, attitude.tilt, None)
+    waves = np.stack([_mean(latitude, attitude.tilt, angle) - middle for angle in (0.0, 0.5 * np.pi)])
+    size = float(np.cos(latitude) * OMEGA * np.sqrt(0.5))
+    return Unknown(waves * np.sqrt(0.5), Influence(size, "rad/s", distribution="arcsine"))
