@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .campaign.score import score
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
+    from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
     from .files import read
     from .files.survey import survey as info
@@ -42,6 +43,7 @@ __all__ = [
     "run",
     "score",
     "simulate",
+    "thermal",
     "write",
 ]
 
@@ -50,6 +52,7 @@ _HOMES = {
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),
     "flip": ("campaign.single_flip", "flip"),
+    "thermal": ("campaign.single_thermal", "thermal"),
     "load_model": ("campaign.models", "load_model"),
     "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),

@@ -25,6 +25,7 @@ from .schema import Test
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
+from .thermal_exclusions import thermal_exclusions
 
 
 def results_content(
@@ -62,7 +63,7 @@ def results_content(
         known = {(row.test, row.quantity, row.axis, row.condition) for row in rows}
         new = [row for row in more if (row.test, row.quantity, row.axis, row.condition) not in known]
         rows += [displayed(row, unit) for row in new]
-    left_out = exclusion_rows(campaign, prepared)
+    left_out = [*exclusion_rows(campaign, prepared), *thermal_exclusions(tested)]
     results = {
         "schema": 1,
         "campaign": campaign.file.campaign.model_dump(),
@@ -119,10 +120,11 @@ def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
     scale = factor(verdict.unit, unit) if verdict.unit else 1.0
     interval = scaled_interval(verdict.interval, scale)
     lower, upper = scaled(verdict.lower, scale), scaled(verdict.upper, scale)
-    at = None if verdict.at is None else ten_digits(float(convert([verdict.at], "rad/s", sensor_unit)[0]))
+    shown = sensor_unit if verdict.at_unit == "rad/s" else verdict.at_unit
+    at = None if verdict.at is None else ten_digits(float(convert([verdict.at], verdict.at_unit, shown)[0]))
     return {
         "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
-        "at": at, "at_unit": sensor_unit if at is not None else "", "of": verdict.of,
+        "at": at, "at_unit": shown if at is not None else "", "of": verdict.of,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else
         {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},

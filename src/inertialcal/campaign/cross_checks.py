@@ -62,6 +62,7 @@ SENSORS = {
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
 AGAINST = ("flip", "thermal")  # procedures whose tests are set beside each other
 HELD_OUT = ("rate_table", "thermal")  # procedures whose tests judge what another one found
+WHERE = {"rate_error": "rate", "bias": "temperature"}  # quantities over a range, and what the range is of
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 MODELLED = ("rate_table",)  # procedures whose results become a model
 
@@ -376,11 +377,22 @@ def _requirements(file: CampaignFile, at: At) -> Iterator[Problem]:
             if text is not None:
                 yield from _limit(one, text, at("requirements", number, key))
         yield from _spelling(one, at("requirements", number, "quantity"))
-        try:
-            parse_condition(one.where)
-        except DataError as error:
-            yield Problem(f"requirement {one.id!r}: {error.problems[0].what}", at("requirements", number, "where"),
-                          do=error.problems[0].do, code="wrong_value")  # fmt: skip
+        yield from _where(one, at("requirements", number, "where"))
+
+
+def _where(one: Requirement, where: str) -> Iterator[Problem]:
+    """Find a condition that cannot be read, or that is about something else than the quantity is told over."""
+    try:
+        condition = parse_condition(one.where)
+    except DataError as error:
+        what = f"requirement {one.id!r}: {error.problems[0].what}"
+        yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
+        return
+    over = WHERE.get(one.quantity)
+    others = {part.name for every in condition.alternatives for part in every} - {over}
+    if over is not None and others:
+        what = f"requirement {one.id!r}: where names {' and '.join(sorted(others))}, {one.quantity} is over {over}"
+        yield Problem(what, where, "it would have no effect", f"Write it in terms of {over}", "wrong_value")
 
 
 def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
@@ -404,6 +416,7 @@ def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
     if one.quantity not in QUANTITIES and near:
         what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
         yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
-    if one.where and one.quantity != "rate_error":
-        what = f"requirement {one.id!r}: where is about rate_error, not {one.quantity}"
+    about = WHERE.get(one.quantity)
+    if one.where and about is None:
+        what = f"requirement {one.id!r}: where is about {' or '.join(WHERE)}, not {one.quantity}"
         yield Problem(what, where, "it would have no effect", code="wrong_value")

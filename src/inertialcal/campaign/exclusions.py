@@ -61,6 +61,9 @@ def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dic
             found += [*_samples(one, sensor.chain), *_dwells(one, sensor.unit)]
         elif isinstance(one.readings, flip.Readings):
             found += _of_flip(one, sensor.chain)
+        else:
+            said = one.readings.remarks
+            found += [_by_chain(one, remark, sensor.chain) for remark in said if remark.code in SAMPLES]
     return found
 
 

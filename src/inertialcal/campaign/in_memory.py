@@ -6,16 +6,18 @@ Everything after reading is done by the functions that do it for files. A test h
 from __future__ import annotations
 
 import tomllib
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 from ..core.influence import Standards
 from ..core.recording import Recording
+from ..core.results import Row
 from ..procedures import flip, rate_table, thermal
 from ..procedures.flip.recordings import readings_from as flip_readings
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
+from ..procedures.thermal.against import offset_rows, quantity_of
 from ..procedures.thermal.recordings import readings_from as thermal_readings
 from ..rigs.twin import SEED, Twin
 from ..sensors.chain import Chain
@@ -39,6 +41,51 @@ class _Fit:
     sensor: Sensor
     entries: tuple[tuple[str, RecordingEntry, Chain | None], ...]
     model: ChainModel | None = None
+    test: str = ""
+    against: str = ""
+    condition: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A test with ``use = "fit"`` that was reduced.
+
+    Parameters
+    ----------
+    test : str
+        Its name.
+    result : Result
+        SI.
+    rows : tuple of Row or None
+        Of a thermal test, those against another with them; None where the estimate says all.
+    """
+
+    test: str
+    result: Result
+    rows: tuple[Row, ...] | None = None
+
+
+def fitted_tests(twin: Twin) -> list[Fitted]:
+    """Return the tests of a twin with ``use = "fit"``, reduced.
+
+    Raises
+    ------
+    DataError
+        As the chain and the procedure say, where the twin has a fault.
+    """
+    fits = _fits(twin.campaign)
+    results = {fit.test: _result(twin, fit) for fit in fits}
+    return [Fitted(fit.test, results[fit.test], _rows(fit, results)) for fit in fits]
+
+
+def _rows(fit: _Fit, results: Mapping[str, Result]) -> tuple[Row, ...] | None:
+    result, other = results[fit.test], results.get(fit.against)
+    if not isinstance(result, thermal.Result):
+        return None
+    more = []
+    if isinstance(other, thermal.Result):
+        more = offset_rows(result, other, fit.against, quantity_of(fit.condition))
+    return (*result.rows(), *more)
 
 
 def fit_results(twin: Twin) -> list[Result]:
@@ -61,7 +108,11 @@ def _fits(text: str) -> tuple[_Fit, ...]:
         for standard, quantities in file.standards.items()
         for name, entry in quantities.items()
     }
-    return tuple(_fit(file, standards, test) for test in file.tests if test.use == "fit")
+    tests = [test for test in file.tests if test.use == "fit"]
+    return tuple(
+        replace(_fit(file, standards, test), test=test.id, against=test.against or "", condition=test.condition)
+        for test in tests
+    )
 
 
 def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:

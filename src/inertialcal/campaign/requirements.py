@@ -1,7 +1,8 @@
 """Requirements: which result each one asks about, and what the decision rule says.
 
 The rule (JCGM 106, and DESIGN): PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else
-INCONCLUSIVE. A requirement on ``rate_error`` is judged at every rate that its condition takes in, with a band that
+INCONCLUSIVE. A requirement on the bias over a range of temperatures is judged as ``over_temperature`` says.
+A requirement on ``rate_error`` is judged at every rate that its condition takes in, with a band that
 holds 95 % for all of these rates together (Sidak): k rates get intervals of 0.95^(1/k) each. So a unit that is right
 at all k rates FAILs at any of them with at most 5 %, and a PASS at all means the whole range. A requirement that no
 test speaks to is OPEN and counts as INCONCLUSIVE.
@@ -23,9 +24,10 @@ import numpy as np
 from ..core.errors import DataError
 from ..core.results import Interval, Row, not_estimated
 from ..core.units import parse_quantity
-from ..procedures import rate_table
+from ..procedures import rate_table, thermal
 from ..statistics.decision import decide
 from .conditions import Condition, parse_condition
+from .over_temperature import judged_over
 from .schema import Requirement, Test
 
 LEVEL = 0.95
@@ -45,7 +47,7 @@ class Verdict:
     requirement, test, axis : str
         Which.
     at : float or None
-        Rate [rad/s] that it is judged at; None where it is about a single figure.
+        Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure.
     of : str
         What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure.
     value, u : float or None
@@ -71,6 +73,7 @@ class Verdict:
     upper: float | None
     verdict: str
     reason: str = ""
+    at_unit: str = "rad/s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +98,8 @@ def judge(requirement: Requirement, tested: Sequence[Tested]) -> tuple[list[Verd
     about = [one for one in tested if _is_about(requirement, one)]
     if requirement.quantity == "rate_error":
         verdicts, rows = _rate_errors(requirement, about)
+    elif requirement.where:
+        verdicts, rows = list(_over_temperature(requirement, about)), []
     else:
         verdicts, rows = list(_figures(requirement, about)), []
     return (verdicts or [_open(requirement)]), rows
@@ -242,6 +247,26 @@ def _resolution_row(found: rate_table.Resolution, sensor: str, condition: str, r
         )
     interval = Interval(found.below, found.value)
     return Row("resolution", sensor, found.value, found.u, "rad/s", None, interval, reason=text, condition=condition)
+
+
+def _over_temperature(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:
+    """Yield the verdicts on the bias at temperatures that the condition takes in, with a band that holds for all."""
+    condition = parse_condition(requirement.where)
+    for one in about:
+        if not isinstance(one.result, thermal.Result) or requirement.quantity != "bias":
+            continue
+        unit = one.result.readings.unit
+        try:
+            lower, upper = _limits(requirement, unit)
+        except DataError:  # a limit of another kind, which the checks of the campaign file name
+            continue
+        for axis, sensor in one.result.sensors.items():
+            if requirement.axis in (None, axis):
+                for place in judged_over(one.result.plan, sensor.law, axis, unit, condition, lower, upper):
+                    yield Verdict(
+                        requirement.id, one.test.id, axis, place.at, "expected", place.value, place.u, unit,
+                        place.interval, lower, upper, place.status, place.reason, "degC",
+                    )  # fmt: skip
 
 
 def _figures(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:

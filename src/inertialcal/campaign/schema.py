@@ -277,10 +277,11 @@ class Schedule(Strict):
 
 
 ChannelName = Annotated[
-    str, Field(
+    str,
+    Field(
         pattern=r"^(applied|pressure|reference|temperature|temperature_reference|gain"
         r"|((reference|temperature|temperature_reference|validity|gain)_)?[xyz])$"
-    )
+    ),
 ]
 
 Step = Literal["bias", "scale_factor", "misalignment"]  # of a ground model

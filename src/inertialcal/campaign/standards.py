@@ -7,7 +7,7 @@ from typing import Any
 
 from ..core.influence import Influence
 from ..core.results import finite
-from ..procedures import flip
+from ..procedures import flip, thermal
 from ..procedures.rate_table import INFLUENCES, Plan, Result
 from ..procedures.rate_table.rows import applies
 from .load import Campaign
@@ -15,7 +15,7 @@ from .requirements import Tested
 from .schema import STANDARDS
 
 LATITUDE = "site.latitude"
-EFFECTS = INFLUENCES | flip.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
+EFFECTS = thermal.INFLUENCES | INFLUENCES | flip.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
 
 
 def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
@@ -37,6 +37,9 @@ def _needs(name: str, one: Tested) -> bool:
     result = one.result
     if isinstance(result, flip.Result):
         return name in flip.INFLUENCES
+    if isinstance(result, thermal.Result):
+        known = result.plan.attitude is not None and result.plan.latitude is not None
+        return (name in thermal.needed(result.plan)) or (name == LATITUDE and known)
     if not isinstance(result, Result):
         return False
     if name == LATITUDE:

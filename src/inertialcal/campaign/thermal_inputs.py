@@ -66,9 +66,7 @@ def thermal_plan(file: CampaignFile, standards: Standards, test: Test, sensor: S
     )
 
 
-def warmed_recording(
-    raw: Recording, name: str, entry: RecordingEntry, sensor: Sensor, chain: Chain | None
-) -> Warmed:
+def warmed_recording(raw: Recording, name: str, entry: RecordingEntry, sensor: Sensor, chain: Chain | None) -> Warmed:
     """Return a recording as ``thermal`` wants it: body axes, SI, temperature and reference voltages by body axis.
 
     Parameters
@@ -116,7 +114,7 @@ def _renamed(felt: Mapping[str, str]) -> dict[str, str]:
 
 
 def _reference_voltages(raw: Recording, entry: RecordingEntry, chain: Chain | None) -> list[Channel]:
-    """Reference voltages of the sensors [V], NaN at the ends of the converter."""
+    """Return the reference voltages of the sensors [V], NaN at the ends of the converter."""
     if chain is None or chain.output_unit != "V":
         return []
     found = []

@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, demos, flips, models, recordings, twins
+from . import campaigns, demos, flips, models, recordings, thermals, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -37,6 +37,7 @@ def _root(
 app.command("info")(recordings.info)
 app.command("rate-table")(recordings.rate_table)
 app.command("flip")(flips.flip)
+app.command("thermal")(thermals.thermal)
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)

@@ -93,10 +93,12 @@ def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
 
 
 def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
-    rates = sorted((one["at"] for one in verdicts), key=lambda rate: (abs(rate), rate))
     unit = verdicts[0]["at_unit"]
+    rates = sorted((one["at"] for one in verdicts), key=lambda rate: (0.0 if unit == "degC" else abs(rate), rate))
     if len(rates) <= 6:
         return f"{', '.join(f'{rate:+g}' for rate in rates)} {unit}"
+    if unit == "degC":
+        return f"{len(rates)} temperatures, {min(rates):g} to {max(rates):g} {unit}"
     return f"{len(rates)} rates, |rate| {abs(rates[0]):g} to {abs(rates[-1]):g} {unit}"
 
 

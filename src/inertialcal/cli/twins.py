@@ -100,7 +100,8 @@ def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
         json_out("score", {"results": rows, "verdicts": verdicts} | seeds, status)
     elif not quiet:
         cells = [_coverage_cells(one.to_dict()) for one in found]
-        print(table(cells, ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"], right=(2, 3)))
+        heads = ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"]
+        print(table(cells, heads, right=(2, 3)))
         print(f"\nseeds {first} to {first + n - 1}; PASS where {RULE}")
     return status
 
@@ -110,4 +111,6 @@ def _coverage_cells(row: Mapping[str, Any]) -> list[str]:
     ends = "-" if interval is None else f"{interval['lo']:.1%} .. {interval['hi']:.1%}"
     rate = "-" if row["rate"] is None else f"{row['rate']:.1%}"
     missing = f" ({row['missing']} without an interval)" if row["missing"] else ""
-    return [row["quantity"], row["axis"], f"{row['hits']} of {row['n']}", rate, ends, row["verdict"] + missing]
+    where = ", ".join(word for word in (row["test"], row["condition"]) if word)
+    quantity = f"{row['quantity']} ({where})" if where else row["quantity"]
+    return [quantity, row["axis"], f"{row['hits']} of {row['n']}", rate, ends, row["verdict"] + missing]

@@ -20,12 +20,16 @@ Key = tuple[str, str, str, str]  # quantity, condition of its own, axis, unit
 def lines_of(rows: Iterable[Row]) -> dict[Key, dict[str, Row]]:
     """Return what is shown, a line a figure: its rows by the condition that they stand beside under, "" the result."""
     every = list(rows)
-    open_ones = {_figure(row) for row in every if not is_beside(row["condition"]) and _is_open(row)}
+    results = [row for row in every if not is_beside(row["condition"])]
+    open_ones = {_figure(row) for row in results if _is_open(row)}
+    first: dict[tuple[str, str], str] = {}  # condition of the result of a figure: that of its whole test, say
+    for row in results:
+        first.setdefault(_figure(row), row["condition"])
     found: dict[Key, dict[str, Row]] = {}
     for row in every:
         if _is_shown(row, open_ones):
             way = row["condition"] if is_beside(row["condition"]) else ""
-            own = "" if way else row["condition"]
+            own = first.get(_figure(row), "") if way else row["condition"]
             found.setdefault((row["quantity"], own, row["axis"], row["unit"]), {})[way] = row
     return found
 

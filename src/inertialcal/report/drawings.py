@@ -83,16 +83,27 @@ PLAIN: dict[str, Finding] = {
         "What two ground models leave of the bias in orbit, and their difference, with 95 % intervals; strokes are"
         " single flips.",
     ),
+    "thermal_order": ("Error on what was held out, order by order: R2 of the fit itself would always grow.",),
+    "start_up": ("What the reading does after power-up, and what is left out for it (hollow).",),
+    "reference_voltage": ("Reference voltages of the converter over temperature, each less its mean.",),
+    "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
 }
+# Captions about one axis: what stands before and after its name.
+ABOUT = {
+    "thermal": ("Bias of ", " over temperature with its polynomial, and what is left: the gap between the paths."),
+    "input_output": ("Reading of ", " against the applied input, and what the fitted line leaves."),
+}
+CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
 
 
 def _caption(results: Results, picture: Picture) -> Finding:
     axis = Text(picture.axis)
     if picture.name in PLAIN:
         return PLAIN[picture.name]
+    if picture.name in ABOUT:
+        before, after = ABOUT[picture.name]
+        return (before, axis, after)
     match picture.name:
-        case "input_output":
-            return ("Reading of ", axis, " against the applied input, and what the fitted line leaves.")
         case "rate_error":
             return ("Error of ", axis, " against the applied rate", *_judged(results, picture), ".")
         case "dwells":
@@ -143,6 +154,10 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     name, test, axis = picture.name, picture.test, picture.axis
     if name in ("matrix", "budget", "side_by_side"):
         return [(words(name), rows_csv(_rows(results, name, test)))]
+    if name in CURVES or name in ("thermal_order", "start_up", "reference_voltage"):
+        names = CURVES.get(name, (name,))
+        own = [one for one in results["curves"] if one["name"] in names and one["test"] == test]
+        return [(_told(one), curve_csv(one)) for one in own if axis in ("", one["axis"])]
     if name == "flip":
         of = "quiet" if picture.recorded else "flip_dwells"
         own = [one for one in results["curves"] if (one["name"], one["test"]) == (of, test)]
@@ -158,6 +173,11 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
         (f"dwells {clean(axis)}", curve_csv(pairs[number][0])),
         (f"trace {clean(axis)}", curve_csv(pairs[number][1])),
     ]
+
+
+def _told(curve: Mapping[str, Any]) -> str:
+    """Return what a curve of a thermal test is."""
+    return " ".join(part for part in (words(curve["name"]), clean(curve["axis"]), words(curve.get("of", ""))) if part)
 
 
 def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:

@@ -63,10 +63,13 @@ def largest(rows: Sequence[Any]) -> Any | None:
 
 
 BIASES = ("bias", "model_bias_error", "residual_bias")
+OFFSETS = ("vacuum_offset", "bias_shift")
 
 
 def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     """Say the scale factor error, the largest of several axes, or the bias; and what the requirements made of it."""
+    if any(row["quantity"] == "path_difference" for row in rows):
+        return (*of_thermal(rows), *_made_of(verdicts))
     biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
     if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
         row = largest(biases)
@@ -81,6 +84,34 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     else:
         parts = ("Scale factor error of ", found["axis"], " ", of_row(found))
     return (*parts, *_made_of(verdicts))
+
+
+def of_thermal(rows: Sequence[Any]) -> Finding:
+    """Say over which temperatures the bias is known, what power-ups scatter by, and which axes show hysteresis."""
+    low, high = (
+        max((row for row in rows if row["quantity"] == name and row["value"] is not None), key=key, default=None)
+        for name, key in (("temperature_lowest", _value), ("temperature_highest", lambda row: -_value(row)))
+    )
+    if low is None or high is None:
+        return ("No bias over temperature could be told",)
+    said: Finding = ("Bias over ", Figure(low["value"]), " to ", Figure(high["value"], None, _unit(high["unit"])))
+    offset = largest([row for name in OFFSETS for row in estimated(rows, name, None)])
+    if offset is not None:
+        said = (*said, "; ", offset["quantity"].replace("_", " "), " up to ", of_row(offset), ", on ", offset["axis"])
+    scatter = largest(estimated(rows, "scatter_run", None))
+    if scatter is not None:
+        said = (*said, "; power-ups scatter by up to ", of_row(scatter), ", on ", scatter["axis"])
+    seen = [row["axis"] for row in rows if row["quantity"] == "hysteresis" and str(row["reason"]).startswith("yes")]
+    words: Finding = ("hysteresis seen on ", *_with_commas(seen)) if seen else ("no hysteresis is shown",)
+    return (*said, "; ", *words)
+
+
+def _value(row: Any) -> float:
+    return float(row["value"].raw)
+
+
+def _with_commas(names: Sequence[Any]) -> Finding:
+    return tuple(part for i, name in enumerate(names) for part in ((", ", name) if i else (name,)))
 
 
 def _bias(row: Any, rows: Sequence[Any]) -> Finding:

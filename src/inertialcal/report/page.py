@@ -28,8 +28,9 @@ from .highlights import highlights
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
-AT_TOP = ("compensated", "rate_error", "input_output", "flip")  # the first of these that there is
-OF_TESTS = ("input_output", "rate_error", "dwells", "flip", "side_by_side")
+AT_TOP = ("compensated", "rate_error", "input_output", "flip", "thermal")  # the first of these that there is
+OF_ALL_AXES = ("conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
+OF_TESTS = ("input_output", "rate_error", "dwells", "flip", "side_by_side", "thermal", *OF_ALL_AXES)
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
@@ -116,7 +117,7 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
         if one.picture.name in OF_TESTS and one is not top:
             of_tests.setdefault(one.picture.test, []).append(one)
     for drawn in of_tests.values():
-        drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.axis))
+        drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.name in OF_ALL_AXES, one.picture.axis))
     budgets = {one.picture.test: one for one in found if _is(one, "budget")}
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}

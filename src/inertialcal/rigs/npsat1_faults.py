@@ -22,9 +22,9 @@ FAULTS: dict[str, Fault] = {
         {"nominal_shift": -0.9},
     ),
     "duplicate_recording": Fault(
-        "the file of the second ramp in air is a copy of the first", "duplicate", {"copied": True}
+        "the file of the second ramp in air is a copy of the first", "duplicate_recording", {"copied": True}
     ),
-    "only_cooling": Fault("the chamber only cooled", "path_difference", {"set_points": (67.0, -30.0)}),
+    "only_cooling": Fault("the chamber only cooled", "one_path", {"set_points": (67.0, -30.0)}),
     "wide_requirement": Fault(
         "the bias is required over more than the ramps went through", "outside", {"required_degc": (-40.0, 85.0)}
     ),

@@ -24,6 +24,14 @@ INTERVAL, AVERAGING, AVERAGED = 2, 1.0, 200  # [s], [s], conversions
 PARTS = ("thermal", "rate_table", "noise")
 AIR, VACUUM = "ambient", "vacuum"
 
+# The same rate again and again is one longer dwell: some 260 s at low rates, as in the thesis, between rests as long.
+LOW_RATES, RATES, LONGER = (0.05, 0.1), (0.5, 1.5, 3.0, 4.5), 4
+RATES_DEG_S: tuple[float, ...] = (
+    *(rate for low in LOW_RATES for step in (0.0, low, -low) for rate in (step,) * LONGER),
+    *(0.0,) * LONGER,
+    *(rate for high in RATES for rate in (high, -high, 0.0)),
+)
+
 
 def _standards() -> dict[str, Influence]:
     return {
@@ -76,9 +84,9 @@ class Bench:
     nominal_shift : float
         Of the voltage of the temperature channels at their reference temperature; the campaign knows it [V].
     rates_deg_s : tuple of float
-        Of the dwells of every recording on the rate table, in order [deg/s].
+        Of the dwells of every recording on the rate table, in order; neighbours that are equal are one dwell [deg/s].
     dwell : int
-        Length of a dwell [s].
+        Length of each of them [s].
     longest_ramp : int
         A ramp takes one to so many intervals.
     table_runs, table_fit_runs : int
@@ -130,9 +138,7 @@ class Bench:
     chamber_fit_runs: int = 5
     copied: bool = False
     nominal_shift: float = 0.0
-    rates_deg_s: tuple[float, ...] = (
-        0.0, 0.1, -0.1, 0.0, 0.2, -0.2, 0.0, 0.5, -0.5, 0.0, 1.5, -1.5, 0.0, 3.0, -3.0, 0.0, 4.5, -4.5, 0.0,
-    )  # fmt: skip
+    rates_deg_s: tuple[float, ...] = RATES_DEG_S
     dwell: int = 64
     longest_ramp: int = 3
     table_runs: int = 8

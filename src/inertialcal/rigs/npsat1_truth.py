@@ -77,5 +77,5 @@ def drawn_of(unit: Unit) -> Drawn:
         "reference_volts_of_rate": unit.reference_volts[0],
         "reference_volts_of_temperature": unit.reference_volts[1],
     }
-    times = {f"start_up_time_{where}": time for where, time in unit.start_up_time.items()}
+    times = {f"start_up_time_{where}": float(time) for where, time in unit.start_up_time.items()}
     return {**{name: values.tolist() for name, values in found.items()}, **times, "lag": unit.lag}

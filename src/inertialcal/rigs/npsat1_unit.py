@@ -123,7 +123,7 @@ def draw_unit(rng: np.random.Generator) -> Unit:
         run_bias_std=0.006 * DEG,
         run_slope_std=1e-5 * DEG,
         run_scale_std=1e-4,
-        dwell_std=5e-4 * DEG,
+        dwell_std=2e-4 * DEG,
         white=NOISE_DEG_S * DEG * rng.uniform(0.9, 1.1, 3),
         walk=np.array(WALK_DEG_H_SQRT_H) * WALK_UNIT * rng.uniform(0.7, 1.3, 3),
         temperature_std=NOMINAL_SCATTER_V,

@@ -1,8 +1,8 @@
 """Chain and model applied to recordings: columns in, channels out; time, gaps and other channels stay.
 
 Columns are named by what they are: an axis (``"x"``), or ``"reference_x"``, ``"temperature_x"``,
-``"temperature_reference_x"`` (of the temperature channel, where it has one of its own), ``"validity_x"``; ``"reference"``
-without an axis serves all.
+``"temperature_reference_x"`` (where the temperature channel has a reference of its own), ``"validity_x"``;
+``"reference"`` without an axis serves all.
 """
 
 from __future__ import annotations

@@ -70,7 +70,7 @@ class WarmUp:
         return self.time_constant * math.log(abs(self.change) / tolerance)
 
     def u_settled_after(self, tolerance: float) -> tuple[float, float]:
-        """Standard uncertainty of `settled_after` [s], and its degrees of freedom: the fewer of the two."""
+        """Return the standard uncertainty of `settled_after` [s], and its degrees of freedom: the fewer of the two."""
         by_change = self.time_constant / self.change
         by_time = math.log(abs(self.change) / tolerance)
         row = np.array([by_change, by_time])

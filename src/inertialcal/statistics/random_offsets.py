@@ -143,7 +143,7 @@ def _cost(moments: Grouped, ratio: float) -> float:
 
 def _moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:
     columns = np.column_stack([design, readings])
-    total = np.bincount(numbers, weights)
+    total = np.asarray(np.bincount(numbers, weights), dtype=np.float64)
     means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
     return Grouped(columns.T @ (columns * weights[:, None]), means, total, len(readings))
 

@@ -31,8 +31,8 @@ from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
 from ...core.tables import Part, html, text
 from .curves import curves
-from .plan import INFLUENCES, Attitude, Plan, Readings, Sweep, Thermometer
-from .quantities import Asked, asked_of, estimate
+from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Readings, Sweep, Thermometer
+from .quantities import Asked, asked_of, bias_at, estimate
 from .recordings import Warmed, readings_from
 from .rows import needed, rows
 from .sensor import OfSensor, reduce_sensor
@@ -40,6 +40,7 @@ from .simulation import Truth, simulate
 
 __all__ = [
     "INFLUENCES",
+    "LARGEST_ORDER",
     "Attitude",
     "OfSensor",
     "Plan",
@@ -49,6 +50,7 @@ __all__ = [
     "Thermometer",
     "Truth",
     "Warmed",
+    "bias_at",
     "needed",
     "readings_from",
     "reduce",
@@ -160,7 +162,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 
 
 def _references(plan: Plan, sensors: Mapping[str, OfSensor]) -> dict[str, Estimate]:
-    """Reference voltages over temperature, by their name."""
+    """Return the reference voltages over temperature, by their name."""
     found = {}
     for name in dict.fromkeys(name for one in sensors.values() for name in one.references):
         laws = {axis: one.references[name] for axis, one in sensors.items() if name in one.references}

@@ -118,6 +118,12 @@ class Cells:
         return len(np.unique(self.run))
 
     @property
+    def shared_bins(self) -> Indices:
+        """Bins that were seen on both paths."""
+        warm, cool = (np.unique(self.bin[self.path == way]) for way in (WARMING, COOLING))
+        return np.asarray(np.intersect1d(warm, cool))
+
+    @property
     def ways(self) -> tuple[int, ...]:
         """Paths that there are."""
         return tuple(int(one) for one in np.unique(self.path))
@@ -153,8 +159,8 @@ def series_of(plan: Plan, readings: Readings, axis: str) -> Series:
         time = nothing if one.time is None else one.time
         parts.append((warm, one.outputs[axis], time, run, np.full(len(one), number), ramp + ramps, path))
         ramps += 1 if found is None else max(len(found), 1)
-    columns = [np.concatenate(column) for column in zip(*parts, strict=True)]
-    return Series(axis, *columns, span=(lowest, highest), turn_over=turn_over)
+    warm, reading, time, run, sweep, ramp, path = (np.concatenate(column) for column in zip(*parts, strict=True))
+    return Series(axis, warm, reading, time, run, sweep, ramp, path, (lowest, highest), turn_over)
 
 
 def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
@@ -239,8 +245,7 @@ def _gathered(plan: Plan, series: Series, used: Indices) -> Cells:
 def _on_both_paths(cells: Cells, full: Mask, series: Series) -> tuple[Cells, Mask]:
     """Keep what lies in or next to the temperatures that were seen on both paths; all of it with one path only."""
     kept = _taken(cells, full)
-    seen = [np.unique(kept.bin[kept.path == way]) for way in (WARMING, COOLING)]
-    shared = np.intersect1d(*seen)
+    shared = kept.shared_bins
     if not len(shared):
         return _weighed(kept, _ends(kept, series)), np.zeros(len(cells), dtype=bool)
     low = kept.temperature[kept.bin == shared[0]].min()

@@ -44,25 +44,28 @@ def earth_along(plan: Plan) -> tuple[Array, Mapping[str, Unknown]]:
         size = OMEGA / np.sqrt(3.0)
         unknown = Unknown(size * np.eye(3), Influence(size, "rad/s", distribution="rectangular"))
         return np.zeros(3), {"attitude unknown": unknown}
-    sources = {
-        "tilt of the body": (Influence(attitude.u, "rad"), lambda d: (latitude, attitude.tilt + d, attitude.azimuth)),
-        "latitude": (
-            plan.standards.get("site.latitude", Influence(0.0, "rad")),
-            lambda d: (latitude + d, attitude.tilt, attitude.azimuth),
-        ),
-    }
-    if attitude.azimuth is not None:
-        azimuth = attitude.azimuth
-        stated = Influence(attitude.u_azimuth, "rad")
-        sources["azimuth of the body"] = (stated, lambda d: (latitude, attitude.tilt, azimuth + d))
+    known = plan.standards.get("site.latitude", Influence(0.0, "rad"))
     found = {}
-    for name, (influence, moved) in sources.items():
-        if influence.u > 0.0:
-            slope = (_mean(*moved(STEP)) - _mean(*moved(-STEP))) / (2.0 * STEP)
+    for name, at, influence in (
+        ("latitude", 0, known),
+        ("tilt of the body", 1, Influence(attitude.u, "rad")),
+        ("azimuth of the body", 2, Influence(attitude.u_azimuth, "rad")),
+    ):
+        if influence.u > 0.0 and not (at == 2 and attitude.azimuth is None):
+            slope = _slope(latitude, attitude, at)
             found[name] = Unknown((influence.u * slope)[None], influence)
     if attitude.azimuth is None:
         found["azimuth of the body unknown"] = _any_azimuth(latitude, attitude)
     return _mean(latitude, attitude.tilt, attitude.azimuth), found
+
+
+def _slope(latitude: float, attitude: Attitude, at: int) -> Array:
+    """Change of earth rate along x, y, z with the latitude (0), the tilt (1) or the azimuth (2), shape (3,)."""
+    moved = STEP * np.eye(3)[at]
+    azimuth = None if attitude.azimuth is None else (attitude.azimuth - moved[2], attitude.azimuth + moved[2])
+    low = _mean(latitude - moved[0], attitude.tilt - moved[1], None if azimuth is None else azimuth[0])
+    high = _mean(latitude + moved[0], attitude.tilt + moved[1], None if azimuth is None else azimuth[1])
+    return np.asarray((high - low) / (2.0 * STEP))
 
 
 def _mean(latitude: float, tilt: float, azimuth: float | None) -> Array:

@@ -138,7 +138,7 @@ def law_of(cells: Cells, order: int) -> Law:
 
 def path_order_of(cells: Cells) -> int:
     """Return the order of D that the bins seen on both paths carry; -1 with one path only."""
-    shared = np.intersect1d(*(np.unique(cells.bin[cells.path == way]) for way in (1, -1)))
+    shared = cells.shared_bins
     return min(PATH_ORDER, len(shared) // ENOUGH) if len(shared) else -1
 
 

@@ -16,8 +16,8 @@ fitted together, with a drift linear in time of each run and the lag beside the 
     y = P(T) + s H(T) / 2 - lag P'(T) dT/dt + drift of the run * t + offset of the run
 
 Where the design tells these apart (two rates of the ramps, or a stay at a steady temperature on a path, for the lag;
-two loops for the drift), ``hysteresis`` is the mean of H: *yes* where its 95 % interval excludes zero, *no* where it lies
-within ``no_hysteresis``, else *unclear*.
+two loops for the drift), ``hysteresis`` is the mean of H: *yes* where its 95 % interval excludes zero, *no* where it
+lies within ``no_hysteresis``, else *unclear*.
 """
 
 from __future__ import annotations
@@ -177,11 +177,9 @@ def _not_told() -> tuple[PathEffect, PathEffect]:
 def _columns(law: Law) -> tuple[Array, list[str], int]:
     """Return the design of the module head, its names, and where H begins: P, H, lag, then drift and offset of runs."""
     cells, k = law.cells, law.order + 1
-    slope = np.zeros(len(cells))
-    if law.order:
-        width = 0.5 * (law.domain[1] - law.domain[0])
-        s = (cells.temperature - law.domain[0]) / width - 1.0
-        slope = chebyshev.chebval(s, chebyshev.chebder(law.coefficients)) / width
+    width = 0.5 * (law.domain[1] - law.domain[0])
+    s = (cells.temperature - law.domain[0]) / width - 1.0
+    slope = np.asarray(chebyshev.chebval(s, chebyshev.chebder(law.coefficients))) / width
     runs, number = np.unique(cells.run, return_inverse=True)
     each = np.eye(len(runs))[number]
     middle = np.bincount(number, cells.time) / np.bincount(number)

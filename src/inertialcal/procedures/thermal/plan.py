@@ -13,6 +13,7 @@ from ...core.influence import Influence, Standards
 from ...core.remarks import Remark
 
 AXES = ("x", "y", "z")  # of the body
+LARGEST_ORDER = 9  # of a polynomial that anybody can mean
 
 # Influences that a thermal test is subject to, and what each would change.
 INFLUENCES = {

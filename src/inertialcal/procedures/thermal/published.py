@@ -19,6 +19,7 @@ from numpy.polynomial import chebyshev
 
 from ...core.estimate import Array
 from ...core.results import Row, not_estimated
+from ...core.units import normalise
 from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import t_interval
 from ...statistics.least_squares import fit
@@ -84,7 +85,11 @@ def published_rows(plan: Plan, series: Series, cut: float, unit: str) -> list[Ro
     """Return coefficients, residual sum of squares and adjusted R-square of the published way."""
     axis, found = series.axis, published_fit(plan, series, cut)
     if found is None:
-        return [not_estimated("residual_sum_of_squares", axis, f"({unit})^2", "too few samples for a cubic", CONDITION)]
+        return [
+            not_estimated(
+                "residual_sum_of_squares", axis, normalise(f"({unit})^2"), "too few samples for a cubic", CONDITION
+            )
+        ]
     own, by = ("V", "V") if found.volts else (unit, "degC")
     stem = "bias_voltage" if found.volts else "bias_temperature"
     reference = 0.0 if found.volts else plan.reference_temperature
@@ -99,7 +104,7 @@ def published_rows(plan: Plan, series: Series, cut: float, unit: str) -> list[Ro
         rows.append(
             Row(name, axis, float(value), u, power_unit(own, by, j), dof, interval, reason=reason, condition=CONDITION)
         )
-    square = f"{own}^2" if own == "V" else f"({own})^2"
+    square = normalise(f"({own})^2")
     for name, value, its in (
         ("residual_sum_of_squares", found.residual_sum_of_squares, square),
         ("adjusted_r_square", found.adjusted_r_square, "1"),

@@ -1,8 +1,9 @@
 """From the law of each sensor to the field's quantities, with Type A and Type B parts.
 
 ``bias`` is K0, the reading at rest with earth rate taken off; ``bias_temperature_1``, ... its further coefficients in
-powers of the temperature less the reference; ``bias_voltage_0``, ... those in powers of the temperature channel's volts.
-Of an accelerometer at rest the constant holds what gravity adds along the axis, so it is no bias and is not given.
+powers of the temperature less the reference; ``bias_voltage_0``, ... those in powers of the volts of the temperature
+channel, themselves in volts where the scale factor is known. Of an accelerometer at rest the constant holds what
+gravity adds along the axis: it is no bias, and not given.
 
 Type B (one unknown value for the whole test, so more runs do not average it):
 
@@ -26,6 +27,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...core.estimate import Array, Component, Estimate
+from ...core.units import normalise
 from ...sensors.thermal import over_voltage, powers_of
 from ...statistics.polynomial import Polynomial
 from .earth import earth_along
@@ -37,6 +39,7 @@ SOURCES = {
     "ramp": "scatter between ramps",
     "block": "scatter between stretches of ramps",
 }
+AT = " at "  # between name and condition of a value
 RECORDINGS = "scatter between recordings"  # where a run is a recording, and no power-up is known
 
 
@@ -64,7 +67,7 @@ class Asked:
 
 def name_of(quantity: str, axis: str, condition: str = "") -> str:
     """Return the name of a value in an Estimate: ``"bias_x"``, ``"bias_x at -20 degC"``."""
-    return f"{quantity}_{axis} at {condition}" if condition else f"{quantity}_{axis}"
+    return f"{quantity}_{axis}{AT}{condition}" if condition else f"{quantity}_{axis}"
 
 
 def at_text(temperature: float) -> str:
@@ -73,14 +76,14 @@ def at_text(temperature: float) -> str:
 
 
 def power_unit(unit: str, by: str, power: int) -> str:
-    """Return the unit of a coefficient: ``rad/s``, ``rad/s/degC``, ``rad/s/degC^2``."""
+    """Return the unit of a coefficient: ``rad/s``, ``rad/s/degC``, ``rad/s/degC^2``, as ``core.units`` prints it."""
     if power == 0:
         return unit
-    return f"{unit}/{by}" if power == 1 else f"{unit}/{by}^{power}"
+    return normalise(f"({unit})/{by}" if power == 1 else f"({unit})/{by}^{power}")
 
 
 def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias") -> list[Asked]:
-    """Return what is wanted of a law: coefficients over temperature, values at temperatures, coefficients over volts."""
+    """Return what is wanted of a law: coefficients over temperature, values at temperatures, the same over volts."""
     powers = powers_of(law.order, law.domain, plan.reference_temperature)
     names = [quantity, *(f"{quantity}_temperature_{j}" for j in range(1, law.order + 1))]
     units = tuple(power_unit(unit, "degC", j) for j in range(law.order + 1))
@@ -91,16 +94,27 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
         found.append(Asked(keys, (unit,) * len(inside), law.basis(inside)))
     thermometer = (plan.thermometers or {}).get(axis)
     if thermometer is not None and quantity == "bias":
-        found.append(_over_volts(law, axis, unit, thermometer))
+        found.append(_over_volts(law, axis, unit, thermometer, (plan.scale_factor or {}).get(axis)))
     return found
 
 
-def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer) -> Asked:
+def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer, volts_per_unit: float | None) -> Asked:
+    """Return the coefficients over the channel's volts, in volts where the scale factor is known."""
     blank = Polynomial(np.ones(law.order + 1), None, 0.0, law.domain)
     volts = over_voltage(blank, channel.slope, channel.voltage, channel.temperature)
     rows = powers_of(law.order, volts.domain, 0.0) * volts.coefficients  # odd ones turned by a negative slope
     keys = tuple((f"bias_voltage_{j}", axis, "") for j in range(law.order + 1))
-    return Asked(keys, tuple(power_unit(unit, "V", j) for j in range(law.order + 1)), rows, by_temperature=False)
+    own, scale = ("V", volts_per_unit) if volts_per_unit is not None else (unit, 1.0)
+    units = tuple(power_unit(own, "V", j) for j in range(law.order + 1))
+    return Asked(keys, units, scale * rows, by_temperature=False)
+
+
+def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> Estimate | None:
+    """Return the bias at temperatures inside the range of a law, in order; None where it has no uncertainty."""
+    keys = tuple(("bias", axis, f"{i}") for i in range(len(temperatures)))
+    asked = Asked(keys, (unit,) * len(temperatures), law.basis(temperatures))
+    found = estimate(plan, {axis: law}, {axis: [asked]}, unit)
+    return found if found is not None and len(found.names) == len(temperatures) else None
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,7 +198,7 @@ def _source(plan: Plan, law: Law) -> str:
 
 
 def _own_changes(plan: Plan, law: Law, rows: Array, over: Array, raw: Array, unit: str) -> dict[str, Array]:
-    """Changes of the values for one standard uncertainty of thermometer, converter and the path not seen, (1, m)."""
+    """Change of the values for one standard uncertainty of thermometer, converter and the path not seen, (1, m)."""
     found = {}
     thermometer = plan.standards.get("thermometer.temperature")
     if thermometer is not None and law.order:
@@ -229,7 +243,5 @@ def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
         covariance = whole.T @ whole
         one = influences[source]
         assert one is not None  # noqa: S101 - a change has its influence
-        found.append(
-            Component(source, "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated)
-        )
+        found.append(Component(source, "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated))
     return found

@@ -90,8 +90,8 @@ def _sweep(one: Warmed, label: str, power_up: int) -> Sweep:
     if _is_timed(recording) and recording.time_ns is not None:
         time = (recording.time_ns - power_up).astype(np.float64) / SECOND
     pressure = _floats(recording, PRESSURE) if PRESSURE in recording.names else None
-    found = {name: by_axis for name, by_axis in references.items() if by_axis}
-    return Sweep(one.name or _place(one), label, _place(one), time, temperature, outputs, found, pressure)
+    kept = {name: by_axis for name, by_axis in references.items() if by_axis}
+    return Sweep(one.name or _place(one), label, _place(one), time, temperature, outputs, kept, pressure)
 
 
 def _temperature(recording: Recording, axis: str) -> Array | None:

@@ -1,7 +1,7 @@
 """Rows of a thermal result: every quantity with its uncertainty, or the reason why there is none.
 
-Conditions: none for coefficients; ``"-20 degC"`` for the bias at a temperature; ``"warming"`` or ``"cooling"`` where one
-path alone was seen; ``"as_published"`` for the document's own way.
+Conditions: none for coefficients; ``"-20 degC"`` for the bias at a temperature; ``"warming"`` or ``"cooling"`` where
+one path alone was seen; ``"as_published"`` for the document's own way.
 """
 
 from __future__ import annotations
@@ -147,7 +147,7 @@ def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
 def effect_row(quantity: str, axis: str, unit: str, effect: PathEffect, told: str) -> Row:
     """Return the row of something that differs between the paths; its own reason goes first."""
     if effect.value is None or effect.u is None or effect.dof is None:
-        word = told.split(":")[0] if quantity == "hysteresis" else ""
+        word = told.partition(":")[0] if quantity == "hysteresis" else ""
         reason = f"{word}: {effect.reason}" if word else effect.reason
         return Row(quantity, axis, effect.value, None, unit, status="not_estimated", reason=reason)
     interval = t_interval(effect.value, effect.u, effect.dof)

@@ -150,7 +150,7 @@ def _of_start_up(plan: Plan, readings: Readings, axis: str, start_up: StartUp) -
         do = "Leave warm_up out, or give a longer one"
         return [Remark("warm_up_short", "warning", what, readings.where, do=do)]
     if found is None:
-        what = f"{axis} sensor: no start-up could be looked for: {start_up.reason}"
+        what = f"no start-up could be looked for: {start_up.reason}"
         do = "Stay at the first temperature after power-up, or give plan.warm_up"
         return [Remark("warm_up_unknown", "warning", what, readings.where, do=do)]
     return []

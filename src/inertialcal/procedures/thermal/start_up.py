@@ -107,7 +107,7 @@ def _steady_means(series: Series, law: Law) -> tuple[Array, Array, Indices]:
 
 
 def _steady_part(series: Series, run: int) -> Indices:
-    """Samples of a run from its first until its temperature leaves that of the start, in order of time."""
+    """Return the samples of a run until its temperature leaves that of the start, in order of time."""
     own = np.flatnonzero((series.run == run) & np.isfinite(series.time) & np.isfinite(series.temperature))
     if not len(own):
         return own
