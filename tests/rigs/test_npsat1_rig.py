@@ -22,10 +22,10 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import Recording
 from inertialcal.rigs import npsat1
-from inertialcal.rigs.npsat1_campaign import AT_DEGC, degrees
 from inertialcal.rigs.npsat1_climate import TURN_OVER, Climate, followed, knots, side_of_path, vacuum_part
 from inertialcal.rigs.npsat1_faults import FAULTS
 from inertialcal.rigs.npsat1_logger import column, save_starts
+from inertialcal.rigs.npsat1_names import degrees
 from inertialcal.rigs.npsat1_reading import noise, polynomial_bias, readings, settled_bias
 from inertialcal.rigs.npsat1_recordings import WARMER_DEGC
 from inertialcal.rigs.npsat1_setup import (
@@ -56,6 +56,7 @@ from inertialcal.rigs.npsat1_tables import (
     VACUUM_VOLTS,
     WALK_DEG_H_SQRT_H,
 )
+from inertialcal.rigs.npsat1_tests import AT_DEGC
 from inertialcal.rigs.npsat1_unit import Run, Unit, draw_unit, powered_up
 from inertialcal.rigs.twin import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL

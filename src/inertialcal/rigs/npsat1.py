@@ -18,8 +18,9 @@ import numpy as np
 
 from ..core.errors import UsageError
 from ..core.recording import Recording
-from .npsat1_campaign import campaign_text, recording_file
+from .npsat1_campaign import campaign_text
 from .npsat1_faults import FAULTS
+from .npsat1_names import recording_file
 from .npsat1_recordings import chamber_recording, static_recording, table_recordings
 from .npsat1_setup import AIR, Bench
 from .npsat1_truth import drawn_of, true_values

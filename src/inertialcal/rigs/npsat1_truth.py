@@ -11,9 +11,10 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from ..core.estimate import Array
-from .npsat1_campaign import AT_DEGC, REFERENCE_DEGC, degrees, test_name
+from .npsat1_names import NAMES, degrees
 from .npsat1_reading import polynomial_bias
 from .npsat1_setup import AIR, AVERAGING, AXES, VACUUM
+from .npsat1_tests import AT_DEGC, REFERENCE_DEGC
 from .npsat1_unit import Unit, reference_volts
 from .twin import Drawn, TrueValue
 
@@ -28,7 +29,7 @@ def _thermal(unit: Unit) -> Iterator[TrueValue]:
     bias = {where: polynomial_bias(unit, where, [REFERENCE_DEGC, *AT_DEGC]) for where in (AIR, VACUUM)}
     conditions = ["", *map(degrees, AT_DEGC)]
     for where in (AIR, VACUUM):
-        test = test_name(where)
+        test = NAMES[where]
         for row, condition in enumerate(conditions):
             yield from _each("bias", bias[where][row], "rad/s", test, condition)
         yield from _each("hysteresis", 2.0 * unit.hysteresis, "rad/s", test)
@@ -39,13 +40,13 @@ def _thermal(unit: Unit) -> Iterator[TrueValue]:
             yield from _each(quantity, reference_volts(unit, which, REFERENCE_DEGC), "V", test)
     for row, condition in enumerate(conditions):
         offset = bias[VACUUM][row] - bias[AIR][row]
-        yield from _each("vacuum_offset", offset, "rad/s", test_name(VACUUM), condition)
+        yield from _each("vacuum_offset", offset, "rad/s", NAMES[VACUUM], condition)
 
 
 def _on_table(unit: Unit) -> Iterator[TrueValue]:
     model = unit.model
     matrix, own = model.matrix[0], np.diag(model.matrix[0])
-    yield from _each("bias", unit.installation, "rad/s", test_name("rate_table"))
+    yield from _each("bias", unit.installation, "rad/s", NAMES["rate_table"])
     yield from _each("scale_factor", model.scale_factor * own, "V/(rad/s)")
     yield from _each("scale_factor_error", own - 1.0, "1")
     if model.scale_factor_asymmetry is not None:

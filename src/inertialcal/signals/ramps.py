@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ..core.errors import DataError, PlanError
 from ..core.estimate import Array
 
+NEAR = 0.03  # of the reversal: as near a turn the temperature still stays there
 BLOCKS = 500  # that a record is cut into at most, to find its turns
 WARMING, COOLING, NO_PATH = 1, -1, 0
 
@@ -77,7 +78,7 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
     turns, ways = _turns(level, reversal)
     path = np.zeros(len(temperature), dtype=np.int64)
     ramp = np.zeros(len(temperature), dtype=np.int64)
-    ends = [*(int(good[starts[at]]) for at in turns[1:]), len(temperature)]
+    ends = [*(int(good[starts[at]]) for at in turns[1:]), *([len(temperature)] if turns else [])]
     for number, (at, stop, way) in enumerate(zip(turns, ends, ways, strict=True)):
         start = int(good[starts[at]]) if number else 0
         away = way * (temperature[start:stop] - level[at])
@@ -98,11 +99,17 @@ def _turns(level: Array, reversal: float) -> tuple[list[int], list[int]]:
         if value > level[highest]:
             highest = i
         if way != WARMING and value - level[lowest] >= reversal:
-            turns.append(lowest)
+            turns.append(_left(level, lowest, i, reversal))
             ways.append(WARMING)
             highest = i
         elif way != COOLING and level[highest] - value >= reversal:
-            turns.append(highest)
+            turns.append(_left(level, highest, i, reversal))
             ways.append(COOLING)
             lowest = i
     return turns, ways
+
+
+def _left(level: Array, turn: int, stop: int, reversal: float) -> int:
+    """Return where the temperature leaves a turn for good: it may stay there for long."""
+    near = np.abs(level[turn:stop] - level[turn]) <= NEAR * reversal
+    return turn + int(np.flatnonzero(near)[-1])

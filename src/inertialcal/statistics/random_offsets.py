@@ -32,6 +32,8 @@ from ..core.estimate import Array
 from .least_squares import Fit, fit
 
 LOGS = (-4.0, 6.0)  # of ratio times the weight of a group, powers of ten that are searched
+ROUNDING = 1e-14  # of the sum of squares, below which residuals are none
+LARGEST = 1e300
 TOLERANCE = 0.1  # of the logarithm, in powers of ten
 
 
@@ -134,11 +136,11 @@ def _cost(moments: Grouped, ratio: float) -> float:
     square = moments.square - moments.means.T @ taken
     p = len(square) - 1
     sign, log_design = np.linalg.slogdet(square[:p, :p])
-    log_whole = np.linalg.slogdet(square)[1]
     if sign <= 0.0:
-        return np.inf
-    free = moments.count - p
-    return float(np.sum(np.log(grown)) + log_design + free * (log_whole - log_design))
+        return LARGEST
+    left = square[p, p] - square[p, :p] @ np.linalg.solve(square[:p, :p], square[:p, p])
+    left = max(float(left), ROUNDING * float(moments.square[p, p]), np.finfo(float).tiny)
+    return float(np.sum(np.log(grown)) + log_design + (moments.count - p) * np.log(left))
 
 
 def _moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:

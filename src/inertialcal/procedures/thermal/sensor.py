@@ -18,6 +18,7 @@ from .paths import Paths, paths_of
 from .plan import Plan, Readings
 from .start_up import StartUp, start_up_of
 
+BINS_AN_ORDER = 3  # that a polynomial needs for each order
 REFERENCE_ORDER = 3  # largest that comes into question for a reference voltage
 
 
@@ -69,11 +70,12 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
         If its temperature hardly changes or nothing valid is left of it.
     """
     series = series_of(plan, readings, axis)
-    first = cells_of(plan, series, plan.warm_up or 0.0)
-    law, choice = _law(plan, first)
-    start_up = start_up_of(plan, series, law)
+    cells = cells_of(plan, series, plan.warm_up or 0.0)
+    first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
+    start_up = start_up_of(plan, series, law_of(cells, first))
     if start_up.cut > (plan.warm_up or 0.0):
-        law, choice = _law(plan, cells_of(plan, series, start_up.cut))
+        cells = cells_of(plan, series, start_up.cut)
+    law, choice = _law(plan, cells)
     references = _references(plan, readings, series, start_up.cut)
     remarks = (*odd_runs(axis, law.cells, readings), *_remarks(plan, readings, axis, law, start_up))
     paths = paths_of(law, plan.no_hysteresis)
@@ -81,8 +83,14 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
 
 
 def _law(plan: Plan, cells: Cells) -> tuple[Law, Choice]:
-    choice = choose_order(cells, max(plan.largest_order, plan.order or 0), plan.order)
+    """Choose the order and fit the law."""
+    choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
     return law_of(cells, choice.order), choice
+
+
+def _largest(cells: Cells, wanted: int) -> int:
+    """Return the largest order that comes into question: that the bins carry, and no larger than wanted."""
+    return min(wanted, max((len(np.unique(cells.bin)) - 1) // BINS_AN_ORDER, 0))
 
 
 def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> dict[str, Law]:
@@ -95,7 +103,7 @@ def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> d
             cells = cells_of(plan, series.of(np.concatenate(volts)), cut)
         except DataError:  # not one valid sample, which the chain has told
             continue
-        found[name] = law_of(cells, choose_order(cells, REFERENCE_ORDER).order)
+        found[name] = law_of(cells, choose_order(cells, _largest(cells, REFERENCE_ORDER)).order)
     return found
 
 
