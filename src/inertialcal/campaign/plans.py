@@ -76,8 +76,8 @@ def plan_settings(plan: Any) -> dict[str, tuple[Any, Any]]:
 def _annotation(hint: Any, metadata: dict[str, Any]) -> Any:
     if "unit" in metadata or "difference" in metadata:
         one = quantity(metadata.get("unit") or metadata["difference"], "difference" in metadata)
-        if get_origin(hint) is list:
-            return list[one]  # type: ignore[valid-type]
+        if any(get_origin(part) is list for part in (hint, *get_args(hint))):
+            return list[one] | None if type(None) in get_args(hint) else list[one]  # type: ignore[valid-type]
         return one | None if type(None) in get_args(hint) else one
     inner = _inner(hint)
     return hint if inner is None else _model(inner) | None

@@ -84,7 +84,8 @@ def _told(row: Mapping[str, Any]) -> str:
         return str(row["condition"]).replace("_", " ")
     value = row["value"]
     known = "" if value is None else f" ({number(value, 3 if abs(value) < WHOLE else PLAIN)} {row['unit']})"
-    return f"{row['quantity']} {row['axis']}".strip() + known
+    condition = "" if is_beside(row["condition"]) else row["condition"]
+    return f"{_name({**row, 'condition': condition})} {row['axis']}".strip() + known
 
 
 def _name(row: Mapping[str, Any]) -> str:

@@ -157,7 +157,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         estimate(known, single, asked, unit) if single else None,
         _references(plan, sensors),
         reasons,
-        gather([*remarks, *_remarks(plan, readings)]),
+        gather([*remarks, *_remarks(plan, readings, min(one.cells.runs for one in sensors.values()))]),
     )
 
 
@@ -166,7 +166,7 @@ def _references(plan: Plan, sensors: Mapping[str, OfSensor]) -> dict[str, Estima
     found = {}
     for name in dict.fromkeys(name for one in sensors.values() for name in one.references):
         laws = {axis: one.references[name] for axis, one in sensors.items() if name in one.references}
-        bare = replace(plan, at=[])
+        bare = replace(plan, at=None)
         asked = {axis: asked_of(bare, law, axis, "V", name) for axis, law in laws.items()}
         one = estimate(plan, laws, asked, "V")
         if one is not None:
@@ -174,12 +174,13 @@ def _references(plan: Plan, sensors: Mapping[str, OfSensor]) -> dict[str, Estima
     return found
 
 
-def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
+def _remarks(plan: Plan, readings: Readings, runs: int) -> list[Remark]:
+    """Return what is to be said of the whole test, with so many runs that have a ramp."""
     found = []
-    if 2 <= readings.runs < FEW_RUNS:
-        what = f"{readings.runs} runs: the scatter between runs has {readings.runs - 1} degrees of freedom"
+    if 2 <= runs < FEW_RUNS:
+        what = f"{runs} runs: the scatter between runs has {runs - 1} degrees of freedom"
         found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
-    if readings.runs < 2:
+    if runs < 2:
         what = "one power-up run: what differs from power-up to power-up is not in the uncertainty"
         found.append(Remark("no_runs", "warning", what, do="Repeat the power-up, and name the run of each recording"))
     missing = [name for name in needed(plan) if name not in plan.standards]

@@ -70,7 +70,7 @@ def offset_rows(result: Result, other: Result, name: str, quantity: str) -> list
 def _of_axis(result: Result, other: Result, axis: str, name: str, quantity: str) -> Iterator[Row]:
     one, two = result.sensors[axis], other.sensors[axis]
     unit = result.readings.unit
-    wanted = [(result.plan.reference_temperature, ""), *((at, at_text(at)) for at in result.plan.at)]
+    wanted = [(result.plan.reference_temperature, ""), *((at, at_text(at)) for at in result.plan.at or ())]
     if not (one.law.midway and two.law.midway):
         yield not_estimated(quantity, axis, unit, "one path only was seen in one of the tests")
         return

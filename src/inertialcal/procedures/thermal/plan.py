@@ -67,7 +67,7 @@ class Plan:
         That comes into question.
     reference_temperature : float
         Powers are those of the temperature less this [degC].
-    at : sequence of float
+    at : list of float, optional
         Temperatures at which the bias is told too [degC].
     turn_over : float, optional
         After each turn of the temperature, and at the start, samples within this distance of it are left out [degC];
@@ -99,7 +99,7 @@ class Plan:
     order: int | None = None
     largest_order: int = field(default=5, metadata={"above": 0})
     reference_temperature: float = field(default=20.0, metadata={"unit": "degC"})
-    at: list[float] = field(default_factory=list, metadata={"unit": "degC"})
+    at: list[float] | None = field(default=None, metadata={"unit": "degC"})
     turn_over: float | None = field(default=None, metadata={"difference": "degC"})
     bins: int = field(default=40, metadata={"above": 3})
     least_range: float = field(default=10.0, metadata={"difference": "degC"})

@@ -88,7 +88,7 @@ def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias")
     names = [quantity, *(f"{quantity}_temperature_{j}" for j in range(1, law.order + 1))]
     units = tuple(power_unit(unit, "degC", j) for j in range(law.order + 1))
     found = [Asked(tuple((name, axis, "") for name in names), units, powers)]
-    inside = [one for one in plan.at if law.domain[0] <= one <= law.domain[1]]
+    inside = [one for one in plan.at or () if law.domain[0] <= one <= law.domain[1]]
     if inside:
         keys = tuple((quantity, axis, at_text(one)) for one in inside)
         found.append(Asked(keys, (unit,) * len(inside), law.basis(inside)))

@@ -79,7 +79,7 @@ def _polynomial_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
             else:
                 yield not_estimated(key[0], axis, unit, _why_not(result, one), key[2])
     low, high = one.law.domain
-    for temperature in result.plan.at:
+    for temperature in result.plan.at or ():
         if not low <= temperature <= high:
             reason = f"outside the range of the ramps, {low:.4g} to {high:.4g} degC"
             yield not_estimated("bias", axis, result.readings.unit, reason, at_text(temperature))

@@ -77,7 +77,11 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
         cells = cells_of(plan, series, start_up.cut)
     law, choice = _law(plan, cells)
     references = _references(plan, readings, series, start_up.cut)
-    remarks = (*odd_runs(axis, law.cells, readings), *_remarks(plan, readings, axis, law, start_up))
+    remarks = (
+        *odd_runs(axis, law.cells, readings),
+        *_without_ramp(readings, series),
+        *_remarks(plan, readings, axis, law, start_up),
+    )
     paths = paths_of(law, plan.no_hysteresis)
     return OfSensor(series, law, choice, start_up, paths, references, run_offsets(law), remarks)
 
@@ -117,6 +121,20 @@ def run_offsets(law: Law) -> Array:
     number = np.unique(cells.run, return_inverse=True)[1]
     left = cells.weight * (cells.reading - fitted)
     return np.asarray(np.bincount(number, left) / np.bincount(number, cells.weight))
+
+
+def _without_ramp(readings: Readings, series: Series) -> list[Remark]:
+    """Return a remark for each recording in which the temperature hardly changes: nothing of it is used."""
+    sweeps = [one for one in readings.sweeps if series.axis in one.outputs]
+    found = []
+    for number, one in enumerate(sweeps):
+        mine = series.sweep == number
+        if not np.any(series.path[mine]):
+            warm = series.temperature[mine & np.isfinite(series.temperature)]
+            change = float(np.ptp(warm)) if len(warm) else 0.0
+            what = f"the temperature of {series.axis} changes by {change:.3g} degC: no ramp, and nothing of it is used"
+            found.append(Remark("still_recording", "warning", what, one.place, do="Leave it out, or check its channel"))
+    return found
 
 
 def _remarks(plan: Plan, readings: Readings, axis: str, law: Law, start_up: StartUp) -> list[Remark]:
