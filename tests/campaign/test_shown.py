@@ -27,6 +27,16 @@ FLIPS = EXAMPLE.with_name("sams1996")
 EVIL = "<script>alert('x')</script>"
 
 
+def over_temperature(folder: Path) -> Path:
+    """A record of a gyro while it was cooled and warmed."""
+    time = np.arange(0.0, 8000.0, 20.0)
+    T = 20.0 - 0.02 * np.minimum(time, 8000.0 - time)
+    rate = 1e-4 * T + np.random.default_rng(1).normal(0.0, 1e-3, time.size)
+    path, head = folder / "ramp.csv", "unix_s,temperature [degC],gyro_x [deg/s]"
+    np.savetxt(path, np.column_stack([1.7e9 + time, T, rate]), fmt="%.6f", delimiter=",", header=head, comments="")
+    return path
+
+
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     folder = tmp_path_factory.mktemp("shown") / EXAMPLE.name
@@ -45,6 +55,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "info": ic.info(twin / written.recordings[0]),
         "rate_table": one,
         "flip": ic.flip(FLIPS / "table03_semiprocessed.csv", positions={"forward": "0 deg", "reverse": "180 deg"}),
+        "thermal": ic.thermal(over_temperature(tmp_path_factory.mktemp("thermal"))),
         "result": one.result,
         "estimate": one.result.estimate,
         "check": ic.check(folder),
@@ -57,8 +68,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "result", "estimate", "check", "run", "model",
-         "compare", "judged", "simulate", "score")  # fmt: skip
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "result", "estimate", "check", "run",
+         "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 
 class Cells(HTMLParser):

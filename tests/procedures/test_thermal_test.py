@@ -250,7 +250,7 @@ def test_a_recording_without_a_ramp_is_named_and_is_no_run() -> None:
     still = replace(given.sweeps[1], temperature={"x": np.full(len(given.sweeps[1]), 23.0)})
     found = reduce(plan(), replace(given, sweeps=(given.sweeps[0], still, given.sweeps[2])))
     assert [remark.where for remark in found.remarks if remark.code == "still_recording"] == ["run2.csv"]
-    assert [remark.what for remark in found.remarks if remark.code == "few_runs"][0].startswith("2 runs")
+    assert next(one.what for one in found.remarks if one.code == "few_runs").startswith("2 runs")
 
 
 def test_relative_to_the_fixture_until_the_thermometer_is_stated() -> None:

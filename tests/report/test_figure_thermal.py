@@ -43,14 +43,14 @@ def law(test: str = "vacuum", offset: float = 0.0) -> dict[str, Any]:
 
 
 def order(axis: str = "x") -> dict[str, Any]:
-    columns = {
+    columns: dict[str, Any] = {
         "order": column([0, 1, 2]), "error": column([30.0, 0.5, 0.51], "deg/h"), "chosen": column([False, True, False])
     }  # fmt: skip
     return curve("thermal_order", axis=axis, of="runs", **columns)
 
 
 def start_up(axis: str = "x") -> dict[str, Any]:
-    columns = {
+    columns: dict[str, Any] = {
         "time": column([0.0, 60.0, 120.0], "s"), "residual": column([3.0, 1.1, 0.1], "deg/h"),
         "fitted": column([3.0, 1.0, 0.3], "deg/h"), "run": column(["1", "1", "2"]), "used": column([False, True, True]),
     }  # fmt: skip
@@ -58,7 +58,7 @@ def start_up(axis: str = "x") -> dict[str, Any]:
 
 
 def reference(of: str) -> dict[str, Any]:
-    columns = {
+    columns: dict[str, Any] = {
         "temperature": column(T, "degC"), "voltage": column([2.5, 2.51, 2.52], "V"),
         "fitted": column([2.5, 2.51, 2.52], "V"),
     }  # fmt: skip

@@ -71,7 +71,7 @@ def draw(axes: Sequence[Axes], mine: Sequence[Curve], title: str = "") -> None:
             order = np.argsort(T)
             name = plain(curve.get("axis", ""), 12)
             ax.plot(T[order], fitted[order] - level, color=COLOURS[colour], linewidth=1.1, label=name, zorder=3)
-        set_labels(ax, y=with_unit(plain(kind).replace("_", " "), unit(own[0], "voltage")))
+        set_labels(ax, y=with_unit(plain(kind, 24).replace("_", " "), unit(own[0], "voltage")))
     set_title(axes[0], title)
     set_labels(axes[-1], with_unit("temperature", unit(mine[0], "temperature")))
     set_legend(axes[-1])
