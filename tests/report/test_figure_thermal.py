@@ -74,7 +74,7 @@ def row(quantity: str, value: float, u: float, unit: str = "deg/h") -> dict[str,
 
 CURVES = [
     cells(), law(), law("air", -4.0), order(), order("y"), start_up(), start_up("y"), reference("reference_voltage"),
-    reference("rotation_reference"),
+    reference("temperature_reference_voltage"),
 ]  # fmt: skip
 ROWS = [
     row("path_difference", -0.4, 0.05), row("vacuum_offset", 4.0, 0.08), row("warm_up_change", 3.0, 0.2),
@@ -108,7 +108,7 @@ def heights(ax: Axes) -> list[tuple[float, float]]:
         ("thermal", "x: 10 to 30 degC, 2 runs, bias within ±0.1 deg/h; warming less cooling -0.400 ± 0.050 deg/h"),
         ("thermal_order", "order 1 for x, order 1 for y, by runs held out"),
         ("start_up", "after 2 power-ups: x 3.00 ± 0.20 deg/h; the first 60 s are left out"),
-        ("reference_voltage", "reference voltage changes by 0.02 V and rotation reference changes by 0.02 V at most"),
+        ("reference_voltage", "reference changes by 0.02 V and temperature reference changes by 0.02 V at most"),
         ("conditions", "against air: x 4.000 ± 0.080 deg/h"),
     ],
 )
@@ -168,8 +168,8 @@ def test_start_up_without_a_transient_says_so() -> None:
 def test_reference_voltages_are_drawn_less_their_mean() -> None:
     first, second = axes_of("reference_voltage")
     np.testing.assert_allclose(points(first, "x")[1], [-0.01, 0.0, 0.01], atol=1e-12)
-    assert first.get_ylabel() == "reference voltage [V]"
-    assert second.get_ylabel() == "rotation reference [V]"
+    assert first.get_ylabel() == "reference [V]"
+    assert second.get_ylabel().split() == ["temperature", "reference", "[V]"]
 
 
 def test_both_conditions_are_drawn_with_their_bands() -> None:

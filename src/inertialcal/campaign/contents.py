@@ -155,7 +155,8 @@ def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
         return "no test is held out"
     procedures = dict.fromkeys(test.procedure for test in campaign.file.tests)
     made = [one for one in procedures if one in MODELLED]
-    return "no model" if made else f"no model is made of a {' or a '.join(procedures).replace('_', ' ')}"
+    named = (f"{one} test" if one == "thermal" else one.replace("_", " ") for one in procedures)
+    return "no model" if made else f"no model is made of a {' or a '.join(named)}"
 
 
 def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> dict[str, Any]:

@@ -38,13 +38,18 @@ def _kinds(mine: Sequence[Curve]) -> list[str]:
     return list(dict.fromkeys(str(one.get("of", "")) for one in mine))
 
 
+def _named(kind: str) -> str:
+    """Return a kind of reference as an axis has room for it."""
+    return plain(kind.removesuffix("_voltage"), 24).replace("_", " ")
+
+
 def finding(mine: Sequence[Curve]) -> str:
     """Return the finding: by how much each kind of reference changes over the range."""
     parts = []
     for kind in _kinds(mine):
         own = [numbers(one, "fitted") for one in mine if one.get("of") == kind]
         most = max(float(np.ptp(finite(one))) for one in own)
-        parts.append(f"{plain(kind).replace('_', ' ')} changes by {number(most, 2)} {plain(unit(mine[0], 'voltage'))}")
+        parts.append(f"{_named(kind)} changes by {number(most, 2)} {plain(unit(mine[0], 'voltage'))}")
     return f"{' and '.join(parts)} at most"
 
 
@@ -71,7 +76,7 @@ def draw(axes: Sequence[Axes], mine: Sequence[Curve], title: str = "") -> None:
             order = np.argsort(T)
             name = plain(curve.get("axis", ""), 12)
             ax.plot(T[order], fitted[order] - level, color=COLOURS[colour], linewidth=1.1, label=name, zorder=3)
-        set_labels(ax, y=with_unit(plain(kind, 24).replace("_", " "), unit(own[0], "voltage")))
+        set_labels(ax, y=with_unit(_named(kind), unit(own[0], "voltage")))
     set_title(axes[0], title)
     set_labels(axes[-1], with_unit("temperature", unit(mine[0], "temperature")))
     set_legend(axes[-1])
