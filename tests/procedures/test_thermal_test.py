@@ -116,6 +116,16 @@ def test_an_unknown_azimuth_leaves_the_level_part_unknown() -> None:
     assert u == pytest.approx([OMEGA * np.cos(LATITUDE) / np.sqrt(2.0)] * 2 + [0.0], abs=1e-12)
 
 
+def test_what_is_not_quite_known_of_the_attitude_turns_the_earth_rate_by_as_much() -> None:
+    """A turn by a small angle moves a vector by the angle and its part across the axis of the turn."""
+    lying = Attitude(0.3, 1e-3, 0.5, 2e-3)
+    _, unknown = earth_along(plan(attitude=lying, standards={"site.latitude": Influence(3e-3, "rad")}))
+    moved = {source: float(np.sqrt(np.sum(one.patterns**2))) for source, one in unknown.items()}
+    assert moved["latitude"] == pytest.approx(3e-3 * OMEGA, rel=1e-6)
+    assert moved["azimuth of the body"] == pytest.approx(2e-3 * OMEGA * np.cos(LATITUDE), rel=1e-6)
+    assert 0.0 < moved["tilt of the body"] <= 1e-3 * OMEGA
+
+
 @pytest.mark.parametrize(("standard", "source", "change"), [
     ("thermometer.temperature", "thermometer", lambda one, T: -one * (cubic(T + 1e-3) - cubic(T)) / 1e-3),
     ("converter.reference", "converter reference", lambda one, T: one * cubic(T)),
@@ -331,6 +341,17 @@ def test_the_offset_of_two_conditions_has_the_scatter_of_both() -> None:
     scatter = next(r for r in offset_rows(vacuum, air, "air", "vacuum_offset") if r.quantity.endswith("run_to_run"))
     first, second = (row(r, "scatter_run").value or 0.0 for r in (air, vacuum))
     assert scatter.value == pytest.approx(np.hypot(first, second))
+
+
+def test_earth_rate_of_two_attitudes_is_no_offset() -> None:
+    """The same sensor, turned between the tests."""
+    plans = (plan(), plan(attitude=replace(KNOWN, azimuth=2.5)))
+    earth = [earth_along(one)[0][0] for one in plans]
+    assert abs(earth[0] - earth[1]) > 1e-5
+    turned, other = (
+        reduce(one, readings(lambda T, e=e: cubic(T) + e, noise=1e-9)) for one, e in zip(plans, earth, strict=True)
+    )
+    assert offset_rows(turned, other, "air", "bias_shift")[0].value == pytest.approx(0.0, abs=1e-8)
 
 
 def vacuum_readings() -> Readings:

@@ -72,10 +72,13 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
     series = series_of(plan, readings, axis)
     cells = cells_of(plan, series, plan.warm_up or 0.0)
     first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
-    start_up = start_up_of(plan, series, law_of(cells, first))
+    law = law_of(cells, first)
+    start_up = start_up_of(plan, series, law)
     if start_up.cut > (plan.warm_up or 0.0):
         cells = cells_of(plan, series, start_up.cut)
-    law, choice = _law(plan, cells)
+    choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
+    if law.cells is not cells or law.order != choice.order:
+        law = law_of(cells, choice.order)
     references = _references(plan, readings, series, start_up.cut)
     remarks = (
         *odd_runs(axis, law.cells, readings),
@@ -84,12 +87,6 @@ def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
     )
     paths = paths_of(law, plan.no_hysteresis)
     return OfSensor(series, law, choice, start_up, paths, references, run_offsets(law), remarks)
-
-
-def _law(plan: Plan, cells: Cells) -> tuple[Law, Choice]:
-    """Choose the order and fit the law."""
-    choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
-    return law_of(cells, choice.order), choice
 
 
 def _largest(cells: Cells, wanted: int) -> int:
