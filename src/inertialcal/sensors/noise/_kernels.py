@@ -1,0 +1,351 @@
+"""Compiled loops: arrays in, preallocated arrays out, no checks."""
+
+from __future__ import annotations
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+
+compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+
+FINE = 3.0  # distance from the nearest knot over the step between nodes
+
+
+@compiled
+def phase_covariance(lag: float, sizes: Array, exponentials: Array, cosines: Array) -> float:
+    """Return C of ``phase.Phase`` at one lag; sizes are point, linear, cubic and flicker.
+
+    Rows of ``exponentials`` are size, u, gain and excess (see ``phase.twice_summed_exponential``); those of ``cosines``
+    the size of the cosine and cycles.
+    """
+    j = abs(lag)
+    if j == 0.0:
+        found = sizes[0]
+        for row in range(len(cosines)):
+            found += cosines[row, 0]
+        return float(found)
+    found = -0.5 * sizes[1] * j + sizes[2] * j * j * j / 12.0
+    if sizes[3] != 0.0:
+        found += 0.5 * sizes[3] * j * j * np.log(j)
+    for row in range(len(exponentials)):
+        x = exponentials[row, 1] * j
+        if x < 0.05:
+            rest = -x * x * x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0))))
+        else:
+            rest = np.exp(-x) - 1.0 + x - 0.5 * x * x
+        found -= exponentials[row, 0] * (exponentials[row, 2] * rest + exponentials[row, 3] * j)
+    for row in range(len(cosines)):
+        found += cosines[row, 0] * np.cos(2.0 * np.pi * cosines[row, 1] * j)
+    return float(found)
+
+
+@compiled
+def second_differences(t: float, m1: float, m2: float, sizes: Array, exponentials: Array, cosines: Array) -> float:
+    """Return the covariance of differences of neighbouring means over m1 and m2 samples, their middles t apart."""
+    total = 0.0
+    for a in range(-1, 2):
+        for b in range(-1, 2):
+            weight = (-2.0 if a == 0 else 1.0) * (-2.0 if b == 0 else 1.0)
+            total += weight * phase_covariance(t + b * m2 - a * m1, sizes, exponentials, cosines)
+    return float(total / (m1 * m2))
+
+
+@compiled
+def _from_knot(t: float, m1: float, m2: float) -> float:
+    """Distance to the nearest place where the covariance has a kink."""
+    nearest = t
+    for knot in (m1, m2 - m1, m2, m2 + m1):
+        nearest = min(nearest, abs(t - knot))
+    return nearest
+
+
+@compiled
+def _next_node(t: float, m1: float, m2: float, last: float) -> float:
+    """Next distance, at which a node stands: all near a knot, fewer away from one, knots themselves always."""
+    step = max(1.0, np.floor(_from_knot(t, m1, m2) / FINE))
+    following = t + step
+    for knot in (m1, m2 - m1, m2, m2 + m1):
+        if t < knot < following:
+            following = knot
+    ahead = _from_knot(following, m1, m2)  # smaller steps towards a knot than away from it
+    if step > 1.0 and ahead < step:
+        following = t + max(1.0, np.floor(step / 2.0))
+        for knot in (m1, m2 - m1, m2, m2 + m1):
+            if t < knot < following:
+                following = knot
+    return min(following, last)
+
+
+@compiled
+def covariance_of_pair(
+    m1: float, m2: float, n1: float, n2: float, reach: float, parts: Array, ramp: float,
+    exponentials: Array, cosines: Array,
+) -> float:  # fmt: skip
+    """Return the covariance of the means of n1 and n2 halved squares of differences, m1 <= m2.
+
+    Sum over all pairs, by their distance, trapezoids between nodes; ``parts`` are the sizes, ``cosines`` deterministic.
+    """
+    none = np.zeros((0, 2))
+    last = min((n1 + n2) / 2.0 - 1.0, reach + m1 + m2)
+    last = max(np.floor(last), 0.0)
+    mu = ramp * ramp * m1 * m2
+    total = 0.0
+    t, passed, before = 0.0, 0.0, 0.0
+    zero = np.zeros(4)
+    first = True
+    while True:
+        s = second_differences(t, m1, m2, parts, exponentials, none)
+        known = mu
+        if len(cosines) > 0:
+            known += second_differences(t, m1, m2, zero, np.zeros((0, 4)), cosines)
+        pairs = min(n1, n2, (n1 + n2) / 2.0 - t)
+        here = max(pairs, 0.0) * (0.5 * s * s + known * s)
+        if first:
+            total = here
+            first = False
+        else:
+            width = t - passed
+            # integers after the last node up to this one, straight between both, and as many on the other side
+            total += 2.0 * (width * 0.5 * (before + here) + 0.5 * (here - before))
+        if t >= last:
+            break
+        passed = t
+        before = here
+        t = _next_node(t, m1, m2, last)
+    return float(total / (n1 * n2))
+
+
+@compiled
+def fill_covariance(
+    m: Array, n: Array, reach: float, parts: Array, ramp: float, exponentials: Array, cosines: Array, out: Array
+) -> None:
+    """Fill the covariance of Allan variances at m samples, ascending, of n terms each."""
+    for i in range(len(m)):
+        for j in range(i, len(m)):
+            out[i, j] = covariance_of_pair(m[i], m[j], n[i], n[j], reach, parts, ramp, exponentials, cosines)
+            out[j, i] = out[i, j]
+
+
+@compiled
+def solve_positive(A: Array, b: Array, free: NDArray[np.bool_], x: Array) -> bool:
+    """Fill x with the solution of A x = b on the free unknowns, zero elsewhere (Cholesky); False if singular."""
+    p = len(b)
+    L = np.zeros((p, p))
+    for i in range(p):
+        x[i] = 0.0
+        if not free[i]:
+            continue
+        for j in range(i + 1):
+            if not free[j]:
+                continue
+            rest = A[i, j]
+            for k in range(j):
+                if free[k]:
+                    rest -= L[i, k] * L[j, k]
+            if i == j:
+                if rest <= 1e-13 * A[i, i]:
+                    return False
+                L[i, i] = np.sqrt(rest)
+            else:
+                L[i, j] = rest / L[j, j]
+    y = np.zeros(p)
+    for i in range(p):
+        if free[i]:
+            rest = b[i]
+            for k in range(i):
+                if free[k]:
+                    rest -= L[i, k] * y[k]
+            y[i] = rest / L[i, i]
+    for i in range(p - 1, -1, -1):
+        if free[i]:
+            rest = y[i]
+            for k in range(i + 1, p):
+                if free[k]:
+                    rest -= L[k, i] * x[k]
+            x[i] = rest / L[i, i]
+    return True
+
+
+@compiled
+def nonnegative(A: Array, b: Array, may: NDArray[np.bool_], x: Array) -> None:
+    """Fill x >= 0 with the minimum of x' A x / 2 - b' x, those not allowed zero (Lawson and Hanson, active set)."""
+    p = len(b)
+    free = np.zeros(p, np.bool_)
+    trial = np.zeros(p)
+    for i in range(p):
+        x[i] = 0.0
+    for _ in range(3 * p + 3):
+        best, at = 0.0, -1
+        for i in range(p):
+            if may[i] and not free[i]:
+                slope = b[i]
+                for j in range(p):
+                    slope -= A[i, j] * x[j]
+                gain = slope / np.sqrt(A[i, i]) if A[i, i] > 0.0 else 0.0
+                if gain > best:
+                    best, at = gain, i
+        if at < 0 or best <= 1e-12 * abs(b[at]) / np.sqrt(A[at, at]):
+            return
+        free[at] = True
+        if not solve_positive(A, b, free, trial):
+            free[at] = False
+            return
+        while True:
+            step = 1.0
+            for i in range(p):
+                if free[i] and trial[i] <= 0.0:
+                    step = min(step, x[i] / (x[i] - trial[i]) if x[i] > trial[i] else 0.0)
+            for i in range(p):
+                if free[i]:
+                    x[i] += step * (trial[i] - x[i])
+            if step == 1.0:
+                break
+            for i in range(p):
+                if free[i] and trial[i] <= 0.0 and x[i] <= 1e-300 + 1e-14 * abs(trial[i]):
+                    free[i] = False
+                    x[i] = 0.0
+            solve_positive(A, b, free, trial)
+
+
+@compiled
+def cost_of(mu: Array, s: Array, w: Array) -> float:
+    """Return the sum of w (ln mu + s / mu); infinite where mu is not positive."""
+    total = 0.0
+    for i in range(len(s)):
+        if not mu[i] > 0.0:
+            return np.inf
+        total += w[i] * (np.log(mu[i]) + s[i] / mu[i])
+    return total
+
+
+@compiled
+def scored(
+    D: Array, s: Array, w: Array, may: NDArray[np.bool_], held: int, value: float, v: Array, warm: bool
+) -> float:
+    """Fill v >= 0 of least cost for mu = D v, column ``held`` at its value (-1 for none); return the cost.
+
+    Warm: v is where it starts, else the data.
+
+    Fisher scoring: weighted least squares, weights w / mu^2, steps halved where the cost would rise.
+    """
+    k, p = D.shape
+    mu, A, b, new = s.copy(), np.zeros((p, p)), np.zeros(p), np.zeros(p)
+    allowed = may.copy()
+    if held >= 0:
+        allowed[held] = False
+        v[held] = value
+    cost, started = np.inf, False
+    if warm:
+        for t in range(k):
+            mu[t] = 0.0
+            for i in range(p):
+                mu[t] += D[t, i] * v[i]
+        cost = cost_of(mu, s, w)
+        started = np.isfinite(cost)
+        if not started:
+            mu[:] = s
+            cost = np.inf
+    for _ in range(60):
+        for i in range(p):
+            b[i] = 0.0
+            for j in range(p):
+                A[i, j] = 0.0
+        for t in range(k):
+            weight = w[t] / (mu[t] * mu[t])
+            rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
+            for i in range(p):
+                b[i] += weight * D[t, i] * rest
+                for j in range(i + 1):
+                    A[i, j] += weight * D[t, i] * D[t, j]
+        for i in range(p):
+            for j in range(i):
+                A[j, i] = A[i, j]
+        nonnegative(A, b, allowed, new)
+        if held >= 0:
+            new[held] = value
+        step, trial_cost = 1.0, np.inf
+        for _ in range(12):
+            for t in range(k):
+                mu[t] = 0.0
+                for i in range(p):
+                    at = v[i] + step * (new[i] - v[i]) if started else new[i]
+                    mu[t] += D[t, i] * at
+            trial_cost = cost_of(mu, s, w)
+            if trial_cost <= cost or not started:
+                break
+            step *= 0.5
+        gained = cost - trial_cost
+        if started and not gained > 0.0:
+            break
+        for i in range(p):
+            v[i] = v[i] + step * (new[i] - v[i]) if started else new[i]
+        cost = trial_cost
+        if started and gained <= 1e-7:
+            break
+        if not np.isfinite(cost):
+            return np.inf
+        started = True
+    return cost
+
+
+@compiled
+def at_position(table: Array, position: float, column: Array) -> None:
+    """Fill a column by cubic interpolation between the rows of a table, evenly spaced in the logarithm."""
+    first = int(min(max(np.floor(position) - 1.0, 0.0), table.shape[0] - 4.0))
+    x = position - first
+    a = -(x - 1.0) * (x - 2.0) * (x - 3.0) / 6.0
+    b = x * (x - 2.0) * (x - 3.0) / 2.0
+    c = -x * (x - 1.0) * (x - 3.0) / 2.0
+    d = x * (x - 1.0) * (x - 2.0) / 6.0
+    for t in range(table.shape[1]):
+        column[t] = a * table[first, t] + b * table[first + 1, t] + c * table[first + 2, t] + d * table[first + 3, t]
+
+
+@compiled
+def searched(
+    D: Array, table: Array, lo: float, hi: float, stride: float, s: Array, w: Array, may: NDArray[np.bool_],
+    held: int, value: float, v: Array, precision: float,
+) -> tuple[float, float]:  # fmt: skip
+    """Fill v of least cost, the last column taken from the table at the best position; return position and cost.
+
+    The positions from lo to hi are tried one stride apart, then the best is bracketed and refined.
+    """
+    column = np.zeros(D.shape[0])
+    best, best_cost = lo, np.inf
+    trials = int(np.ceil((hi - lo) / stride)) + 1
+    trial = np.zeros(len(v))
+    for i in range(trials):
+        position = min(lo + i * stride, hi)
+        cost = _scored_at(position, D, table, column, s, w, may, held, value, trial, i > 0)
+        if cost < best_cost:
+            best, best_cost = position, cost
+            v[:] = trial
+    left, right = max(best - stride, lo), min(best + stride, hi)
+    ratio = 0.6180339887498949
+    trial[:] = v
+    one, two = right - ratio * (right - left), left + ratio * (right - left)
+    cost_one = _scored_at(one, D, table, column, s, w, may, held, value, trial, True)
+    cost_two = _scored_at(two, D, table, column, s, w, may, held, value, trial, True)
+    while right - left > precision:
+        if cost_one < cost_two:
+            right, two, cost_two = two, one, cost_one
+            one = right - ratio * (right - left)
+            cost_one = _scored_at(one, D, table, column, s, w, may, held, value, trial, True)
+        else:
+            left, one, cost_one = one, two, cost_two
+            two = left + ratio * (right - left)
+            cost_two = _scored_at(two, D, table, column, s, w, may, held, value, trial, True)
+    best = 0.5 * (left + right)
+    return best, _scored_at(best, D, table, column, s, w, may, held, value, v, False)
+
+
+@compiled
+def _scored_at(
+    position: float, D: Array, table: Array, column: Array, s: Array, w: Array, may: NDArray[np.bool_],
+    held: int, value: float, v: Array, warm: bool,
+) -> float:  # fmt: skip
+    at_position(table, position, column)
+    D[:, D.shape[1] - 1] = column
+    return scored(D, s, w, may, held, value, v, warm)
