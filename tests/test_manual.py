@@ -51,6 +51,8 @@ CAMPAIGN_TABLES: dict[str, type[schema.Strict]] = {
     "`[sensors.NAME]`": schema.Sensor,
     "`chain`, the": schema.Chain,
     "`thermometer`:": schema.Thermometer,
+    "`ground`, of": schema.Ground,
+    "`gains.GAIN`, of": schema.AtGain,
     "`[recordings.NAME]`": schema.RecordingEntry,
     "`rows`, of": schema.Rows,
     "`means`, of": schema.Means,

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from ran_campaigns import Ran
 
 from inertialcal.campaign.budgets import budget_rows
 from inertialcal.campaign.display import display_unit, stated_unit
@@ -23,6 +22,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
 from inertialcal.procedures.rate_table import Plan, Readings, reduce
 from inertialcal.procedures.rate_table.plan import Attitude
+from ran_campaigns import Ran
 
 SAME = 1e-12  # relative: rounding of sums and of units
 QUANTITIES = (

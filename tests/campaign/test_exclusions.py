@@ -10,6 +10,7 @@ import pytest
 
 from inertialcal.campaign.exclusions import RULES, SAMPLES
 from inertialcal.campaign.run import run
+from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError
 from inertialcal.procedures import rate_table
 from ran_campaigns import TEST_LOW, Ran, ran
@@ -100,3 +101,12 @@ def test_a_group_that_no_row_is_in_is_refused(campaign: Callable[..., Path]) -> 
     with pytest.raises(DataError, match="no row of 'one' is in group 'c' of test 'first'") as refused:
         run(folder, write=False)
     assert refused.value.problems[0].do == "There are: '1', '2'"
+
+
+def test_a_flip_counts_what_it_did_not_read(tmp_path: Path) -> None:
+    simulate("sams_tsh", tmp_path / "flip", 1, fault="gain_changed")
+    found = run(tmp_path / "flip").results
+    told = {(one["rule"], one["axis"], one["counts"]): one["count"] for one in found["exclusions"]}
+    assert told == {("settling", "", "window"): 4, ("gain_changed", "y", "dwell"): 1}
+    assert [one["place"] for one in found["exclusions"][1:]] == [f"flip: window {i}" for i in (1, 2, 3, 4)]
+    assert found["sequence"][0]["left_out"] == 4

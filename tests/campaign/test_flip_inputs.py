@@ -241,6 +241,27 @@ def test_GMT_day_of_year_is_understood(turned: Edit, simulated: Path) -> None:
     assert run(folder, write=False).results["results"] == run(simulated, write=False).results["results"]
 
 
+def test_mission_elapsed_time_is_understood_with_its_start(turned: Edit, simulated: Path) -> None:
+    given = [("1996-02-20T12:14:40.000Z", "005/11:14:40"), ("1996-02-20T12:20:00.000Z", "005/11:20:00")]
+    folder = turned(*given, ('stamp = "middle"', 'stamp = "middle", mission_start = "1996-02-15T01:00:00Z"'))
+    assert run(folder, write=False).results["results"] == run(simulated, write=False).results["results"]
+    (problem,) = refused(turned(("1996-02-15T01:00:00Z", "at noon")))
+    assert "recordings.flip.clock.mission_start" in problem
+
+
+def test_windows_of_a_flip_would_have_no_effect_and_are_refused(turned: Edit) -> None:
+    window = 'windows = [["1996-02-20T12:00:00Z", "1996-02-20T12:30:00Z"]]'
+    (problem,) = refused(turned(('procedure = "flip"', f'procedure = "flip"\n{window}')))
+    assert "windows, but a flip is read where its recordings say (positions)" in problem
+    (problem,) = refused(turned((window, 'groups = ["1"]')))
+    assert "Choose by positions" in problem
+
+
+def test_a_standard_that_nothing_could_have_is_refused(turned: Edit) -> None:
+    (problem,) = refused(turned(('angle = { u = "0.2 deg"', 'angle = { u = "1e300 deg"')))
+    assert "no larger than 1e+09 rad" in problem
+
+
 def test_the_place_of_a_problem_is_its_test_in_the_campaign_file(turned: Edit) -> None:
     with pytest.raises(DataError) as caught:
         run(turned(("1996-02-20T12:14:40.000Z", "006/00:14:40")))

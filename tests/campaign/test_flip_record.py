@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -69,7 +70,7 @@ def test_the_windows_beside_the_turns_are_found_equally_long_with_their_position
         seconds = np.arange(window.start, window.stop, SECOND) / SECOND
         assert not np.any(((seconds > 599.0) & (seconds < 606.0)) | ((seconds > 1199.0) & (seconds < 1206.0)))
     (told,) = [one for one in remarks if one.code == "turns_found"]
-    assert told.what == "2 turns found, at 000/00:10:00, 000/00:20:00"
+    assert told.what == "2 turns found, at 000/00:10:00, 000/00:20:00: 0 deg before, 180 deg after, and so on by turns"
 
 
 def test_windows_that_reach_into_each_other_are_one() -> None:
@@ -81,7 +82,7 @@ def test_windows_that_reach_into_each_other_are_one() -> None:
 def test_the_angle_of_the_turns_is_that_which_is_said() -> None:
     windows, remarks = found_windows(head((900.0,), start=UTC), 1.5)
     assert [window.angle for window in windows] == [0.0, 1.5]
-    assert any(one.what == "1 turn found, at 1996-02-20T12:15:00Z" for one in remarks)
+    assert any(one.what.startswith("1 turn found, at 1996-02-20T12:15:00Z: 0 deg before, 85.94") for one in remarks)
 
 
 def test_a_record_without_a_turn_is_refused_and_its_length_told() -> None:
@@ -95,8 +96,29 @@ def test_given_windows_are_on_the_clock_of_the_record() -> None:
     assert (windows[0].start, windows[0].stop) == (60 * SECOND, 300 * SECOND)
     (windows,) = given_windows([head((), start=UTC)], [Said("1996/051/12:01:00", "1996-02-20T12:05:00Z", 0.0)])
     assert (windows[0].start - UTC, windows[0].stop - UTC) == (60 * SECOND, 300 * SECOND)
-    with pytest.raises(UsageError, match="--window: "):
+    with pytest.raises(UsageError, match="mission elapsed time, but when the mission started is not said"):
         given_windows([head((), start=UTC)], [Said("006/00:14:40", "006/00:20:00", 0.0)])
+    with pytest.raises(UsageError, match=r"--window 300\.\.60: from 300 to 60: the end is not after the start"):
+        given_windows([head(())], [Said("300", "60", 0.0)])
+
+
+def test_mission_elapsed_time_counts_from_the_start_of_the_mission() -> None:
+    said = [Said("005/11:30:00", "005/11:40:00", 0.0)]
+    (windows,) = given_windows([head((), start=UTC)], said, "1996-02-15T00:30:00Z")
+    assert (windows[0].start - UTC, windows[0].stop - UTC) == (0, 600 * SECOND)
+
+
+def test_counts_are_sent_to_a_campaign() -> None:
+    counts = Recording(tuple(Channel(name, np.arange(9), None, "", name) for name in "xyz"))
+    with pytest.raises(UsageError, match="counts become readings by gain, zero and scale factor"):
+        head_recording(counts, None, None)
+
+
+def test_an_axis_that_is_not_named_is_not_taken() -> None:
+    """It would be read in the unit of the file as if that were SI."""
+    assert head_recording(head((), unit="ug"), {"y": "y"}, None).names == ("y",)
+    with pytest.raises(UsageError, match="--column: axis 'w'"):
+        head_recording(head(()), {"w": "y"}, None)
 
 
 def test_each_recording_has_the_windows_that_lie_in_it() -> None:
@@ -107,3 +129,14 @@ def test_each_recording_has_the_windows_that_lie_in_it() -> None:
     assert ([one.angle for one in first], [one.angle for one in second]) == ([0.0], [1.0])
     with pytest.raises(UsageError, match=r"--window 300\.\.310: lies in none of the 2 recordings"):
         given_windows([early, late], [Said("300", "310", 0.0)])
+
+
+def test_a_spike_that_may_be_a_turn_makes_the_positions_doubtful() -> None:
+    recording = head((600.0, 1200.0))
+    seconds = np.arange(len(recording)) / RATE
+    x = recording.channel("x").data.copy()
+    x[(seconds > 300.0) & (seconds < 302.0)] += 500.0  # somebody pushes: the level returns
+    pushed = replace(recording, channels=tuple(replace(c, data=x) if c.name == "x" else c for c in recording.channels))
+    (told,) = [one for one in found_windows(pushed, np.pi)[1] if one.code == "turns_found"]
+    assert told.severity == "warning"
+    assert "the spike at 000/00:05:00 is not taken for a turn: if one is, positions and the sign" in told.what

@@ -79,6 +79,12 @@ def test_duplicate_ids_are_told(campaign: Write) -> None:
     assert found[0].where == "campaign.toml:24"
 
 
+def test_the_name_of_the_model_is_no_name_of_a_test(campaign: Write) -> None:
+    again = '[[tests]]\nid = "model"\nprocedure = "rate_table"\nrecordings = ["one"]\nplan = { axis = "x" }\n'
+    found = problems(campaign(("[[requirements]]", again + "[[requirements]]")))
+    assert any("results have the rows of the model of the sensor under this name" in one.what for one in found)
+
+
 def test_a_duplicate_key_is_told_with_its_line(campaign: Write) -> None:
     found = problems(campaign(('unit = "deg/s"\nrange', 'unit = "deg/s"\nunit = "deg/s"\nrange')))
     assert found[0].code == "not_toml"

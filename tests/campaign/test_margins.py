@@ -8,12 +8,12 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from ran_campaigns import Ran
 
 from inertialcal.campaign.margins import margin
 from inertialcal.campaign.run import run
 from inertialcal.core.results import Interval
 from inertialcal.statistics.decision import decide
+from ran_campaigns import Ran
 
 
 @pytest.mark.parametrize(

@@ -7,11 +7,11 @@ from collections.abc import Callable
 from pathlib import Path
 
 import pytest
-from ran_campaigns import Ran
 
 from inertialcal.campaign.load import load
 from inertialcal.campaign.schema import Sensor, Site
 from inertialcal.campaign.set_up import sensors_content, site_content
+from ran_campaigns import Ran
 
 
 def test_the_site_can_be_pasted_back() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+import shutil
 from collections.abc import Mapping
 from dataclasses import replace
 from html.parser import HTMLParser
@@ -19,7 +20,7 @@ from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.rounding import with_uncertainty
 from inertialcal.core.tables import WIDTH, Grid
-from inertialcal.sensors.model import Item
+from inertialcal.sensors.model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
 FLIPS = EXAMPLE.with_name("sams1996")
@@ -28,10 +29,12 @@ EVIL = "<script>alert('x')</script>"
 
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
-    table, model = EXAMPLE / "table10_x.csv", EXAMPLE / "out/model.json"
+    folder = tmp_path_factory.mktemp("shown") / EXAMPLE.name
+    shutil.copytree(EXAMPLE, folder, ignore=shutil.ignore_patterns("out"))
+    table, model = folder / "table10_x.csv", folder / "out/model.json"
     twin = tmp_path_factory.mktemp("twin") / "new"
     written = ic.simulate("rate_table", twin, 3)
-    run = ic.run(EXAMPLE, write=False)
+    run = ic.run(folder)
     known = [dict(row) | {"truth": row["value"], "inside": True} for row in run.results["results"] if row["interval"]]
     lost = {**known[0], "inside": None}
     one = ic.rate_table(table, reading="reading_minus_ref_dps", axis="x", zero_reference=True, input_range="5 deg/s")
@@ -44,10 +47,10 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "flip": ic.flip(FLIPS / "table03_semiprocessed.csv", positions={"forward": "0 deg", "reverse": "180 deg"}),
         "result": one.result,
         "estimate": one.result.estimate,
-        "check": ic.check(EXAMPLE),
+        "check": ic.check(folder),
         "run": run,
         "model": ic.load_model(model),
-        "compare": ic.compare(EXAMPLE, EXAMPLE),
+        "compare": ic.compare(folder, folder),
         "judged": ic.compare(model, model, ["1 %"]),
         "simulate": written,
         "score": Score(read_truth(twin), (*known, lost)),
@@ -157,8 +160,7 @@ def test_a_recording_says_its_clock_and_what_is_missing() -> None:
     assert "remarks: 1 warning" in said
 
 
-def hostile() -> dict[str, Any]:
-    model = ic.load_model(EXAMPLE / "out/model.json")
+def hostile(model: SensorModel) -> dict[str, Any]:
     axes = (EVIL, "\n*/\u202e", "z" * 300)
     bare = replace(model, axes=axes, item=Item(EVIL, EVIL, EVIL), source=EVIL, estimate=None, provenance={},
                    not_estimated={})  # fmt: skip
@@ -166,8 +168,8 @@ def hostile() -> dict[str, Any]:
 
 
 @pytest.mark.parametrize("name", ["recording", "model"])
-def test_names_are_escaped(name: str) -> None:
-    value = hostile()[name]
+def test_names_are_escaped(name: str, shown: Mapping[str, Any]) -> None:
+    value = hostile(shown["model"])[name]
     found = cells(value)
     assert "script" not in found.tags
     assert "<script" not in value._repr_html_()

@@ -136,3 +136,10 @@ def test_a_real_record_with_windows_inside_gives_no_false_certainty(shared: Path
     said = [("2014/295/09:36:40", "2014/295/09:37:00", "0 deg"), ("2014/295/09:37:05", "2014/295/09:37:30", "180 deg")]
     found = ic.flip(files[0], windows=said)
     assert {"short_record"} <= {remark.code for remark in found.remarks}
+
+
+def test_a_file_that_is_given_twice_does_not_count_twice(tmp_path: Path, record: Path) -> None:
+    with pytest.raises(UsageError, match="given twice"):
+        ic.flip([record, record.parent / "." / record.name])
+    with pytest.raises(UsageError, match="is a table of means, one of 2 files"):
+        ic.flip([table(tmp_path), record])

@@ -7,9 +7,9 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ran_campaigns import Ran
 
 from inertialcal.campaign.run import run
+from ran_campaigns import Ran
 
 
 def listed(rows: list[dict[str, Any]]) -> dict[str, dict[str, Any]]:

@@ -28,7 +28,6 @@ sys.path.insert(0, str(Path(__file__).parents[1] / "sensors"))
 from random_models import conditions, inputs, random_model
 
 AGREE = 1e-12  # of full scale
-EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011/out/model.json"
 STRICT = ["-std=c99", "-O2", "-Wall", "-Wextra", "-Werror", "-pedantic"]
 ORDER = ("temperature", "pressure", "time", "temperature_rate", "specific_force")  # of the arguments
 HOSTILE = (
@@ -60,13 +59,23 @@ def models() -> list[tuple[str, SensorModel]]:
         ("one third order", replace(whole, scale_factor_asymmetry=None, second_order=None,
                                     third_order=np.array([0.0, -0.02, 0.02]) / span**2)),
         ("no range", replace(random_model(3, linear=True), input_range=None, temperature_range=None)),
-        ("published", load_model_file(EXAMPLE).model),
     ]  # fmt: skip
     return drawn + [(f"flight {name}", model) for name, model in flight_unit().models.items()]
 
 
 MODELS = dict(models())
-each_model = pytest.mark.parametrize("model", MODELS.values(), ids=MODELS.keys())
+each_model = pytest.mark.parametrize("model", [*MODELS, "published"], indirect=True)
+
+
+@pytest.fixture(scope="session")
+def published_model(reports: dict[str, Path]) -> SensorModel:
+    return load_model_file(reports["published"].with_name("model.json")).model
+
+
+@pytest.fixture
+def model(request: pytest.FixtureRequest) -> SensorModel:
+    found = MODELS.get(request.param)
+    return request.getfixturevalue("published_model") if found is None else found
 
 
 def loaded(text: str) -> Callable[..., Any]:
@@ -217,8 +226,8 @@ def test_what_code_cannot_do_is_said(text: Callable[[SensorModel], str]) -> None
     assert "row = the sensor that reads, column = the axis that moves" in said
 
 
-def test_a_range_that_no_argument_meets_is_said() -> None:
-    model = replace(MODELS["published"], temperature_range=(-10.0, 50.0))
+def test_a_range_that_no_argument_meets_is_said(published_model: SensorModel) -> None:
+    model = replace(published_model, temperature_range=(-10.0, 50.0))
     assert "temperature of -10.0 to 50.0 degC" in " ".join(python_text(model).replace("#", " ").split())
 
 

@@ -296,7 +296,8 @@ def test_info_leads_on_to_the_flip(tmp_path: Path) -> None:
     from inertialcal.files.survey import survey
 
     assert survey(path, commands=("info", "flip")).next == f"inertialcal flip {path}"
-    assert survey(path, commands=("info", "init")).next is None
+    assert survey(path, commands=("info", "init")).next == f"inertialcal init {tmp_path}"
+    assert survey(path, commands=("info",)).next is None
 
 
 def test_the_real_record_is_read_exactly_and_its_traps_are_remarked(shared: Path) -> None:

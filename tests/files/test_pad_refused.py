@@ -81,6 +81,7 @@ def test_a_missing_member(tmp_path: Path) -> None:
         (header(start="2014_02_30_00_00_00"), "TimeZero: '2014-02-30T00:00:00Z' is no time"),
         (header(rate="fast"), "SampleRate 'fast' is no number"),
         (header(rate="0"), "SampleRate '0': need one above zero"),
+        (header(rate="1e-300"), "SampleRate '1e-300': need one above zero, from 0.0001 to 1e+06 Hz"),
         (header(rate="nan"), "SampleRate 'nan' is no number"),
         (header(layout="binary 64 bit"), "GData format 'binary 64 bit' is none of: binary 32 bit"),
         (header().replace("GData", "Data"), "the header has no GData"),

@@ -53,7 +53,7 @@ def test_a_name_that_cannot_be() -> None:
     assert (what.startswith("cannot be read"), code) == (True, "missing_file")
 
 
-@pytest.mark.parametrize("content", [b"", gzip.compress(b"")])
+@pytest.mark.parametrize("content", [b"", gzip.compress(b"")], ids=["nothing", "packed"])
 def test_an_empty_file(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "a.csv"
     path.write_bytes(content)

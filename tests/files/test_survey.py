@@ -72,6 +72,35 @@ def test_the_next_command_is_one_of_those_there_are(file: Path) -> None:
     assert survey(file, commands=["allan"]).next is None
 
 
+def test_a_recording_of_a_campaign_leads_to_its_run(tmp_path: Path) -> None:
+    """Its campaign file says the units: `info` need not be told them."""
+    (tmp_path / "recordings").mkdir()
+    path = write(tmp_path / "recordings/one.csv", **{"t_s": np.arange(N) / 100}, **rest())
+    assert survey(path, commands=["info", "run"]).next != f"inertialcal run {tmp_path}"
+    (tmp_path / "campaign.toml").write_text("", encoding="utf-8")
+    assert survey(path, commands=["info", "run"]).next == f"inertialcal run {tmp_path}"
+
+
+def test_what_a_flip_takes_leads_to_it(tmp_path: Path) -> None:
+    means = write(tmp_path / "means.csv", **{
+        "axis": "yz", "orientation": ["forward"] * 2, "time": [1, 1], "mean [ug]": [973.77, -1249.69]})  # fmt: skip
+    assert survey(means, commands=["info", "flip"]).next == f"inertialcal flip {means}"
+    assert survey(means, commands=["info"]).next != f"inertialcal flip {means}"
+    time = {"t_s": np.arange(N) / 100}
+    floats = {f"{axis} [g]": RNG.normal(1e-3, 1e-6, N) for axis in "xyz"}
+    head = write(tmp_path / "head.csv", **time, **floats)
+    assert survey(head, commands=["info", "flip"]).next == f"inertialcal flip {head}"
+    ground = write(tmp_path / "ground.csv", **time, **floats | {"z [g]": RNG.normal(1.0, 1e-6, N)})
+    assert survey(ground, commands=["info", "flip"]).next is None
+
+
+def test_numbers_beyond_all_squares_are_shown_without_a_word_of_rest(file: Path) -> None:
+    columns = rest()
+    columns["gyro_x"][5] = 1e300
+    found = survey(write(file, **{"t_s": np.arange(N) / 100}, **columns))
+    assert found.channels[0].maximum == 1e300
+
+
 def test_hints_are_questions_with_a_reason(file: Path) -> None:
     found = survey(write(file, **{"t_s": np.arange(N) / 100}, **rest()))
     assert [str(hint) for hint in found.hints] == [

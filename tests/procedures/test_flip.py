@@ -324,7 +324,10 @@ def test_readings_of_the_wrong_size_are_named() -> None:
     assert "magnitude" not in {one.code for one in reduce(Plan(), good).remarks}
     for scale, severity in ((1e6, "error"), (1e-6, "warning")):  # ug read as g, and g read as ug
         slipped = replace(good, outputs={axis: y * scale for axis, y in good.outputs.items()})
-        found = [one for one in reduce(Plan(), slipped).remarks if one.code == "magnitude"]
+        result = reduce(Plan(), slipped)
+        assert {row.status for row in result.rows() if not row.condition} == {"not_estimated"}
+        assert all(row.u is None and row.interval is None for row in result.rows())
+        found = [one for one in result.remarks if one.code == "magnitude"]
         assert found
         assert found[0].severity == severity
 

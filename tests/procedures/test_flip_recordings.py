@@ -97,9 +97,17 @@ def test_only_what_is_named_quiet_shows_the_noise() -> None:
 
 
 def test_a_long_record_is_cut_to_the_blocks_about_its_windows() -> None:
-    times = readings_from(Plan(block=1.0), [Turned(head(), placed(*LONG))]).quiet[0].times
+    short = ((700.0, 740.0, 0.0), (760.0, 800.0, math.pi))
+    times = readings_from(Plan(block=1.0), [Turned(head(), placed(*short))]).quiet[0].times
     assert len(times) == 720
-    assert (times < 400.0).sum() == pytest.approx((times > 1100.0).sum(), abs=1)
+    assert (times < 700.0).sum() == pytest.approx((times > 800.0).sum(), abs=1)
+
+
+def test_blocks_are_longer_where_windows_are_long_beside_what_is_kept() -> None:
+    quiet = readings_from(Plan(block=1.0), [Turned(head(), placed(*LONG))]).quiet[0]
+    assert len(quiet.times) <= 720
+    assert quiet.length == pytest.approx((1500.0 - 20.0) / 720.0, rel=0.01)
+    assert (quiet.times.min(), quiet.times.max()) == pytest.approx((0.0, 1500.0), abs=5.0)  # nothing was cut
 
 
 def test_the_low_pass_passes_what_is_slow_and_settles_first() -> None:
@@ -144,17 +152,21 @@ def test_half_widths_are_t_intervals_of_ten_means_of_six_seconds() -> None:
 def test_a_window_at_the_rails_is_not_read_by_that_axis() -> None:
     y = signal("y")
     y[(STAMPS > 800.0) & (STAMPS < 900.0)] = np.nan
-    readings = read(Plan(), of=head(y=y))
+    plan = Plan(largest_bias=1e4, largest_ambient=1e4)
+    readings = read(plan, of=head(y=y))
     assert np.isnan(readings.outputs["y"][1])
     assert np.isfinite(readings.outputs["z"]).all()
-    result = reduce(Plan(), readings)
+    result = reduce(plan, readings)
     codes = {one.code for one in result.remarks}
     assert {"dwell_incomplete", "missing_position", "blocks_incomplete"} <= codes
     row = next(one for one in result.rows() if one.quantity == "reading" and one.axis == "y")
     assert row.value == pytest.approx(B["y"] + G["y"], abs=0.1)
     assert row.u is not None
-    other = next(one for one in result.rows() if one.quantity == "bias" and one.axis == "z" and not one.condition)
-    assert other.u is not None
+    assert result.estimate is not None
+    whole = reduce(plan, read(plan)).estimate
+    assert whole is not None
+    for name in ("bias_z", "ambient_acceleration_z"):  # what y lacks takes no noise from z
+        assert result.estimate.select([name]).u == pytest.approx(whole.select([name]).u, rel=1e-4)
 
 
 def test_a_gain_that_changes_inside_a_window_is_found() -> None:

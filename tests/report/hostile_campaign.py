@@ -23,10 +23,15 @@ Keys = tuple[str | int, ...]
 
 # Texts that are read as something else: a grammar.
 NOT_FREE = {"Requirement.where"}
+# Texts that stand in place of another table: a model in a file, instead of `ground`.
+INSTEAD = {"Chain.model"}
 FILES = {"RecordingEntry.file", "Schedule.file"}
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
 RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
 DWELL = 20  # s
+AXES = ("x", "y", "z")
+STOOD = 300  # s, a head at each position
+ANGLES = ("0 deg", "180 deg")
 
 
 def document() -> dict[str, Any]:
@@ -48,7 +53,20 @@ def document() -> dict[str, Any]:
                 "unit": "deg/s",
                 "range": ["-5 deg/s", "5 deg/s"],
                 "chain": {"kind": "none"},
-            }
+            },
+            "head": {
+                "kind": "accelerometer",
+                "axes": list(AXES),
+                "unit": "ug",
+                "chain": {
+                    "kind": "adc",
+                    "lsb": "10 V / 65536",
+                    "counts": [-32768, 32767],
+                    "gain": 100.0,
+                    "scale_factor": "1 V/g",
+                    "ground": {"gains": {"100": {"bias": {axis: ["1 ug"] for axis in AXES}}}},
+                },
+            },
         },
         "recordings": {
             "table": {"sensor": "suite", "rows": {"unit": "deg/s"}},
@@ -59,10 +77,21 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "schedule": {"unit": "deg/s"},
             },
+            "means": {"sensor": "head", "means": {"unit": "ug", "angles": {}, "half_widths": {"0.95": ""}}},
+            "turned": {
+                "sensor": "head",
+                "channels": {axis: {"unit": "count"} for axis in AXES},
+                "clock": {},
+                "positions": [
+                    {"start": i * STOOD, "stop": (i + 1) * STOOD, "angle": angle} for i, angle in enumerate(ANGLES)
+                ],
+            },
         },
         "tests": [
             {"id": "rows", "procedure": "rate_table", "recordings": ["table"], "groups": [0, 1], "plan": plan},
             {"id": "held", "procedure": "rate_table", "recordings": ["steps"], "use": "hold_out", "plan": plan},
+            {"id": "flips", "procedure": "flip", "recordings": ["means"], "plan": {"axis": "x"}, "use": "report_only"},
+            {"id": "flip", "procedure": "flip", "recordings": ["turned"], "plan": {"axis": "x"}, "use": "report_only"},
         ],
         "requirements": [
             {"id": "R1", "quantity": "rate_error", "limit": "5 %"},
@@ -110,12 +139,16 @@ def filled(give: Give) -> dict[str, Any]:
     """Return the document with every free text given, so that it still fits together."""
     made = document()
     for name, keys, kind in list(leaves(value=made)):
-        if kind == Text and name not in NOT_FREE:
+        if kind == Text and name not in NOT_FREE | INSTEAD:
             put(made, keys, file_name(give(name)) if name in FILES else give(f"{name} {keys[-1]}"))
     made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
     made["requirements"][0]["condition"] = made["tests"][0]["condition"]
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
-    del made["recordings"]["table"]["run"]  # a table has a column of runs instead
+    for name in ("table", "means"):
+        del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
+    turned = made["recordings"]["turned"]["positions"]
+    turned[1]["flip"] = turned[0]["flip"]
+    made["recordings"]["means"]["means"]["angles"] = {give(f"Means.angles {angle}"): angle for angle in ANGLES}
     return made
 
 
@@ -150,7 +183,30 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     time = np.arange(len(rates) * DWELL) + 0.5
     reading = 1.01 * np.repeat(rates, DWELL) + 0.02 + np.random.default_rng(2).normal(0.0, 0.002, len(time))
     _save(folder / steps["file"], {steps["clock"]["column"]: time, steps["channels"]["x"]["column"]: reading})
+    _save(folder / made["recordings"]["means"]["file"], _means(made["recordings"]["means"]["means"], runs))
+    _save(folder / made["recordings"]["turned"]["file"], _turned(made["recordings"]["turned"]))
     return folder
+
+
+def _means(means: dict[str, Any], flips: tuple[str, ...]) -> dict[str, Any]:
+    rng = np.random.default_rng(3)
+    cells = [(axis, position, flip) for flip in flips for position in means["angles"] for axis in AXES]
+    return {
+        means["axis"]: [one[0] for one in cells],
+        means["position"]: [one[1] for one in cells],
+        means["flip"]: [one[2] for one in cells],
+        means["mean"]: rng.normal(100.0, 1.0, len(cells)),
+        means["predicted"]: rng.normal(100.0, 1.0, len(cells)),
+        means["temperature"]: np.full(len(cells), 18.0),
+        means["half_widths"]["0.95"]: np.full(len(cells), 0.2),
+    }
+
+
+def _turned(turned: dict[str, Any]) -> dict[str, Any]:
+    rng = np.random.default_rng(4)
+    time = np.arange(STOOD * len(ANGLES)) + 0.5
+    codes = {one["column"]: np.rint(rng.normal(100.0, 3.0, len(time))) for one in turned["channels"].values()}
+    return {turned["clock"]["column"]: time, **codes}
 
 
 def _rows(rows: dict[str, str], groups: list[str], runs: tuple[str, ...]) -> dict[str, Any]:

@@ -12,6 +12,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
@@ -123,6 +124,22 @@ def compensated(axis: str = "x", **changes: Any) -> dict[str, Any]:
     return curve("compensated", axis, "model", **columns | changes)
 
 
+def beside(quantity: str, value: float, u: float | None, condition: str = "", axis: str = "y") -> dict[str, Any]:
+    interval = None if u is None else {"lo": value - 2.0 * u, "hi": value + 2.0 * u, "p": 0.95}
+    own = {"test": "new", "condition": condition, "interval": interval, "dof": None, "reason": ""}
+    return row(quantity, axis, value, "ug", u) | own
+
+
+BESIDE = [  # two ground models: y nearer to zero, z not shown
+    beside("model_bias_error", -17.0, 0.5), beside("other_model_bias_error", 37.0, 1.0),
+    beside("model_bias_error_change", -54.0, 0.5), beside("model_bias_error_reduction", 20.0, 1.0),
+    beside("model_bias_error", -17.2, None, "flip 2"), beside("other_model_bias_error", 36.8, None, "flip 2"),
+    beside("model_bias_error_change", -54.0, None, "flip 2"),
+    beside("model_bias_error", 37.0, 0.5, axis="z"), beside("other_model_bias_error", 30.0, 20.0, axis="z"),
+    beside("model_bias_error_change", 7.0, 20.0, axis="z"),
+    beside("model_bias_error_reduction", -7.0, None, axis="z"),
+]  # fmt: skip
+SEQUENCE = [{"test": "new", "against": "old"}]
 LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "unit": "deg/s"}]}
 
 
@@ -130,7 +147,7 @@ def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
                    flip_quiet("y")],
-        "verdicts": VERDICTS, "results": ROWS, "budgets": SHARES, "closed_loop": LOOP,
+        "sequence": SEQUENCE, "verdicts": VERDICTS, "results": [*ROWS, *BESIDE], "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip
 
 
@@ -314,6 +331,18 @@ def test_raw_and_compensated_errors_are_those_given() -> None:
     assert lines_of(figure.axes[0], "compensated")[1][:5] == [0.0, 0.01, -0.01, 0.0, 0.02]
 
 
+def test_side_by_side_draws_both_errors_their_difference_and_the_flips() -> None:
+    above, below = drawn("side_by_side", results()).axes
+    points = [np.asarray(line.get_xdata()).tolist() for line in above.get_lines()[1:]]
+    assert points == [[-17.0], [-17.2], [37.0], [36.8], [-54.0], [-54.0]]
+    segments = [
+        np.asarray(one.get_segments()[0])[:, 0].tolist() for one in above.collections if isinstance(one, LineCollection)
+    ]
+    assert segments == [[-18.0, -16.0], [35.0, 39.0], [-55.0, -53.0]]
+    assert [label.get_text() for label in below.get_yticklabels()] == ["new", "old", "difference"]
+    assert below.get_xlabel() == "error [ug]"
+
+
 # Titles
 
 
@@ -327,6 +356,7 @@ def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
         "largest scale-factor error 0.5 % (x), largest misalignment 0.02 rad (x reads y), 1 entries not estimated"
     )
     assert found["matrix"] == expected
+    assert found["side_by_side"] == "To zero, new against old: y 20.0 ± 1.0 ug nearer; z not shown nearer"
     assert found["budget"] == "mounting gives the most of the variance in 1 of 2 quantities"
 
 
@@ -439,6 +469,8 @@ def poisoned(text: str) -> dict[str, Any]:
                 c["values"] = [text] * len(c["values"])
             elif c["unit"]:
                 c["unit"] = text
+    content["results"] = [*ROWS, *(one | {"test": text, "unit": text} for one in BESIDE)]
+    content["sequence"] = [{"test": text, "against": text}]
     content["verdicts"] = [one | {"test": text, "requirement": text} for one in VERDICTS]
     content["budgets"] = [one | {"source": text, "quantity": text} for one in SHARES]
     content["closed_loop"] = {"axes": [LOOP["axes"][0] | {"axis": text, "unit": text}]}

@@ -137,6 +137,7 @@ def left_out(count: int, counts: str, test: str = "t", rule: str = "edge") -> di
             "One dwell and rows at one place left out, by two stated rules; "
             "what several tests leave out counts in each",
         ),
+        ([left_out(4, "window", rule="settling")], "Parts of four windows left out, by one stated rule"),
     ],
 )
 def test_exclusions_are_counted_as_what_they_are(rows: list[dict[str, Any]], said: str) -> None:

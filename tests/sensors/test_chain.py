@@ -285,3 +285,16 @@ def test_no_readings() -> None:
     got = convert(adc(validity_minimum=2.4), np.empty((0, 1)), validity=np.empty(0))
     assert got.output.shape == (0, 1)
     assert got.remarks == ()
+
+
+def test_the_zero_of_the_electronics_is_that_of_the_gain_at_the_time() -> None:
+    chain = Chain(
+        ("x",), 1e-3, unit="V", scale_factor=1.0, zero=0.5, zero_at={1.0: np.array([0.1]), 10.0: np.array([0.2])}
+    )
+    gain = np.array([1.0, 10.0])
+    codes = to_counts(chain, np.array([[0.3], [0.3]]), gain=gain)
+    assert codes.ravel().tolist() == [400, 3200]
+    assert convert(chain, codes, gain=gain).readings == pytest.approx(np.array([[0.3], [0.3]]))
+    assert convert(chain, codes).readings == pytest.approx(np.array([[-0.1], [2.7]]))
+    with pytest.raises(DataError, match="no zero of the electronics of x at gain 100"):
+        convert(chain, codes, gain=np.array([1.0, 100.0]))

@@ -104,6 +104,16 @@ def _coverage(corner: float, n: int) -> None:
     assert abs(middle[1] - white * corner) < 5.0 * error[1] + 0.02 * white * corner
 
 
+def test_results_that_the_design_sees_bound_a_negative_flicker_part() -> None:
+    """On white noise the likelihood alone may leave a step a negative variance, as no contrast shows it."""
+    step = DESIGN[None, :, 1] - DESIGN[:, 1].mean()
+    for seed in range(1, 11):
+        means = np.random.default_rng(seed).normal(size=COUNT)
+        noise = slow_noise(means, SHAPE, step)
+        white = noise.white / (2.0 * BLOCK) * float(step[0] @ step[0])
+        assert noise.variance(step[0])[0] >= 0.09 * white
+
+
 def test_what_cannot_be_told_is_refused() -> None:
     with pytest.raises(DataError, match="17 block means, of which 2 are fitted: need 16 more"):
         blocks_of(TIMES[171:188], BLOCK, DESIGN[171:188])

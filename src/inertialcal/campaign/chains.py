@@ -7,8 +7,10 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DataError
+from ..core.estimate import Array
 from ..core.units import parse_quantity, si_unit
 from ..sensors.chain import Chain, Thermometer, pulse_counter
+from .schema import Chain as Chain_
 from .schema import Sensor
 
 TEMPERATURE = ("temperature",)
@@ -44,8 +46,9 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
         unit=si,
         scale_factor=scale_factors(sensor, axes),
         reference=given.reference if given.reference is not None else 0.0,
-        zero=0.0 if given.zero is None else per_axis(given.zero, "V", axes),
-        gain=_gains(given.gain, axes),
+        zero=_zeros(given, axes),
+        gain=gains(given.gain, axes),
+        zero_at=_zeros_by_gain(given, axes),
         thermometer=None
         if thermometer is None
         else Thermometer(
@@ -102,7 +105,42 @@ def _quantity(text: Any, unit: str) -> float:
     return float(parse_quantity(str(text)).to(unit))
 
 
-def _gains(given: Any, axes: tuple[str, ...]) -> Any:
+def _zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
+    """Return the zero of each axis at its gain [V]: that of its gain, else that of the chain."""
+    found = np.array(np.broadcast_to(_own_zeros(given, axes), len(axes)))
+    stated = np.broadcast_to(gains(given.gain, axes), len(axes))
+    for gain, zeros in (_zeros_by_gain(given, axes) or {}).items():
+        found = np.where(stated == gain, zeros, found)
+    return found
+
+
+def _own_zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
+    return 0.0 if given.zero is None else per_axis(given.zero, "V", axes)
+
+
+def _zeros_by_gain(given: Chain_, axes: tuple[str, ...]) -> dict[float, Array] | None:
+    """Return the zero of each axis at each gain of the ground model [V]; None where none says one."""
+    if given.ground is None or all(one.zero is None for one in given.ground.gains.values()):
+        return None
+    found = {}
+    for gain, one in given.ground.gains.items():
+        zeros = np.array(np.broadcast_to(_own_zeros(given, axes), len(axes)))
+        texts = one.zero if isinstance(one.zero, dict) else dict.fromkeys(axes, one.zero)
+        for axis, text in texts.items():
+            if axis in axes and text is not None:
+                zeros[axes.index(axis)] = _quantity(text, "V")
+        found[float(gain)] = zeros
+    return found
+
+
+def gains(given: Any, axes: tuple[str, ...]) -> Any:
+    """Return the gain of the amplifier of each axis, shape (k,), or of all.
+
+    Raises
+    ------
+    DataError
+        If there is one for some axes only.
+    """
     if not isinstance(given, dict):
         return float(given)
     missing = [axis for axis in axes if axis not in given]

@@ -8,23 +8,28 @@ from pathlib import Path
 import numpy as np
 
 from ..core.errors import DataError
+from ..core.estimate import Array
 from ..core.recording import SECOND, Channel, Recording
 from ..core.times import read_instant
-from ..core.units import convert, si_unit
+from ..core.units import convert, kind, si_unit
 from ..files import read, read_table
 from ..procedures.rate_table.recordings import APPLIED, Turned
 from ..sensors.chain import Chain
+from ..sensors.ground_recordings import PREDICTED
 from ..sensors.on_recordings import apply_chain
 from .chains import build_chain
+from .ground import ChainModel, after_model, chain_model
 from .origins import Origin
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 
 AXES = ("x", "y", "z")
-TEMPERATURE = "temperature"  # one for all axes, in units of temperature
+TEMPERATURE, GAIN = "temperature", "gain"
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
 
-def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Sensor) -> Recording:
+def prepare_recording(
+    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False
+) -> Recording:
     """Return the readings of a recording in body axes, SI, time in the middle of each average.
 
     Parameters
@@ -34,12 +39,15 @@ def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Se
     name, entry : str, RecordingEntry
         The recording, with ``channels``.
     sensor : Sensor
-        Whose chain and mounting apply.
+        Whose chain, ground model and mounting apply.
+    keep_bias : bool
+        Whether the bias that a ground model predicts stays in.
 
     Returns
     -------
     Recording
-        Channels ``x``, ``y``, ``z`` [SI] as far as they are there, ``applied`` [SI], then the others as they are.
+        Channels ``x``, ``y``, ``z`` [SI] as far as they are there, ``applied`` [SI], then the others as they are; with
+        a ground model ``predicted_x``, ... [SI].
 
     Raises
     ------
@@ -50,9 +58,14 @@ def prepare_recording(folder: Path, name: str, entry: RecordingEntry, sensor: Se
     recording = read(
         folder / entry.file,
         time_column=(entry.clock or Clock()).column,
+        frame=entry.frame,
         required=[channels[axis].column for axis in channels if axis in AXES],
     )
-    return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor))
+    model = chain_model(sensor, folder)
+    if model is not None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
+        what, why = f"recordings.{name}: its axes are not those of the sensor", "the ground model is for those"
+        raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
+    return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor), model, keep_bias)
 
 
 def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
@@ -62,7 +75,13 @@ def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
 
 
 def in_body_axes(
-    recording: Recording, name: str, entry: RecordingEntry, sensor: Sensor, chain: Chain | None
+    recording: Recording,
+    name: str,
+    entry: RecordingEntry,
+    sensor: Sensor,
+    chain: Chain | None,
+    model: ChainModel | None = None,
+    keep_bias: bool = False,
 ) -> Recording:
     """Return the readings of a recording that was read, as `prepare_recording` does; `chain` as `chain_of` has it.
 
@@ -79,16 +98,48 @@ def in_body_axes(
     if not axes:
         raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
     columns = {what: one.column for what, one in channels.items()}
+    recording = _declared(recording, columns)
+    warm = {what: columns[what] for what, one in channels.items() if kind(one.unit) == TEMPERATURE}
+    amplified = _gain_columns(columns, axes)
+    recording = _in_si(recording, amplified, "1") if amplified else recording
     if chain is None:
         recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
     else:
-        beside = (APPLIED, TEMPERATURE)
-        recording = apply_chain(chain, recording, {k: v for k, v in columns.items() if k not in beside})
+        used = {k: v for k, v in columns.items() if k != APPLIED and k not in warm and not k.startswith(GAIN)}
+        recording = apply_chain(chain, recording, used, _gains(recording, chain))
     if APPLIED in columns:
         recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
-    if TEMPERATURE in columns:
-        recording = _in_si(recording, {TEMPERATURE: columns[TEMPERATURE]}, "degC")
+    if warm:
+        recording = _in_si(recording, warm, "degC")
+    if model is not None:
+        recording = after_model(recording, entry, model, keep_bias, name)
     return _in_body(recording, sensor, axes)
+
+
+def _declared(recording: Recording, columns: dict[str, str]) -> Recording:
+    """Leave out columns that the campaign does not name but whose names would be taken for temperature or gain."""
+    taken = {name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))}
+    taken |= {PREDICTED + axis for axis in AXES}
+    unsaid = taken - set(columns.values())
+    return replace(recording, channels=tuple(c for c in recording.channels if c.name not in unsaid))
+
+
+def _gain_columns(columns: dict[str, str], axes: tuple[str, ...]) -> dict[str, str]:
+    """Return the columns of recorded gains by axis: one for all axes stands for each."""
+    found = {f"{GAIN}_{axis}": columns.get(f"{GAIN}_{axis}", columns.get(GAIN, "")) for axis in axes}
+    return {name: column for name, column in found.items() if column}
+
+
+def _gains(recording: Recording, chain: Chain) -> Array | None:
+    """Return the gain of each axis over time, shape (n, k), where one was recorded; None where none was."""
+    names = [f"{GAIN}_{axis}" for axis in chain.axes]
+    if not any(name in recording.names for name in names):
+        return None
+    found = np.array(np.broadcast_to(chain.gain, (len(recording), len(names))), dtype=float)
+    for i, name in enumerate(names):
+        if name in recording.names:
+            found[:, i] = recording.channel(name).data
+    return found
 
 
 def _timed(recording: Recording, clock: Clock) -> Recording:
@@ -124,13 +175,20 @@ def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Rec
     wanted = [i for i, axis in enumerate(AXES) if axis not in axes]
     if np.any(np.abs(mounting[wanted]) @ np.abs(mounting.T)[:, [AXES.index(a) for a in axes]] > 1e-9):
         raise DataError("mounting mixes axes that were not recorded", recording.source.path, code="wrong_column")
-    sensed = np.zeros((len(recording), 3))
-    for axis in axes:
-        sensed[:, AXES.index(axis)] = recording.channel(axis).data
-    body = sensed @ mounting
-    made = {axis: body[:, AXES.index(axis)].copy() for axis in axes}
+    made = _turned(recording, mounting, axes, "")
+    if all(PREDICTED + axis in recording.names for axis in axes):
+        made |= _turned(recording, mounting, axes, PREDICTED)
     channels = tuple(replace(c, data=made[c.name]) if c.name in made else c for c in recording.channels)
     return replace(recording, channels=channels)
+
+
+def _turned(recording: Recording, mounting: Array, axes: tuple[str, ...], prefix: str) -> dict[str, Array]:
+    """Return channels of the sensor axes along those of the body, by name."""
+    sensed = np.zeros((len(recording), 3))
+    for axis in axes:
+        sensed[:, AXES.index(axis)] = recording.channel(prefix + axis).data
+    body = sensed @ mounting
+    return {prefix + axis: body[:, AXES.index(axis)].copy() for axis in axes}
 
 
 def turned_recording(

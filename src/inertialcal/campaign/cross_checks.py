@@ -8,9 +8,11 @@ from pathlib import Path
 
 from ..core.errors import DataError, InertialcalError, Problem
 from ..core.units import kind, normalise, parse_quantity
+from ..files.pad_pairs import pairs_of
 from ..procedures import PROCEDURES
 from .chains import build_chain, scale_factors
 from .conditions import parse_condition
+from .ground_checks import ground_checks
 from .plans import plan_values
 from .schema import CampaignFile, RecordingEntry, Requirement, Rows, Sensor, Test
 
@@ -36,9 +38,14 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "model_bias_error": RATE,
     "control_error": RATE,
     "reading": RATE,
+    "bias_shift": RATE,
+    "corrected_bias": RATE,
+    "model_bias_error_change": RATE,
+    "model_bias_error_reduction": RATE,
 }
 SENSORS = {"rate_table": ("gyro", "gyros"), "flip": ("accelerometer", "accelerometers")}  # that a procedure tests
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 MODELLED = ("rate_table",)  # procedures whose results become a model
 
 
@@ -58,10 +65,13 @@ def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
         *(p for name, sensor in file.sensors.items() for p in _sensor(name, sensor, at)),
         *(p for name, entry in file.recordings.items() for p in _recording(folder, file, name, entry, at)),
         *(p for number, test in enumerate(file.tests) for p in _test(file, number, test, at)),
+        *(p for number, test in enumerate(file.tests) for p in _against(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
+        *_reserved(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
         *_apart(file, at),
         *_model_terms(file, at),
+        *ground_checks(folder, file, at),
         *_requirements(file, at),
     ]
 
@@ -123,7 +133,9 @@ def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
     try:
         root = folder.resolve()
         path = (root / given).resolve()
-        exists = path.is_file()
+        exists = path.is_file() or (path.is_dir() and bool(pairs_of(path)))  # a folder of archive records
+    except DataError:  # one member of a pair is not there, which its reader tells
+        return
     except (OSError, ValueError, RuntimeError):
         yield Problem(f"recordings.{name}: {given!r} is no file name", where, code="missing_file")
         return
@@ -142,11 +154,24 @@ def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> 
         axis = channel.rpartition("_")[2]
         if axis in {"x", "y", "z"} and axis not in sensor.axes:
             yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
-        need = wanted if channel == "applied" or sensor.chain.kind == "none" else "count"
-        need = "temperature" if channel == "temperature" else need
-        if kind(one.unit) != need and not ("_" in channel and sensor.chain.kind == "none"):
-            what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {need}"
+        need = _kinds(channel, sensor, wanted)
+        if need and kind(one.unit) not in need:
+            what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {' or '.join(need)}"
             yield Problem(what, where, code="wrong_value")
+
+
+def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
+    """Return the kinds of unit that a channel may have; none where it is not used."""
+    counted = sensor.chain.kind != "none"
+    if channel == "temperature":
+        return ("temperature",)
+    if channel.startswith("temperature"):
+        return ("temperature", "count") if counted else ("temperature",)
+    if channel.startswith("gain"):
+        return ("dimensionless",)
+    if "_" in channel and not counted:
+        return ()
+    return (wanted,) if channel == "applied" or not counted else ("count",)
 
 
 def _row_units(name: str, rows: Rows, sensor: Sensor, at: At) -> Iterator[Problem]:
@@ -217,6 +242,11 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
     if len(set(files)) < len(files):
         what = f"test {test.id!r}: a recording appears twice"
         yield Problem(what, at("tests", number, "recordings"), "its readings would count twice", code="duplicate_id")
+    if test.procedure == "flip" and test.windows is not None:
+        what = f"test {test.id!r}: windows, but a flip is read where its recordings say (positions), or by groups"
+        yield Problem(
+            what, at("tests", number, "windows"), "they would have no effect", "Leave them out", "wrong_value"
+        )
     for name in test.recordings:
         entry = file.recordings.get(name)
         if entry is None:
@@ -232,13 +262,26 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
             yield Problem(what, at("recordings", name), do=do, code="missing_key")
         if test.groups is not None and (entry.rows is None or entry.rows.group is None) and entry.means is None:
             what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
-            yield Problem(
-                what, at("tests", number, "groups"), do="Choose by windows, or give rows.group", code="wrong_value"
-            )
+            do = "Choose by positions" if test.procedure == "flip" else "Choose by windows, or give rows.group"
+            yield Problem(what, at("tests", number, "groups"), do=do, code="wrong_value")
         own = test.plan.get("axis")
         if own and entry.axis not in (None, own):
             what = f"test {test.id!r}: plan.axis = {own!r}, but recording {name!r} says axis = {entry.axis!r}"
             yield Problem(what, at("tests", number, "plan", "axis"), do="Say it in one place", code="wrong_value")
+
+
+def _against(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a test that is set beside none, beside itself, or beside one of another procedure."""
+    if test.against is None:
+        return
+    where = at("tests", number, "against")
+    others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == "flip"}
+    if test.procedure != "flip":
+        what = f"test {test.id!r}: against, but only flips are set side by side"
+        yield Problem(what, where, do="Leave it out, or compare two campaigns: compare A B", code="wrong_value")
+    elif test.against not in others:
+        what = f"test {test.id!r}: against = {test.against!r} is no other flip of this campaign"
+        yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
 
 
 def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
@@ -247,6 +290,13 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
             what = f"duplicate id {one!r} in {table}: used before"
             why = "results could not be told apart"
             yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
+
+
+def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
+    for number, test in enumerate(file.tests):
+        if test.id == RESERVED:
+            what = f"tests: id {RESERVED!r}: results have the rows of the model of the sensor under this name"
+            yield Problem(what, at("tests", number, "id"), "they could not be told apart", "Rename it", "duplicate_id")
 
 
 def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:

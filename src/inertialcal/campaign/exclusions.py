@@ -14,7 +14,7 @@ import numpy as np
 
 from ..core.remarks import Remark
 from ..core.units import convert
-from ..procedures import rate_table
+from ..procedures import flip, rate_table
 from ..procedures.rate_table.exclusions import Mask
 from .curves import ten_digits
 from .load import Campaign
@@ -33,6 +33,9 @@ RULES = {
 }
 # Rules on a sample, by the code of their remark: the key of the sensor's chain that decided.
 SAMPLES = {"test_low": "validity_minimum", "rail": "counts"}
+# Of a flip, by the code of their remark: what decided, and what its count counts; then why an axis is not read.
+FLIP_RULES = {"settling": ("settle", "window"), "no_reading": ("no_reading", "sample")}
+UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}
 
 
 def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
@@ -56,6 +59,8 @@ def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dic
         found += _not_chosen(one)
         if isinstance(one.readings, rate_table.Readings):
             found += [*_samples(one, sensor.chain), *_dwells(one, sensor.unit)]
+        elif isinstance(one.readings, flip.Readings):
+            found += _of_flip(one, sensor.chain)
     return found
 
 
@@ -106,6 +111,28 @@ def _samples(one: Prepared, chain: Chain) -> Iterator[dict[str, Any]]:
     for remark in one.readings.remarks:
         if remark.code in SAMPLES:
             yield _by_chain(one, remark, chain)
+
+
+def _of_flip(one: Prepared, chain: Chain) -> Iterator[dict[str, Any]]:
+    """Yield what a flip did not read: samples and starts of windows as its remarks count them, dwells axis by axis."""
+    for remark in one.readings.remarks:
+        if remark.code in SAMPLES:
+            yield _by_chain(one, remark, chain)
+        elif remark.code in FLIP_RULES:
+            key, counts = FLIP_RULES[remark.code]
+            decided = _by_plan(one, key)
+            yield _row(one, remark.code, decided, remark.what, remark.where, count=remark.count, counts=counts)
+    for axis, values in one.readings.outputs.items():
+        ending = f"{axis} is not read"
+        why = [said for said in one.readings.remarks if said.code in UNREAD and said.what.endswith(ending)]
+        for i in np.flatnonzero(np.isnan(values)) if why else ():
+            place = one.readings.where[i] if one.readings.where else ""
+            yield _row(one, why[0].code, _by_plan(one, UNREAD[why[0].code]), why[0].what, place, axis)
+
+
+def _by_plan(one: Prepared, key: str) -> str:
+    value = getattr(one.plan, key, None)
+    return f"rule: {key}" if value is None else f"rule: {key} = {value:g}"
 
 
 def _by_chain(one: Prepared, remark: Remark, chain: Chain) -> dict[str, Any]:

@@ -7,16 +7,21 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from ..core.errors import DataError
+from ..core.estimate import Array
 from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.times import read_elapsed, read_instant
-from ..core.units import convert, factor, si_unit
+from ..core.units import convert, factor, kind, si_unit
 from ..files.table import Table, read_table
 from ..procedures import flip
+from ..procedures.flip.plausible import readable
 from ..procedures.flip.recordings import Turned, readings_from
 from ..procedures.flip.tables import MeanOf, readings_of_means
 from .channels import prepare_recording
+from .ground import chain_model
 from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin
@@ -83,6 +88,7 @@ def means_of(table: Table, means: Means, file: str) -> list[MeanOf]:
     flips = table.text(means.flip) if means.flip else ("1",) * len(table)
     warm = table.numbers(means.temperature) if means.temperature else [math.nan] * len(table)
     scale = factor(means.unit, si_unit(means.unit))
+    told = _predicted(table, means)
     widths = {float(p): table.numbers(column, required=False) * scale for p, column in means.half_widths.items()}
     found = []
     for i, row in enumerate(table.rows):
@@ -93,10 +99,26 @@ def means_of(table: Table, means: Means, file: str) -> list[MeanOf]:
         given = tuple((p, float(width[i])) for p, width in widths.items() if math.isfinite(width[i]))
         found.append(
             MeanOf(
-                axes[i].lower(), angles[positions[i]], float(values[i]), flips[i], given, float(warm[i]), where=where
+                axes[i].lower(),
+                angles[positions[i]],
+                float(values[i]),
+                flips[i],
+                given,
+                float(warm[i]),
+                where=where,
+                predicted=float(told[i]),
             )
         )
     return found
+
+
+def _predicted(table: Table, means: Means) -> Array:
+    """Return the bias that a ground model predicts, SI, shape (n,); in the unit of the means, or that of its head."""
+    if means.predicted is None:
+        return np.full(len(table), math.nan)
+    own = table.unit(means.predicted)
+    unit = own if own is not None and kind(own) == kind(means.unit) else means.unit
+    return table.numbers(means.predicted) * factor(unit, si_unit(unit))
 
 
 def _from_recordings(
@@ -104,10 +126,13 @@ def _from_recordings(
 ) -> Prepared:
     turned, inputs, origins = [], {}, []
     for name, entry in entries.items():
-        recording = prepare_recording(folder, name, entry, sensor)
+        recording = prepare_recording(folder, name, entry, sensor, keep_bias=not plan.corrected)
         turned.append(turned_head(recording, name, entry))
         inputs[entry.file] = recording.source.sha256
         origins.append(Origin(name, entry.file, recording.source.sha256, "recording", len(recording), len(recording)))
+    model = chain_model(sensor, folder)
+    if model is not None and model.file:
+        inputs[model.file] = model.sha256
     return Prepared(test, plan, readings_from(plan, turned), inputs, tuple(origins))
 
 
@@ -119,18 +144,21 @@ def turned_head(recording: Recording, name: str, entry: RecordingEntry) -> Turne
     DataError
         ``wrong_time`` if a time is not on the clock of the recording.
     """
-    return Turned(recording, tuple(_window(one, recording, name) for one in entry.positions or ()), name=name)
+    recording = readable(recording)
+    begin = None if entry.clock is None else entry.clock.mission_start
+    origin = None if begin is None else read_instant(begin)
+    return Turned(recording, tuple(_window(one, recording, name, origin) for one in entry.positions or ()), name=name)
 
 
-def _window(given: Position, recording: Recording, name: str) -> flip.Window:
-    start, stop = (_instant(one, recording, name) for one in (given.start, given.stop))
+def _window(given: Position, recording: Recording, name: str, origin: int | None) -> flip.Window:
+    start, stop = (_instant(one, recording, name, origin) for one in (given.start, given.stop))
     return flip.Window(start, stop, given.angle, given.flip)
 
 
-def _instant(given: Any, recording: Recording, name: str) -> int:
-    """Return an instant on the clock of the recording [ns]."""
+def _instant(given: Any, recording: Recording, name: str, origin: int | None) -> int:
+    """Return an instant on the clock of the recording [ns]; ``origin``: where mission elapsed time is zero."""
     try:
-        return read_instant(given) if recording.epoch == "utc" else read_elapsed(given)
+        return read_instant(given, origin) if recording.epoch == "utc" else read_elapsed(given)
     except ValueError as error:
         clock = "UTC" if recording.epoch == "utc" else "elapsed time, without a date"
         why = f"the clock of {recording.source.path or name} is {clock}"

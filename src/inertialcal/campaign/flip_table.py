@@ -16,6 +16,7 @@ PATTERNS = {
     "flip": r"^(flip|rotation|turn|time|time_id)$",
     "mean": r"(^|_)(mean|average|reading|acceleration|acc)(_|$)",
     "temperature": r"(^|_)(temp|temperature)(_|$)",
+    "predicted": r"(^|_)predicted(_|$)",
 }
 WIDTH = re.compile(r"(?:^|_)half_width_(\d\d)(?:_|$)")
 
@@ -60,6 +61,7 @@ def means_columns(table: Table, angles: Mapping[str, str], unit: str | None) -> 
         angles={one: _angle(one, angles, str(path)) for one in positions},
         flip=found["flip"],
         temperature=found["temperature"],
+        predicted=found["predicted"],
         half_widths=widths,
     )
 

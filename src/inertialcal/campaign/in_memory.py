@@ -20,6 +20,7 @@ from ..rigs.twin import SEED, Twin
 from ..sensors.chain import Chain
 from .channels import chain_of, in_body_axes
 from .flip_inputs import flip_plan, turned_head
+from .ground import ChainModel, chain_model
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
 
@@ -35,6 +36,7 @@ class _Fit:
     plan: rate_table.Plan | flip.Plan
     sensor: Sensor
     entries: tuple[tuple[str, RecordingEntry, Chain | None], ...]
+    model: ChainModel | None = None
 
 
 def fit_results(twin: Twin) -> list[Result]:
@@ -65,13 +67,14 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
     sensor = file.sensors[named[test.recordings[0]].sensor]
     entries = tuple((name, entry, chain_of(entry, sensor)) for name, entry in named.items())
     if test.procedure == "flip":
-        return _Fit(test.procedure, flip_plan(test, standards), sensor, entries)
+        return _Fit(test.procedure, flip_plan(test, standards), sensor, entries, chain_model(sensor))
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
 
 
 def _result(twin: Twin, fit: _Fit) -> Result:
+    keep_bias = isinstance(fit.plan, flip.Plan) and not fit.plan.corrected
     placed = [
-        (name, entry, in_body_axes(twin.recordings[entry.file], name, entry, fit.sensor, chain))
+        (name, entry, in_body_axes(twin.recordings[entry.file], name, entry, fit.sensor, chain, fit.model, keep_bias))
         for name, entry, chain in fit.entries
     ]
     return REDUCED[fit.procedure](fit.plan, placed)

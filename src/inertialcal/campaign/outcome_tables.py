@@ -7,9 +7,10 @@ from typing import Any
 
 from ..core.beside import names_of
 from ..core.remarks import Remark
-from ..core.result_tables import estimated, folded, not_estimated, told
+from ..core.result_tables import estimated, figure, folded, not_estimated, told
 from ..core.results import is_beside
 from ..core.rounding import number
+from ..core.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
 from ..core.tables import Grid, Part
 
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
@@ -30,7 +31,8 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
     shown = [row for row in results["results"] if not is_beside(row["condition"])]
     parts: list[Part] = []
     for test in dict.fromkeys(row["test"] for row in shown):
-        parts += estimated([row for row in shown if row["test"] == test], str(test))
+        parts += estimated(own_rows([row for row in shown if row["test"] == test]), str(test))
+        parts += _side_by_side(results, str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
     left_out = [row["condition"] for row in results["results"] if is_beside(row["condition"])]
     if left_out:
@@ -38,6 +40,20 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
         parts.append(f"left out here: {len(left_out)} figures beside the result ({names})")
     parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
     return (*parts, *told(remarks), f"verdict: {verdict or 'no requirement stated'}")
+
+
+def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Part, ...]:
+    """Return what two ground models leave of the bias, a row an axis."""
+    pairs = pairs_of(row for row in results["results"] if row["test"] == test)
+    rows = [
+        (axis, figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), figure(pair.get(REDUCTION)),
+         pair[CHANGE]["unit"], verdict_of(pair))
+        for (axis, flip), pair in pairs.items()
+        if not flip
+    ]  # fmt: skip
+    other = next((step["against"] for step in results["sequence"] if step["test"] == test), None)
+    heads = ("axis", test, str(other), "difference", "nearer to zero by", "unit", "to zero")
+    return (Grid(heads, rows, f"{test} against {other}: model bias error", (1, 2, 3, 4)),) if rows else ()
 
 
 def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:

@@ -25,6 +25,7 @@ from .prepare import placed, prepare, sensor_of
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
+from .side_by_side import beside_others
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
@@ -233,7 +234,7 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
         remarks += [remark.at(test.id) for remark in result.remarks]
     if problems:
         raise DataError(list(dict.fromkeys(problems)))
-    return ready, tested, remarks
+    return ready, beside_others(campaign, tested), remarks
 
 
 def _files(

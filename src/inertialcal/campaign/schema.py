@@ -23,6 +23,8 @@ Text = Annotated[str, Field(max_length=2000)]
 Axis = Literal["x", "y", "z"]
 PerAxis = str | dict[Axis, str]  # one quantity for all axes, or one each
 
+LARGEST = 1e9  # uncertainty of a standard, SI: beyond it a digit or a unit is wrong
+
 # Influences that may stand under [standards.NAME], with the unit that they are read into.
 STANDARDS: dict[str, dict[str, str]] = {
     "rate_table": {"rate": "1", "mounting": "rad"},
@@ -95,8 +97,8 @@ class StandardEntry(Strict):
             text, divisor = self.half_width, math.sqrt(3.0)
         quantity = parse_quantity(text or "")
         u = quantity.to(unit, difference=True) / divisor
-        if not (u >= 0.0 and math.isfinite(u)):
-            raise ValueError(f"{text!r}: an uncertainty is positive and finite")
+        if not 0.0 <= u <= LARGEST:
+            raise ValueError(f"{text!r}: an uncertainty is positive and finite, and no larger than {LARGEST:g} {unit}")
         shape = "rectangular" if self.half_width is not None else "normal"
         dof = math.inf if self.dof is None else self.dof
         return Influence(u, unit, dof, shape, self.certificate, (quantity.value / divisor, quantity.unit))
@@ -108,6 +110,29 @@ class Thermometer(Strict):
     slope: PerAxis
     voltage: PerAxis
     temperature: PerAxis
+
+
+Polynomial = Annotated[list[str], Field(min_length=1, max_length=5)]  # in temperature, up to fourth order
+Pair = Annotated[str, Field(pattern="^(xy|xz|yx|yz|zx|zy)$")]
+GainText = Annotated[str, Field(pattern=r"^\d{1,9}(\.\d{1,9})?$")]
+
+
+class AtGain(Strict):
+    """ground.gains.GAIN: polynomials of each axis at one gain, and the zero of the electronics there."""
+
+    bias: dict[Axis, Polynomial]
+    scale_factor: dict[Axis, Polynomial] | None = None
+    zero: PerAxis | None = None
+
+
+class Ground(Strict):
+    """chain.ground = {...}: a model of the head that was made on the ground."""
+
+    gains: dict[GainText, AtGain] = Field(min_length=1)
+    misalignment: dict[Pair, Polynomial] = {}
+    reference_temperature: PerAxis = "0 degC"
+    temperature_range: list[str] | None = Field(default=None, min_length=2, max_length=2)
+    source: Text = ""
 
 
 class Chain(Strict):
@@ -123,6 +148,9 @@ class Chain(Strict):
     zero: PerAxis | None = None
     thermometer: Thermometer | None = None
     validity_minimum: Voltage | None = None
+    ground: Ground | None = None
+    model: Text | None = None
+    order: Literal["jointly", "bias_first"] = "jointly"
 
     @field_validator("counts", mode="before")
     @classmethod
@@ -135,6 +163,8 @@ class Chain(Strict):
             raise ValueError('kind = "adc" needs lsb and counts')
         if self.kind == "pulse_rate" and self.gate is None:
             raise ValueError('kind = "pulse_rate" needs gate')
+        if self.ground is not None and self.model is not None:
+            raise ValueError("ground and model: give one of them, both are a model of the head")
         if self.counts is not None and self.counts[0] >= self.counts[1]:
             raise ValueError(f"counts = {list(self.counts)}: the first must be the smaller")
         return self
@@ -190,6 +220,7 @@ class Means(Strict):
     angles: dict[Text, Angle]
     flip: Text | None = None
     temperature: Text | None = None
+    predicted: Text | None = None
     half_widths: dict[Text, Text] = {}
 
     @field_validator("half_widths")
@@ -217,6 +248,14 @@ class Clock(Strict):
     stamp: Literal["start", "middle", "end"] = "middle"
     interval: Duration | None = None
     averaging: Duration | None = None
+    mission_start: str | None = None
+
+    @field_validator("mission_start")
+    @classmethod
+    def _instant(cls, given: str | None) -> str | None:
+        if given is not None:
+            read_instant(given)
+        return given
 
 
 class ChannelEntry(Strict):
@@ -237,8 +276,10 @@ class Schedule(Strict):
 
 
 ChannelName = Annotated[
-    str, Field(pattern=r"^(applied|reference|temperature|((reference|temperature|validity)_)?[xyz])$")
+    str, Field(pattern=r"^(applied|reference|temperature|gain|((reference|temperature|validity|gain)_)?[xyz])$")
 ]
+
+Step = Literal["bias", "scale_factor", "misalignment"]  # of a ground model
 
 
 class RecordingEntry(Strict):
@@ -250,17 +291,20 @@ class RecordingEntry(Strict):
     means: Means | None = None
     channels: dict[ChannelName, ChannelEntry] | None = None
     clock: Clock | None = None
+    frame: Literal["data", "sensor"] | None = None
     schedule: Schedule | None = None
     positions: list[Position] | None = Field(default=None, min_length=1)
     axis: Axis | None = None
     run: Text | None = None
+    applied: list[Step] | None = None
     source: Text = ""
 
     @model_validator(mode="after")
     def _one_kind(self) -> RecordingEntry:
         if [self.rows, self.means, self.channels].count(None) != 2:
             raise ValueError("needs rows or means (a reduced table) or channels (a recording), one of them")
-        extra = [name for name in ("clock", "schedule", "positions", "axis", "run") if getattr(self, name) is not None]
+        keys = ("clock", "frame", "schedule", "positions", "axis", "run", "applied")
+        extra = [name for name in keys if getattr(self, name) is not None]
         if self.channels is None and extra:
             raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")
         return self
@@ -282,6 +326,7 @@ class Test(Strict):
     windows: list[Window] | None = Field(default=None, min_length=1)
     condition: Text = ""
     source: Text = ""
+    against: Name | None = None
     plan: dict[str, Any] = {}
 
     @field_validator("windows", mode="before")

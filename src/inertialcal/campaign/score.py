@@ -16,9 +16,10 @@ from ..core.results import is_beside
 from ..core.rounding import number, with_uncertainty
 from ..core.tables import Grid, Part, html, text
 from ..core.units import convert
+from ..procedures import flip
 from ..rigs.twin import Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
-from .in_memory import fit_results
+from .in_memory import Result, fit_results
 from .publish import OUT, previous
 from .twin import Truth, read_truth, rig_named
 
@@ -223,8 +224,14 @@ def _held(twin: Twin) -> dict[tuple[str, str], bool]:
         if estimate is None:
             continue
         for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
-            quantity, _, axis = name.rpartition("_")
+            quantity, _, axis = _called(result, name).rpartition("_")
             if (quantity, axis) in values:
                 interval = t_interval(float(value), float(u), float(dof))
                 found[quantity, axis] = contains(interval, values[quantity, axis])
     return found
+
+
+def _called(result: Result, name: str) -> str:
+    """Return the name of a value as the rows have it: what is left after a ground model is the error of that model."""
+    corrected = isinstance(result, flip.Result) and result.plan.corrected
+    return name.replace("bias_", f"{flip.MODEL_BIAS}_", 1) if corrected and name.startswith("bias_") else name

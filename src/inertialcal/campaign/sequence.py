@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..core.times import instant_text
-from .exclusions import RULES
+from .exclusions import RULES, UNREAD
 from .modelling import Prepared
 from .origins import Origin
 
@@ -26,11 +26,11 @@ def sequence_rows(prepared: Sequence[Prepared], exclusions: Sequence[dict[str, A
 
 def _row(one: Prepared, exclusions: Sequence[dict[str, Any]]) -> dict[str, Any]:
     test = one.test
-    out = {row["place"] for row in exclusions if row["test"] == test.id and row["rule"] in RULES}
+    out = {row["place"] for row in exclusions if row["test"] == test.id and row["rule"] in (*RULES, *UNREAD)}
     windows = [[instant_text(start), instant_text(stop)] for start, stop in test.windows or []]
     return {
         "test": test.id, "procedure": test.procedure, "use": test.use, "condition": test.condition,
-        "source": test.source, "groups": test.groups, "windows": windows or None,
+        "source": test.source, "against": test.against, "groups": test.groups, "windows": windows or None,
         "recordings": [_recording(origin) for origin in one.origins],
         "dwells": len(one.readings), "runs": getattr(one.readings, "runs", None), "left_out": len(out),
     }  # fmt: skip

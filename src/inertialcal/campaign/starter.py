@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -13,21 +12,19 @@ from ..core.remarks import Remark
 from ..core.units import kind
 from ..files import read
 from ..files.table import Table, read_table
+from .flip_source import CLOCK_COLUMN, FlipSource
 from .load import FILE, MARK
-from .schema import Means
-from .starter_flip import accelerometers, flip_parts, means_of_table
+from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table
 from .table_columns import Guess, guess
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz")
 MOST = 200  # files
 LONGEST_TABLE = 10_000  # rows; a longer file is no table of dwells
-HEADER = ".header"  # of an archive record, beside its data
 REQUIREMENT = (
     '# [[requirements]]\n# id = "R1"\n# quantity = "rate_error"\n# of = "dwell_mean"\n# limit = "5 %"\n'
     '# where = "abs(rate) >= 0.1 deg/s"\n'
 )
 FLIP_REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error"\n# limit = "0.5 ug"\n'
-CLOCK_COLUMN = re.compile(r"time column '(.*)'")
 
 
 def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
@@ -52,7 +49,7 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
     found, remarks = _files(root)
-    if not any((found.tables, found.raw, found.means, found.heads)):
+    if not any((found.tables, found.raw, found.flips)):
         do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels; for a "
         do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels"
         raise PlanError(f"no recording of a rate table or a flip in {root}", do=do, code="nothing_found")
@@ -74,23 +71,22 @@ class Found:
     ----------
     tables, raw : dict
         Of a rate table: reduced tables and recordings.
-    means, heads : dict
-        Of a flip: tables of means and recordings.
+    flips : dict
+        Of flips: tables of means and recordings of a head.
     """
 
     tables: dict[str, Guess] = field(default_factory=dict)
     raw: dict[str, Recording] = field(default_factory=dict)
-    means: dict[str, Means] = field(default_factory=dict)
-    heads: dict[str, Recording] = field(default_factory=dict)
+    flips: dict[str, FlipSource] = field(default_factory=dict)
 
 
 def _files(root: Path) -> tuple[Found, list[Remark]]:
     """Return what a folder holds, and what was left out."""
-    found = Found()
-    remarks: list[Remark] = []
+    archived, remarks = archive_sources(root)
+    found = Found(flips=archived)
     for path in sorted(root.rglob("*"))[:MOST]:
         name = path.relative_to(root).as_posix()
-        if name.startswith((".", "out/")) or not path.is_file() or not name.lower().endswith((*ENDINGS, HEADER)):
+        if name.startswith((".", "out/")) or not path.is_file() or not name.lower().endswith(ENDINGS):
             continue
         try:
             remarks += _take(found, path, name)
@@ -101,23 +97,23 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
 
 def _take(found: Found, path: Path, name: str) -> list[Remark]:
     """Put a file where it belongs; return the remark on one that belongs nowhere."""
-    if name.lower().endswith(HEADER):  # of an archive record: the data beside it have no ending
-        name, columns = name[: -len(HEADER)], "an archive record"
-    else:
-        table = read_table(path)
-        rates, means = guess(table), means_of_table(table)
-        if means is not None:
-            found.means[name] = means
-            return []
-        if rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE:
-            found.tables[name] = rates
-            return []
-        columns = _names(table)
-    recording = read(path)
-    if recording.time_ns is not None and (_gyros(recording) or accelerometers(recording)):
-        (found.raw if _gyros(recording) else found.heads)[name] = recording
+    table = read_table(path)
+    rates, means = guess(table), means_of_table(table)
+    if means is not None:
+        found.flips[name] = means
         return []
-    what = f"neither columns of rate and reading, nor gyro or accelerometer channels with time ({columns})"
+    if rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE:
+        found.tables[name] = rates
+        return []
+    recording = read(path)
+    if recording.time_ns is not None and _gyros(recording):
+        found.raw[name] = recording
+        return []
+    if recording.time_ns is not None and accelerometers(recording):
+        found.flips[name], remarks = head_source(recording)
+        return [one.at(name) for one in remarks]
+    what = "neither columns of rate and reading, nor gyro or accelerometer channels with time"
+    what = f"{what} ({_names(table)})"
     return [Remark("not_taken", "info", what, name)]
 
 
@@ -147,7 +143,7 @@ def starter_text(name: str, found: Found) -> str:
         f'schema = 1\n\n[campaign]\nid = "{identifier}"\n',
         f'[item]\nmaker = ""  {MARK}\npart = ""  {MARK}\nserial = ""  {MARK}\n',
         *(_rate_table_parts(found.tables, found.raw) if found.tables or found.raw else ()),
-        *flip_parts(found.means, found.heads),
+        *flip_parts(found.flips),
         REQUIREMENT if found.tables or found.raw else FLIP_REQUIREMENT,
     ]
     return "\n".join(part for part in parts if part)

@@ -107,5 +107,5 @@ def init(
         for remark in remarks:
             print(wrapped(str(remark), "    "))
         print(f"written: {path}")
-        print(f"fill in the {len(marked)} lines marked FILL IN, then: inertialcal check {folder}")
+        print(f"fill in the {len(marked)} lines marked FILL IN, then: inertialcal check {shlex.quote(str(folder))}")
     return 0

@@ -2,13 +2,18 @@
 
 from __future__ import annotations
 
+import shlex
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from . import figures
 from .options import Frame, Json, MissionStart, Quiet, Start, Stop
-from .output import json_out
+from .output import clean, json_out
+
+if TYPE_CHECKING:
+    from ..campaign.single_flip import FlipFile
 
 Paths = Annotated[list[Path], typer.Argument(help="A table of means, or recordings of the head.", show_default=False)]
 
@@ -31,6 +36,10 @@ def flip(
     stop: Stop = None,
     mission_start: MissionStart = None,
     frame: Frame = None,
+    output: figures.FigureFile = None,
+    campaign: Annotated[
+        bool, typer.Option("--campaign", help="Write campaign.toml beside the files: run then writes the report.")
+    ] = False,
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -38,24 +47,62 @@ def flip(
     from ..campaign.single_flip import flip as reduce_files
     from .pairs import pairs
 
+    figures.check_figure(output)
+    if campaign:
+        _check_campaign(paths, start, stop)
     found = reduce_files(
         list(paths), axis=axis, unit=unit, positions=pairs(position or [], "--position", '"reverse=180 deg"'),
         columns=pairs(column or [], "--column", "x=ax"),
         windows=_windows(window or []), angle=angle, settle=settle, corrected=corrected,
         start=start, stop=stop, mission_start=mission_start, frame=frame,
     )  # fmt: skip
-    rows = [row.to_dict() for row in found.rows]
-    remarks = [remark.to_dict() for remark in found.remarks]
+    line = "" if output is None else figures.write(output, found, paths, {}, most=2)
+    path = _write_campaign(found) if campaign else None
     if as_json:
-        inputs = [{"path": path, "sha256": digest} for path, digest in found.inputs.items()]
-        json_out("flip", {"inputs": inputs, "results": rows, "remarks": remarks})
+        inputs = [{"path": name, "sha256": digest} for name, digest in found.inputs.items()]
+        content: dict[str, Any] = {"inputs": inputs, "results": [row.to_dict() for row in found.rows]}
+        content["remarks"] = [remark.to_dict() for remark in found.remarks]
+        content |= {"written": str(output)} if line else {}
+        json_out("flip", content | ({} if path is None else {"campaign": str(path)}))
     elif not quiet:
-        from .summary import remarks_text, results_text
-
-        print(results_text({"results": rows}))
-        for text in remarks_text(remarks):
-            print(text)
+        _print(found, line, path)
     return 0
+
+
+def _print(found: FlipFile, line: str, path: Path | None) -> None:
+    """Print the figures, what there is to say of them, and what was written."""
+    from .summary import remarks_text, results_text
+
+    print(results_text({"results": [row.to_dict() for row in found.rows]}))
+    for text in remarks_text([remark.to_dict() for remark in found.remarks]):
+        print(text)
+    if line:
+        print(line)
+    if path is not None:
+        print(f"written: {clean(str(path))}\nNext: inertialcal run {shlex.quote(str(path.parent))}")
+
+
+def _check_campaign(paths: list[Path], start: str | None, stop: str | None) -> None:
+    """Refuse, before anything is computed, what cannot become a campaign.
+
+    Raises
+    ------
+    UsageError, PlanError
+        If only a part of the files is asked for, they lie in several folders, or there is a campaign already.
+    """
+    from ..campaign.flip_campaign import new_campaign
+    from ..core.errors import UsageError
+
+    if start is not None or stop is not None:
+        do = "Write the part first: inertialcal convert IN OUT.parquet --from ... --to ..."
+        raise UsageError("--campaign: a campaign takes whole files, not a part (--from, --to)", do=do)
+    new_campaign(paths)
+
+
+def _write_campaign(found: FlipFile) -> Path:
+    from ..campaign.flip_campaign import write_flip_campaign
+
+    return write_flip_campaign(found.sources, found.result.plan, found.unit)
 
 
 def _windows(given: list[str]) -> list[tuple[str, str, str]]:

@@ -9,6 +9,7 @@ from ..core.beside import columns_of, lines_of, names_of
 from ..core.remarks import Remark
 from ..core.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ..core.rounding import number
+from ..core.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
 from .output import table, wrapped
 
 
@@ -16,12 +17,16 @@ def results_text(results: Mapping[str, Any]) -> str:
     """Return the figures of a campaign, test by test, each result with what stands beside it."""
     blocks = []
     tests = list(dict.fromkeys(row["test"] for row in results["results"]))
+    against = {step["test"]: step.get("against") for step in results.get("sequence", [])}
     for test in tests:
         rows = [row for row in results["results"] if row["test"] == test]
-        blocks.append(f"{test}\n{_estimated(rows)}")
+        blocks.append(f"{test}\n{_estimated(own_rows(rows))}")
         missing = _not_estimated(rows)
         if missing:
             blocks[-1] += f"\n{missing}"
+        beside = _side_by_side(rows, test, str(against.get(test) or "the other"))
+        if beside:
+            blocks[-1] += f"\n{beside}"
     return "\n\n".join(blocks)
 
 
@@ -49,6 +54,18 @@ def _name(quantity: str, condition: str) -> str:
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(f"  {line}" for line in not_estimated(rows))
+
+
+def _side_by_side(rows: Sequence[Mapping[str, Any]], test: str, other: str) -> str:
+    """One line an axis: what both ground models leave of the bias, and which of them is nearer to zero."""
+    cells = [
+        [f"  {axis}", figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), interval(pair[CHANGE]),
+         figure(pair.get(REDUCTION)), interval(pair.get(REDUCTION)), pair[CHANGE]["unit"], verdict_of(pair)]
+        for (axis, flip), pair in pairs_of(rows).items()
+        if not flip
+    ]  # fmt: skip
+    heads = ["  axis", test, other, "difference", "95 % interval", "nearer to 0 by", "95 % interval", "unit", "to 0"]
+    return f"  side by side: what both ground models leave of the bias\n{table(cells, heads)}" if cells else ""
 
 
 def verdicts_text(results: Mapping[str, Any]) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any
@@ -14,7 +15,7 @@ from .progress import progress
 
 
 def simulate(
-    rig: Annotated[str, typer.Argument(help="Name of a rig: rate_table or sams_tsh.", show_default=False)],
+    rig: Annotated[str, typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model.", show_default=False)],
     output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,
     fault: Annotated[str, typer.Option(help="A mistake to put in, like wrong_sign.", show_default=False)] = "",
@@ -31,7 +32,8 @@ def simulate(
     elif not quiet:
         print(f"written: {written.folder} ({len(written.recordings)} recordings)")
         print(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}")
-        print(f"Next: inertialcal run {written.folder}, then inertialcal score {written.folder}")
+        folder = shlex.quote(str(written.folder))
+        print(f"Next: inertialcal run {folder}, then inertialcal score {folder}")
     return 0
 
 

@@ -87,6 +87,8 @@ class Recording:
         What reading it brought up.
     first_row : int
         Row of the source (counted from 1) of sample 0, for messages; 0 when rows have no meaning.
+    applied : tuple of str
+        Corrections that the source says were made already: ``"bias"``, ``"scale_factor"``, ``"misalignment"``.
 
     Raises
     ------
@@ -103,6 +105,7 @@ class Recording:
     source: Source = field(default_factory=Source)
     remarks: tuple[Remark, ...] = ()
     first_row: int = 0
+    applied: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]

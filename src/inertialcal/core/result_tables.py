@@ -11,10 +11,11 @@ from typing import Any
 from .beside import PUBLISHED, missing_of
 from .remarks import Remark
 from .results import is_beside
-from .rounding import near, number, with_uncertainty
+from .rounding import PLAIN, near, number, with_uncertainty
 from .tables import Folded, Grid, Part
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
+WHOLE = 1e3  # values from here on are told with more than three digits
 HEADS = ("quantity", "axis", "value ± u", "unit", "95 % interval", "dof")
 RIGHT = (2, 4, 5)
 
@@ -81,7 +82,8 @@ def _told(row: Mapping[str, Any]) -> str:
     """Return which figure a row is, or for one beside the result of what it is."""
     if is_beside(row["condition"]) and row["condition"] != PUBLISHED:
         return str(row["condition"]).replace("_", " ")
-    known = "" if row["value"] is None else f" ({number(row['value'], 3)} {row['unit']})"
+    value = row["value"]
+    known = "" if value is None else f" ({number(value, 3 if abs(value) < WHOLE else PLAIN)} {row['unit']})"
     return f"{row['quantity']} {row['axis']}".strip() + known
 
 

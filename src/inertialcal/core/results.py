@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 WAYS = ("all_readings", "median", "low_pass", "as_published")  # conditions: other ways of reducing the same readings
-FLIP = re.compile(r"(as_published, )?flip .+")  # conditions: one flip of several, each by its own
+FLIP = re.compile(r"(as_published, )?flip .+", re.DOTALL)  # conditions: one flip of several, each by its own
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
 

@@ -7,14 +7,21 @@ import shlex
 from collections.abc import Collection, Sequence
 from pathlib import Path
 
+import numpy as np
+
 from ..core.recording import Recording
 from ..core.remarks import Remark
+from ..core.units import factor, kind
 from .hints import Hint
 
 PLACEHOLDER = "UNIT"  # for the user to fill in
 REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 CAMPAIGN = "campaign.toml"
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
+TEXT = re.compile(r"column '(.*)' is text")
+AXIS_COLUMNS = {"axis", "channel", "sensor"}
+POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
+FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
 ARCHIVED = "PAD"  # triaxial heads in orbit
 SHORT = 1_000  # samples below which a noise analysis says little
 
@@ -41,11 +48,18 @@ def next_command(
     if is_reduced_table(recording):
         alone = "rate-table" in commands and not _in_campaign(recording)
         return f"inertialcal rate-table {path}" if alone else _campaign(recording, commands)
+    alone = not _in_campaign(recording)
+    if alone and "flip" in commands and _is_of_flip(recording, remarks):
+        return f"inertialcal flip {path}"
     options = _missing_options(recording, hints, remarks)
-    if options:
+    if options and alone:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
-    if recording.source.format.startswith(ARCHIVED):
-        return f"inertialcal flip {path}" if "flip" in commands else None
+    word = None if options else _test_of(recording, remarks, commands)  # a campaign says its units itself
+    return _campaign(recording, commands) if word is None else f"inertialcal {word} {path}"
+
+
+def _test_of(recording: Recording, remarks: Sequence[Remark], commands: Collection[str]) -> str | None:
+    """Return the test that a recording with units and time looks made for."""
     moving = any(remark.code == "not_at_rest" for remark in remarks)
     turned = any(REDUCED.search(channel.name) for channel in recording.channels) and any(
         channel.axis and channel.quantity == "gyro" for channel in recording.channels
@@ -53,16 +67,35 @@ def next_command(
     wanted = ["rate-table"] if moving and turned else ["positions"] if moving else ["allan", "psd"]
     if not moving and len(recording) < SHORT:
         wanted = []
-    word = next((word for word in wanted if word in commands), None)
-    if word is not None:
-        return f"inertialcal {word} {path}"
-    return _campaign(recording, commands)
+    return next((word for word in wanted if word in commands), None)
 
 
 def is_reduced_table(recording: Recording) -> bool:
     """Whether a file looks like reduced readings, a row a dwell, by the names of its columns."""
     named = any(REDUCED.search(channel.name) for channel in recording.channels)
     return named and recording.sample_interval is None and len(recording) <= REDUCED_ROWS
+
+
+def _is_of_flip(recording: Recording, remarks: Sequence[Remark]) -> bool:
+    """Whether a file looks like one of a head in orbit: an archive record, means of a flip, or a triad in free fall."""
+    archived = recording.source.format.startswith(ARCHIVED)
+    return archived or _is_of_means(recording, remarks) or _floats(recording)
+
+
+def _is_of_means(recording: Recording, remarks: Sequence[Remark]) -> bool:
+    """Whether a file looks like means of a flip, by its columns: axes, positions, and an acceleration."""
+    names = {found[1].lower() for one in remarks if one.code == "text_column" and (found := TEXT.match(one.what))}
+    means = any(one.unit is not None and kind(one.unit) == "acceleration" for one in recording.channels)
+    return means and bool(names & AXIS_COLUMNS) and bool(names & POSITION_COLUMNS)
+
+
+def _floats(recording: Recording) -> bool:
+    """Whether this is a triad of accelerometers, and nothing of gyros, that feels next to nothing of gravity."""
+    if recording.time_ns is None or any(one.quantity == "gyro" for one in recording.channels):
+        return False
+    triad = [c for c in recording.channels if c.axis in ("x", "y", "z") and c.unit and kind(c.unit) == "acceleration"]
+    sizes = [abs(float(np.median(c.data))) * factor(c.unit or "", "g") for c in triad]
+    return len(triad) == 3 and max(sizes) < FREE_FALL
 
 
 def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Sequence[Remark]) -> list[str]:
@@ -80,9 +113,15 @@ def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Seque
 def _campaign(recording: Recording, commands: Collection[str]) -> str | None:
     """Return what to do with the folder: its campaign file is to be written once, then to be run."""
     word = "run" if _in_campaign(recording) else "init"
-    folder = Path(recording.source.path).parent
+    folder = _campaign_folder(recording) or Path(recording.source.path).parent
     return f"inertialcal {word} {shlex.quote(str(folder))}" if word in commands else None
 
 
 def _in_campaign(recording: Recording) -> bool:
-    return (Path(recording.source.path).parent / CAMPAIGN).is_file()
+    return _campaign_folder(recording) is not None
+
+
+def _campaign_folder(recording: Recording) -> Path | None:
+    """Return the folder of the campaign that a file lies in, beside campaign.toml or one folder below."""
+    path = Path(recording.source.path)
+    return next((one for one in [path, *list(path.parents)[:2]] if (one / CAMPAIGN).is_file()), None)

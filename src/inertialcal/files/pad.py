@@ -27,6 +27,7 @@ from ..core.times import instant_text
 from .arrays import number_column
 from .assemble import assemble
 from .columns import Content
+from .pad_applied import STEPS, applied
 from .pad_checks import check_byte_order, check_pair
 from .pad_data import FLOAT, Digest, layout_of, read_numbers
 from .pad_frames import check_frame, turned
@@ -122,7 +123,9 @@ def read_pad(
     content = _joined(kept, files[0].header, frame, rate, path)
     content = replace(content, remarks=(*content.remarks, *condensed(remarks)))
     source = Source(path, digest.hexdigest(), content.format)
-    return assemble(content, source, units=units, sample_rate=sample_rate, required=required)
+    recording = assemble(content, source, units=units, sample_rate=sample_rate, required=required)
+    said = {step for part in kept for step in applied(part.file.header)}
+    return replace(recording, applied=tuple(step for step in STEPS if step in said))
 
 
 def _one_sensor(files: Sequence[_File], path: str) -> None:
@@ -231,7 +234,7 @@ def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: floa
         )
     time_ns = _end_to_end([part.time_ns for part in parts])
     columns = tuple(
-        number_column(name, _end_to_end([part.values[i] for part in parts]), unit)
+        number_column(name, _taken(parts, i), unit)
         for i, (name, unit) in enumerate(zip(layout.names, layout.units, strict=True))
     )
     remarks = [*gap_remark(time_ns, rate, path)]
@@ -240,6 +243,14 @@ def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: floa
         remarks.append(Remark("columns_unnamed", "warning", what, path))
     said = f"PAD, {header.sensor}, {WORDS[header.number_type]}" + (f", {len(parts)} files" if len(parts) > 1 else "")
     return Content(columns, said, None, header.sample_rate, tuple(remarks), time_ns)
+
+
+def _taken(parts: list[_Part], column: int) -> NDArray[Any]:
+    """One column end to end; the parts let it go, so that two copies of a day are never there at once."""
+    found = _end_to_end([part.values[column] for part in parts])
+    for part in parts:
+        part.values[column] = found[:0]
+    return found
 
 
 def _end_to_end(arrays: list[NDArray[Any]]) -> NDArray[Any]:

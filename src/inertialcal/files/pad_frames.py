@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -11,7 +12,8 @@ from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..physics.attitude import between
-from .pad_header import PadHeader
+from .pad_header import PadHeader, read_header
+from .pad_pairs import pairs_of
 
 Frame = Literal["data", "sensor"]
 FRAMES = ("data", "sensor")
@@ -81,6 +83,25 @@ def turned(
 def _turn(values: list[NDArray[Any]], C: Array) -> None:
     for first in range(0, len(values[0]), BLOCK):
         part = slice(first, first + BLOCK)
-        vectors = np.stack([column[part] for column in values[:3]], axis=1).astype(np.float64) @ C.T
+        vectors = [column[part].astype(np.float64) for column in values[:3]]
         for axis in range(3):
-            values[axis][part] = vectors[:, axis]
+            turned_part = C[axis, 0] * vectors[0]
+            for other in (1, 2):
+                turned_part += C[axis, other] * vectors[other]
+            values[axis][part] = turned_part
+
+
+def sensor_frame(path: str | Path) -> Frame | None:
+    """Return ``"sensor"`` for archive records whose axes are not those of their sensor, by the headers alone.
+
+    None for all others, and where a header does not say both systems.
+
+    Raises
+    ------
+    DataError
+        If a header is missing or damaged.
+    """
+    turns = [C_sensor_data(read_header(pair.header)) for pair in pairs_of(path)]
+    known = [C for C in turns if C is not None]
+    differ = any(np.abs(C - np.eye(3)).max() >= SAME for C in known)
+    return "sensor" if differ and len(known) == len(turns) else None

@@ -17,6 +17,7 @@ FORMATS = {  # as the archive writes them -> type of a number; "" is text
     "binary 32 bit ieee float big endian": ">f4",
     "ascii": "",
 }
+SLOWEST, FASTEST = 1e-4, 1e6  # [Hz]; beyond these the number is damaged
 VECTOR = ("x", "y", "z")
 ANGLES = ("r", "p", "w")
 
@@ -103,8 +104,9 @@ def read_header(path: Path) -> PadHeader:
     """
     root, where = read_xml(path), str(path)
     rate = _number(root, "SampleRate", where)
-    if rate is None or rate <= 0.0:
-        raise bad_header(where, f"SampleRate {_text(root, 'SampleRate', where)!r}: need one above zero")
+    if rate is None or not SLOWEST <= rate <= FASTEST:
+        need = f"need one above zero, from {SLOWEST:g} to {FASTEST:g} Hz"
+        raise bad_header(where, f"SampleRate {_text(root, 'SampleRate', where)!r}: {need}")
     number_type, data_file = _layout(root, where)
     return PadHeader(
         system=root.tag,

@@ -14,6 +14,7 @@ from .channel_survey import ChannelSurvey
 
 SENSED = ("gyro", "acc")
 UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, accelBuffer_2
+LARGEST = 1e100
 MOST = 3  # stretches of disturbance; with more of them the sensor is not at rest
 
 
@@ -29,7 +30,7 @@ def rest_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tupl
     """
     found: dict[str, Stillness] = {}
     for channel, survey in zip(recording.channels, surveys, strict=True):
-        if not _is_sensed(channel) or survey.missing or survey.is_constant:
+        if not _is_sensed(channel) or survey.missing or survey.is_constant or _is_beyond(survey):
             continue
         judged = judge(channel.data.astype(np.float64), survey.resolution or 0.0)
         if judged is not None:
@@ -47,6 +48,11 @@ def rest_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tupl
     what = f"not stationary: a disturbance or step {when} in {names}, up to {peak:.0f} times the noise"
     do = "Leave that stretch out"
     return (Remark("disturbance", "warning", what, where=path, count=len(stretches), do=do),)
+
+
+def _is_beyond(survey: ChannelSurvey) -> bool:
+    """Whether the numbers are so large that their squares are none."""
+    return max(abs(survey.minimum or 0.0), abs(survey.maximum or 0.0)) > LARGEST
 
 
 def _is_sensed(channel: Channel) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import gzip
 import hashlib
 import io
+import shlex
 import zlib
 from dataclasses import dataclass
 from pathlib import Path
@@ -15,6 +16,8 @@ LARGEST = 4 * 2**30  # bytes of a file, packed or not
 RATIO_FROM = 64 * 2**20  # unpacked bytes from which the ratio is looked at
 LARGEST_RATIO = 400  # a recording packs 3:1 to 20:1; the format's own end is 1032:1
 CHUNK = 2**22
+CAMPAIGN = "campaign.toml"
+FEW = 3  # names of files told
 GZIP = b"\x1f\x8b"
 
 
@@ -63,7 +66,7 @@ def _bytes(path: Path, name: str) -> bytes:
     """Content of an ordinary file."""
     try:
         if path.is_dir():
-            raise DataError("this is a folder, not a file", where=name, code="missing_file")
+            raise _folder(Path(path), name)
         if path.exists() and not path.is_file():
             raise DataError("this is no ordinary file", where=name, code="missing_file")
         size = path.stat().st_size
@@ -75,6 +78,19 @@ def _bytes(path: Path, name: str) -> bytes:
     except (OSError, ValueError) as error:  # ValueError: a nul in the name
         reason = getattr(error, "strerror", None) or error
         raise DataError(f"cannot be read: {reason}", where=name, code="missing_file") from None
+
+
+def _folder(path: Path, name: str) -> DataError:
+    """Return the error for a folder where a file is needed, with what may be meant."""
+    inside = sorted(one.name for one in path.iterdir() if not one.name.startswith("."))
+    if CAMPAIGN in inside:
+        do = f"It holds a campaign: inertialcal run {shlex.quote(name)}; or name one of its files"
+    elif inside:
+        more = f", ... ({len(inside)} in all)" if len(inside) > FEW else ""
+        do = f"Name one of its files: {', '.join(inside[:FEW])}{more}"
+    else:
+        do = "It is empty"
+    return DataError("this is a folder, not a file", where=name, do=do, code="missing_file")
 
 
 def _unpack(raw: bytes, name: str) -> bytes:

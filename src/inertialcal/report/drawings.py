@@ -12,7 +12,7 @@ from .embedded import curve_csv, rows_csv
 from .figures import FIGURES, Picture, prefix, to_svg
 from .findings import ORDER, Finding
 from .numbers import Text, clean
-from .wording import count, listed
+from .wording import count, listed, words
 
 RECORDINGS_SHOWN = 1  # traces of a test, of each axis that was turned: the others look alike
 Results = Mapping[str, Any]
@@ -79,6 +79,10 @@ PLAIN: dict[str, Finding] = {
         " the sensor that reads, column = the axis that moves.",
     ),
     "budget": ("Share of each source in the variance of each quantity.",),
+    "side_by_side": (
+        "What two ground models leave of the bias in orbit, and their difference, with 95 % intervals; strokes are"
+        " single flips.",
+    ),
 }
 
 
@@ -137,11 +141,8 @@ def tally(verdicts: Sequence[Any]) -> str:
 
 def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, str]]:
     name, test, axis = picture.name, picture.test, picture.axis
-    if name == "matrix":
-        rows = [row for row in results["results"] if row["test"] == test and not row["condition"]]
-        return [("matrix", rows_csv(rows))]
-    if name == "budget":
-        return [("budget", rows_csv([row for row in results["budgets"] if row["test"] == test]))]
+    if name in ("matrix", "budget", "side_by_side"):
+        return [(words(name), rows_csv(_rows(results, name, test)))]
     if name == "flip":
         of = "quiet" if picture.recorded else "flip_dwells"
         own = [one for one in results["curves"] if (one["name"], one["test"]) == (of, test)]
@@ -157,6 +158,14 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
         (f"dwells {clean(axis)}", curve_csv(pairs[number][0])),
         (f"trace {clean(axis)}", curve_csv(pairs[number][1])),
     ]
+
+
+def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:
+    """Return the rows of a test that a figure is drawn from."""
+    rows = [row for row in results["budgets" if name == "budget" else "results"] if row["test"] == test]
+    if name == "matrix":
+        return [row for row in rows if not row["condition"]]
+    return [row for row in rows if "model_bias_error" in row["quantity"]] if name == "side_by_side" else rows
 
 
 def _traces(results: Results, dwells: Mapping[str, Any]) -> list[Mapping[str, Any]]:

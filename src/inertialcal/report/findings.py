@@ -87,7 +87,9 @@ def _bias(row: Any, rows: Sequence[Any]) -> Finding:
     """Say the largest bias, and the error of the control axis, of a flip."""
     said: Finding = ("Largest ", row["quantity"].replace("_", " "), " ", of_row(row), ", on ", row["axis"])
     control = largest(estimated(rows, "control_error"))
-    return said if control is None else (*said, "; control axis ", control["axis"], " off by ", of_row(control))
+    if control is None:
+        return said
+    return (*said, "; control axis ", control["axis"], " reads ", of_row(control), " of the turn, where zero is right")
 
 
 def _made_of(verdicts: Sequence[Any]) -> Finding:
@@ -201,13 +203,19 @@ def of_exclusions(rows: Sequence[Any]) -> Finding:
     """
     if not rows:
         return ("Nothing was left out",)
-    by_kind = {kind: sum(str(row["counts"]) == kind for row in rows) for kind in ("dwell", "row", "sample")}
+    by_kind = {kind: sum(str(row["counts"]) == kind for row in rows) for kind in ("dwell", "row", "sample", "window")}
     told = [counted(by_kind["dwell"], "dwell")] if by_kind["dwell"] else []
     told += [f"{kind}s at {counted(by_kind[kind], 'place')}" for kind in ("row", "sample") if by_kind[kind]]
+    told += [f"parts of {counted(sum(_whole(row) for row in rows), 'window')}"] if by_kind["window"] else []
     rules = counted(len({str(row["rule"]) for row in rows}), "stated rule")
     several = "; what several tests leave out counts in each" if len({str(row["test"]) for row in rows}) > 1 else ""
     text = f"{listed(told)} left out, by {rules}{several}"
     return (text[:1].upper() + text[1:],)
+
+
+def _whole(row: Any) -> int:
+    """Return how many windows a row is about; 0 where it counts something else."""
+    return int(getattr(row["count"], "raw", row["count"])) if str(row["counts"]) == "window" else 0
 
 
 def of_remarks(remarks: Sequence[Any]) -> Finding:

@@ -9,6 +9,7 @@ from typing import Any
 from ..core.results import is_beside
 from ..core.units import factor
 from .findings import Figure, Finding, estimated, largest, of_row, worst_axis
+from .numbers import clean
 
 ERRORS = ("scale_factor_error", "misalignment")
 FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell")
@@ -46,9 +47,12 @@ def highlights(results: Any) -> list[Highlight]:
     found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]
     for quantity in FALLBACKS:
-        row = largest(estimated(delivered, quantity, None))
+        every = estimated(delivered, quantity, None)
+        row = largest(every)
         if len(chosen) < 3 and row is not None:
-            chosen.append(_of_row(row, f"largest {quantity.replace('_', ' ')} of all axes"))
+            several = len({str(one["test"]) for one in every}) > 1
+            of = f" and tests: {clean(str(row['test']))}" if several else ""
+            chosen.append(_of_row(row, f"largest {quantity.replace('_', ' ')} of all axes{of}"))
     return chosen
 
 

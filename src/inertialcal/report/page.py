@@ -18,6 +18,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from ..core.side_by_side import verdict_of
 from . import drawings, findings, numbers, sections, wording
 from .coefficients import delivered
 from .drawings import Drawing
@@ -28,7 +29,7 @@ FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
 AT_TOP = ("compensated", "rate_error", "input_output", "flip")  # the first of these that there is
-OF_TESTS = ("input_output", "rate_error", "dwells", "flip")
+OF_TESTS = ("input_output", "rate_error", "dwells", "flip", "side_by_side")
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
@@ -135,6 +136,10 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     yield from _drawn([top] if top else [], room)
     for section in page["sections"]:
         yield f"lines-{section.anchor}", _block("lines", page, lines=section.lines, ways=section.ways)
+        if section.pairs:
+            names = {"test": section.test, "other": section.step["against"] if section.step else ""}
+            pairs = _block("pairs", page, pairs=section.pairs, verdict_of=verdict_of, **names)
+            yield f"pairs-{section.anchor}", pairs
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", page, rows=rows)
     for name, _, rows in page["budgets"]:

@@ -118,6 +118,8 @@ def _content(result: Any) -> Mapping[str, Any]:
         return content
     if hasattr(getattr(result, "result", None), "lines"):  # of a rate-table file, with the unit of the file
         return _of_rate_table(result.result, result.unit)
+    if hasattr(getattr(result, "result", None), "flips"):  # of files of a flip
+        return {"curves": [_in_unit(one.to_dict() | {"test": "flip"}, result.unit) for one in result.result.curves()]}
     if hasattr(result, "lines") and hasattr(result, "readings"):
         return _of_rate_table(result, None)
     raise UsageError(

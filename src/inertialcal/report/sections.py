@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..core.beside import columns_of, lines_of, missing_of
+from ..core.side_by_side import own_rows, pairs_of
 from .findings import Finding, of_test
 from .wording import SEVERITIES
 
@@ -49,6 +50,8 @@ class Section:
         Quantities that the data could not carry, by reason.
     remarks : list
         Those placed in this test.
+    pairs : dict
+        Where it is set beside another test: both errors and what they differ by, by axis and flip.
     """
 
     test: str
@@ -59,6 +62,7 @@ class Section:
     ways: list[str]
     missing: list[tuple[str, list[Any]]]
     remarks: list[Any]
+    pairs: dict[tuple[str, str], dict[str, Any]]
 
 
 def anchor(kind: str, name: str, number: int) -> str:
@@ -81,11 +85,11 @@ def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[An
     for number, test in enumerate(tests):
         mine = [row for row in rows if row["test"] == test]
         judged = [one for one in verdicts if one["test"] == test]
-        lines, ways = table(mine)
+        lines, ways = table(own_rows(mine))
         found.append(
             Section(
                 test, anchor("test", test, number), steps.get(test), of_test(mine, judged), lines, ways,
-                missing(mine), placed(remarks, test),
+                missing(mine), placed(remarks, test), pairs_of(mine),
             )
         )  # fmt: skip
     return found

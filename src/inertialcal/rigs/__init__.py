@@ -9,6 +9,6 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import rate_table, sams_tsh
+from . import rate_table, sams_tsh, sams_tsh_model
 
-RIGS: dict[str, ModuleType] = {"rate_table": rate_table, "sams_tsh": sams_tsh}
+RIGS: dict[str, ModuleType] = {"rate_table": rate_table, "sams_tsh": sams_tsh, "sams_tsh_model": sams_tsh_model}

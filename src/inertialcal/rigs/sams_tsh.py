@@ -23,6 +23,7 @@ from ..core.recording import SECOND, Channel, Recording
 from ..sensors.to_counts import to_counts, to_temperature_counts
 from .sams_tsh_campaign import BEGIN, FILE, campaign_text
 from .sams_tsh_faults import FAULTS
+from .sams_tsh_ground import draw_model, true_values
 from .sams_tsh_record import Record, record
 from .sams_tsh_setup import AXES, Bench, G, Head, chain, draw_head
 from .twin import Drawn, TrueValue, Twin
@@ -57,12 +58,18 @@ def build(bench: Bench, seed: int) -> Twin:
     seed : int
         Of all draws.
     """
-    of_head, of_record, of_files = np.random.default_rng(seed).spawn(3)
+    root = np.random.default_rng(seed)
+    of_head, of_record, of_files = root.spawn(3)
+    (of_model,) = root.spawn(1)
     head = draw_head(bench, of_head)
     made = record(bench, head, of_record)
-    truth = [TrueValue("bias", axis, float(made.bias[i]), "m/s^2") for i, axis in enumerate(AXES)]
+    model = draw_model(bench, head, of_model) if bench.ground else None
+    if model is None:
+        truth = [TrueValue("bias", axis, float(made.bias[i]), "m/s^2") for i, axis in enumerate(AXES)]
+        truth.append(TrueValue("reading", "x", float(made.bias[0] + made.ambient[0]), "m/s^2"))
+    else:
+        truth = true_values(bench, head, model, made)
     truth += [TrueValue("ambient_acceleration", axis, float(made.ambient[i]), "m/s^2") for i, axis in enumerate(AXES)]
-    truth.append(TrueValue("reading", "x", float(made.bias[0] + made.ambient[0]), "m/s^2"))
     truth.append(TrueValue("control_error", "x", 0.0, "m/s^2"))
     drawn: Drawn = {
         "turn_angle_error": made.errors.angle,
@@ -76,7 +83,7 @@ def build(bench: Bench, seed: int) -> Twin:
         "zero_of_electronics": np.asarray(chain(bench, head).zero).tolist(),
     }
     files = {FILE: saved(bench, head, made, of_files)}
-    return Twin("sams_tsh", seed, "", campaign_text(bench, head), files, tuple(truth), drawn)
+    return Twin("sams_tsh", seed, "", campaign_text(bench, head, model), files, tuple(truth), drawn)
 
 
 def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> Recording:
@@ -89,14 +96,23 @@ def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> R
     kept = (made.seconds < lost[0]) | (made.seconds >= lost[1])
     names = [*AXES, *(f"temperature_{axis}" for axis in AXES)]
     channels = tuple(Channel(name, table[kept, i]) for i, name in enumerate(names))
+    if bench.gain_recorded:
+        over_time = _gains(bench, made.seconds)[kept]
+        channels += tuple(Channel(f"gain_{axis}", over_time[:, i].copy()) for i, axis in enumerate(AXES))
     return Recording(channels, stamps[kept], 1.0 / bench.rate, epoch="utc")
 
 
 def _counts(bench: Bench, head: Head, seconds: Array, read: Array, warm: Array) -> tuple[NDArray[Any], NDArray[Any]]:
     """Return counts of readings and of temperatures, shape (n, 3) each, as the converter has them: 16 bits."""
-    known, gain = chain(bench, head), None
+    known = chain(bench, head)
+    gain = None if bench.gain_change is None else _gains(bench, seconds)
+    return to_counts(known, read, gain=gain).astype(np.int16), to_temperature_counts(known, warm).astype(np.int16)
+
+
+def _gains(bench: Bench, seconds: Array) -> Array:
+    """Return the gain of each axis over time, shape (n, 3)."""
+    gain = np.tile(np.array(bench.gains), (len(seconds), 1))
     if bench.gain_change is not None:
         when, axis, factor = bench.gain_change
-        gain = np.tile(np.asarray(known.gain), (len(read), 1))
         gain[seconds >= when, AXES.index(axis)] *= factor
-    return to_counts(known, read, gain=gain).astype(np.int16), to_temperature_counts(known, warm).astype(np.int16)
+    return gain

@@ -8,6 +8,7 @@ import numpy as np
 
 from ..core.influence import Influence
 from ..core.recording import SECOND
+from .sams_tsh_model_text import model_text
 from .sams_tsh_setup import (
     AXES,
     CODES,
@@ -16,6 +17,7 @@ from .sams_tsh_setup import (
     THERMOMETER_V_PER_DEGC,
     UG,
     Bench,
+    Drawing,
     Head,
     chain,
 )
@@ -52,9 +54,19 @@ def windows(bench: Bench) -> tuple[Stated, ...]:
     return tuple(one for one in found if one[1] <= lost[0] or one[0] >= lost[1])
 
 
-def campaign_text(bench: Bench, head: Head) -> str:
-    """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
-    return "\n".join([HEAD, _standards(bench), _sensor(bench, head), _recording(bench), _test(bench), REQUIREMENT])
+def campaign_text(bench: Bench, head: Head, model: Drawing | None = None) -> str:
+    """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth.
+
+    Parameters
+    ----------
+    bench, head : Bench, Head
+        As they are drawn.
+    model : Drawing, optional
+        What the engineer knows of the head, from the ground.
+    """
+    sensor = _sensor(bench, head) if model is None else _sensor_with_model(bench, head, model)
+    tests = [_test(bench)] if model is None else [_test(bench), TEST_OF_MODEL.format(settle=bench.settle)]
+    return "\n".join([HEAD, _standards(bench), sensor, _recording(bench), *tests, REQUIREMENT])
 
 
 HEAD = f"""\
@@ -100,12 +112,39 @@ def _sensor(bench: Bench, head: Head) -> str:
     return kind + ('chain = { kind = "none" }\n' if bench.saved != "count" else _chain(bench, head))
 
 
+def _sensor_with_model(bench: Bench, head: Head, model: Drawing) -> str:
+    """Return the sensor with its chain as tables: a table in one line cannot be gone on with."""
+    kind, _, chain = _sensor(bench, head).rpartition("chain = {")
+    settings = chain.strip().removesuffix("}")
+    if bench.saved != "count":
+        factors = [f"{value:g} V/g" for value in SCALE_FACTOR_V_PER_G]
+        settings += f", gain = {{ {_gain_text(bench)} }}, scale_factor = {_each(factors)}"
+    lines = "\n".join(_split(settings))
+    return f'{kind}\n[sensors.head.chain]\n{lines}\norder = "{bench.ground}"\n\n{model_text(head, model)}'
+
+
+def _split(settings: str) -> list[str]:
+    """Return the settings of a table in one line, a line each."""
+    depth, found = 0, [""]
+    for letter in settings:
+        depth += {"{": 1, "[": 1, "}": -1, "]": -1}.get(letter, 0)
+        if letter == "," and not depth:
+            found.append("")
+        else:
+            found[-1] += letter
+    return [one.strip() for one in found if one.strip()]
+
+
+def _gain_text(bench: Bench) -> str:
+    return ", ".join(f"{axis} = {gain:g}" for axis, gain in zip(AXES, bench.gains, strict=True))
+
+
 def _chain(bench: Bench, head: Head) -> str:
     known = chain(bench, head)
     thermometer = f'{{ slope = "{THERMOMETER_V_PER_DEGC:g} V/degC", voltage = "0 V", temperature = "0 degC" }}'
     factors = [f"{value:g} V/g" for value in SCALE_FACTOR_V_PER_G]
     zeros = [f"{1e6 * value:.6g} uV" for value in np.asarray(known.zero)]
-    gains = ", ".join(f"{axis} = {gain:g}" for axis, gain in zip(AXES, bench.gains, strict=True))
+    gains = _gain_text(bench)
     return f"""\
 # The zero of the electronics is that of a shorted input; scale factors hold at {REFERENCE_TEMPERATURE:g} degC.
 chain = {{ kind = "adc", lsb = "10 V / 65536", counts = {list(CODES)}, gain = {{ {gains} }}, \
@@ -120,6 +159,7 @@ def _each(texts: list[str]) -> str:
 def _recording(bench: Bench) -> str:
     warm = "count" if bench.saved == "count" else "degC"
     units = dict.fromkeys(AXES, bench.said) | dict.fromkeys([f"temperature_{axis}" for axis in AXES], warm)
+    units |= dict.fromkeys([f"gain_{axis}" for axis in AXES], "1") if bench.gain_recorded else {}
     channels = ", ".join(f'{name} = {{ column = "{name}", unit = "{unit}" }}' for name, unit in units.items())
     rows = ",\n".join(
         f'  {{ start = "{instant(start)}", stop = "{instant(stop)}", angle = "{angle:g} deg", flip = "1" }}'
@@ -144,6 +184,16 @@ id = "flip"
 procedure = "flip"
 recordings = ["{RECORDING}"]
 plan = {{ axis = "x", settle = "{bench.settle:g} s" }}  # x: of the turn
+"""
+
+
+TEST_OF_MODEL = """\
+# The same, after the bias of the ground model was taken off: what is left is the error of that model.
+[[tests]]
+id = "corrected"
+procedure = "flip"
+recordings = ["flip"]
+plan = {{ axis = "x", settle = "{settle:g} s", corrected = true }}
 """
 
 

@@ -88,8 +88,14 @@ class Bench:
         When, of which axis and by which factor the gain changes.
     lost : (float, float), optional
         What is not recorded [s].
+    gain_recorded : bool
+        Whether the gain of each axis is recorded beside it; the zero of the electronics then changes with it.
     signs : tuple of int
         -1 for an axis that is wired the wrong way.
+    ground : {"", "jointly", "bias_first"}
+        Order of the ground model in the campaign; empty for none.
+    model_ug, model_slope_ug, model_misalignment : float
+        Spread of the errors of the model: bias [ug], its slope [ug/degC], each misalignment [rad].
     saved : {"count", "g"}
         What is recorded.
     said : str
@@ -127,8 +133,13 @@ class Bench:
     filtered: bool = True
     gains: tuple[float, ...] = (100.0, 100.0, 10.0)
     gain_change: tuple[float, str, float] | None = None
+    gain_recorded: bool = False
     lost: tuple[float, float] | None = None
     signs: tuple[int, ...] = (1, 1, 1)
+    ground: str = ""
+    model_ug: float = 20.0
+    model_slope_ug: float = 1.0
+    model_misalignment: float = 1e-4
     saved: str = "count"
     said: str = "count"
     standards: Mapping[str, Influence] = field(default_factory=_standards)
@@ -159,6 +170,25 @@ class Head:
     arms: Array
 
 
+@dataclass(frozen=True, eq=False)
+class Drawing:
+    """What the engineer knows of a head, from the ground; powers of the temperature as those of `Head`.
+
+    Parameters
+    ----------
+    bias : ndarray, shape (5, 3)
+        [m/s^2/degC^i]
+    scale : ndarray, shape (4, 5, 3)
+        Scale factor at each of the `GAINS` [V/g/degC^i].
+    cross : ndarray, shape (2, 3, 3)
+        Misalignment [rad/degC^i]; row = the sensor that reads.
+    """
+
+    bias: Array
+    scale: Array
+    cross: Array
+
+
 def draw_head(bench: Bench, rng: np.random.Generator) -> Head:
     """Return a head of the family: bias of some 1000 ug and 5 ug/degC, scale factor 1e-4 a degC, 2 mrad off."""
     powers = np.array([1.0, 5e-3, 1e-3, 1e-4, 1e-5])[:, None]  # of the bias, relative
@@ -183,5 +213,6 @@ def chain(bench: Bench, head: Head) -> Chain:
         scale_factor=np.array(SCALE_FACTOR_V_PER_G) / G,
         zero=head.zero[at, range(3)],
         gain=np.array(bench.gains),
+        zero_at=dict(zip(GAINS, head.zero, strict=True)) if bench.gain_recorded else None,
         thermometer=Thermometer(THERMOMETER_V_PER_DEGC, 0.0, 0.0),
     )

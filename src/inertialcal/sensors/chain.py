@@ -23,6 +23,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -88,6 +89,8 @@ class Chain:
         Z [V] at the converter, or its coefficients of 1, T, T^2, ... in degC.
     gain : ndarray, shape (k,), or float
         Of the amplifier; over time it is given to ``convert``.
+    zero_at : mapping of float to ndarray, shape (k,), optional
+        Gain -> Z [V] at that gain, where gains are given over time.
     thermometer : Thermometer, optional
         Temperature channel.
     validity_minimum : float, optional
@@ -108,6 +111,7 @@ class Chain:
     reference: Literal["channel"] | float = 0.0
     zero: Array | float = 0.0
     gain: Array | float = 1.0
+    zero_at: Mapping[float, Array] | None = None
     thermometer: Thermometer | None = None
     validity_minimum: float | None = None
 
@@ -163,6 +167,31 @@ def zero_volts(chain: Chain, degrees: Array | None) -> Array | float:
     total = np.zeros_like(degrees)
     for coefficient in zero[::-1]:
         total = total * degrees + coefficient
+    return total
+
+
+def zero_at_gains(chain: Chain, degrees: Array | None, gains: Array | None) -> Array | float:
+    """Z [V] as `zero_volts`, of gains over time, shape (n, k), where the chain knows it by gain.
+
+    Raises
+    ------
+    DataError
+        ``no_zero`` if there is none for a gain; and as `zero_volts`.
+    """
+    if gains is None or not chain.zero_at:
+        return zero_volts(chain, degrees)
+    total = np.full(gains.shape, np.nan)
+    for gain, zeros in chain.zero_at.items():
+        total = np.where(np.isclose(gains, gain, rtol=1e-9, atol=0.0), zeros, total)
+    unknown = np.isnan(total) & np.isfinite(gains)
+    if unknown.any():
+        row, axis = (int(at[0]) for at in np.nonzero(unknown))
+        raise DataError(
+            f"no zero of the electronics of {chain.axes[axis]} at gain {gains[row, axis]:g}",
+            why="it differs from gain to gain",
+            do=f"Known are gains {', '.join(f'{one:g}' for one in chain.zero_at)}",
+            code="no_zero",
+        )
     return total
 
 

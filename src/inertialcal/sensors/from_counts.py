@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 from ..core.errors import DataError, PlanError
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from .chain import Chain, missing_channel, nonzero, wide, zero_volts
+from .chain import Chain, missing_channel, nonzero, wide, zero_at_gains
 from .codes import Mask, Place, check_inside, counted, stuck_runs, unusable
 
 
@@ -96,8 +96,9 @@ def convert(
     degrees = None
     if chain.thermometer is not None and "temperature" in volts:
         degrees = chain.thermometer.degrees(volts["temperature"] - above)
-    amplified = chain.gain if gain is None else nonzero("gain", wide("gain", gain, k, len(signal)), k)
-    output = (volts["counts"] - above - zero_volts(chain, degrees)) / amplified
+    over_time = None if gain is None else nonzero("gain", wide("gain", gain, k, len(signal)), k)
+    amplified = chain.gain if over_time is None else over_time
+    output = (volts["counts"] - above - zero_at_gains(chain, degrees, over_time)) / amplified
     if chain.validity_minimum is not None:
         good, found = _tested(chain.axes, chain.step * channels["validity"], chain.validity_minimum, place)
         output, remarks = np.where(good, output, np.nan), remarks + found

@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..core.errors import DataError
 from ..core.estimate import Array
-from .chain import Chain, missing_channel, wide, zero_volts
+from .chain import Chain, missing_channel, wide, zero_at_gains
 
 
 def to_counts(
@@ -44,9 +44,10 @@ def to_counts(
     k = len(chain.axes)
     wanted = wide("readings", readings, k)
     degrees = None if temperature is None else wide("temperature", temperature, k, len(wanted))
-    amplified = chain.gain if gain is None else wide("gain", gain, k, len(wanted))
+    over_time = None if gain is None else wide("gain", gain, k, len(wanted))
+    amplified = chain.gain if over_time is None else over_time
     output = wanted if chain.scale_factor is None else wanted * chain.scale_factor
-    return _codes(chain, output * amplified + zero_volts(chain, degrees), reference)
+    return _codes(chain, output * amplified + zero_at_gains(chain, degrees, over_time), reference)
 
 
 def to_temperature_counts(

@@ -19,14 +19,18 @@ def fill_first(time_ns: NDArray[np.int64], length: int, first: NDArray[np.int64]
 
     Where time runs backwards the answer is negative: -1 less the sample.
     """
-    found, current = 0, -1
+    found = 0
+    before = end = time_ns[0]  # of the block: a division a block, not a sample
     for i in range(len(time_ns)):
-        if i > 0 and time_ns[i] < time_ns[i - 1]:
+        stamp = time_ns[i]
+        if stamp < before:
             return -1 - i
-        block = (time_ns[i] - time_ns[0]) // length
-        if block != current:
+        before = stamp
+        if stamp >= end:
+            block = (stamp - time_ns[0]) // length
             first[found], at[found] = i, block
-            found, current = found + 1, block
+            end = time_ns[0] + (block + 1) * length
+            found += 1
     return found
 
 

@@ -13,7 +13,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -79,6 +79,25 @@ class Blocks:
         """Blocks with at least half of the usual number of samples in every channel, shape (b,)."""
         fewest = self.count.min(axis=1)
         return np.asarray(fewest >= max(2.0, FULL * float(np.median(fewest))))
+
+    def of(self, channels: Sequence[bool]) -> Blocks:
+        """Return the same blocks of some channels.
+
+        Parameters
+        ----------
+        channels : sequence of bool, shape (channels,)
+            Which.
+
+        Raises
+        ------
+        DataError
+            If none is left.
+        """
+        chosen = np.asarray(channels, dtype=bool)
+        if not chosen.any():
+            raise DataError("no channel is left")
+        parts = {name: getattr(self, name)[:, chosen] for name in ("mean", "variance", "lo", "hi", "count")}
+        return replace(self, **parts)
 
 
 def block_statistics(

@@ -26,15 +26,15 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 from scipy import signal as scipy_signal
-from scipy import stats
 
 from ..core.estimate import Array
+from ..statistics.quantiles import chi_square_quantile, f_upper, normal_quantile
 from .noise_scale import Noise
 
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-HALF_NORMAL = float(stats.norm.ppf(0.75))  # median of |x| for unit normal x
+HALF_NORMAL = normal_quantile(0.75)  # median of |x| for unit normal x
 WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
 BLUE = np.sqrt(2.0)  # most that single samples can differ more than white ones: neighbours opposed
 ROUNDS = 10
@@ -257,7 +257,7 @@ def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indi
     for k in range(y.shape[1]):
         variance = _window_variance(y[inside, k], cuts, w)
         usual, dof = (0.0, w - 1.0) if noise.stated else _usual_variance(variance[probes], w)
-        hot |= variance > stats.f.isf(tail, dof, noise.dof[k]) * max(noise.scale[k] ** 2, usual)
+        hot |= variance > f_upper(tail, dof, noise.dof[k]) * max(noise.scale[k] ** 2, usual)
     at = np.flatnonzero(hot & whole)
     found[inside] = covered(at, at + w, int(cuts[-1]))
     return found
@@ -269,14 +269,14 @@ def _usual_variance(variance: Array, w: int) -> tuple[float, float]:
     dof = float(w - 1)
     if len(variance) >= 2 * FEWEST and low > 0.0:
         dof = min(dof, float(np.interp(low / median, *_spread_of_variance())))
-    return float(median / stats.chi2.ppf(0.5, dof) * dof), dof
+    return float(median / chi_square_quantile(0.5, dof) * dof), dof
 
 
 @cache
 def _spread_of_variance() -> tuple[Array, Array]:
     """Ratio of a low quantile to the median of chi-square, ascending, and the degrees of freedom for it."""
     dof = np.geomspace(0.5, 500.0, 100)
-    return stats.chi2.ppf(LOW, dof) / stats.chi2.ppf(0.5, dof), dof
+    return chi_square_quantile(LOW, dof) / chi_square_quantile(0.5, dof), dof
 
 
 def _window_variance(y: Array, cuts: Indices, w: int) -> Array:

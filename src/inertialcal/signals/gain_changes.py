@@ -3,7 +3,7 @@
 A selection from what the one detector finds in the logarithms of block means and block variances: there a gain is a
 shift, whatever the noise on both sides. An acceleration changes the level and leaves the scatter; a vibration the other
 way round; both are no change of gain. A channel can be judged only where it has a level: a block mean beyond its
-standard deviation.
+standard deviation; near zero the factor of a level says little, so both have to be much the same.
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from .samples import Indices
 from .segments import detect
 
 LEAST = 1.5  # factor that is seen
+ALIKE = 0.5  # of the logarithm of one factor, the other one
 APART = 10  # blocks between two stretches that can still be neighbours
 
 
@@ -51,7 +52,8 @@ def _shifts(blocks: Blocks, rows: Indices, logs: Array, channel: int) -> list[Ga
     still = np.flatnonzero(seg.still)
     shift = np.diff(seg.level[still], axis=0)
     last, first = blocks.at[rows[seg.stop[still[:-1]] - 1]], blocks.at[rows[seg.start[still[1:]]]]
-    both = (np.abs(shift) > np.log(LEAST)).all(axis=1) & (shift[:, 0] * shift[:, 1] > 0.0)
+    size = np.sort(np.abs(shift), axis=1)
+    both = (size[:, 0] > np.log(LEAST)) & (size[:, 0] > ALIKE * size[:, 1]) & (shift[:, 0] * shift[:, 1] > 0.0)
     return [
         GainChange(channel, blocks.start_ns + int(last[i] + 1) * blocks.length_ns, *np.exp(shift[i]).tolist())
         for i in np.flatnonzero(both & (first - last <= APART))

@@ -14,10 +14,10 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import stats
 
 from ..core.errors import PlanError
 from ..core.estimate import Array
+from ..statistics.quantiles import chi_square_quantile, chi_square_upper
 
 BLOCK = 8  # samples: long enough for a variance, short enough to lie inside a dwell of 30
 QUIET = 0.2  # quantile of block variances that is taken as quiet at first: 4 of 5 blocks may move
@@ -112,8 +112,8 @@ def _step(y: Array) -> float:
 def _pool_quiet(variance: Array) -> tuple[float, int]:
     """Mean variance of the quiet blocks, and their number."""
     dof = BLOCK - 1
-    limit = stats.chi2.isf(QUIET_TAIL, dof) / dof
-    pooled = float(np.quantile(variance, QUIET) / (stats.chi2.ppf(QUIET, dof) / dof))
+    limit = float(chi_square_upper(QUIET_TAIL, dof)) / dof
+    pooled = float(np.quantile(variance, QUIET) / (float(chi_square_quantile(QUIET, dof)) / dof))
     kept = np.zeros(len(variance), dtype=bool)
     for _ in range(ROUNDS):
         now = variance <= limit * pooled

@@ -9,10 +9,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import stats
 
 from ..core.errors import PlanError
 from ..core.estimate import Array
+from ..statistics.quantiles import t_upper
 from .change_points import (
     SHORTEST,
     covered,
@@ -139,7 +139,7 @@ def _tails(y: Array, plan: Detection) -> tuple[float, float]:
 def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
     """Put the mean of the neighbours in place of single outliers in ``y``; tell which."""
     tail, _ = _tails(y, plan)
-    quantile = float(stats.t.isf(tail, noise.dof).max())
+    quantile = float(t_upper(tail, noise.dof).max())
     outlier = single_outliers(y, noise, quantile, plan.shortest)
     at = np.flatnonzero(outlier)
     y[at] = 0.5 * (y[at - 1] + y[at + 1])
@@ -155,7 +155,7 @@ def _walls(ticks: Array, plan: Detection) -> Indices:
 def _judged(y: Array, noise: Noise, plan: Detection, walls: Indices) -> tuple[Indices, Indices, Array]:
     """Good samples [start, stop) of each still stretch, and the widening at the widest window."""
     tail, variance_tail = _tails(y, plan)
-    total, quantile = running_sum(y), stats.t.isf(tail, noise.dof)
+    total, quantile = running_sum(y), t_upper(tail, noise.dof)
     start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
     start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
     quantile = quantile * np.maximum(widening, 1.0)

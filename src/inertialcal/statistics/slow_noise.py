@@ -141,7 +141,7 @@ class SlowNoise:
         return max(found, 0.0), max(2.0 * found**2 / spread, 1.0) if spread > 0.0 else np.inf
 
 
-def slow_noise(means: Array, blocks: Blocks) -> SlowNoise:
+def slow_noise(means: Array, blocks: Blocks, results: Array | None = None) -> SlowNoise:
     """Find the white and the 1/f noise of a record from its block means.
 
     Parameters
@@ -150,6 +150,9 @@ def slow_noise(means: Array, blocks: Blocks) -> SlowNoise:
         Of the blocks.
     blocks : Blocks
         When they are, and what is fitted beside.
+    results : ndarray, shape (q, n), optional
+        Contrasts whose variance is asked for. The design may see them: then no contrast that shows the noise keeps
+        their variance positive, and a flicker part below zero is bounded by them.
 
     Raises
     ------
@@ -159,7 +162,8 @@ def slow_noise(means: Array, blocks: Blocks) -> SlowNoise:
     squares = (blocks.contrasts @ means) ** 2
     if not np.sum(squares) > (ROUNDING * len(means)) ** 2 * np.sum(means**2):
         raise DataError("the block means do not differ", why="no noise can be told", code="no_scatter")
-    ratio = _ratio(squares, blocks.sizes)
+    largest = float(blocks.sizes.max())
+    ratio = _ratio(squares, blocks.sizes, largest if results is None else max(largest, _largest(blocks, results)))
     shape = 1.0 + ratio * blocks.sizes
     level = float(np.mean(squares / shape))
     slopes = np.array([1.0 / shape, blocks.sizes / shape]) / level
@@ -191,9 +195,15 @@ def _twice_integrated(lag: Array) -> Array:
     return np.asarray(0.5 * size**2 * logs - 0.75 * size**2)
 
 
-def _ratio(squares: Array, sizes: Array) -> float:
+def _largest(blocks: Blocks, results: Array) -> float:
+    """Greatest variance of a combination of contrasts, of unit length, for flicker noise of unit ``h``."""
+    s, basis = np.linalg.svd(results, full_matrices=False)[1:]
+    basis = basis[s > SUM * s.max(initial=0.0)]
+    return float(np.linalg.eigvalsh(basis @ blocks.flicker @ basis.T).max(initial=0.0))
+
+
+def _ratio(squares: Array, sizes: Array, largest: float) -> float:
     """Flicker over white variance of the block means, of greatest restricted likelihood."""
-    largest = float(sizes.max())
 
     def ratio(q: float) -> float:
         return (float(np.exp(q)) - NEGATIVE) / largest

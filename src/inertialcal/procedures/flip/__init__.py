@@ -33,13 +33,14 @@ from .plan import INFLUENCES, HalfWidths, Plan, Quiet, Readings
 from .pooling import Flip, differences, flips_of, pooled
 from .quiet import Window
 from .recordings import Turned, readings_from, windows
-from .rows import rows
+from .rows import MODEL_BIAS, rows
 from .simulation import Truth, simulate
 from .standards import missing
 from .tables import MeanOf, readings_of_means
 
 __all__ = [
     "INFLUENCES",
+    "MODEL_BIAS",
     "Flip",
     "HalfWidths",
     "MeanOf",

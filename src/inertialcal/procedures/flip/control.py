@@ -2,10 +2,16 @@
 
 The axis along the turn keeps its reading; what it reads of the turn is tested against zero at 5 % with its own
 uncertainty (Holm's rule over several flips). The turned axes, where there are more dwells than unknowns, must follow
-cosine and sine of the stated angles: chi-square of what is left against the record's noise, at 1 %. Half turns of two
-positions leave nothing, and a turn by another angle than stated does not show in them.
+cosine and sine of the stated angles: what is left against the record's noise, at 1 %, by an F-test that knows how well
+that noise is known [1]_. Half turns of two positions leave nothing, and a turn by another angle than stated does not
+show in them.
 
 A control axis that moves clearly (0.1 %) while a turned one does not (5 %) says that another axis was turned about.
+
+References
+----------
+.. [1] A. H.-T. Fai and P. L. Cornelius, J. Stat. Comput. Simul. 54 (1996) 363: several contrasts whose variances have
+   different degrees of freedom.
 """
 
 from __future__ import annotations
@@ -16,15 +22,18 @@ import numpy as np
 from scipy import special
 
 from ...core.errors import DataError
+from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor
 from ...statistics.decision import holm
 from .plan import Plan, Readings
 from .pooling import Flip
 from .separation import AMBIENT, BIAS, CONTROL, READING
-from .uncertainty import covariance_of, record_of
+from .uncertainty import independent, record_of
 
+MISSING = "missing position"
 RISK, FIT_RISK, CLEAR = 0.05, 0.01, 0.001
+LARGEST = 1e9  # degrees of freedom, as good as infinite
 LEAST = 1e-8  # standard gravities: no head has a bias so small; ug were read as something smaller
 
 
@@ -107,16 +116,16 @@ def _angles(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> list[Remar
     for one in flips:
         told = _left(plan, readings, one)
         if told is not None and told[2] < FIT_RISK:
-            square, free, p = told
-            what = f"chi-square {square:.3g} of {free:.0f} that should be zero (p = {p:.2g})"
+            ratio, free, p = told
+            what = f"{free} combinations that should be zero have F = {ratio:.3g} (p = {p:.2g})"
             what = f"{' and '.join(plan.turned)} do not follow the stated angles: {what}"
             do = "Check the positions and the sign of each axis; or fit a drift (plan.drift)"
             found.append(Remark("not_turned_by_angle", "warning", what, f"flip {one.label}", do=do))
     return found
 
 
-def _left(plan: Plan, readings: Readings, one: Flip) -> tuple[float, float, float] | None:
-    """Chi-square of what the turned axes leave, its degrees of freedom and probability; None where nothing is left."""
+def _left(plan: Plan, readings: Readings, one: Flip) -> tuple[float, int, float] | None:
+    """F of what the turned axes leave, how much is left, and its probability; None where nothing is."""
     lines = one.separated[0].checks
     free = len(next(iter(lines.values()))) if lines else 0
     record = record_of(readings, lines) if free else None
@@ -124,19 +133,32 @@ def _left(plan: Plan, readings: Readings, one: Flip) -> tuple[float, float, floa
         return None
     rest = sum(w @ np.nan_to_num(readings.outputs[axis]) for axis, w in lines.items())
     try:
-        covariance = sum(covariance_of(plan, record, axis, w) for axis, w in lines.items() if np.any(w))
+        ways, variance, dof = independent(plan, record, lines)
     except DataError:
         return None
-    square = float(rest @ np.linalg.solve(covariance, rest))
-    return square, float(free), float(special.chdtrc(free, square))
+    if not np.all(variance > 0.0):  # a record without noise of its own
+        return None
+    ratio = float(np.mean((ways @ rest) ** 2 / variance))
+    return ratio, free, float(special.fdtrc(free, _denominator(dof), ratio))
+
+
+def _denominator(dof: Array) -> float:
+    """Return the degrees of freedom of a mean of squared t, each with its own: those of the F that has its mean."""
+    if not np.all(dof > 2.0):
+        return 2.0
+    excess = float(np.sum(2.0 / (dof - 2.0)))  # of the sum of their means, over their number
+    return min(2.0 * (len(dof) + excess) / excess, LARGEST) if excess > 0.0 else LARGEST
 
 
 def _positions(flips: Sequence[Flip]) -> list[Remark]:
     found = []
     for one in flips:
-        lost = {name: why for name, why in one.reasons.items() if why.startswith("missing position")}
+        lost = sorted({why for why in one.reasons.values() if why.startswith(MISSING)})
         if lost:
-            what = "; ".join(sorted(set(lost.values())))
+            only = {why.partition(" was read ")[2] for why in lost}
+            axes = ", ".join(why.removeprefix(f"{MISSING}: ").partition(" ")[0] for why in lost)
+            what = f"{MISSING}: {axes} {'was' if len(lost) == 1 else 'were'} read {only.pop()}"
+            what = "; ".join(lost) if only else what
             do = "A single-sided flip gives bias and ambient acceleration together: read the other position"
             found.append(Remark("missing_position", "warning", what, f"flip {one.label}", do=do))
     return found

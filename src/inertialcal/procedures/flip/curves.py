@@ -78,6 +78,7 @@ def _model(plan: Plan, readings: Readings, one: Separated, axis: str, own: NDArr
 
 
 def _quiet(one: Quiet, axis: str) -> Curve:
+    one = one.of(axis)
     used = np.any(one.weights > 0.0, axis=0)
     columns = {
         "time": Column(one.times, "s"),

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
-from ...signals.block_statistics import block_statistics
+from ...signals.block_statistics import Blocks, block_statistics
 from ...signals.gain_changes import gain_changes
 from ...signals.turn_windows import quiet_part
 from ...signals.turns import Turns, find_turns
@@ -55,19 +55,18 @@ def seen(
     changed: dict[str, Remark] = {}
     moved: list[Remark] = []
     try:
-        changed = _changed(time_ns, read, known_gain)
-        steady = [data for axis, data in read.items() if axis not in changed]
-        turns = find_turns(block_statistics(steady, BLOCK, time_ns))
+        blocks = block_statistics(list(read.values()), BLOCK, time_ns)
+        changed = _changed(blocks, tuple(read), known_gain)
+        turns = find_turns(blocks.of([axis not in changed for axis in read]))
         moved = [one for window in windows for one in _moved(turns, window)]
     except DataError:
         pass  # nothing is left, or too short to tell what is quiet: `short_record` says so
     return Seen(frozenset(changed), (*changed.values(), *moved))
 
 
-def _changed(time_ns: Times, read: Mapping[str, NDArray[np.floating]], known_gain: Sequence[str]) -> dict[str, Remark]:
+def _changed(blocks: Blocks, axes: Sequence[str], known_gain: Sequence[str]) -> dict[str, Remark]:
     """Return the first change of gain of each axis."""
     found: dict[str, Remark] = {}
-    axes, blocks = tuple(read), block_statistics(list(read.values()), BLOCK, time_ns)
     for one in gain_changes(blocks):
         axis = axes[one.channel]
         if axis not in known_gain:

@@ -45,7 +45,7 @@ class Plan:
         What changes between the dwells of a flip and is fitted: ambient acceleration or bias in proportion to time,
         or bias in proportion to temperature. Needs three dwells.
     block : float
-        Length of the block means that show the noise [s].
+        Length of the block means that show the noise [s]; longer in a long record with long windows.
     settle : float
         Left out at the start of every window: settling of the turn and of the sensor's filters [s].
     low_pass : float
@@ -59,7 +59,8 @@ class Plan:
     corrected : bool
         The bias of a model was taken off before: what is left of it is called ``model_bias_error``.
     raw_bias : float
-        Size of what was taken off before [m/s^2]: the scale factor's uncertainty acts on it too.
+        Size of what was taken off before [m/s^2]: the scale factor's uncertainty acts on it too. 0: what the ground
+        model predicts, where the readings come with it.
     largest_ambient : float
         Ambient acceleration beyond this is a mistake in units or positions, not orbit [m/s^2].
     largest_bias : float
@@ -103,7 +104,7 @@ class Quiet:
     angle : ndarray, shape (m,)
         Turn of the head in each block [rad].
     means : mapping of str to ndarray, shape (m,)
-        Of each axis [m/s^2].
+        Of each axis [m/s^2]; NaN in blocks that it has not its samples in.
     weights : ndarray, shape (n, m)
         Of each block in each dwell of the Readings; a row adds up to 1, or is 0 for dwells of other recordings.
     spans : ndarray, shape (n, 2)
@@ -124,6 +125,17 @@ class Quiet:
     def dwells(self) -> NDArray[np.bool_]:
         """Which dwells of the Readings lie in this recording, shape (n,)."""
         return np.isfinite(self.spans[:, 0])
+
+    def of(self, axis: str) -> Quiet:
+        """Return the blocks that an axis has its samples in; the dwells are means of these."""
+        own = np.isfinite(self.means[axis])
+        if own.all():
+            return self
+        weights = self.weights[:, own]
+        total = weights.sum(axis=1, keepdims=True)
+        weights = weights / np.where(total > 0.0, total, 1.0)
+        means = {axis: self.means[axis][own]}
+        return replace(self, times=self.times[own], angle=self.angle[own], means=means, weights=weights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -170,6 +182,8 @@ class Readings:
         What reading them brought up.
     reasons : mapping of str to str
         Why a statistic of ``others`` is not there.
+    predicted : mapping of str to ndarray, shape (n,)
+        Bias that a ground model predicts in each dwell, in axes of the head [m/s^2]; NaN or absent where not given.
     """
 
     angle: Array
@@ -183,6 +197,7 @@ class Readings:
     where: tuple[str, ...] = ()
     remarks: tuple[Remark, ...] = ()
     reasons: Mapping[str, str] = field(default_factory=dict[str, str])
+    predicted: Mapping[str, Array] = field(default_factory=dict[str, Array])
 
     def __len__(self) -> int:
         """Return the number of dwells."""

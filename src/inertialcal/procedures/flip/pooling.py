@@ -5,26 +5,32 @@ with the scatter between them, which holds the noise and whatever else differs f
 of freedom less than there are flips. Whether they scatter more than their noise explains is tested beside.
 Type B parts are the same in all flips and do not shrink.
 
-A flip that does not separate all that the others do (a missing position) is not pooled.
+Flips in one record have noise in common that is slower than the time between them: it does not scatter, and their mean
+is as far off the bias of the record as each is. With C_i the covariance of the noise of flip i and C that of the mean
+of m flips, their scatter over m is expected to be ``(sum C_i - m C) / (m (m - 1))``; what C has more is added.
+
+A flip that does not separate all that the others do (a missing position) is not pooled, and a remark names it.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import special
 
 from ...core.estimate import Array, Component, Estimate
 from ...core.remarks import Remark
+from ...statistics.decision import holm
 from .plan import Plan, Readings
 from .separation import AMBIENT, BIAS, CONTROL, TEMPERATURE, Separated, separate
 from .standards import components, patterns
-from .uncertainty import noise_components
+from .uncertainty import noise_components, record_of
 
 FEW = 5  # flips: with fewer, the scatter between them is hardly known
 RISK = 0.05
+ROUNDING = 1e-9
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,20 +85,61 @@ def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
 
 def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     """Return all flips together; a single one is itself."""
-    most = max(len(one.names) for one in flips)
-    used = [one for one in flips if len(one.names) == most and _separates(one)]
-    used = used or [one for one in flips if len(one.names) == most]
-    used = [one for one in used if one.names == used[0].names]
+    used = _used(flips)
     if len(used) == 1:
         one = used[0]
         return Flip("", one.names, one.values, one.estimate, one.reason, one.separated)
     values = np.array([one.values for one in used])
-    scatter = np.cov(values, rowvar=False).reshape(most, most) / len(used)
+    scatter = np.atleast_2d(np.cov(values, rowvar=False)) / len(used)
     between = Component("scatter between flips", "A", scatter, float(len(used) - 1), "t")
     separated = tuple(part for one in used for part in one.separated)
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
-    return _flip("", used[0].names, values.mean(axis=0), [between, *components(plan, common)], "", separated)
+    parts = [between, *_in_common(plan, readings, used), *components(plan, common)]
+    return _flip("", used[0].names, values.mean(axis=0), parts, "", separated)
+
+
+def _used(flips: Sequence[Flip]) -> list[Flip]:
+    """Return the flips that are pooled: those that separate most, and the same."""
+    most = max(len(one.names) for one in flips)
+    used = [one for one in flips if len(one.names) == most and _separates(one)]
+    used = used or [one for one in flips if len(one.names) == most]
+    return [one for one in used if one.names == used[0].names]
+
+
+def _in_common(plan: Plan, readings: Readings, used: Sequence[Flip]) -> list[Component]:
+    """Return what the noise of the mean has more than the scatter between flips shows; nothing where it is unknown."""
+    parts = [one.separated[0] for one in used]
+    records = [record_of(readings, part.weights) for part in parts]
+    groups = {id(one): [part for part, own in zip(parts, records, strict=True) if own is one] for one in records}
+    if None in records or len(groups) == len(used) or any(one.estimate is None for one in used):
+        return []
+    found: list[Component] = []
+    for group in groups.values():
+        weights = {axis: np.sum([p.weights[axis] for p in group], axis=0) / len(used) for axis in group[0].weights}
+        noise, reason = noise_components(plan, readings, replace(group[0], weights=weights))
+        if reason or not noise:
+            return []
+        found += noise
+    noises = [one for flip in used if flip.estimate for one in flip.estimate.components if one.kind == "A"]
+    single = np.sum([one.covariance for one in noises], axis=0)
+    whole = np.sum([one.covariance for one in found], axis=0)
+    more = _positive(whole - (single - len(used) * whole) / (len(used) * (len(used) - 1)), whole)
+    if not np.any(more):
+        return []
+    dof = np.min([np.broadcast_to(one.dof, len(more)) for one in found], axis=0)
+    small = np.diagonal(more) < 0.5 * np.diagonal(whole)  # the scatter decides how well the sum is known
+    dof = np.where(small, np.minimum(dof, len(used) - 1.0), dof)
+    return [Component("noise that flips of one record have in common", "A", more, dof, "t")]
+
+
+def _positive(covariance: Array, beside: Array) -> Array:
+    """Return a covariance without its negative part; what is nothing beside another one is zero."""
+    size = np.sqrt(np.diagonal(beside))
+    size = np.where(size > 0.0, size, 1.0)
+    values, ways = np.linalg.eigh(covariance / np.outer(size, size))
+    values = np.where(values > ROUNDING, values, 0.0)
+    return np.asarray((ways * values) @ ways.T * np.outer(size, size))
 
 
 def _separates(one: Flip) -> bool:
@@ -125,26 +172,31 @@ def _unit(name: str) -> str:
 
 def differences(flips: Sequence[Flip]) -> list[Remark]:
     """Say how many flips there are, and of what they differ by more than their noise explains."""
-    count = len(flips)
-    if count < 2:
+    if len(flips) < 2:
         return []
-    found = []
-    if count < FEW:
-        what = f"{count} flips: the scatter between them has {count - 1} degrees of freedom"
+    used = _used(flips)
+    count, found = len(used), [_left_out(flips, used)] if len(used) < len(flips) else []
+    if 1 < count < FEW:
+        what = f"{count} flips: the scatter between them has {count - 1} degree{'' if count == 2 else 's'} of freedom"
         found.append(Remark("few_flips", "warning", what, do=f"Repeat until there are {FEW} flips or more"))
-    for name in _shared(flips):
-        told = _against_noise(name, flips)
-        if told is not None and told[1] < RISK:
+    told_of = {name: told for name in _shared(used) if count > 1 and (told := _against_noise(name, used)) is not None}
+    rejected = holm([p for _, p in told_of.values()], RISK) if told_of else ()
+    for (name, told), differs in zip(told_of.items(), rejected, strict=True):
+        if differs:
             what = f"{name}: chi-square {told[0]:.3g} between {count} flips, {count - 1} expected from their noise"
             do = "It changed between them: look at each flip"
             found.append(Remark("flips_differ", "warning", what, do=do))
     return found
 
 
-def _shared(flips: Sequence[Flip]) -> list[str]:
-    first = flips[0].names
-    words = (AMBIENT, BIAS, CONTROL)
-    return [name for name in first if name[:-2] in words and all(name in one.names for one in flips)]
+def _left_out(flips: Sequence[Flip], used: Sequence[Flip]) -> Remark:
+    labels, left = ([one.label for one in some] for some in (used, [one for one in flips if one not in used]))
+    what = f"not pooled: flip {', '.join(left)}, which lacks what others separate; pooled: {', '.join(labels)}"
+    return Remark("flip_not_pooled", "warning", what, count=len(left), do="See each flip by itself, and its remarks")
+
+
+def _shared(used: Sequence[Flip]) -> list[str]:
+    return [name for name in used[0].names if name[:-2] in (AMBIENT, BIAS, CONTROL)]
 
 
 def _against_noise(name: str, flips: Sequence[Flip]) -> tuple[float, float] | None:

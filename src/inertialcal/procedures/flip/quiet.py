@@ -2,10 +2,11 @@
 
 Quiet is all that the user names so; else everything but what lies between two windows of different position, where the
 head was turned. Blocks start anew at each window and each quiet stretch, so that no block lies half in a window; what
-is left at the end of a stretch is shorter than a block and left out, and so is a block with samples missing. A
+is left at the end of a stretch is shorter than a block and left out, and so is an axis where its samples are missing. A
 window's mean is taken as that of its blocks here: this matters to its uncertainty alone.
 
-A record of more than 720 blocks is cut to the 720 about its windows: "the record" is then that part.
+A record of more than 720 blocks is cut to the 720 about its windows: "the record" is then that part. Where windows are
+long, ``recordings`` takes longer blocks, so that it still is many times as long as a window.
 """
 
 from __future__ import annotations
@@ -91,7 +92,7 @@ def quiet_of(
     length: float,
     name: str = "",
 ) -> tuple[Quiet, int]:
-    """Return the quiet part as block means, and how many blocks were left out because samples are missing.
+    """Return the quiet part as block means, and how many blocks an axis was left out of, its samples missing.
 
     Parameters
     ----------
@@ -123,7 +124,8 @@ def quiet_of(
     angle = np.array([parts[at].angle for at in owners])
     middle = (starts - time_ns[0]) / SECOND + 0.5 * length
     values = {axis: one[whole] for axis, one in means.items()}
-    return Quiet(middle, length, angle, values, weights, spans, name), int(np.sum(~whole))
+    lost = np.any([np.isnan(one) for one in means.values()], axis=0)
+    return Quiet(middle, length, angle, values, weights, spans, name), int(np.sum(lost))
 
 
 def _starts(parts: Sequence[Stretch], step: int) -> tuple[Times, NDArray[np.intp], NDArray[np.bool_]]:
@@ -147,18 +149,20 @@ def _nearest(starts: Times, owners: NDArray[np.intp], window: NDArray[np.bool_])
 def _means(
     time_ns: Times, channels: Mapping[str, NDArray[np.floating]], starts: Times, step: int
 ) -> tuple[dict[str, Array], NDArray[np.bool_]]:
-    """Mean of each block and axis, and which blocks have their samples in all axes."""
+    """Mean of each block and axis, NaN where samples of the axis are missing, and which blocks some axis has."""
     low, high = np.searchsorted(time_ns, starts), np.searchsorted(time_ns, starts + step)
     usual = float(np.median(high - low)) if len(starts) else 0.0
-    whole = (high > low) & (high - low >= PRESENT * usual)
+    there = (high > low) & (high - low >= PRESENT * usual)
+    whole = np.zeros(len(starts), dtype=bool)
     edges = np.column_stack([low, high]).ravel()
     means = {}
     for axis, samples in channels.items():
         good = np.isfinite(samples)
         sums = _sums(samples if good.all() else np.where(good, samples, 0.0), edges)
         counts = (high - low).astype(float) if good.all() else _sums(good, edges)
-        means[axis] = sums / np.maximum(counts, 1.0)
-        whole &= counts >= PRESENT * usual
+        own = there & (counts >= PRESENT * usual)
+        means[axis] = np.where(own, sums / np.maximum(counts, 1.0), np.nan)
+        whole |= own
     return means, whole
 
 

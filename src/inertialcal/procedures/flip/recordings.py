@@ -20,7 +20,7 @@ from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark, gather
 from .disturbances import seen
 from .plan import AXES, HalfWidths, Plan, Quiet, Readings
-from .quiet import Window, quiet_of, stretches
+from .quiet import MOST, Window, quiet_of, stretches
 from .windows import PROBABILITIES, half_widths, low_passed
 
 LOW_PASS, MEDIAN = "low_pass", "median"
@@ -28,6 +28,7 @@ STATISTICS = ("mean", MEDIAN, LOW_PASS)
 FEWEST = 2  # samples of a window
 LONG = 8.0  # windows' lengths of quiet record that the noise model should see
 TEMPERATURE = "temperature"
+PREDICTED = "predicted_"  # before the axis
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,7 +39,8 @@ class Turned:
     ----------
     recording : Recording
         Channels named by axis [m/s^2]; ``temperature``, or ``temperature_x`` of each axis, where there is one [degC];
-        ``gain_x``, ... where the gain of an axis was recorded.
+        ``gain_x``, ... where the gain of an axis was recorded; ``predicted_x``, ... the bias that a ground model
+        predicts [m/s^2].
     windows : tuple of Window
         Its dwells.
     quiet : tuple of (int, int), optional
@@ -67,6 +69,7 @@ class _Dwell:
     half_widths: Mapping[str, tuple[float, ...]]
     time: float
     temperature: Mapping[str, float]
+    predicted: Mapping[str, float]
     remarks: tuple[Remark, ...] = ()
     reasons: Mapping[str, str] = field(default_factory=dict[str, str])
 
@@ -103,7 +106,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         used = _settled(plan, one, own)
         channels = _channels(one)
         rows = len(dwells) + np.arange(len(own))
-        told = seen(_time(one), channels, used, [axis for axis in channels if f"gain_{axis}" in one.recording.names])
+        told = seen(_time(one), channels, used, [axis for axis in channels if _gain_is_known(one, axis)])
         mine = [_dwell(plan, one, window, channels, told.unread) for window in used]
         dwells += mine
         record, found = _quiet(plan, one, used, _read(channels, mine), rows, total)
@@ -119,6 +122,8 @@ def _check(plan: Plan) -> None:
         value = getattr(plan, name)
         if not (value > 0.0 and math.isfinite(value)):
             raise PlanError(f"plan.{name} is {value:g}", do="Need a number above 0", code="wrong_value")
+    if not 0.0 <= plan.missing < 1.0:
+        raise PlanError(f"plan.missing is {plan.missing:g}", do="Need a part below 1", code="wrong_value")
     if not (plan.settle >= 0.0 and math.isfinite(plan.settle)):
         raise PlanError(f"plan.settle is {plan.settle:g} s", do="Need 0 or more", code="wrong_value")
 
@@ -179,6 +184,11 @@ def _time(one: Turned) -> Times:
     return one.recording.time_ns
 
 
+def _gain_is_known(one: Turned, axis: str) -> bool:
+    """Tell whether the gain was recorded, or looked for before a ground model: levels near zero do not show it."""
+    return any(name in one.recording.names for name in (f"gain_{axis}", PREDICTED + axis))
+
+
 def _dwell(
     plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArray[np.floating]], unread: Set[str]
 ) -> _Dwell:
@@ -207,7 +217,8 @@ def _dwell(
         widths[axis] = half_widths(stamps, samples, plan.subset, plan.subsets, interval)
     middle = (0.5 * (window.start + window.stop)) / SECOND
     warm = {axis: _temperature(one, axis, int(low), int(high)) for axis in channels}
-    return _Dwell(window, values, widths, middle, warm, tuple(remarks), reasons)
+    told = {axis: _predicted(one, axis, int(low), int(high)) for axis in values}
+    return _Dwell(window, values, widths, middle, warm, told, tuple(remarks), reasons)
 
 
 def _not_read(plan: Plan, one: Turned, axis: str, inside: slice, absent: float) -> Remark | None:
@@ -230,6 +241,15 @@ def _temperature(one: Turned, axis: str, low: int, high: int) -> float:
         return math.nan
     values = np.asarray(one.recording.channel(there[0]).data[low:high], dtype=np.float64)
     return float(np.nanmean(values)) if np.isfinite(values).any() else math.nan
+
+
+def _predicted(one: Turned, axis: str, low: int, high: int) -> float:
+    """Mean of the bias that a ground model predicts, over the samples that the axis was read in [m/s^2]."""
+    if PREDICTED + axis not in one.recording.names:
+        return math.nan
+    read = np.isfinite(one.recording.channel(axis).data[low:high])
+    values = one.recording.channel(PREDICTED + axis).data[low:high][read]
+    return float(values.mean()) if len(values) else math.nan
 
 
 def _statistics(plan: Plan, stamps: Array, samples: Array, interval: float) -> tuple[dict[str, float], dict[str, str]]:
@@ -259,18 +279,24 @@ def _quiet(
     time_ns = _time(one)
     parts = stretches(used, int(time_ns[0]), int(time_ns[-1]), one.quiet)
     lengths = [(window.stop - window.start) / SECOND for window in used]
-    length = min(plan.block, *lengths)
+    length = _block(plan, lengths, sum(part.stop - part.start for part in parts) / SECOND)
     record, lost = quiet_of(time_ns, channels, parts, rows, total, length, one.place)
     remarks = []
     quiet, need = len(record.times) * length, LONG * max(lengths)
     if lost:
-        what = f"{lost} blocks of {length:g} s with missing samples, not used for the noise"
+        what = f"{lost} blocks of {length:g} s with missing samples, not used for the noise of the axes that miss them"
         remarks.append(Remark("blocks_incomplete", "info", what, one.place))
     if quiet < need:
         what = f"{quiet:.6g} s of quiet record, less than {LONG:g} times its longest window ({need:.6g} s)"
         do = "Record longer before and after the turn"
         remarks.append(Remark("short_record", "warning", f"{what}: its noise is hardly known", one.place, do=do))
     return record, remarks
+
+
+def _block(plan: Plan, lengths: Sequence[float], quiet: float) -> float:
+    """Length of a block [s]: as planned, or longer, so that what is kept is a long record beside the windows."""
+    enough = min(quiet, 2.0 * LONG * max(lengths))
+    return min(max(plan.block, enough / MOST), *lengths)
 
 
 def _gathered(
@@ -291,6 +317,7 @@ def _gathered(
         for i, p in enumerate(PROBABILITIES)
     )
     warm = {axis: np.array([d.temperature.get(axis, np.nan) for d in dwells]) for axis in axes}
+    told = {axis: np.array([d.predicted.get(axis, np.nan) for d in dwells]) for axis in axes}
     settling = [] if plan.settle == 0.0 else [_settling(plan, len(dwells))]
     return Readings(
         angle=np.array([d.window.angle for d in dwells]),
@@ -304,6 +331,7 @@ def _gathered(
         where=tuple(places),
         remarks=gather([*remarks, *(remark for d in dwells for remark in d.remarks), *settling]),
         reasons={name: why for d in dwells for name, why in d.reasons.items()},
+        predicted={axis: one for axis, one in told.items() if np.isfinite(one).any()},
     )
 
 

@@ -1,5 +1,7 @@
 """Rows of a flip's result: every quantity with its uncertainty, or the reason why there is none.
 
+Where a ground model's prediction is given, ``predicted_bias`` with ``bias_shift`` or ``corrected_bias`` (``orbit``).
+
 Conditions: none for the result, all flips pooled; ``"flip 1"`` for each of several; ``"median"`` and ``"low_pass"`` for
 other statistics of the same windows; ``"as_published"`` for the document's own way (with several flips, of each:
 ``"as_published, flip 1"``).
@@ -14,6 +16,7 @@ import numpy as np
 
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
+from .orbit import CORRECTED, PREDICTED, SHIFT, Against, against_model
 from .plan import Plan
 from .pooling import Flip, units
 from .published import CONDITION, published_rows
@@ -27,6 +30,8 @@ MODEL_BIAS = "model_bias_error"  # what a ground model leaves of the bias
 ALONG = "not turned: bias and ambient acceleration along the turn are one (see reading)"
 NOT_READ = "the axis was not read"
 NO_STATISTIC = "its own uncertainty is not worked out: see that of the mean"
+DOUBTED = "readings of a size that orbit and head cannot have (remark `magnitude`): their unit is in doubt"
+PREDICTION = "of the ground model, taken as it is: the readings do not say how well it is known"
 
 
 def rows(result: Result) -> list[Row]:
@@ -35,6 +40,7 @@ def rows(result: Result) -> list[Row]:
     several = len(result.flips) > 1
     for one in result.flips if several else ():
         found += _of_flip(result, one, f"flip {one.label}")
+    found += _against_model(result)
     for name, other in result.others.items():
         found += _of_flip(result, other, name)
     for name, why in result.readings.reasons.items():
@@ -43,7 +49,15 @@ def rows(result: Result) -> list[Row]:
     for one in result.flips:
         own = published_rows(result.plan, result.readings, one.label, _called(result.plan, BIAS))
         found += [replace(row, condition=f"{CONDITION}, flip {one.label}") for row in own] if several else own
-    return found
+    doubted = any(remark.code == "magnitude" for remark in result.remarks)
+    return [_doubted(row) for row in found] if doubted else found
+
+
+def _doubted(row: Row) -> Row:
+    """Return the row without its uncertainty: in a wrong unit it is wrong, too."""
+    if row.status == "not_estimated":
+        return row
+    return replace(row, u=None, dof=None, interval=None, status="not_estimated", reason=DOUBTED)
 
 
 def _wanted(result: Result) -> list[tuple[str, str]]:
@@ -70,9 +84,32 @@ def _of_flip(result: Result, one: Flip, condition: str) -> list[Row]:
     return found
 
 
-def _row(result: Result, one: Flip, at: int, condition: str) -> Row:
+def _against_model(result: Result) -> list[Row]:
+    """Return what a ground model predicts, and how far the flip is off it, or what both make together."""
+    found = []
+    for one in against_model(result.plan, result.readings, result.flips):
+        condition = f"flip {one.label}" if one.label else ""
+        reason = "; ".join(part for part in (PREDICTION, _some(result, one)) if part)
+        found.append(Row(PREDICTED, one.axis, one.predicted, None, "m/s^2", status="not_estimated", reason=reason,
+                         condition=condition))  # fmt: skip
+        if one.quantity:
+            row = _row(result, one.flip, one.flip.names.index(one.name), condition, one.quantity)
+            reason = "; ".join(part for part in (row.reason, _some(result, one)) if part)
+            found.append(replace(row, reason=reason))
+        elif not one.label:
+            found.append(not_estimated(CORRECTED if result.plan.corrected else SHIFT, one.axis, "m/s^2", ALONG))
+    return found
+
+
+def _some(result: Result, one: Against) -> str:
+    """Name the flips that have a prediction, where not all of them have."""
+    some = not one.label and len(one.flips) < len(result.flips)
+    return f"of flip {', '.join(one.flips)} alone: no prediction for the others" if some else ""
+
+
+def _row(result: Result, one: Flip, at: int, condition: str, called: str = "") -> Row:
     name = one.names[at]
-    quantity, axis, unit = _called(result.plan, name[:-2]), name[-1], units([name])[0]
+    quantity, axis, unit = called or _called(result.plan, name[:-2]), name[-1], units([name])[0]
     value = float(one.values[at])
     if one.estimate is None:
         reason = NO_STATISTIC if condition in result.others else one.reason

@@ -213,8 +213,9 @@ def _solve(X: Array) -> tuple[Array, Array]:
     scale = np.where(length > 0.0, length, 1.0)
     left, s, right = np.linalg.svd(X / scale, full_matrices=True)
     rank = int(np.sum(s > RELATIVE * s.max(initial=0.0)))
-    solution = (right[:rank].T / s[:rank]) @ left[:, :rank].T / scale[:, None]
-    return np.asarray(solution), np.asarray(left[:, rank:].T)
+    solution = np.asarray((right[:rank].T / s[:rank]) @ left[:, :rank].T / scale[:, None])
+    most = np.abs(solution).max(axis=1, keepdims=True, initial=0.0)
+    return np.where(np.abs(solution) > RELATIVE * most, solution, 0.0), np.asarray(left[:, rank:].T)
 
 
 def _single_sided(plan: Plan, rows: _Rows, names: list[str]) -> dict[str, Array]:

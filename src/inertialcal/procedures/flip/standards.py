@@ -10,7 +10,8 @@ turn axis
 converter zero
     An offset of the electronics of each axis, u in its bias.
 scale factor
-    A relative error of each axis: of its readings, and of the bias that was taken off before (``plan.raw_bias``).
+    A relative error of each axis: of its readings, and of the bias that was taken off before: ``plan.raw_bias``, or
+    where that is 0 what the ground model predicts.
 
 References
 ----------
@@ -90,8 +91,15 @@ def _zero(plan: Plan, readings: Readings, found: Separated) -> Array:
 def _scale(plan: Plan, readings: Readings, found: Separated) -> Array:
     made = []
     for axis, weights in found.weights.items():
-        made.append(weights @ (np.nan_to_num(readings.outputs[axis]) + plan.raw_bias))
+        made.append(weights @ (np.nan_to_num(readings.outputs[axis]) + _taken_off(plan, readings, axis)))
     return np.array(made)
+
+
+def _taken_off(plan: Plan, readings: Readings, axis: str) -> Array | float:
+    """Bias that is no longer in the readings of an axis: as the plan says, else what the model predicted [m/s^2]."""
+    if plan.raw_bias != 0.0 or not plan.corrected or axis not in readings.predicted:
+        return plan.raw_bias
+    return np.nan_to_num(readings.predicted[axis])
 
 
 def _changes(found: Separated, change: Array) -> Array:

@@ -11,6 +11,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from .plan import AXES, HalfWidths, Readings
+from .plausible import is_reading
 
 
 @dataclass(frozen=True)
@@ -39,6 +40,8 @@ class MeanOf:
         Middle of the dwell [s]; NaN where not given.
     where : str
         File and row.
+    predicted : float
+        Bias that a ground model predicts in the dwell [m/s^2]; NaN where not given.
     """
 
     axis: str
@@ -51,6 +54,7 @@ class MeanOf:
     dwell: str = ""
     time: float = math.nan
     where: str = ""
+    predicted: float = math.nan
 
 
 def readings_of_means(means: Sequence[MeanOf]) -> Readings:
@@ -59,8 +63,8 @@ def readings_of_means(means: Sequence[MeanOf]) -> Readings:
     Raises
     ------
     DataError
-        If there is none, an axis is unknown (``wrong_value``), a position is not finite (``wrong_value``), or an
-        axis stands twice in a dwell (``repeated_row``).
+        If there is none, an axis is unknown (``wrong_value``), a position is not finite (``wrong_value``), a mean is
+        beyond any accelerometer (``wrong_value``), or an axis stands twice in a dwell (``repeated_row``).
     """
     if not means:
         raise DataError("no dwells", why="there is nothing to separate", code="no_dwells")
@@ -81,6 +85,11 @@ def _check(one: MeanOf) -> None:
         raise DataError(f"axis {one.axis!r}", one.where, do="Need x, y or z", code="wrong_value")
     if not math.isfinite(one.angle):
         raise DataError(f"position {one.angle}", one.where, do="Need the turn from position 0", code="wrong_value")
+    numbers = {"mean": one.mean, "predicted bias": one.predicted} | {f"half width {p:g}": w for p, w in one.half_widths}
+    for name, value in {**numbers, **dict(one.others or {})}.items():
+        if not is_reading(value):
+            what = f"{name} of {one.axis} is {value:.3g} m/s^2, which no accelerometer reads"
+            raise DataError(what, one.where, do="Mend the number, or its unit", code="wrong_value")
 
 
 def _pivoted(keys: list[tuple[str, str, float]], dwells: list[dict[str, MeanOf]]) -> Readings:
@@ -90,6 +99,7 @@ def _pivoted(keys: list[tuple[str, str, float]], dwells: list[dict[str, MeanOf]]
     probabilities = sorted({p for one in every for p, _ in one.half_widths})
     time = np.array([_time(dwell) for dwell in dwells])
     warm = {axis: _column([d[axis].temperature if axis in d else np.nan for d in dwells]) for axis in axes}
+    told = {axis: _column([d[axis].predicted if axis in d else np.nan for d in dwells]) for axis in axes}
     return Readings(
         angle=np.array([angle for _, _, angle in keys]),
         flip=np.array([flip for flip, _, _ in keys]),
@@ -103,6 +113,7 @@ def _pivoted(keys: list[tuple[str, str, float]], dwells: list[dict[str, MeanOf]]
         ),
         time=time if np.isfinite(time).any() else None,
         temperature={axis: one for axis, one in warm.items() if np.isfinite(one).any()},
+        predicted={axis: one for axis, one in told.items() if np.isfinite(one).any()},
         where=tuple(next(iter(dwell.values())).where for dwell in dwells) if any(one.where for one in every) else (),
     )
 

@@ -71,15 +71,41 @@ def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[
     return components, reason
 
 
-def covariance_of(plan: Plan, record: Quiet, axis: str, weights: Array) -> Array:
-    """Return the covariance of combinations of dwells by the record's slow noise alone, shape (r, r).
+def independent(plan: Plan, record: Quiet, lines: Mapping[str, Array]) -> tuple[Array, Array, Array]:
+    """Return independent directions of combinations of dwells, by the record's slow noise alone.
+
+    Parameters
+    ----------
+    plan, record : Plan, Quiet
+        Whose noise.
+    lines : mapping of str to ndarray, shape (r, n)
+        Weights of the dwells of each axis; a combination is the sum over the axes.
+
+    Returns
+    -------
+    directions : ndarray, shape (r, r)
+        Orthonormal, a row each.
+    variance, dof : ndarray, shape (r,)
+        Of each; degrees of freedom by Welch and Satterthwaite.
 
     Raises
     ------
     DataError
         If the record does not show its noise.
     """
-    return _covariance(slow_noise(record.means[axis], _shape(plan, record)), record, _contrasts(record, weights))
+    records = {axis: record.of(axis) for axis, weights in lines.items() if np.any(weights)}
+    used = {axis: _contrasts(own, lines[axis]) for axis, own in records.items()}
+    noises = {axis: slow_noise(own.means[axis], _shape(plan, own), used[axis]) for axis, own in records.items()}
+    whole = np.asarray(sum(_covariance(noises[axis], record, contrasts) for axis, contrasts in used.items()))
+    directions = np.linalg.eigh(whole)[1].T
+    variance, spread = np.zeros(len(whole)), np.zeros(len(whole))
+    for axis, contrasts in used.items():
+        for i, line in enumerate(_small_to_zero(directions) @ contrasts):
+            if np.any(np.abs(line) > DEPENDS * np.abs(contrasts).max()):
+                own, dof = noises[axis].variance(line - line.mean())
+                variance[i] += own
+                spread[i] += own**2 / dof
+    return directions, variance, variance**2 / np.maximum(spread, np.finfo(float).tiny)
 
 
 def _covariance(noise: SlowNoise, record: Quiet, contrasts: Array) -> Array:
@@ -94,6 +120,7 @@ def record_of(readings: Readings, weights: Mapping[str, Array]) -> Quiet | None:
 
 
 def _of_axis(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+    record = record.of(axis)
     if not len(record.times):
         raise DataError("no block of the record is quiet and whole", do="Record longer", code="too_few_blocks")
     if plan.noise == "pairs":
@@ -113,15 +140,19 @@ def _record(readings: Readings, weights: Array) -> Quiet | None:
 
 
 def _slow(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
-    noise = slow_noise(record.means[axis], _shape(plan, record))
     contrasts = _contrasts(record, weights)
+    noise = slow_noise(record.means[axis], _shape(plan, record), contrasts)
     dof = np.array([noise.variance(line)[1] if np.any(line) else np.inf for line in contrasts])
     return _covariance(noise, record, contrasts), dof, "white and 1/f, by its quiet record"
 
 
 def _contrasts(record: Quiet, weights: Array) -> Array:
     """Weights of the blocks in each result, shape (p, m); less the mean of the record where they make a mean."""
-    lines = _small_to_zero(weights) @ record.weights
+    weights = _small_to_zero(weights)
+    if np.any(np.any(weights != 0.0, axis=0) & ~np.any(record.weights, axis=1)):
+        what = "no block of a window has all its samples"
+        raise DataError(what, why="its noise is not shown", do="Choose another window", code="too_few_blocks")
+    lines = weights @ record.weights
     return np.asarray(lines - lines.sum(axis=1, keepdims=True) / lines.shape[1])
 
 

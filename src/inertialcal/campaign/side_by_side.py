@@ -1,0 +1,33 @@
+"""Flips of one campaign set side by side: the readings after one ground model against those after another."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+from ..core.errors import InertialcalError
+from ..procedures.flip.side_by_side import side_by_side
+from .load import Campaign
+from .prepare import placed
+from .requirements import Tested
+
+
+def beside_others(campaign: Campaign, tested: Sequence[Tested]) -> list[Tested]:
+    """Return the tests, those ``against`` another with the rows of what the two differ by.
+
+    Raises
+    ------
+    PlanError
+        If the two cannot be set side by side.
+    """
+    by_name = {one.test.id: one for one in tested}
+    return [one if one.test.against is None else _beside(campaign, one, by_name[one.test.against]) for one in tested]
+
+
+def _beside(campaign: Campaign, one: Tested, other: Tested) -> Tested:
+    try:
+        rows = side_by_side(one.result, other.result, other.test.id)
+    except InertialcalError as error:
+        number = campaign.file.tests.index(one.test)
+        raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+    return replace(one, rows=[*one.rows, *(replace(row, test=one.test.id) for row in rows)])

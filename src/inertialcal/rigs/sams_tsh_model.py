@@ -1,0 +1,32 @@
+"""Rig of a head with its ground model: that of ``sams_tsh``, whose engineer has the polynomials of his head.
+
+Two tests of the same recording: with the bias that the model predicts left in, and with it taken off. What the model
+is off, and what the truth means, stands in ``sams_tsh_ground``.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from ..core.errors import UsageError
+from .sams_tsh import build
+from .sams_tsh_faults import FAULTS
+from .sams_tsh_setup import Bench
+from .twin import Twin
+
+TITLE = "a triaxial accelerometer head with its ground model, turned by half a turn, and back, in orbit"
+__all__ = ["FAULTS", "TITLE", "twin"]
+
+
+def twin(seed: int, fault: str = "") -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    if fault and fault not in FAULTS:
+        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(FAULTS)}", code="unknown_name")
+    change = FAULTS[fault].change if fault else {}
+    return replace(build(replace(Bench(), ground="jointly", **change), seed), rig="sams_tsh_model", fault=fault)
