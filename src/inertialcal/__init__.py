@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .campaign.score import score
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
+    from .campaign.single_noise import allan
+    from .campaign.single_spectrum import psd
     from .campaign.twin import simulate
     from .files import read
     from .files.survey import survey as info
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from .report.plot import plot
 
 __all__ = [
+    "allan",
     "check",
     "compare",
     "compensate",
@@ -36,6 +39,7 @@ __all__ = [
     "info",
     "load_model",
     "plot",
+    "psd",
     "rate_table",
     "read",
     "read_table",
@@ -46,6 +50,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "allan": ("campaign.single_noise", "allan"),
+    "psd": ("campaign.single_spectrum", "psd"),
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),

@@ -28,7 +28,7 @@ SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skip
 
 
 def prepare_recording(
-    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False
+    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False, complete: bool = True
 ) -> Recording:
     """Return the readings of a recording in body axes, SI, time in the middle of each average.
 
@@ -42,6 +42,8 @@ def prepare_recording(
         Whose chain, ground model and mounting apply.
     keep_bias : bool
         Whether the bias that a ground model predicts stays in.
+    complete : bool
+        Whether a literal NaN in a channel of an axis is refused; else it is a missing sample.
 
     Returns
     -------
@@ -59,7 +61,7 @@ def prepare_recording(
         folder / entry.file,
         time_column=(entry.clock or Clock()).column,
         frame=entry.frame,
-        required=[channels[axis].column for axis in channels if axis in AXES],
+        required=[channels[axis].column for axis in channels if axis in AXES and complete],
     )
     model = chain_model(sensor, folder)
     if model is not None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
@@ -202,7 +204,7 @@ def turned_recording(
         If nothing says which axis was turned, or at which rates; or as `prepare_recording`.
     """
     whole = prepare_recording(folder, name, entry, sensor)
-    recording = _windowed(whole, test)
+    recording = windowed(whole, test)
     origin = Origin(name, entry.file, whole.source.sha256, "recording", len(whole), len(recording))
     hashes = {entry.file: recording.source.sha256}
     recording = replace(recording, source=replace(recording.source, path=entry.file))
@@ -257,8 +259,14 @@ def _instant(cell: str, utc: bool, where: str) -> int:
         raise DataError(str(error), where, code="wrong_time") from None
 
 
-def _windowed(recording: Recording, test: Test) -> Recording:
-    """Keep the samples inside the windows of the test."""
+def windowed(recording: Recording, test: Test) -> Recording:
+    """Return the samples inside the windows of a test; all where it has none.
+
+    Raises
+    ------
+    DataError
+        If the recording has no time in UTC (``no_time``), or no sample lies in them (``nothing_left``).
+    """
     if not test.windows:
         return recording
     if recording.time_ns is None or recording.epoch != "utc":

@@ -11,12 +11,14 @@ from .cross_checks import MODELLED
 from .flip_inputs import prepared_flip
 from .load import Campaign
 from .modelling import Prepared
+from .noise_inputs import prepared_static_noise
 from .rate_table_inputs import prepared_rate_table
 from .schema import Sensor, Test
 
 WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "rate_table": prepared_rate_table,
     "flip": prepared_flip,
+    "static_noise": prepared_static_noise,
 }
 
 

@@ -7,6 +7,6 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import flip, rate_table
+from . import flip, rate_table, static_noise
 
-PROCEDURES: dict[str, ModuleType] = {"rate_table": rate_table, "flip": flip}
+PROCEDURES: dict[str, ModuleType] = {"rate_table": rate_table, "flip": flip, "static_noise": static_noise}

@@ -18,6 +18,7 @@ RECORDINGS_SHOWN = 1  # traces of a test, of each axis that was turned: the othe
 Results = Mapping[str, Any]
 
 
+NOISE = {"allan": ("allan", "allan_terms"), "spectrum": ("spectrum",)}  # curves of the figures of noise
 STILL = 0.01  # of the largest input: next to none
 
 
@@ -101,6 +102,10 @@ def _caption(results: Results, picture: Picture) -> Finding:
             return ("The dwells found in one recording with ", axis, " turned.", told)
         case "flip":
             return _flip_caption(picture)
+        case "allan":
+            return ("Deviation of ", axis, " over averaging time with 95 % intervals, and the terms fitted to it.")
+        case "spectrum":
+            return ("One-sided density of ", axis, " with 95 % intervals, and the terms that were fitted to its Allan deviation.")
     others = " At no input lie the dwells in which another axis was turned." if _others_turned(results) else ""
     return ("Errors on readings held out, raw and compensated, at each applied input.", others)
 
@@ -147,6 +152,9 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
         of = "quiet" if picture.recorded else "flip_dwells"
         own = [one for one in results["curves"] if (one["name"], one["test"]) == (of, test)]
         return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own]
+    if name in NOISE:
+        own = [one for one in results["curves"] if (one["test"], one["axis"]) == (test, axis)]
+        return [(clean(_entitled(one)), curve_csv(one)) for one in own if one["name"] in NOISE[name]]
     mine = [one for one in results["curves"] if one["name"] == name and one["test"] == test]
     if name == "compensated":
         return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]
@@ -158,6 +166,10 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
         (f"dwells {clean(axis)}", curve_csv(pairs[number][0])),
         (f"trace {clean(axis)}", curve_csv(pairs[number][1])),
     ]
+
+
+def _entitled(curve: Mapping[str, Any]) -> str:
+    return " ".join(part for part in (curve["name"], curve["axis"], curve.get("recording", "")) if part)
 
 
 def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:

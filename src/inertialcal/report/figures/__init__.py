@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
 
-from . import budget, compensated, dwells, flip, input_output, matrix, rate_error, side_by_side
+from . import allan, budget, compensated, dwells, flip, input_output, matrix, rate_error, side_by_side, spectrum
 from .picture import Picture, on_new_figure
 from .style import variables
 from .svg import to_svg
@@ -69,7 +69,7 @@ def prefix(picture: Picture, number: int = 0) -> str:
 
 FIGURES: dict[str, Kind] = {
     module.NAME: Kind(module.NAME, module.pictures)
-    for module in (compensated, input_output, rate_error, dwells, side_by_side, flip, matrix, budget)
+    for module in (compensated, input_output, rate_error, dwells, side_by_side, flip, allan, spectrum, matrix, budget)
 }
 
 __all__ = ["FIGURES", "Kind", "Picture", "on_new_figure", "prefix", "to_svg", "variables"]

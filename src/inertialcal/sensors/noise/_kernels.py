@@ -10,22 +10,19 @@ from ...core.estimate import Array
 
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
-FINE = 3.0  # distance from the nearest knot over the step between nodes
+NEAR = 2  # distances from a knot that are summed one by one
+GROWTH = 8  # lengths of neighbouring panels beyond
 
 
 @compiled
-def phase_covariance(lag: float, sizes: Array, exponentials: Array, cosines: Array) -> float:
-    """Return C of ``phase.Phase`` at one lag; sizes are point, linear, cubic and flicker.
+def phase_covariance(lag: float, sizes: Array, exponentials: Array) -> float:
+    """Return C of ``phase.Phase`` at one lag, without lines; sizes are point, linear, cubic and flicker.
 
-    Rows of ``exponentials`` are size, u, gain and excess (see ``phase.twice_summed_exponential``); those of ``cosines``
-    the size of the cosine and cycles.
+    Rows of ``exponentials`` are size, u, gain and excess (see ``phase.twice_summed_exponential``).
     """
     j = abs(lag)
     if j == 0.0:
-        found = sizes[0]
-        for row in range(len(cosines)):
-            found += cosines[row, 0]
-        return float(found)
+        return float(sizes[0])
     found = -0.5 * sizes[1] * j + sizes[2] * j * j * j / 12.0
     if sizes[3] != 0.0:
         found += 0.5 * sizes[3] * j * j * np.log(j)
@@ -36,95 +33,91 @@ def phase_covariance(lag: float, sizes: Array, exponentials: Array, cosines: Arr
         else:
             rest = np.exp(-x) - 1.0 + x - 0.5 * x * x
         found -= exponentials[row, 0] * (exponentials[row, 2] * rest + exponentials[row, 3] * j)
-    for row in range(len(cosines)):
-        found += cosines[row, 0] * np.cos(2.0 * np.pi * cosines[row, 1] * j)
     return float(found)
 
 
 @compiled
-def second_differences(t: float, m1: float, m2: float, sizes: Array, exponentials: Array, cosines: Array) -> float:
+def second_differences(t: float, m1: float, m2: float, sizes: Array, exponentials: Array) -> float:
     """Return the covariance of differences of neighbouring means over m1 and m2 samples, their middles t apart."""
     total = 0.0
     for a in range(-1, 2):
         for b in range(-1, 2):
             weight = (-2.0 if a == 0 else 1.0) * (-2.0 if b == 0 else 1.0)
-            total += weight * phase_covariance(t + b * m2 - a * m1, sizes, exponentials, cosines)
+            total += weight * phase_covariance(t + b * m2 - a * m1, sizes, exponentials)
     return float(total / (m1 * m2))
 
 
 @compiled
-def _from_knot(t: float, m1: float, m2: float) -> float:
-    """Distance to the nearest place where the covariance has a kink."""
-    nearest = t
-    for knot in (m1, m2 - m1, m2, m2 + m1):
-        nearest = min(nearest, abs(t - knot))
-    return nearest
-
-
-@compiled
-def _next_node(t: float, m1: float, m2: float, last: float) -> float:
-    """Next distance, at which a node stands: all near a knot, fewer away from one, knots themselves always."""
-    step = max(1.0, np.floor(_from_knot(t, m1, m2) / FINE))
-    following = t + step
-    for knot in (m1, m2 - m1, m2, m2 + m1):
-        if t < knot < following:
-            following = knot
-    ahead = _from_knot(following, m1, m2)  # smaller steps towards a knot than away from it
-    if step > 1.0 and ahead < step:
-        following = t + max(1.0, np.floor(step / 2.0))
-        for knot in (m1, m2 - m1, m2, m2 + m1):
-            if t < knot < following:
-                following = knot
-    return min(following, last)
-
-
-@compiled
 def covariance_of_pair(
-    m1: float, m2: float, n1: float, n2: float, reach: float, parts: Array, ramp: float,
-    exponentials: Array, cosines: Array,
-) -> float:  # fmt: skip
+    m1: float, m2: float, n1: float, n2: float, reach: float, sizes: Array, ramp: float, exponentials: Array
+) -> float:
     """Return the covariance of the means of n1 and n2 halved squares of differences, m1 <= m2.
 
-    Sum over all pairs, by their distance, trapezoids between nodes; ``parts`` are the sizes, ``cosines`` deterministic.
+    The sum over all distances t of pairs, half of it since t and -t are alike. Between knots, where the covariance has
+    kinks, and away from them, panels of distances are summed by three nodes each.
     """
-    none = np.zeros((0, 2))
-    last = min((n1 + n2) / 2.0 - 1.0, reach + m1 + m2)
-    last = max(np.floor(last), 0.0)
-    mu = ramp * ramp * m1 * m2
-    total = 0.0
-    t, passed, before = 0.0, 0.0, 0.0
-    zero = np.zeros(4)
-    first = True
-    while True:
-        s = second_differences(t, m1, m2, parts, exponentials, none)
-        known = mu
-        if len(cosines) > 0:
-            known += second_differences(t, m1, m2, zero, np.zeros((0, 4)), cosines)
-        pairs = min(n1, n2, (n1 + n2) / 2.0 - t)
-        here = max(pairs, 0.0) * (0.5 * s * s + known * s)
-        if first:
-            total = here
-            first = False
-        else:
-            width = t - passed
-            # integers after the last node up to this one, straight between both, and as many on the other side
-            total += 2.0 * (width * 0.5 * (before + here) + 0.5 * (here - before))
-        if t >= last:
-            break
-        passed = t
-        before = here
-        t = _next_node(t, m1, m2, last)
-    return float(total / (n1 * n2))
+    last = np.floor(max(min((n1 + n2) / 2.0 - 1.0, reach + m1 + m2), 0.0))
+    knots = np.array([0.0, min(m1, m2 - m1), max(m1, m2 - m1), m2, m2 + m1, last])
+    total = 0.5 * _at_distance(0.0, m1, m2, n1, n2, sizes, ramp, exponentials)
+    for i in range(1, len(knots)):
+        start, end = min(knots[i - 1], last), min(knots[i], last)
+        if end <= start:
+            continue
+        total += _at_distance(end, m1, m2, n1, n2, sizes, ramp, exponentials)
+        lo, hi = start + 1.0, end - 1.0  # distances that are left
+        both = i < len(knots) - 1  # a knot at either end
+        done = 0
+        while lo <= hi:
+            size = 1.0 if done < NEAR else float(NEAR) * GROWTH ** (done - NEAR)
+            size = min(size, max(np.ceil((hi - lo + 1.0) / 2.0), 1.0) if both else hi - lo + 1.0)
+            total += _panel(lo, size, m1, m2, n1, n2, sizes, ramp, exponentials)
+            lo += size
+            if both and lo <= hi:
+                size = min(size, hi - lo + 1.0)
+                total += _panel(hi - size + 1.0, size, m1, m2, n1, n2, sizes, ramp, exponentials)
+                hi -= size
+            done += 1
+    return float(2.0 * total / (n1 * n2))
+
+
+@compiled
+def _at_distance(
+    t: float, m1: float, m2: float, n1: float, n2: float, sizes: Array, ramp: float, exponentials: Array
+) -> float:
+    """Number of pairs at a distance, times the covariance of their halved squares."""
+    s = second_differences(t, m1, m2, sizes, exponentials)
+    pairs = max(min(n1, n2, (n1 + n2) / 2.0 - t), 0.0)
+    return float(pairs * (0.5 * s * s + ramp * ramp * m1 * m2 * s))
+
+
+@compiled
+def _panel(
+    lo: float, size: float, m1: float, m2: float, n1: float, n2: float, sizes: Array, ramp: float, exponentials: Array
+) -> float:
+    """Sum over ``size`` whole distances from lo, by the three nodes that are exact for polynomials of degree five."""
+    middle = lo + 0.5 * (size - 1.0)
+    if size == 1.0:
+        return _at_distance(middle, m1, m2, n1, n2, sizes, ramp, exponentials)
+    if size == 2.0:
+        one = _at_distance(lo, m1, m2, n1, n2, sizes, ramp, exponentials)
+        return one + _at_distance(lo + 1.0, m1, m2, n1, n2, sizes, ramp, exponentials)
+    square = size * size
+    outer = (3.0 * square - 7.0) / 20.0
+    weight = size * (square - 1.0) / (24.0 * outer)
+    by = np.sqrt(outer)
+    ends = _at_distance(middle - by, m1, m2, n1, n2, sizes, ramp, exponentials)
+    ends += _at_distance(middle + by, m1, m2, n1, n2, sizes, ramp, exponentials)
+    return weight * ends + (size - 2.0 * weight) * _at_distance(middle, m1, m2, n1, n2, sizes, ramp, exponentials)
 
 
 @compiled
 def fill_covariance(
-    m: Array, n: Array, reach: float, parts: Array, ramp: float, exponentials: Array, cosines: Array, out: Array
+    m: Array, n: Array, reach: float, sizes: Array, ramp: float, exponentials: Array, out: Array
 ) -> None:
     """Fill the covariance of Allan variances at m samples, ascending, of n terms each."""
     for i in range(len(m)):
         for j in range(i, len(m)):
-            out[i, j] = covariance_of_pair(m[i], m[j], n[i], n[j], reach, parts, ramp, exponentials, cosines)
+            out[i, j] = covariance_of_pair(m[i], m[j], n[i], n[j], reach, sizes, ramp, exponentials)
             out[j, i] = out[i, j]
 
 

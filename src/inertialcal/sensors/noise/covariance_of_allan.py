@@ -5,9 +5,15 @@ of the running sum (``phase``), means of d^2 / 2 have the covariance [1]_::
 
     cov = sum over pairs of ( s^2 / 2 + mu mu' s ) / (number of pairs)
 
-where mu is what is not noise, a ramp or a line. The sum runs over the windows that the record has; between distances
-that matter it is taken by trapezoids, which costs about 1 %. Neighbouring octaves are correlated by 0.5 to 0.7, and
-edf alone, with octaves as if independent, makes intervals of fitted terms too short.
+where mu is what is not noise, a ramp. The sum runs over the windows that the record has; away from the distances where
+s has kinks it is taken by panels of distances (to a thousandth of a correlation). Of a line, whose mu mu' swings,
+the sum is the spectrum of the noise there::
+
+    cov = a P(f) h(m)^2 h(m')^2 / max(n, n'),    h(m) = (2 cos(2 pi f m T) - 2) / m
+
+with P the density of the running sum and a the variance of the line in it; ends of the record are neglected. Allan
+variances of neighbouring octaves are correlated by 0.5 to 0.7, and edf alone, with octaves as if independent, makes
+intervals of fitted terms too short.
 
 With gaps the number of pairs is scaled to the number of terms that were there.
 
@@ -24,6 +30,7 @@ import numpy as np
 from ...core.estimate import Array
 from ._kernels import fill_covariance
 from .phase import SERIES_FROM, Phase, dead_time_part, exponential_gain
+from .spectrum_of_terms import density_of_samples
 
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
 
@@ -42,18 +49,20 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array) -> Array:
     """
     slope = dead_time_part(np.array([float(SERIES_FROM) * 100.0]), phase.duty)[0] / (SERIES_FROM * 100.0)
     linear = phase.linear + 2.0 * phase.flicker * slope  # what dead time adds to flicker is short, and taken as white
-    parts = np.array([phase.point, linear, phase.cubic, phase.flicker])
-    exponentials = np.array([(size, u, *exponential_gain(u)) for size, u in phase.exponentials]).reshape(-1, 4)
-    cosines = np.array(
-        [(variance / (2.0 * np.sin(np.pi * cycles)) ** 2, cycles) for variance, cycles in phase.cosines]
-    ).reshape(-1, 2)
+    sizes = np.array([phase.point, linear, phase.cubic, phase.flicker])
+    parts = np.array(phase.exponentials).reshape(-1, 2)
+    exponentials = np.column_stack([parts, *exponential_gain(parts[:, 1])])
     slowest = float(exponentials[:, 1].min()) if len(exponentials) else np.inf
     wanders = TAIL * float(m[-1]) * (phase.flicker > 0.0)
-    out = np.zeros((len(m), len(m)))
     reach = max(TAIL / slowest, wanders, 2.0)
-    fill_covariance(
-        np.asarray(m, dtype=float), np.asarray(n, dtype=float), reach, parts, phase.ramp, exponentials, cosines, out
-    )
+    out = np.zeros((len(m), len(m)))
+    m, n = np.asarray(m, dtype=float), np.asarray(n, dtype=float)
+    fill_covariance(m, n, reach, sizes, phase.ramp, exponentials, out)
+    for variance, cycles in phase.cosines:
+        of_sum = 1.0 / (2.0 * np.sin(np.pi * cycles)) ** 2
+        power = float(density_of_samples(phase, np.array([cycles]))[0])
+        h = (2.0 * np.cos(2.0 * np.pi * cycles * m) - 2.0) / m
+        out += variance * power * of_sum**2 * np.outer(h**2, h**2) / np.maximum(n, n[:, None])
     return out
 
 

@@ -26,7 +26,7 @@ SMALL = 1e-8  # of the largest eigenvalue: directions that the fit took
 
 
 @dataclass(frozen=True)
-class Test:
+class ChiSquare:
     """A chi-square test.
 
     Parameters
@@ -39,14 +39,12 @@ class Test:
         Probability of a statistic at least as large, if the model holds.
     """
 
-    __test__ = False  # no test case
-
     statistic: float
     dof: int
     p: float
 
 
-def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> Test | None:
+def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
     """Return whether the terms explain the Allan variances; None where no averaging time is left over."""
     mu = mean_of(problem, fitted)
     edf = 2.0 * mu**2 / np.diag(sigma)
@@ -60,7 +58,7 @@ def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> Test | None
     return _chi_square(found, correlation, len(mu) - D.shape[1])
 
 
-def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> Test | None:
+def agreement_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:
     """Return whether runs agree on the terms; None for one run."""
     if len(problem.runs) < 2:
         return None
@@ -86,7 +84,7 @@ def _placed(block: Array, row: slice, size: int) -> Array:
     return whole
 
 
-def _chi_square(values: Array, covariance: Array, dof: int) -> Test | None:
+def _chi_square(values: Array, covariance: Array, dof: int) -> ChiSquare | None:
     """Sum of squares in the metric of a covariance of that rank."""
     if dof < 1:
         return None
@@ -96,4 +94,4 @@ def _chi_square(values: Array, covariance: Array, dof: int) -> Test | None:
     kept = kept[sizes[kept] > SMALL * sizes[-1]]
     along = directions[:, kept].T @ (values * scale)
     statistic = float(np.sum(along**2 / sizes[kept]))
-    return Test(statistic, len(kept), float(special.chdtrc(len(kept), statistic)))
+    return ChiSquare(statistic, len(kept), float(special.chdtrc(len(kept), statistic)))

@@ -42,6 +42,7 @@ from .terms import (
     RateRandomWalk,
     Sinusoid,
     Term,
+    means_of_exponential,
     total_phase,
 )
 
@@ -90,6 +91,11 @@ class Problem:
         """Half of the degrees of freedom, shape (k,)."""
         return np.concatenate([0.5 * run.edf for run in self.runs])
 
+    @property
+    def length(self) -> float:
+        """Length of the longest run [s]."""
+        return max(run.length for run in self.runs)
+
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
@@ -135,22 +141,15 @@ def expected(term: Term, run: Run) -> Array:
 
 def exponentials_of(times: Array, run: Run) -> Array:
     """Return what `expected` gives of Gauss-Markov noise of sigma 1, a row for each correlation time, shape (g, k)."""
-    phases = [GaussMarkov(1.0, float(time)).phase(run.interval, run.averaging) for time in times]
-    point, linear = (np.array([getattr(phase, part) for phase in phases])[:, None] for part in ("point", "linear"))
-    size, u, gain, excess = np.array([_exponential(phase) for phase in phases]).T[:, :, None]
+    u = (run.interval / times)[:, None]
+    point, linear, size = means_of_exponential(run.averaging / times[:, None], u)
+    gain, excess = exponential_gain(u)
 
     def rest(lags: Array) -> Array:
         return np.asarray(size * (gain * remainder(u * lags) + excess * lags))
 
     together = 4.0 * rest(run.m) - rest(2.0 * run.m) + 3.0 * point
     return np.asarray(together / run.m**2 + linear / run.m * run.inflation)
-
-
-def _exponential(phase: Phase) -> tuple[float, float, float, float]:
-    """Size, u, and the two constants of its covariance; nothing where only neighbours are correlated."""
-    for size, u in phase.exponentials:
-        return (size, u, *exponential_gain(u))
-    return 0.0, 1.0, 0.0, 0.0
 
 
 def estimate(
@@ -231,14 +230,15 @@ def terms_of(problem: Problem, fitted: Fitted) -> tuple[Term, ...]:
     return tuple(found)
 
 
-def slopes_of(problem: Problem, fitted: Fitted) -> Array:
+def slopes_of(problem: Problem, fitted: Fitted, timed: bool = True) -> Array:
     """Return the slopes of the expected Allan variances, shape (k, q).
 
-    The q unknowns are the positive powers, and ln of the correlation time where there is one.
+    The q unknowns are the positive powers, and ln of the correlation time where there is one that was fitted
+    (``timed``).
     """
     there = fitted.powers > 0.0
     columns = np.column_stack([problem.columns, column_at(problem, fitted.position)])[:, there]
-    if not there[-1]:
+    if not there[-1] or not timed:
         return np.asarray(columns)
     by = column_at(problem, fitted.position + 0.05) - column_at(problem, fitted.position - 0.05)
     return np.column_stack([columns, fitted.powers[-1] * by / 0.1 * PER_E])
@@ -267,9 +267,9 @@ class Sandwich:
         return np.asarray(np.diag(self.covariance) / np.diag(np.linalg.inv(self.H)))
 
 
-def sandwich(problem: Problem, fitted: Fitted, sigma: Array) -> Sandwich:
-    """Return the covariance of the unknowns, from that of the Allan variances; see the module head."""
-    D = slopes_of(problem, fitted)
+def sandwich(problem: Problem, fitted: Fitted, sigma: Array, timed: bool = True) -> Sandwich:
+    """Return the covariance of the unknowns of `slopes_of`, from that of the Allan variances; see the module head."""
+    D = slopes_of(problem, fitted, timed)
     weights = problem.weight / mean_of(problem, fitted) ** 2
     DW = D.T * weights
     H, J = DW @ D, DW @ sigma @ DW.T

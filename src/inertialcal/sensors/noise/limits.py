@@ -1,14 +1,16 @@
 """Intervals of noise terms by the profile of the cost, upper limits of terms not shown, and the record that shows them.
 
-An interval holds the powers (squared coefficients) at which the least cost over all other unknowns rises by no more
-than ``stretch q / 2``, q the point of chi-square with one degree of freedom, and ``stretch`` the variance found over
-that as if averaging times were independent [1]_. It is unsymmetric where the cost is, and ends at zero where a term
+An interval holds the values at which the least cost over all other unknowns rises by no more than ``stretch q / 2``, q
+the point of chi-square with one degree of freedom, and ``stretch`` the variance of the unknown over that as if averaging
+times were independent [1]_. The stretch is that of the terms *at the end of the interval*: the more a slow term holds,
+the more neighbouring averaging times share. The interval is unsymmetric where the cost is, and ends at zero where a term
 could be absent. Where the relative uncertainty is small the normal interval of the logarithm is the same.
 
 A term that is not shown is added with a held power; its upper limit is where the cost has risen by the one-sided 95 %
-point over its least. The record needed is that in which a term *at its upper limit* would have a power known to 25 %:
-the same averaging times with degrees of freedom as the longer record gives them, and longer ones. An estimate: the
-planner computes the uncertainty of a planned record exactly.
+point over its least. Of Gauss-Markov noise that is sigma at the correlation time where it could hide best. The record
+needed is that in which a term *at its upper limit* would have a power known to 25 %: the same averaging times with
+degrees of freedom as the longer record gives them, and longer ones. An estimate: the planner computes the uncertainty
+of a planned record exactly.
 
 References
 ----------
@@ -19,9 +21,10 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from functools import lru_cache
 
 import numpy as np
-from scipy import special
+from scipy import optimize, special
 
 from ...core.estimate import Array
 from ...core.results import Interval
@@ -30,6 +33,9 @@ from .likelihood import (
     PER_E,
     Fitted,
     Problem,
+    Sandwich,
+    column_at,
+    covariance_of_runs,
     estimate,
     estimate_at,
     expected,
@@ -38,128 +44,156 @@ from .likelihood import (
     terms_of,
     time_at,
 )
+from .order import present
 from .runs import Run
 
 ONE_SIDED = 0.95  # of an upper limit
-NORMAL_BELOW = 0.08  # relative uncertainty of a power, below which its logarithm is taken as normal
+NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
-WIDEST = 40.0  # of the logarithm of a power: beyond, there is no limit
-TOLERANCE = 0.003  # of the logarithm of a limit
+WIDEST = 40.0  # of the logarithm of a power, and of a limit in standard uncertainties: beyond, there is none
+TOLERANCE = 0.003  # of the logarithm of an end, and of a limit in standard uncertainties
+NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
+STEEP = 1e6  # rise of the cost that is not looked into
+
+Held = Callable[[float], Fitted]  # least cost with one unknown held at a distance from its best
 
 
-def crossing(rise: Callable[[float], float], start: float, step: float, target: float) -> float | None:
-    """Return where a rising function of the distance from ``start`` reaches the target; None if it never does."""
-    inside, size = start, step
-    outside = start + size
+def crossing(rise: Callable[[float], float], step: float, target: float, furthest: float) -> float | None:
+    """Return the distance from zero, on the side of ``step``, where a rising function reaches the target.
+
+    None if it does not up to ``furthest``.
+    """
+    inside, outside = 0.0, step if abs(step) < abs(furthest) else furthest
     while rise(outside) < target:
-        inside, size = outside, 2.0 * size
-        outside = start + size
-        if abs(size) > WIDEST:
+        if abs(outside) >= abs(furthest):
             return None
-    while abs(outside - inside) > TOLERANCE:
-        middle = 0.5 * (inside + outside)
-        if rise(middle) < target:
-            inside = middle
-        else:
-            outside = middle
-    return 0.5 * (inside + outside)
+        inside, outside = outside, 2.0 * outside if abs(2.0 * outside) < abs(furthest) else furthest
+
+    def beyond(x: float) -> float:  # nearly straight, where the rise is a parabola
+        return float(np.sqrt(np.clip(rise(x), 0.0, STEEP)) - np.sqrt(target))
+
+    return float(optimize.brentq(beyond, inside, outside, xtol=TOLERANCE))
 
 
-def power_interval(
-    problem: Problem, terms: tuple[str, ...], fitted: Fitted, at: int, u: float, stretch: float, p: float
-) -> Interval:
-    """Return the interval of a power, column ``at`` [unit^2].
+def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: float) -> Interval:
+    """Return the interval of a power [unit^2] or of the correlation time [s].
+
+    A power ends at zero where its term could be absent; a time is open where the record does not bound it.
 
     Parameters
     ----------
-    problem, terms, fitted : Problem, tuple of str, Fitted
-        Runs, the terms chosen, and their sizes.
+    problem, fitted : Problem, Fitted
+        Runs, and the sizes of the terms.
     at : int
-        Column of the power.
-    u, stretch : float
-        Its standard uncertainty, and see the module head.
+        Column of the power; one beyond the last for the correlation time.
+    bread : Sandwich
+        Of the fit.
     p : float
         Probability.
     """
-    best = float(fitted.powers[at])
-    relative = u / best
+    timed, column = at == len(fitted.powers), column_of(fitted, at)
+    best = time_at(problem, fitted.position) if timed else float(fitted.powers[at])
+    relative = float(np.sqrt(bread.covariance[column, column])) / (1.0 if timed else best)
     if relative < NORMAL_BELOW:
         half = float(special.ndtri(0.5 * (1.0 + p))) * relative
         return Interval(best * np.exp(-half), best * np.exp(half), p)
+    held = _time_held(problem, fitted) if timed else _power_held(problem, fitted, at, best)
+    furthest = (-WIDEST, WIDEST)
+    if timed:
+        furthest = (-fitted.position / PER_E, (len(problem.table) - 1.0 - fitted.position) / PER_E)
+    target, step = float(special.chdtri(1.0, 1.0 - p)), min(2.0 * relative, 1.0)
+    lo, hi = (
+        end_of(problem, held, at, fitted.cost, float(bread.stretch[column]), target, float(np.copysign(step, far)), far)
+        for far in furthest
+    )
+    none = None if timed else 0.0
+    return Interval(none if lo is None else best * np.exp(lo), None if hi is None else best * np.exp(hi), p)
 
-    def rise(log: float) -> float:
-        held = estimate(problem, terms, at, best * float(np.exp(log)))
-        return 2.0 * (held.cost - fitted.cost) / stretch
 
-    target = float(special.chdtri(1.0, 1.0 - p))
-    lo, hi = (crossing(rise, 0.0, sign * min(2.0 * relative, 1.0), target) for sign in (-1.0, 1.0))
-    return Interval(0.0 if lo is None else best * np.exp(lo), None if hi is None else best * np.exp(hi), p)
+def end_of(
+    problem: Problem, held: Held, at: int, least: float, stretch: float, target: float, step: float, furthest: float
+) -> float | None:  # fmt: skip
+    """Return the distance at which the cost has risen by the target, stretched as it is there; None if it never does.
+
+    Parameters
+    ----------
+    problem : Problem
+        Runs.
+    held : callable
+        Least cost with the unknown held at a distance.
+    at : int
+        Column of the unknown.
+    least, stretch, target : float
+        Least cost and stretch at distance zero, and twice the rise that is looked for.
+    step, furthest : float
+        First distance that is tried, and the last.
+    """
+
+    def rise(x: float) -> float:
+        return 2.0 * (held(x).cost - least)
+
+    first = crossing(rise, step, target * stretch, furthest)
+    if first is None:
+        return None
+    there = held(first)
+    if there.powers[min(at, len(there.powers) - 1)] <= 0.0:
+        return first
+    bread = sandwich(problem, there, covariance_of_runs(problem, terms_of(problem, there)))
+    return crossing(rise, first, target * float(bread.stretch[column_of(there, at)]), furthest)
 
 
-def time_interval(
-    problem: Problem, terms: tuple[str, ...], fitted: Fitted, relative: float, stretch: float, p: float
-) -> Interval:
-    """Return the interval of the correlation time [s]; open where the record does not bound it."""
-    best = time_at(problem, fitted.position)
-    if relative < NORMAL_BELOW:
-        half = float(special.ndtri(0.5 * (1.0 + p))) * relative
-        return Interval(best * np.exp(-half), best * np.exp(half), p)
+def column_of(fitted: Fitted, at: int) -> int:
+    """Return where an unknown stands among those of ``slopes_of``."""
+    return int(np.count_nonzero(fitted.powers[:at] > 0.0))
+
+
+def _power_held(problem: Problem, fitted: Fitted, at: int, best: float) -> Held:
+    names = present(problem, fitted)
+    within = _nearby(problem, fitted)
+    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), within=within))
+
+
+def _time_held(problem: Problem, fitted: Fitted) -> Held:
+    names = present(problem, fitted)
+    return lru_cache(lambda x: estimate_at(problem, names, fitted.position + x * PER_E))
+
+
+def _nearby(problem: Problem, fitted: Fitted) -> tuple[float, float]:
     last = len(problem.table) - 1.0
-
-    def rise(log: float) -> float:
-        position = fitted.position + log * PER_E
-        if not 0.0 <= position <= last:
-            return np.inf
-        return 2.0 * (estimate_at(problem, terms, position).cost - fitted.cost) / stretch
-
-    target = float(special.chdtri(1.0, 1.0 - p))
-    ends = [crossing(rise, 0.0, sign * min(2.0 * relative, 1.0), target) for sign in (-1.0, 1.0)]
-    found = [None if end is None else best * float(np.exp(end)) for end in ends]
-    beyond = [position * PER_E + fitted.position for position in (e for e in ends if e is not None)]
-    lo = None if beyond and beyond[0] <= 0.05 else found[0]
-    hi = None if beyond and beyond[-1] >= last - 0.05 else found[1]
-    return Interval(lo, hi, p)
+    return max(fitted.position - NEARBY, 0.0), min(fitted.position + NEARBY, last)
 
 
-def upper_limit(problem: Problem, terms: tuple[str, ...], fitted: Fitted, at: int, sigma: Array) -> float | None:
+def upper_limit(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> float | None:
     """Return the one-sided 95 % upper limit of the power of a term that was not chosen [unit^2].
 
     Parameters
     ----------
-    problem, terms, fitted : Problem, tuple of str, Fitted
-        Runs, the terms chosen, and their sizes.
+    problem, fitted : Problem, Fitted
+        Runs, and the sizes of the terms chosen; of Gauss-Markov noise that was not chosen, ``position`` says which.
     at : int
         Column of the term.
     sigma : ndarray, shape (k, k)
         Covariance of the Allan variances.
     """
-    wanted = (*terms, problem.names[at])
-    least = _at_correlation_time(problem, wanted, fitted, -1, 0.0)
+    linear = at < len(problem.names)
+    names = (*present(problem, fitted), problem.names[at] if linear else GAUSS_MARKOV)
+    within = _nearby(problem, fitted) if linear else (fitted.position, fitted.position)
+    least = estimate(problem, names, within=within)
     u, stretch = _of_added(problem, fitted, at, sigma)
-    start = max(float(least.powers[at]), 1e-3 * u)
-
-    def rise(log: float) -> float:
-        held = _at_correlation_time(problem, wanted, fitted, at, start * float(np.exp(log)))
-        return 2.0 * (held.cost - least.cost) / stretch
-
-    target = float(special.ndtri(ONE_SIDED)) ** 2
-    log = crossing(rise, 0.0, 0.5, target)
-    return None if log is None else start * float(np.exp(log))
-
-
-def _at_correlation_time(problem: Problem, wanted: tuple[str, ...], fitted: Fitted, at: int, value: float) -> Fitted:
-    """Least cost with a power held, the correlation time as it was found."""
-    return estimate(problem, wanted, at, value, within=(fitted.position, fitted.position))
+    held = lru_cache(lambda x: estimate(problem, names, at, float(least.powers[at]) + x * u, within=within))
+    point = float(special.ndtri(ONE_SIDED))
+    x = end_of(problem, held, at, least.cost, stretch, point**2, point, WIDEST)
+    return None if x is None else float(least.powers[at]) + x * u
 
 
 def _of_added(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> tuple[float, float]:
     """Return the standard uncertainty of a power that is added, and its stretch."""
-    tiny = 1e-9 * float(np.min(mean_of(problem, fitted) / problem.columns[:, at]))
+    whole = np.column_stack([problem.columns, column_at(problem, fitted.position)])
     powers = fitted.powers.copy()
-    powers[at] = tiny
-    added = sandwich(problem, replace(fitted, powers=powers), sigma)
-    column = int(np.count_nonzero(powers[:at] > 0.0))
+    powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / whole[:, at]))
+    added = sandwich(problem, replace(fitted, powers=powers), sigma, timed=at < len(problem.names))
+    column = column_of(fitted, at)
     return float(np.sqrt(added.covariance[column, column])), float(added.stretch[column])
 
 
@@ -169,21 +203,16 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, sigma
     run = problem.runs[int(np.argmax([run.length for run in problem.runs]))]
     powers = fitted.powers.copy()
     powers[at] = power
-    terms = terms_of(problem, replace(fitted, powers=powers))
-    if problem.names[at] == GAUSS_MARKOV:
-        return None
     longest = _extended(run, DOUBLINGS)
+    terms = terms_of(problem, replace(fitted, powers=powers))
     columns = np.column_stack([expected(term, longest) for term in terms])
-    column = int(np.count_nonzero(powers[:at] > 0.0))
-    columns[:, column] /= power
-    mu = columns.sum(axis=1) - columns[:, column] + power * columns[:, column]
+    mu, column = columns.sum(axis=1), column_of(fitted, at)
     for doublings in range(DOUBLINGS + 1):
         k = len(run.m) + doublings
-        weights = 0.5 * _edf_of_longer(run, doublings) / mu[:k] ** 2
-        D = columns[:k] / np.sqrt(weights @ columns[:k] ** 2)
-        H = (D.T * weights) @ D
-        variance = stretch * float(np.linalg.pinv(H)[column, column]) / (weights @ columns[:k, column] ** 2)
-        if np.sqrt(variance) <= KNOWN * power:
+        D = columns[:k] / mu[:k, None] * np.sqrt(0.5 * _edf_of_longer(run, doublings))[:, None]
+        scale = np.sqrt(np.sum(D**2, axis=0))
+        variance = stretch * np.linalg.pinv((D / scale).T @ (D / scale))[column, column] / scale[column] ** 2
+        if np.sqrt(variance) <= KNOWN:
             return run.length * 2.0**doublings
     return None
 

@@ -11,7 +11,7 @@ from ...core.remarks import Remark
 from ...core.results import Interval, Row
 from ...core.rounding import with_uncertainty
 from ...core.tables import Grid, Part, html, text
-from .goodness import Test
+from .goodness import ChiSquare
 from .terms import Kind, Term
 from .units import converted, shown_units
 
@@ -94,9 +94,9 @@ class NoiseFit:
         All parameters that were fitted, with their covariance.
     choices : tuple of (tuple of str, float)
         Choices of terms, best first, and by how much the criterion is worse.
-    residual : Test or None
+    residual : ChiSquare or None
         Whether the terms explain the Allan deviation; None where nothing is left over to tell.
-    agreement : Test or None
+    agreement : ChiSquare or None
         Whether several runs agree; None for one.
     terms : tuple of Term
         The terms estimated, to simulate, draw or filter with.
@@ -111,8 +111,8 @@ class NoiseFit:
     found: tuple[FoundTerm, ...]
     estimate: Estimate
     choices: tuple[tuple[tuple[str, ...], float], ...]
-    residual: Test | None
-    agreement: Test | None
+    residual: ChiSquare | None
+    agreement: ChiSquare | None
     terms: tuple[Term, ...]
     tau: tuple[Array, ...]
     variance: tuple[Array, ...]

@@ -99,15 +99,15 @@ def twice_summed_exponential(lags: Array, u: float) -> Array:
     It is ``(exp(-u j) - 1) a + (1/2 + a (1 - exp(-u))) j - a u^2 j^2 / 2`` with a = 1 / (4 sinh^2(u / 2)), arranged so
     that nothing cancels for correlation times much longer than a record; the even last part has no effect.
     """
-    gain, excess = exponential_gain(u)
+    gain, excess = exponential_gain(np.array(u))
     return np.asarray(gain * remainder(u * lags) + excess * lags)
 
 
-def exponential_gain(u: float) -> tuple[float, float]:
-    """Return a of `twice_summed_exponential`, and what stands before |j| beside the remainder."""
-    half = 0.5 * min(u, 300.0)
+def exponential_gain(u: Array) -> tuple[Array, Array]:
+    """Return a of `twice_summed_exponential`, and what stands before |j| beside the remainder, of the shape of u."""
+    half = 0.5 * np.minimum(u, 300.0)
     gain = 0.25 / np.sinh(half) ** 2
-    return float(gain), float(0.5 * _one_less_squared_ratio(half) - gain * remainder(np.array(u)))
+    return gain, np.asarray(0.5 * _one_less_squared_ratio(half) - gain * remainder(u))
 
 
 def remainder(x: Array) -> Array:
@@ -119,11 +119,10 @@ def remainder(x: Array) -> Array:
     return np.asarray(np.where(x < SMALL, -(near**3) * series, np.expm1(-x) + x - 0.5 * x**2))
 
 
-def _one_less_squared_ratio(x: float) -> float:
+def _one_less_squared_ratio(x: Array) -> Array:
     """Return 1 - (x / sinh x)^2."""
-    if x < 0.05:
-        return x**2 / 3.0 - x**4 / 15.0 + 2.0 * x**6 / 189.0
-    return float(1.0 - (x / np.sinh(x)) ** 2)
+    series = x**2 / 3.0 - x**4 / 15.0 + 2.0 * x**6 / 189.0
+    return np.asarray(np.where(x < 0.05, series, 1.0 - (x / np.sinh(x)) ** 2))
 
 
 def flicker_covariance(lags: Array, duty: float) -> Array:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.units import factor
 
 SPACING = 1.9  # least ratio of neighbouring averaging times: closer ones repeat each other
 LEAST_EDF = 1.5  # of a point that is used
@@ -91,7 +92,12 @@ class Run:
         return self.samples * self.interval
 
 
-def run_of(curve: AllanLike | Run, axis: int | None = None) -> Run:
+def unit_of(curve: AllanLike | Run) -> str:
+    """Return the unit that a curve says it has; empty where nobody said."""
+    return str(getattr(curve, "unit", ""))
+
+
+def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> Run:
     """Return what the fit takes of a curve.
 
     Parameters
@@ -100,17 +106,21 @@ def run_of(curve: AllanLike | Run, axis: int | None = None) -> Run:
         Overlapping Allan deviation.
     axis : int, optional
         Column, where the curve has several.
+    unit : str
+        To convert to, where the curve says its own; a `Run` has none.
 
     Raises
     ------
     DataError
-        If the deviation is of another kind, the axis is not said, a constant channel has no noise, or fewer than four
-        averaging times carry anything.
+        If the deviation is of another kind, in a unit of something else, the axis is not said, a constant channel has
+        no noise, or fewer than four averaging times carry anything.
     """
     if isinstance(curve, Run):
         return _usable(curve)
     _check_kind(curve)
-    variance = _column(np.asarray(curve.deviation, dtype=float), axis) ** 2
+    given = unit_of(curve)
+    scale = factor(given, unit) if given and unit else 1.0
+    variance = (scale * _column(np.asarray(curve.deviation, dtype=float), axis)) ** 2
     averaging = getattr(curve, "averaging", None)
     inflation = np.ones(len(variance))
     raised = getattr(curve, "inflation", None)

@@ -48,11 +48,11 @@ def sampled_spectrum(
             do="Give frequencies above zero, up to half the sample rate",
             code="frequency_range",
         )
-    return np.asarray(2.0 * interval * _density(phase, cycles))
+    return np.asarray(2.0 * interval * density_of_samples(phase, cycles))
 
 
-def _density(phase: Phase, cycles: Array) -> Array:
-    """Fourier transform of the covariance of the samples."""
+def density_of_samples(phase: Phase, cycles: Array) -> Array:
+    """Return the Fourier transform of the covariance of samples, at cycles a sample up to 1/2; lines left out."""
     steps = 4.0 * np.sin(np.pi * cycles) ** 2
     found = phase.point * steps + phase.linear + phase.cubic * (1.0 / steps - 1.0 / 6.0)
     for size, u in phase.exponentials:

@@ -41,6 +41,7 @@ from typing import ClassVar, Literal, Protocol
 import numpy as np
 
 from ...core.errors import DataError
+from ...core.estimate import Array
 from .phase import Phase
 
 Kind = Literal["gyro", "accelerometer"]
@@ -138,18 +139,11 @@ class GaussMarkov:
     correlation_time: float
 
     def phase(self, interval: float, averaging: float) -> Phase:
-        """Return an exponential, and what a single mean varies more or less than it.
-
-        Where the correlation time is far below the averaging time, only neighbouring samples are correlated.
-        """
-        v, variance = averaging / self.correlation_time, self.sigma**2
-        u = interval / self.correlation_time
-        if v > SHORT:
-            alone = 2.0 * variance * (v - 1.0) / v**2
-            neighbours = variance * np.exp(v - u) / v**2
-            return Phase(point=-neighbours, linear=alone + 2.0 * neighbours)
-        common, alone = variance * mean_of_exponential(v), variance * excess_of_mean(v)
-        return Phase(linear=alone, exponentials=((common, u),))
+        """Return an exponential, and what a single mean varies more or less than it."""
+        variance, u = self.sigma**2, interval / self.correlation_time
+        parts = means_of_exponential(np.array(averaging / self.correlation_time), np.array(u))
+        point, linear, size = (variance * float(part) for part in parts)
+        return Phase(point=point, linear=linear, exponentials=((size, u),) if size > 0.0 else ())
 
 
 @dataclass(frozen=True)
@@ -188,20 +182,26 @@ TERMS: dict[str, type[Term]] = {
 }
 
 
-def mean_of_exponential(v: float) -> float:
-    """Return 2 (cosh v - 1) / v^2: covariance of two means of exponential noise over that of its middles."""
-    half = 0.5 * v
-    return float((np.sinh(half) / half) ** 2)
+def means_of_exponential(v: Array, u: Array) -> tuple[Array, Array, Array]:
+    """Return point, linear and exponential part of the phase of Gauss-Markov noise of sigma 1, of the shape of v.
 
+    The covariance of two means is that of values in their middles times 2 (cosh v - 1) / v^2; a mean itself varies by
+    2 (v - 1 + exp(-v)) / v^2, which is 2 (v - sinh v) / v^2 more. Where the correlation time is far below the averaging
+    time, only neighbouring samples are correlated.
 
-def excess_of_mean(v: float) -> float:
-    """Return 2 (v - 1 + exp(-v)) / v^2 less `mean_of_exponential`: what a mean varies beside the exponential.
-
-    It is 2 (v - sinh v) / v^2.
+    Parameters
+    ----------
+    v, u : ndarray
+        Averaging time and interval, over the correlation time.
     """
-    if v < 0.1:
-        return -v / 3.0 * (1.0 + v**2 / 20.0 * (1.0 + v**2 / 42.0))
-    return float(2.0 * (v - np.sinh(v)) / v**2)
+    brief = v > SHORT
+    neighbours = np.where(brief, np.exp(v - u) / v**2, 0.0)
+    long = np.where(brief, 1.0, v)
+    size = (np.sinh(0.5 * long) / (0.5 * long)) ** 2
+    series = -long / 3.0 * (1.0 + long**2 / 20.0 * (1.0 + long**2 / 42.0))
+    more = np.where(long < 0.1, series, 2.0 * (long - np.sinh(long)) / long**2)
+    linear = np.where(brief, 2.0 * (v - 1.0) / v**2 + 2.0 * neighbours, more)
+    return -neighbours, linear, np.where(brief, 0.0, size)
 
 
 def total_phase(terms: tuple[Term, ...], interval: float, averaging: float | None = None) -> Phase:

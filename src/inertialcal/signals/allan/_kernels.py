@@ -4,7 +4,9 @@ Sums are of squared differences of the integrated signal ("phase") P, whose diff
 the samples of one window. Where P holds int64, differences are exact, and only the squares are rounded.
 
 Averaging factors go in rising order. All are taken over one block of starting points before the next: streams m apart
-are then read from memory once and not once a factor. Four factors that double share their streams even in registers.
+are then read from memory once and not once a factor. For long windows, blocks follow each other one window apart, not
+side by side: where factors double, they share these blocks, and few of them are needed at a time. Four factors that
+double share their streams even in registers.
 """
 
 from __future__ import annotations
@@ -19,7 +21,8 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 
 Whole = NDArray[np.int64]
-BLOCK = 2048  # starting points: six streams of them lie in the nearest cache but one
+BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
+NEAR = 32_768  # largest factor of blocks side by side: twice as many points lie in the nearest cache but one
 SMALL = 512  # largest averaging factor whose modified deviation is summed over a block of its own
 FILL = 2  # windows are used from 1 / FILL of their samples
 LOOKED_AT = 2048  # averages that identify a noise type, to 0.02 in the lag-1 autocorrelation
@@ -112,49 +115,72 @@ def _third(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], d: NDArray[Any]) -
 
 
 @compiled
-def sum_seconds(p: NDArray[Any], factors: Whole, out: Array) -> None:
-    """Fill ``out`` with the sums of (P[j + 2m] - 2 P[j + m] + P[j])^2 over all j."""
+def _add_seconds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Array) -> None:
+    """Add (P[j + 2m] - 2 P[j + m] + P[j])^2 for j from ``start`` to before ``stop``."""
     n, k_all = len(p), len(factors)
-    out[:] = 0.0
-    for j in range(0, n - 2 * factors[0], BLOCK):
-        k = 0
-        while k < k_all:
-            m = factors[k]
-            e = min(j + BLOCK, n - 2 * m)
-            if e <= j:
-                break
-            doubling = k + 3 < k_all and factors[k + 1] == 2 * m and factors[k + 2] == 4 * m and factors[k + 3] == 8 * m
-            if doubling and e + 16 * m <= n:
-                s, t, u, v = _four_seconds(
-                    p[j:e],
-                    p[j + m : e + m],
-                    p[j + 2 * m : e + 2 * m],
-                    p[j + 4 * m : e + 4 * m],
-                    p[j + 8 * m : e + 8 * m],
-                    p[j + 16 * m : e + 16 * m],
-                )
-                out[k] += s
-                out[k + 1] += t
-                out[k + 2] += u
-                out[k + 3] += v
-                k += 4
-            else:
-                out[k] += _second(p[j:e], p[j + m : e + m], p[j + 2 * m : e + 2 * m])
-                k += 1
+    k = 0
+    while k < k_all:
+        m = factors[k]
+        e = min(stop, n - 2 * m)
+        if e <= start:
+            break
+        doubling = k + 3 < k_all and factors[k + 1] == 2 * m and factors[k + 2] == 4 * m and factors[k + 3] == 8 * m
+        if doubling and e + 16 * m <= n:
+            s, t, u, v = _four_seconds(
+                p[start:e],
+                p[start + m : e + m],
+                p[start + 2 * m : e + 2 * m],
+                p[start + 4 * m : e + 4 * m],
+                p[start + 8 * m : e + 8 * m],
+                p[start + 16 * m : e + 16 * m],
+            )
+            out[k] += s
+            out[k + 1] += t
+            out[k + 2] += u
+            out[k + 3] += v
+            k += 4
+        else:
+            out[k] += _second(p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m])
+            k += 1
 
 
 @compiled
-def sum_thirds(p: NDArray[Any], factors: Whole, out: Array) -> None:
-    """Fill ``out`` with the sums of (P[j + 3m] - 3 P[j + 2m] + 3 P[j + m] - P[j])^2 over all j."""
+def _add_thirds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Array) -> None:
+    """Add (P[j + 3m] - 3 P[j + 2m] + 3 P[j + m] - P[j])^2 for j from ``start`` to before ``stop``."""
     n = len(p)
+    for k in range(len(factors)):
+        m = factors[k]
+        e = min(stop, n - 3 * m)
+        if e <= start:
+            break
+        out[k] += _third(
+            p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 3 * m : e + 3 * m]
+        )
+
+
+@compiled
+def sum_overlapping(p: NDArray[Any], factors: Whole, order: int, out: Array) -> None:
+    """Fill ``out`` with the sums of squared differences of an order, 2 or 3, over all starting points."""
     out[:] = 0.0
-    for j in range(0, n - 3 * factors[0] if len(factors) > 0 else 0, BLOCK):
-        for k in range(len(factors)):
-            m = factors[k]
-            e = min(j + BLOCK, n - 3 * m)
-            if e <= j:
-                break
-            out[k] += _third(p[j:e], p[j + m : e + m], p[j + 2 * m : e + 2 * m], p[j + 3 * m : e + 3 * m])
+    near = np.searchsorted(factors, NEAR + 1)
+    if near > 0:
+        for start in range(0, len(p) - order * factors[0], BLOCK):
+            _add(p, start, start + BLOCK, factors[:near], order, out[:near])
+    if near < len(factors):
+        step = factors[near]
+        block = max(BLOCK // 16, min(BLOCK, 2 * NEAR * step // len(p)))
+        for first in range(0, step, block):
+            for start in range(first, len(p) - order * step, step):
+                stop = start + min(block, step - first)
+                _add(p, start, stop, factors[near:], order, out[near:])
+
+
+@compiled
+def _add(p: NDArray[Any], start: int, stop: int, factors: Whole, order: int, out: Array) -> None:
+    if order == 2:
+        _add_seconds(p, start, stop, factors, out)
+    else:
+        _add_thirds(p, start, stop, factors, out)
 
 
 @compiled
@@ -302,17 +328,18 @@ def identify(p: NDArray[Any], count: NDArray[np.int32], pointwise: bool, factors
 
     ``count`` may be empty: nothing is missing. ``most`` is how often averages are differenced at most.
     """
-    y = np.empty(2 * LOOKED_AT)
+    spare, spare_kept, spare_at = np.empty(2 * LOOKED_AT), np.empty(2 * LOOKED_AT), np.empty(2 * LOOKED_AT)
     for k in range(len(factors)):
         m = factors[k]
         stretches, size, apart = _stretches((len(p) - 1) // m, m)
         n = stretches * (size + 1)
-        found = _take_averages(p, count, pointwise, m, size, apart, y[:n])
+        y, kept, at = spare[:n], spare_kept[:n], spare_at[:n]
+        found = _take_averages(p, count, pointwise, m, size, apart, y, kept, at)
         out[k] = np.nan
         shared = stretches if apart < m else 1  # starting points that the same averages were taken from
         if found + shared > FEWEST * shared:
-            _remove_line(y[:n], m, size, apart)
-            d, r = _autocorrelation(y[:n], most, LINE / ((len(p) - 1) // m))
+            _remove_line(y, kept, at)
+            d, r = _autocorrelation(y, kept, most, LINE / ((len(p) - 1) // m))
             out[k] = _exponent(d, r, m)
 
 
@@ -331,69 +358,79 @@ def _stretches(averages: int, m: int) -> tuple[int, int, int]:
 
 @compiled
 def _take_averages(
-    p: NDArray[Any], count: NDArray[np.int32], pointwise: bool, m: int, size: int, apart: int, y: Array
+    p: NDArray[Any],
+    count: NDArray[np.int32],
+    pointwise: bool,
+    m: int,
+    size: int,
+    apart: int,
+    y: Array,
+    kept: Array,
+    at: Array,
 ) -> int:
-    """Fill y with averages side by side, a NaN after each stretch and where too much misses; return their number."""
+    """Fill averages side by side, 1 for each that is kept, and where it starts; return how many are kept.
+
+    The first two are 0 after each stretch, and where too much misses.
+    """
+    y[:], kept[:], at[:] = 0.0, 0.0, 0.0
     found = 0
-    for n in range(len(y)):
-        s, i = n // (size + 1), n % (size + 1)
-        j = s * apart + i * m
-        y[n] = np.nan
-        if i == size:
-            continue
-        if len(count) == 0:
-            y[n] = np.float64(p[j + m] - p[j])
-        elif pointwise:
-            if count[j + 1] > count[j] and count[j + m + 1] > count[j + m]:
-                y[n] = np.float64(p[j + m] - p[j])
-        else:
-            mean, inverse = _rate(p, count, j, m)
-            if inverse < np.inf:
-                y[n] = m * mean
-        found += not np.isnan(y[n])
+    for first in range(0, len(y), size + 1):
+        start = first // (size + 1) * apart
+        one, one_kept, one_at = y[first : first + size], kept[first : first + size], at[first : first + size]
+        for i in range(size):
+            j = start + i * m
+            one_at[i] = j
+            if len(count) == 0:
+                there, mean = True, np.float64(p[j + m] - p[j])
+            elif pointwise:
+                there = count[j + 1] > count[j] and count[j + m + 1] > count[j + m]
+                mean = np.float64(p[j + m] - p[j])
+            else:
+                rate, inverse = _rate(p, count, j, m)
+                there, mean = inverse < np.inf, m * rate
+            if there:
+                one[i], one_kept[i] = mean, 1.0
+                found += 1
     return found
 
 
-@compiled
-def _remove_line(y: Array, m: int, size: int, apart: int) -> None:
+@summing
+def _remove_line(y: Array, kept: Array, at: Array) -> None:
     """Take mean and slope over time off the averages."""
-    n, sum_t, sum_y = 0, 0.0, 0.0
+    n, sum_t, sum_y = 0.0, 0.0, 0.0
     for i in range(len(y)):
-        if not np.isnan(y[i]):
-            n += 1
-            sum_t += i // (size + 1) * apart + i % (size + 1) * m
-            sum_y += y[i]
+        n += kept[i]
+        sum_t += kept[i] * at[i]
+        sum_y += y[i]
     mean_t, mean_y, tt, ty = sum_t / n, sum_y / n, 0.0, 0.0
     for i in range(len(y)):
-        if not np.isnan(y[i]):
-            t = i // (size + 1) * apart + i % (size + 1) * m - mean_t
-            tt += t * t
-            ty += t * (y[i] - mean_y)
+        t = kept[i] * (at[i] - mean_t)
+        tt += t * t
+        ty += t * (y[i] - mean_y)
     slope = ty / tt
     for i in range(len(y)):
-        y[i] -= mean_y + slope * (i // (size + 1) * apart + i % (size + 1) * m - mean_t)
+        y[i] -= kept[i] * (mean_y + slope * (at[i] - mean_t))
 
 
-@compiled
-def _autocorrelation(y: Array, most: int, lost: float) -> tuple[int, float]:
+@summing
+def _autocorrelation(y: Array, kept: Array, most: int, lost: float) -> tuple[int, float]:
     """Return how often averages were differenced until their lag-1 autocorrelation was small, and that, or NaN.
 
     ``lost`` is what taking a line off took from the autocorrelation.
     """
     d = 0
     while True:
-        c0, c1 = 0.0, 0.0
-        for i in range(len(y)):
-            if not np.isnan(y[i]):
-                c0 += y[i] * y[i]
-                if i + 1 < len(y) and not np.isnan(y[i + 1]):
-                    c1 += y[i] * y[i + 1]
+        c0, c1 = y[-1] * y[-1], 0.0
+        for i in range(len(y) - 1):
+            c0 += y[i] * y[i]
+            c1 += y[i] * y[i + 1]
         r = c1 / c0 + (lost if d == 0 else 0.0) if c0 > 0.0 else np.nan
         if not r >= SMALL_ENOUGH or d >= most:
             return d, r
         for i in range(len(y) - 1):
-            y[i] = y[i + 1] - y[i]
-        y[len(y) - 1] = np.nan
+            kept[i] *= kept[i + 1]
+            y[i] = kept[i] * (y[i + 1] - y[i])
+        y[-1], kept[-1] = 0.0, 0.0
         d += 1
 
 

@@ -71,14 +71,15 @@ def of_channel(
     found = variances(phase, kind, factors)  # uses the phase up
     power, edf = carried_on(power, kind, factors, found.terms)
     variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
-    remarks = _remarks(variance, found.terms, told, len(factors), name)
-    if np.nanmax(variance, initial=0.0) == 0.0:
+    flat = not np.nanmax(variance, initial=0.0) > 0.0
+    remarks = _remarks(flat, found.terms, told, len(factors), name)
+    if flat:
         power, edf = np.full((2, len(factors)), np.nan)
     return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, phase.missing, remarks)
 
 
-def _remarks(variance: Array, terms: NDArray[np.int64], told: int, k: int, name: str) -> tuple[Remark, ...]:
-    if np.nanmax(variance, initial=0.0) == 0.0 and terms.any():
+def _remarks(flat: bool, terms: NDArray[np.int64], told: int, k: int, name: str) -> tuple[Remark, ...]:
+    if flat and terms.any():
         do = "Look at the wiring and at the resolution; there is no noise to be told"
         return (Remark("constant", "warning", f"{name}: all samples are equal", do=do),)
     found: tuple[Remark, ...] = ()

@@ -122,10 +122,8 @@ def _sum_complete(p: NDArray[Any], kind: Kind, factors: NDArray[np.int64], sums:
         _sum_modified(p, factors, sums)
     elif not kind.overlapping:
         kernels.sum_strides(p, factors, kind.order, sums)
-    elif kind.order == 2:
-        kernels.sum_seconds(p, factors, sums)
     else:
-        kernels.sum_thirds(p, factors, sums)
+        kernels.sum_overlapping(p, factors, kind.order, sums)
 
 
 def _sum_modified(p: NDArray[Any], factors: NDArray[np.int64], sums: Array) -> None:
@@ -139,7 +137,7 @@ def _sum_modified(p: NDArray[Any], factors: NDArray[np.int64], sums: Array) -> N
     if p.dtype == np.int64 and float(max(p.max(), -p.min())) * len(p) > SAFE / 8.0:
         p = p.astype(np.float64)
     last = kernels.integrate_again(p)
-    kernels.sum_thirds(p, factors[few:], sums[few:])
+    kernels.sum_overlapping(p, factors[few:], 3, sums[few:])
     for k in range(few, len(factors)):  # the one term that ends on the point after the last
         m = int(factors[k])
         n = len(p)

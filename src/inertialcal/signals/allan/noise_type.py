@@ -68,6 +68,9 @@ def carried_on(power: Array, kind: Kind, factors: NDArray[np.int64], terms: NDAr
     told = power[np.isfinite(power)]
     last, before = (told[-1], told[-2:][0]) if len(told) else (WHITE, WHITE)
     one, other = (np.where(np.isnan(power), value, power) for value in (last, before))
-    edf, fewer = (all_degrees(kind, factors, terms, each) for each in (one, other))
+    edf = all_degrees(kind, factors, terms, one)
+    if last == before:
+        return one, edf
+    fewer = all_degrees(kind, factors, terms, other)
     lower = fewer < edf
     return np.where(lower, other, one), np.where(lower, fewer, edf)

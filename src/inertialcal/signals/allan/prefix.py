@@ -25,6 +25,7 @@ from . import _kernels as kernels
 Quantity = Literal["rate", "increment", "angle"]
 QUANTITIES = ("rate", "increment", "angle")
 LEVEL_FROM = 1000  # samples, spread over the record, that the level is the mean of
+LINE = 64  # bytes of a cache line
 LARGEST = 2**60  # sum of whole numbers that is still safe for differences of four
 
 NOTHING_MISSING = np.empty(0, dtype=np.int32)
@@ -92,9 +93,16 @@ def _of_all(x: NDArray[Any], quantity: Quantity) -> Phase:
     level = _level(x)
     if quantity == "angle":
         return Phase(_less(x, level), NOTHING_MISSING, pointwise=True)
-    phase = np.empty(len(x) + 1, dtype=_summed(x))
+    phase = _on_a_cache_line(len(x) + 1, _summed(x))
     kernels.integrate(x, level, phase)
     return Phase(phase, NOTHING_MISSING, pointwise=False)
+
+
+def _on_a_cache_line(points: int, kind: type[np.generic]) -> NDArray[Any]:
+    """Return an empty array that starts on a cache line: then so do windows of 8, 16, ... samples, and are read faster."""
+    found = np.empty(points + LINE // 8, dtype=kind)
+    skip = -found.ctypes.data % LINE // 8
+    return found[skip : skip + points]
 
 
 def _of_present(x: NDArray[Any], quantity: Quantity, there: NDArray[np.bool_]) -> Phase:

@@ -1,12 +1,13 @@
 """Level of the noise around each frequency of a spectrum, and how well it is known.
 
-The level is the geometric mean over equally many values on both sides, corrected for its bias: it follows any power law
-without a model, since the slopes of both sides cancel on logarithmic axes. Values marked as no noise are bridged. At
-the upper end the spectrum of a sampled signal is mirrored at half of the sampling frequency; at the lower end values
-with too few neighbours have no level.
+The level is a straight line through the logarithms of the values on both sides, over ``ln sin(pi f dt)``, corrected for
+the bias of a logarithm. Sampled noise is a power of that sine, or goes over smoothly from one power to another, so that
+no model is needed. Values marked as no noise are left out. Near half of the sampling frequency the neighbours lie
+below; near zero frequency values with too few neighbours have no level. The better the values are known, the nearer
+the neighbours must be, or the bend of the spectrum between them would count as a line.
 
-The geometric mean of chi-square variables is taken as chi-square itself, with the degrees of freedom that its variance
-asks for.
+The level is taken as chi-square distributed itself, with the degrees of freedom that the variance of its logarithm asks
+for.
 
 References
 ----------
@@ -16,6 +17,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -29,7 +31,10 @@ Flags = NDArray[np.bool_]
 
 WIDEST = 64  # neighbours on each side
 FEWEST = 12  # neighbours on each side that make a level
-PART = 0.5  # of the distance from zero frequency, that the neighbours may reach
+PART = 0.5  # of the distance from zero frequency, that the neighbours may reach ...
+KNOWN = 32.0  # ... up to so many degrees of freedom of a value; by their fourth root less beyond
+OF_ALL = 16  # part of all values that lie on one side, at most
+STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is needed
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,36 +65,44 @@ def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:
     marked : ndarray of bool, shape (k,)
         Values that are no noise; not all.
     """
-    logs = np.log(spectrum.density[:, axis])
-    place = np.log(spectrum.frequency)
-    if marked.any():
-        logs[marked] = np.interp(place[marked], place[~marked], logs[~marked])
-    n, guard = len(logs), spectrum.lobe
-    order = np.round(spectrum.frequency / spectrum.spacing)
-    half = np.minimum(np.minimum((PART * order).astype(np.int64), order.astype(np.int64) - round(order[0])), WIDEST)
-    mirrored = np.concatenate((logs, logs[::-1][:WIDEST]))
-    free = np.concatenate((~marked, (~marked)[::-1][:WIDEST])).astype(float)
-    total, count = _both_sides(mirrored, half, guard, n), _both_sides(free, half, guard, n)
-    size = 2.0 * (half - guard)
-    known = (half - guard >= FEWEST) & (count >= FEWEST) & (half <= len(logs) - 1)
-    mean = np.where(known, total / np.where(known, size, 1.0), np.nan)
+    logs, place = np.log(spectrum.density[:, axis]), np.log(np.sin(np.pi * spectrum.frequency * spectrum.interval))
+    inside = _windows(spectrum)
+    count = inside(np.where(marked, 0.0, 1.0))
+    known = count >= 2 * FEWEST
+    count = np.where(known, count, 1.0)
+    mean_place, mean_log, square, product = (
+        inside(np.where(marked, 0.0, values)) / count for values in (place, logs, place**2, place * logs)
+    )
+    width, off = square - mean_place**2, place - mean_place
+    sloped = known & (width > STRAIGHT**2)
+    slope = np.where(sloped, product - mean_place * mean_log, 0.0) / np.where(sloped, width, 1.0)
     own = 0.5 * spectrum.edf
     spread = special.polygamma(1, own) * (1.0 + 2.0 * float(np.sum(spectrum.neighbours[1:])))
-    sizes, at = np.unique(np.where(known, count, 1.0), return_inverse=True)
-    dof = 2.0 * _inverse_trigamma(spread / sizes)[at]
-    return Background(np.exp(mean - (special.digamma(own) - np.log(own))), np.where(known, dof, np.nan))
+    raised = np.where(sloped, 1.0 + off**2 / np.where(sloped, width, 1.0), 1.0)
+    parts, at = np.unique(np.where(known, raised / count, 1.0), return_inverse=True)
+    dof = 2.0 * _inverse_trigamma(spread * parts)[at]
+    level = np.exp(mean_log + slope * off - (special.digamma(own) - np.log(own)))
+    return Background(np.where(known, level, np.nan), np.where(known, dof, np.nan))
 
 
-def _both_sides(values: Array, half: NDArray[np.int64], guard: int, n: int) -> Array:
-    """Sum of the values at distances guard + 1 ... half on both sides of each of the first n."""
-    running = np.concatenate(([0.0], np.cumsum(values)))
-    at, last = np.arange(n), len(values)
+def _windows(spectrum: Spectrum) -> Callable[[Array], Array]:
+    """Return a function that sums values over the neighbours of each, the peak of a line at its place left out."""
+    n, guard = len(spectrum.frequency), spectrum.lobe
+    at = np.arange(n)
+    order = np.round(spectrum.frequency / spectrum.spacing).astype(np.int64)
+    part = PART * min(1.0, (KNOWN / spectrum.edf) ** 0.25)
+    half = np.minimum(np.minimum((part * order).astype(np.int64), at), max(n // OF_ALL, FEWEST + guard))
+    half = np.minimum(half, WIDEST)
+    half = np.where(half - guard >= FEWEST, half, 0)
+    high = np.minimum(at + half, n - 1)
+    low = np.maximum(high - 2 * half, 0)
 
-    def reach(distance: NDArray[np.int64] | int) -> Array:
-        low, high = np.clip(at - distance, 0, last), np.clip(at + distance + 1, 0, last)
-        return np.asarray(running[high] - running[low])
+    def summed(values: Array) -> Array:
+        running = np.concatenate(([0.0], np.cumsum(values)))
+        own = running[np.minimum(at + guard, high) + 1] - running[np.maximum(at - guard, low)]
+        return np.asarray(running[high + 1] - running[low] - own)
 
-    return reach(half) - reach(np.minimum(half, guard))
+    return summed
 
 
 def _inverse_trigamma(value: Array) -> Array:

@@ -193,7 +193,9 @@ def _standing_out(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[Fl
         if np.array_equal(now, marked) or _widened(now, spectrum.lobe).all():
             break
         marked = now
-        level = background_of(spectrum, axis, _widened(marked, spectrum.lobe))
+        again = background_of(spectrum, axis, _widened(marked, spectrum.lobe))
+        there = np.isfinite(again.level)  # too few neighbours are left beside many lines
+        level = Background(np.where(there, again.level, level.level), np.where(there, again.dof, level.dof))
     return marked, level
 
 
@@ -216,7 +218,7 @@ def _measured(spectrum: Spectrum, axis: int, level: Background, first: int, stop
     """Frequency, amplitude and kind of a run of values that stand out."""
     density, lobe = spectrum.density[:, axis], spectrum.lobe
     a, b = max(0, first - lobe), min(len(density), stop + lobe)
-    noise = np.where(np.isfinite(level.level[a:b]), level.level[a:b], 0.0)
+    noise = np.where(np.isfinite(level.level[a:b]), level.level[a:b], density[a:b])
     excess = density[a:b] - noise
     power = float(excess.sum()) * spectrum.spacing
     frequency = float(np.sum(excess * spectrum.frequency[a:b]) / excess.sum())
@@ -225,7 +227,7 @@ def _measured(spectrum: Spectrum, axis: int, level: Background, first: int, stop
     kind: Literal["line", "broad"] = "line" if centred >= IN_PEAK * power else "broad"
     offset = spectrum.frequency[a:b] - frequency
     u_power, moment = _scatter(spectrum, density[a:b], noise, np.stack((np.ones(b - a), offset)))
-    at = a + int(np.argmax(density[a:b]))
+    at = first + int(np.argmax(density[first:stop]))
     tested = np.count_nonzero(np.isfinite(level.level))
     ratio = float(density[at] / level.level[at])
     chance = float(special.fdtrc(spectrum.edf, level.dof[at], ratio)) * tested

@@ -18,19 +18,19 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft, signal
+from scipy import fft
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from .density import Method, Spectrum
 from .stretches import Indices, Stretches, stretches_of
-from .tapers import Tapers, correlations, falsified, hann, slepian
+from .tapers import Tapers, correlations, hann, slepian, usable
 
-SHORTEST = 32  # samples of a segment
+SHORTEST = 32  # samples of a segment; under several tapers by half the time bandwidth more
 PARTS = 8  # of a record, in the length of a segment, by default
 LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
-FALSIFIED = 0.01  # of the power, from which a frequency is left out because the mean was removed
+HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
 AT_ONCE = 2**22  # samples transformed together: bounds the memory
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
 
@@ -56,9 +56,9 @@ def psd(
         See the module head.
     segment : int, optional
         Samples of each segment. By default an eighth of the record with Welch's method, the longest stretch
-        without a gap up to 65,536 samples with several tapers.
+        without a gap up to 65,536 samples with several tapers; shorter if gaps leave too few segments so long.
     time_bandwidth : float
-        Of the Slepian tapers: half their bandwidth times their length; ``2 NW - 1`` of them are used.
+        Of the Slepian tapers: half their bandwidth times their length, 2 to 32; ``2 NW - 2`` of them are used.
     p : float
         Probability of the intervals.
 
@@ -70,19 +70,21 @@ def psd(
     Raises
     ------
     DataError
-        ``bad_interval``, ``bad_shape``, ``too_short`` (fewer than 32 samples in a segment), ``gaps`` (no segment
+        ``bad_interval``, ``bad_shape``, ``too_short`` (fewer samples than a segment needs: 32, or 16 times
+        the time bandwidth), ``gaps`` (no segment
         without a gap).
     PlanError
         If method, segment, time bandwidth or probability are out of range.
     """
     values = _checked(x, interval, method, time_bandwidth, p)
     gaps = stretches_of(values)
-    length = _length(len(values), gaps, method, segment)
+    shortest = SHORTEST if method == "welch" else int(np.ceil(0.5 * SHORTEST * time_bandwidth))
+    length = _length(len(values), gaps, method, segment, shortest)
     tapers = hann(length) if method == "welch" else slepian(length, float(time_bandwidth))
     starts = gaps.starts(length, tapers.step)
     density = _averaged(values, starts, tapers, interval)
     edf, neighbours = correlations(tapers, starts)
-    first, stop = falsified(tapers, FALSIFIED), (length + 1) // 2
+    first, stop = usable(tapers)
     used = sum(int(one[-1] - one[0]) + length for one in starts)
     frequency = np.arange(first, stop) / (length * interval)
     return Spectrum(
@@ -94,8 +96,8 @@ def psd(
 def _checked(x: NDArray[Any], interval: float, method: str, time_bandwidth: float, p: float) -> Array:
     if method not in {"welch", "multitaper"}:
         raise PlanError(f"method {method!r}", do="There are 'welch' and 'multitaper'")
-    if not 1.0 <= time_bandwidth <= 32.0:
-        raise PlanError(f"time_bandwidth {time_bandwidth}, need 1 to 32")
+    if not 2.0 <= time_bandwidth <= 32.0:
+        raise PlanError(f"time_bandwidth {time_bandwidth}, need 2 to 32")
     if not 0.0 < p < 1.0:
         raise PlanError(f"probability {p}", do="Need more than 0 and less than 1, such as 0.95")
     if not (np.isfinite(interval) and interval > 0.0):
@@ -107,21 +109,20 @@ def _checked(x: NDArray[Any], interval: float, method: str, time_bandwidth: floa
     return values
 
 
-def _length(n: int, gaps: Stretches, method: Method, segment: int | None) -> int:
+def _length(n: int, gaps: Stretches, method: Method, segment: int | None, shortest: int) -> int:
     """Return the samples of a segment: the one asked for, or a default that fits, and is fast to transform."""
     longest = gaps.longest
-    if longest < SHORTEST:
+    if longest < shortest:
         raise DataError(
-            f"{n} samples, at most {longest} in a row without a gap: a spectrum needs {SHORTEST}",
+            f"{n} samples, at most {longest} in a row without a gap: a spectrum needs {shortest}",
             why=f"{gaps.missing} sample(s) are missing" if gaps.missing else "",
             do="Record longer",
-            code="gaps" if n >= SHORTEST else "too_short",
+            code="gaps" if n >= shortest else "too_short",
         )
     if segment is None:
-        wanted = n // PARTS if method == "welch" else LONGEST_TAPER
-        return int(fft.prev_fast_len(max(SHORTEST, min(wanted, longest)), real=True))
-    if segment < SHORTEST:
-        raise PlanError(f"segments of {segment} samples, need {SHORTEST} or more")
+        return _fitting(n, gaps, n // PARTS if method == "welch" else LONGEST_TAPER, shortest)
+    if segment < shortest:
+        raise PlanError(f"segments of {segment} samples, need {shortest} or more")
     if segment > longest:
         raise DataError(
             f"segments of {segment} samples, but at most {longest} samples in a row without a gap",
@@ -132,20 +133,30 @@ def _length(n: int, gaps: Stretches, method: Method, segment: int | None) -> int
     return segment
 
 
+def _fitting(n: int, gaps: Stretches, wanted: int, shortest: int) -> int:
+    """Halve the length wanted until most samples that are there lie in stretches that hold a segment."""
+    length = max(shortest, min(wanted, gaps.longest))
+    while length >= 2 * shortest and gaps.held(length) < HELD * (n - gaps.missing):
+        length //= 2
+    return max(shortest, int(fft.prev_fast_len(length, real=True)))
+
+
 def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: float) -> Array:
-    """Mean of the powers of all segments under all tapers, shape (n // 2 + 1, axes)."""
-    length = tapers.weights.shape[1]
-    total = np.zeros((length // 2 + 1, values.shape[1]))
-    at_once = max(1, AT_ONCE // length)
+    """Mean of the one-sided densities of all segments under all tapers, shape (n // 2 + 1, axes).
+
+    Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
+    """
+    count, length = tapers.weights.shape
+    total = np.zeros((values.shape[1], length // 2 + 1))
+    at_once = max(1, AT_ONCE // (length * values.shape[1]))
+    segments = np.lib.stride_tricks.sliding_window_view(values, length, axis=0)
     for stretch in starts:
         for group in np.split(stretch, np.arange(at_once, len(stretch), at_once)):
-            part = values[group[0] : group[-1] + length]
+            part = segments[group] - segments[group].mean(axis=2, keepdims=True)
             for weights in tapers.weights:
-                mean = signal.welch(
-                    part, 1.0 / interval, window=weights, noverlap=length - tapers.step, detrend="constant", axis=0
-                )[1]
-                total += len(group) * mean
-    return np.asarray(total / (len(tapers.weights) * sum(len(stretch) for stretch in starts)))
+                turned = fft.rfft(part * weights, axis=2)
+                total += np.sum(turned.real**2 + turned.imag**2, axis=0)
+    return np.asarray(2.0 * interval / (count * sum(len(stretch) for stretch in starts)) * total.T)
 
 
 def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Remark, ...]:

@@ -33,6 +33,11 @@ class Stretches:
         """Samples of the longest one; 0 where there is none."""
         return int((self.stop - self.start).max(initial=0))
 
+    def held(self, segment: int) -> int:
+        """Samples in stretches that hold a segment of that length."""
+        length = self.stop - self.start
+        return int(length[length >= segment].sum())
+
     def starts(self, segment: int, step: int) -> list[Indices]:
         """First samples of the segments of each stretch that holds one, every ``step`` samples."""
         pairs = zip(self.start, self.stop, strict=True)

@@ -1,4 +1,4 @@
-"""Tapers, and what follows from them alone: degrees of freedom, correlation of neighbours, what a removed mean costs.
+"""Tapers, and what follows from them alone: degrees of freedom, correlation of neighbours, frequencies that can be told.
 
 For Gaussian noise whose spectrum is level across the window, the powers of two segments under two tapers have the
 correlation of the squared size of the sum of the product of the tapers, shifted by the distance of the segments [1]_
@@ -24,6 +24,9 @@ from scipy.signal import windows
 from ...core.estimate import Array
 
 HANN_LOBE = 2  # half width of the main lobe of a Hann window [1 / length]
+FALSIFIED = 0.01  # of the power of white noise, that removing the mean may take
+RAISED = 0.1  # that smoothing may add to a spectrum that falls as 1/f^2
+BEATING = 0.05  # that a mirror image may add to the variance of a value
 
 
 @dataclass(frozen=True, eq=False)
@@ -60,20 +63,33 @@ def hann(n: int) -> Tapers:
 
 @lru_cache(4)
 def slepian(n: int, time_bandwidth: float) -> Tapers:
-    """Return the ``2 NW - 1`` Slepian tapers of a half bandwidth of ``NW / n``; segments do not overlap."""
-    count = max(1, int(2.0 * time_bandwidth) - 1)
+    """Return the first ``2 NW - 2`` Slepian tapers of a half bandwidth of ``NW / n``; segments do not overlap.
+
+    The next one, which is often used too, lets through so much from far away that it would raise the high end of a
+    spectrum that falls as 1/f^2 by 15 %.
+    """
+    count = max(1, int(2.0 * time_bandwidth) - 2)
     weights = np.atleast_2d(windows.dpss(n, time_bandwidth, count))
     return Tapers(weights, n, int(np.ceil(time_bandwidth)))
 
 
 @lru_cache(8)
-def falsified(tapers: Tapers, most: float) -> int:
-    """Return the first frequency, counted in ``1 / n``, whose power a removed mean changes by less than ``most``.
+def usable(tapers: Tapers) -> tuple[int, int]:
+    """Return the lowest frequency that can be told and the one above the highest, counted in ``1 / n``.
 
-    Removing the mean takes ``|sum w exp(-2 pi i f t)|^2 / n`` of white noise.
+    Left out at the low end is what a removed mean changes by more than 1 %, ``|sum w exp(-2 pi i f t)|^2 / n`` of
+    white noise, and where smoothing by the tapers raises a spectrum that falls as 1/f^2 by more than 10 %: by
+    ``3 v / f^2``, v the variance of the spectral window. At the high end, as at the low one, power and its mirror image
+    beat; left out is where that raises the variance of a value by more than 5 %.
     """
-    share = np.mean(np.abs(fft.rfft(tapers.weights, axis=1)) ** 2, axis=0) / tapers.weights.shape[1]
-    return int(np.flatnonzero(share >= most).max(initial=0)) + 1
+    count, n = tapers.weights.shape
+    share = np.mean(np.abs(fft.rfft(tapers.weights, axis=1)) ** 2, axis=0) / n
+    removed = int(np.flatnonzero(share >= FALSIFIED).max(initial=0)) + 1
+    spread = np.sum(np.diff(tapers.weights, axis=1) ** 2) / count * (n / (2.0 * np.pi)) ** 2
+    smoothed = int(np.ceil(np.sqrt(3.0 * spread / RAISED)))
+    mirrored = _shared(tapers, 0)[::2] / count
+    apart = int(np.flatnonzero(mirrored >= BEATING).max(initial=0)) + 1
+    return max(removed, smoothed, apart), n // 2 - apart + 1
 
 
 def correlations(tapers: Tapers, starts: list[NDArray[np.int64]]) -> tuple[float, Array]:

@@ -1,0 +1,96 @@
+"""Records of a sensor at rest, for its noise: recordings of channels, whole or in windows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+
+from ..core.errors import DataError, PlanError
+from ..core.influence import Standards
+from ..core.recording import Recording
+from ..core.remarks import Remark
+from ..procedures import static_noise
+from .channels import AXES, prepare_recording, windowed
+from .load import Campaign
+from .modelling import Prepared
+from .origins import Origin
+from .plans import plan_values
+from .schema import Sensor, Test
+
+MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
+
+
+def prepared_static_noise(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:
+    """Return a test of noise ready to be reduced.
+
+    Raises
+    ------
+    PlanError, DataError
+        If a recording cannot be read, or the plan.
+    """
+    plan = noise_plan(test, sensor, campaign.standards)
+    found: list[static_noise.AtRest] = []
+    inputs: dict[str, str] = {}
+    origins: list[Origin] = []
+    for name in test.recordings:
+        entry = campaign.file.recordings[name]
+        whole = prepare_recording(campaign.folder, name, entry, sensor, keep_bias=True, complete=False)
+        parts = list(_parts(whole, test))
+        chosen = sum(len(part) for part in parts)
+        found += [_at_rest(part, name, number, len(parts), sensor) for number, part in enumerate(parts, 1)]
+        inputs[entry.file] = whole.source.sha256
+        origins.append(Origin(name, entry.file, whole.source.sha256, "recording", len(whole), chosen))
+    readings = static_noise.readings_from(plan, found)
+    readings = replace(readings, remarks=(*readings.remarks, *_mixed(sensor)))
+    return Prepared(test, plan, readings, inputs, tuple(origins))
+
+
+def noise_plan(test: Test, sensor: Sensor, standards: Standards) -> static_noise.Plan:
+    """Return the plan of a test, with the sensor and the standards of the campaign.
+
+    Raises
+    ------
+    PlanError
+        If a setting is wrong.
+    """
+    values, problems = plan_values(test.procedure, test.plan, "")
+    if problems:
+        raise PlanError(problems)
+    return static_noise.Plan(**values, kind=sensor.kind, standards=standards)
+
+
+def _parts(recording: Recording, test: Test) -> Iterator[Recording]:
+    """Yield the recording, or its part in each window of the test."""
+    if not test.windows:
+        yield recording
+        return
+    for window in test.windows:
+        try:
+            yield windowed(recording, _with_window(test, window))
+        except DataError as error:
+            if error.problems[0].code != "nothing_left" or len(test.recordings) == 1:
+                raise
+
+
+def _with_window(test: Test, window: tuple[int, int]) -> Test:
+    """Return the test with one window alone."""
+    return test.model_copy(update={"windows": [window]})
+
+
+def _at_rest(part: Recording, name: str, number: int, count: int, sensor: Sensor) -> static_noise.AtRest:
+    axes = [axis for axis in AXES if axis in part.names and axis in sensor.axes]
+    label = f"{name}, window {number}" if count > 1 else name
+    return static_noise.AtRest(part, {axis: axis for axis in axes}, name=label)
+
+
+def _mixed(sensor: Sensor) -> list[Remark]:
+    """Say where body axes are mixtures of the sensor's: their noise is one, too."""
+    if sensor.mounting is None:
+        return []
+    cosines = np.abs(np.array(sensor.mounting))
+    if np.all((cosines < MIXED) | (cosines > 1.0 - MIXED)):
+        return []
+    what = "the mounting is oblique: noise of body axes is a mixture of that of the sensors"
+    return [Remark("axes_mixed", "info", what, do="Leave mounting out for the noise of each sensor")]
