@@ -14,28 +14,51 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
 from inertialcal.signals.spectrum import allan_of_spectrum, compare_allan, find_lines, psd
+from inertialcal.signals.spectrum.density import Method
 
 INTERVAL = 0.01  # s
-N = 2**14
+N = 2**13
 
-Noise = Callable[[np.random.Generator], Array]
-NOISES: dict[str, Noise] = {
-    "white": lambda rng: rng.normal(size=N),
-    "random walk": lambda rng: np.asarray(np.cumsum(rng.normal(size=N))),
-    "white and random walk": lambda rng: np.asarray(rng.normal(size=N) + 0.03 * np.cumsum(rng.normal(size=N))),
-    "Gauss-Markov": lambda rng: np.asarray(signal.lfilter([1.0], [1.0, -0.9], rng.normal(size=N))),
+Noise = Callable[[np.random.Generator, int], Array]
+NOISES: dict[str, Noise] = {  # of many records side by side
+    "white": lambda rng, records: rng.normal(size=(N, records)),
+    "quantised": lambda rng, records: np.asarray(np.diff(rng.normal(size=(N + 1, records)), axis=0)),
+    "random walk": lambda rng, records: np.asarray(np.cumsum(rng.normal(size=(N, records)), axis=0)),
+    "white and random walk": lambda rng, records: np.asarray(
+        rng.normal(size=(N, records)) + 0.03 * np.cumsum(rng.normal(size=(N, records)), axis=0)
+    ),
+    "Gauss-Markov": lambda rng, records: np.asarray(
+        signal.lfilter([1.0], [1.0, -0.9], rng.normal(size=(N + 200, records)), axis=0)[200:]
+    ),
+    "sharp filter before rounding": lambda rng, records: np.asarray(
+        signal.sosfilt(signal.butter(4, 0.5, output="sos"), rng.normal(size=(N + 200, records)), axis=0)[200:].round(2)
+    ),
 }
+FALSE_ALARM = 0.05
+
+
+def alarms(name: str, records: int, method: Method, segment: int | None = None) -> int:
+    """Records of noise alone in which any line is found."""
+    spectrum = psd(NOISES[name](np.random.default_rng(1), records), INTERVAL, method, segment=segment)
+    return len({line.axis for line in find_lines(spectrum, FALSE_ALARM).found})
 
 
 @pytest.mark.parametrize("name", NOISES)
 def test_noise_alone_shows_lines_as_rarely_as_stated(name: str) -> None:
-    rng, records, false_alarm = np.random.default_rng(1), 120, 0.05
-    found = sum(len(find_lines(psd(NOISES[name](rng), INTERVAL), false_alarm)) > 0 for _ in range(records))
-    assert found <= stats.binom.isf(1e-3, records, false_alarm)
+    records = 60
+    assert alarms(name, records, "welch") <= stats.binom.isf(1e-3, records, FALSE_ALARM)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("method", "segment"), [("welch", None), ("welch", N // 64), ("multitaper", None)])
+@pytest.mark.parametrize("name", NOISES)
+def test_false_alarms_of_many_records(name: str, method: Method, segment: int | None) -> None:
+    records = 300
+    assert alarms(name, records, method, segment) <= stats.binom.isf(1e-3, records, FALSE_ALARM)
 
 
 def test_lines_are_found_named_and_measured() -> None:
-    rng, t = np.random.default_rng(2), np.arange(4 * N) * INTERVAL
+    rng, t = np.random.default_rng(2), np.arange(8 * N) * INTERVAL
     truth = {"0.56 Hz": (0.56, 0.5), "9.97 Hz": (9.97, 0.3), "3 x 9.97 Hz": (29.91, 0.2)}
     x = rng.normal(size=len(t)) + 0.01 * np.cumsum(rng.normal(size=len(t)))
     x += sum(a * np.sin(2.0 * np.pi * f * t + f) for f, a in truth.values())
@@ -54,17 +77,17 @@ def test_lines_are_found_named_and_measured() -> None:
 
 
 def test_the_uncertainty_of_an_amplitude_is_its_scatter() -> None:
-    rng, t = np.random.default_rng(3), np.arange(N) * INTERVAL
-    found = []
-    for _ in range(150):
-        frequency = 9.97 + rng.uniform(-0.1, 0.1)
-        x = rng.normal(size=N) + 0.2 * np.sin(2.0 * np.pi * frequency * t + rng.uniform(0.0, 6.0))
-        (line,) = find_lines(psd(x, INTERVAL), 1e-4).found
-        found.append((line.amplitude - 0.2, line.u_amplitude, line.frequency - frequency, line.u_frequency))
-    offset, u, off_frequency, u_frequency = np.array(found).T
+    rng, t = np.random.default_rng(3), np.arange(N)[:, None] * INTERVAL
+    frequency, start = 9.97 + rng.uniform(-0.1, 0.1, 60), rng.uniform(0.0, 6.0, 60)
+    x = rng.normal(size=(N, 60)) + 0.3 * np.sin(2.0 * np.pi * frequency * t + start)
+    lines = find_lines(psd(x, INTERVAL), 1e-4).found
+    assert [line.axis for line in lines] == list(range(60))
+    offset = np.array([line.amplitude for line in lines]) - 0.3
+    u = np.array([line.u_amplitude for line in lines])
     assert abs(offset.mean()) < 0.3 * u.mean()
     assert offset.std() == pytest.approx(u.mean(), rel=0.3)
-    assert off_frequency.std() < 1.5 * u_frequency.mean()
+    ratio = (np.array([line.frequency for line in lines]) - frequency) / [line.u_frequency for line in lines]
+    assert 0.4 < ratio.std() < 1.2  # stated on the safe side, most for strong lines
 
 
 def test_a_resonance_is_broad_and_a_constant_axis_has_no_lines() -> None:
@@ -79,12 +102,35 @@ def test_a_resonance_is_broad_and_a_constant_axis_has_no_lines() -> None:
     assert widest.frequency == pytest.approx(0.8 / (2.0 * np.pi * INTERVAL), rel=0.05)
 
 
+def test_a_short_spectrum_says_that_it_cannot_tell_lines() -> None:
+    x = np.random.default_rng(4).normal(size=1_000) + 3.0 * np.sin(0.7 * np.arange(1_000))
+    short = find_lines(psd(x, INTERVAL))
+    assert not short.found
+    assert [one.code for one in short.remarks] == ["lines_not_tested"]
+    assert "too few frequencies" in str(short)
+    (line,) = find_lines(psd(x, INTERVAL, "multitaper")).found
+    assert line.frequency == pytest.approx(0.7 / (2.0 * np.pi * INTERVAL), rel=0.01)
+
+
+def test_a_line_at_the_edge_of_what_is_tested_is_measured_without_the_rise_below_it() -> None:
+    """A random walk rises below the lowest frequency tested: none of that is the line's."""
+    rng, t = np.random.default_rng(9), np.arange(8 * N) * INTERVAL
+    x = 0.05 * np.cumsum(rng.normal(size=8 * N))
+    spectrum = psd(x, INTERVAL)
+    lowest = find_lines(spectrum).tested[0]
+    frequency = lowest + 2.0 * spectrum.spacing
+    (line,) = find_lines(psd(x + 6.0 * np.sin(2.0 * np.pi * frequency * t), INTERVAL)).found
+    assert line.frequency == pytest.approx(frequency, abs=0.5 * spectrum.spacing)
+    assert line.amplitude == pytest.approx(6.0, rel=0.15)
+    assert np.isfinite(line.ratio)
+
+
 def test_lines_taken_out_leave_the_noise() -> None:
     rng, t = np.random.default_rng(5), np.arange(4 * N) * INTERVAL
     spectrum = psd(rng.normal(size=4 * N) + np.sin(2.0 * np.pi * 20.0 * t), INTERVAL)
     lines = find_lines(spectrum)
     left = spectrum.without(lines.marked)
-    assert spectrum.density.max() > 1_000.0 * left.density.mean()
+    assert spectrum.density.max() > 500.0 * left.density.mean()
     assert left.density.mean() == pytest.approx(2.0 * INTERVAL, rel=0.02)
     assert not find_lines(left).found
     with pytest.raises(DataError, match="or all marked"):
@@ -114,7 +160,7 @@ def measured(x: Array, m: NDArray[np.int64]) -> Curve:
 
 def test_the_allan_variance_of_a_level_spectrum_is_that_of_white_noise() -> None:
     """N^2 / tau with one-sided density 2 N^2, for any tau; a unit density, no noise in it."""
-    spectrum = psd(np.random.default_rng(1).normal(size=N), INTERVAL)
+    spectrum = psd(np.random.default_rng(1).normal(size=4 * N), INTERVAL)
     level = replace(spectrum, density=np.full_like(spectrum.density, 2.0))
     tau = np.array([1.0, 2.0, 5.0, 16.0, 50.0]) * INTERVAL
     found = allan_of_spectrum(level, tau)
@@ -125,14 +171,12 @@ def test_the_allan_variance_of_a_level_spectrum_is_that_of_white_noise() -> None
 
 @pytest.mark.parametrize("name", NOISES)
 def test_figures_of_one_record_agree(name: str) -> None:
-    rng, m = np.random.default_rng(6), 2 ** np.arange(12, dtype=np.int64)
-    for _ in range(20):
-        x = NOISES[name](rng)
-        found = compare_allan(psd(x, INTERVAL), measured(x, m))
-        assert found.agree.all()
-        assert found.compared >= 5
-        assert np.nanmax(np.abs(found.ratio - 1.0)) < 0.1
-        assert not found.remarks
+    x = NOISES[name](np.random.default_rng(6), 20)
+    found = compare_allan(psd(x, INTERVAL), allan(x, INTERVAL, quantity="rate"))
+    assert found.agree.all()
+    assert found.compared >= 20 * 3
+    assert np.nanmax(np.abs(found.ratio - 1.0)) < 0.1
+    assert not found.remarks
 
 
 def test_a_wrong_interval_disagrees() -> None:
@@ -150,11 +194,3 @@ def test_a_wrong_interval_disagrees() -> None:
         compare_allan(psd(np.stack((x, x), axis=1), INTERVAL), curve)
     long = measured(x, np.array([4_096]))
     assert compare_allan(psd(x, INTERVAL), long).remarks[0].code == "allan_not_compared"
-
-
-def test_the_allan_deviation_built_here_agrees_with_the_spectrum_of_the_same_samples() -> None:
-    rng = np.random.default_rng(8)
-    x = np.stack((rng.normal(size=N), np.cumsum(rng.normal(size=N))), axis=1)
-    found = compare_allan(psd(x, INTERVAL), allan(x, INTERVAL, quantity="rate"))
-    assert found.agree.all()
-    assert found.compared >= 12

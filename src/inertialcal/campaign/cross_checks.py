@@ -10,8 +10,8 @@ from ..core.errors import DataError, InertialcalError, Problem
 from ..core.units import kind, normalise, parse_quantity, same_dimension
 from ..files.pad_pairs import pairs_of
 from ..procedures import PROCEDURES
-from .chains import build_chain, scale_factors
 from . import noise_units as noise
+from .chains import build_chain, scale_factors
 from .conditions import parse_condition
 from .ground_checks import ground_checks
 from .plans import plan_values

@@ -54,7 +54,7 @@ def block_for(
 
 def _axes(terms: Sequence[Sequence[Term]], kind: str) -> list[tuple[Term, ...]]:
     """Return one or three axes without lines, which filters do not hold; one without terms where there is none."""
-    found = [tuple(term for term in axis if not isinstance(term, Sinusoid)) for axis in terms]
+    found: list[tuple[Term, ...]] = [tuple(term for term in axis if not isinstance(term, Sinusoid)) for axis in terms]
     if len(found) not in (0, 1, THREE):
         what = f"{len(found)} axes of the {kind}: a filter takes three, or one for all"
         raise DataError(what, do="Name one or three channels: --column NAME", code="wrong_axes")

@@ -159,14 +159,14 @@ def _taken(channel: Channel, said: Said | None, scale_factor: str | None, record
     if scale_factor is not None:
         return _scaled(channel, said, scale_factor, where)
     unit = channel.unit or ""
-    if not unit or said == "counts" or kind(unit) in {"count", "voltage", "dimensionless", "other"} - _velocities(unit):
-        return Taken(channel.name, None, unit, "rate" if said in (None, "counts") else said, 1.0)
+    if not unit or said == "counts":
+        return _in_file_unit(channel.name, unit, said)
     return _known(channel.name, unit, said, where)
 
 
-def _velocities(unit: str) -> set[str]:
-    """Return the kind of a velocity: ``core.units`` has no word for it."""
-    return {kind(unit)} if unit and si_unit(unit) == "m/s" else set()
+def _in_file_unit(name: str, unit: str, said: Said | None) -> Taken:
+    """Return a channel that is neither a rate nor what adds up to one: in its own unit, a reading of a rate."""
+    return Taken(name, None, unit, "rate" if said is None or said == "counts" else said, 1.0)
 
 
 def _known(name: str, unit: str, said: Said | None, where: str) -> Taken:
@@ -178,13 +178,14 @@ def _known(name: str, unit: str, said: Said | None, where: str) -> Taken:
             raise UsageError(what, do="Leave --quantity out, or say the unit", code="unit_mismatch")
         return Taken(name, "gyro" if si == "rad/s" else "accelerometer", unit, "rate", factor(unit, si))
     if si in ADDED.values():
-        if said not in ("increment", "angle"):
+        if said is None or said in {"rate", "counts"}:
             what = f"{where} is in {unit}: an increment, or integrated?"
             why = "both have the same unit, and other noise"
             do = "Say it: --quantity increment (what was added in each sample) or --quantity angle (integrated)"
             raise UsageError(what, why=why, do=do, code="no_quantity")
-        return Taken(name, "gyro" if si == "rad" else "accelerometer", unit, said, factor(unit, si))
-    return Taken(name, None, unit, "rate" if said in (None, "counts") else said, 1.0)
+        added: Quantity = "angle" if said == "angle" else "increment"
+        return Taken(name, "gyro" if si == "rad" else "accelerometer", unit, added, factor(unit, si))
+    return _in_file_unit(name, unit, said)
 
 
 def _scaled(channel: Channel, said: Said | None, text: str, where: str) -> Taken:
@@ -229,7 +230,8 @@ def _without_unit(recording: Recording, taken: Sequence[tuple[Channel, Taken]]) 
     names = ", ".join(channel.name for channel in bare)
     what = f"{names}: nobody said the unit, so figures are in that of the file"
     group = bare[0].quantity or bare[0].name
-    do = f"Hint: {'; '.join(hints)}" if hints else f"Say it: --unit {group}=deg/s, or =m/s2, =count"
+    like = {"gyro": "deg/s", "acc": "m/s2"}.get(group, "deg/s")
+    do = "; ".join([f"Say it, like --unit {group}={like}", *hints])
     return [Remark("no_unit", "warning", what, recording.source.path, do=do)]
 
 

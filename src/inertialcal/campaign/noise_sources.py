@@ -61,10 +61,10 @@ def recordings_of(
     found = []
     for one in several:
         if isinstance(one, str | Path):
-            one = read(one, units=units, sample_rate=sample_rate, **part)
-        elif not isinstance(one, Recording):
-            one = _of_array(np.asarray(one), unit, sample_rate)
-        found.append(one if window is None else replace(one, averaging_time=window))
+            recording = read(one, units=units, sample_rate=sample_rate, **part)
+        else:
+            recording = one if isinstance(one, Recording) else _of_array(np.asarray(one), unit, sample_rate)
+        found.append(recording if window is None else replace(recording, averaging_time=window))
     return found
 
 

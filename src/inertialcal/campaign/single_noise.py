@@ -209,7 +209,7 @@ def allan(
     UsageError
         If it is not clear which channel is meant, or what its samples are.
     """
-    settings = {
+    settings: dict[str, Any] = {
         "deviation": _one_of(deviation, tuple(KINDS), "deviation"),
         "terms": None if terms is None else [_one_of(one, TERMS, "terms") for one in terms],
         "lines": lines,
@@ -219,7 +219,7 @@ def allan(
         "segment": None if segment is None else _quantity(segment, "s", "segment"),
         "relative_error": _quantity(relative_error, "1", "relative_error"),
     } | _taus(taus)
-    if not float(settings["relative_error"]) > 0.0:  # type: ignore[arg-type]
+    if not settings["relative_error"] > 0.0:
         raise UsageError(f"relative_error: {relative_error!r}", do="Write it like 10 %", code="wrong_value")
     recordings = recordings_of(sources, **recorded)
     grouped = [groups_of(one, columns, quantity, scale_factors) for one in recordings]

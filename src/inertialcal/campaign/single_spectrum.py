@@ -182,9 +182,7 @@ def _density(sensor: SensorNoise) -> tuple[str, float]:
 
 
 def _lines(sensor: SensorNoise, axis: str, found: Sequence[Line]) -> Iterator[tuple[str, ...]]:
-    unit, scale = _density(sensor)
-    shown = sensor.group.unit or FILE_UNIT
-    scale = scale**0.5
+    shown, scale = sensor.group.unit or FILE_UNIT, _density(sensor)[1] ** 0.5
     for line in found:
         frequency = with_uncertainty(line.frequency, line.u_frequency)
         amplitude = with_uncertainty(line.amplitude * scale, line.u_amplitude * scale)

@@ -16,7 +16,8 @@ if TYPE_CHECKING:
     from ..campaign.single_spectrum import SpectrumFile
 
 Records = Annotated[
-    list[Path], typer.Argument(help="Recordings of one sensor at rest: several are fitted together.", show_default=False)
+    list[Path],
+    typer.Argument(help="Recordings of one sensor at rest: several are fitted together.", show_default=False),
 ]
 Record = Annotated[Path, typer.Argument(help="Recording of a sensor at rest.", show_default=False)]
 SampleRate = Annotated[
@@ -79,7 +80,8 @@ def allan(
     keep_disturbed: KeepDisturbed = False,
     error: Annotated[str, typer.Option(help="Relative error for which the length of a record is worked out.")] = "10 %",
     target: Annotated[
-        list[str] | None, typer.Option("--for", help="Settings of a filter: kalibr, px4, gtsam, kf-gins. May be repeated.")
+        list[str] | None,
+        typer.Option("--for", help="Settings of a filter: kalibr, px4, gtsam, kf-gins. May be repeated."),
     ] = None,
     gravity: Annotated[str | None, typer.Option(help='Of the site, for gtsam: "9.81 m/s2".')] = None,
     start: Start = None,
@@ -144,7 +146,8 @@ def psd(
     _check_output(output, None)
     found = reduce_file(
         file, method=method, segment=segment, columns=column or (), quantity=quantity,  # type: ignore[arg-type]
-        scale_factors=_scale_factors(scale_factor), terms=_listed(terms), warm_up=warm_up, keep_disturbed=keep_disturbed,
+        scale_factors=_scale_factors(scale_factor), terms=_listed(terms), warm_up=warm_up,
+        keep_disturbed=keep_disturbed,
         **_recorded(unit, sample_rate, averaging, time_column, start, stop, mission_start, frame),
     )  # fmt: skip
     written = _write(output, found, {}, [file], None)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..core.result_tables import figure, interval, not_estimated
 from ..core.rounding import number
-from ..core.tables import short
+from ..core.tables import ending, short
 from .output import clean, table, wrapped
 
 if TYPE_CHECKING:
@@ -85,7 +85,7 @@ def _alone(one: SensorNoise) -> str:
     if not rows:
         return ""
     cells = [
-        [f"  {short(row.condition.removeprefix(ALONE).removesuffix(' alone'))}", row.quantity, short(row.axis),
+        [f"  {ending(row.condition.removeprefix(ALONE).removesuffix(' alone'))}", row.quantity, short(row.axis),
          figure(row.to_dict()), row.unit, interval(row.to_dict())]
         for row in rows
     ]  # fmt: skip
@@ -101,8 +101,8 @@ def spectrum_text(found: SpectrumFile) -> str:
             parts += [wrapped(grid.caption), table([[f"  {row[0]}", *row[1:]] for row in grid.rows],
                       [f"  {grid.heads[0]}", *grid.heads[1:]], tuple(grid.right))]  # fmt: skip
         rows = [row for row in sensor.rows() if not row.condition and row.status == "estimated"]
-        parts += ["terms", table([[f"  {row.quantity}", short(row.axis), figure(row.to_dict()), row.unit] for row in rows],
-                  ["  term", "axis", "value ± u", "unit"])]  # fmt: skip
+        cells = [[f"  {row.quantity}", short(row.axis), figure(row.to_dict()), row.unit] for row in rows]
+        parts += ["terms", table(cells, ["  term", "axis", "value ± u", "unit"])]
         blocks.append("\n".join([*parts, *found.agreement(sensor)]))
     return "\n\n".join(["\n\n".join(blocks), "\n".join(_remarks(found.remarks))]).rstrip()
 

@@ -87,13 +87,21 @@ PLAIN: dict[str, Finding] = {
 }
 
 
+OF_AXIS = {  # before and after the name of the axis
+    "input_output": ("Reading of ", " against the applied input, and what the fitted line leaves."),
+    "allan": ("Deviation of ", " over averaging time with 95 % intervals, and the terms fitted to it."),
+    "spectrum": ("Density of ", " with 95 % intervals, and the terms that were fitted to its Allan deviation."),
+}
+
+
 def _caption(results: Results, picture: Picture) -> Finding:
     axis = Text(picture.axis)
     if picture.name in PLAIN:
         return PLAIN[picture.name]
+    if picture.name in OF_AXIS:
+        before, after = OF_AXIS[picture.name]
+        return (before, axis, after)
     match picture.name:
-        case "input_output":
-            return ("Reading of ", axis, " against the applied input, and what the fitted line leaves.")
         case "rate_error":
             return ("Error of ", axis, " against the applied rate", *_judged(results, picture), ".")
         case "dwells":
@@ -102,10 +110,6 @@ def _caption(results: Results, picture: Picture) -> Finding:
             return ("The dwells found in one recording with ", axis, " turned.", told)
         case "flip":
             return _flip_caption(picture)
-        case "allan":
-            return ("Deviation of ", axis, " over averaging time with 95 % intervals, and the terms fitted to it.")
-        case "spectrum":
-            return ("One-sided density of ", axis, " with 95 % intervals, and the terms that were fitted to its Allan deviation.")
     others = " At no input lie the dwells in which another axis was turned." if _others_turned(results) else ""
     return ("Errors on readings held out, raw and compensated, at each applied input.", others)
 

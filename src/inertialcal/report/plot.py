@@ -40,8 +40,8 @@ def plot(
     Parameters
     ----------
     result : Outcome, RateTableFile, NoiseFile, SpectrumFile, Recording, SensorModel, Estimate or dict
-        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``read``, ``load_model``; the ``estimate`` of a result; or the content of a
-        ``results.json``.
+        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``read``, ``load_model``; the ``estimate`` of a result; or the
+        content of a ``results.json``.
     ax : Axes, or sequence of Axes, optional
         Where; as many as the figure has panels, or one, which is then divided. By default a new figure, which a
         notebook shows; elsewhere save it: ``plot(result).figure.savefig("figure.png")``.

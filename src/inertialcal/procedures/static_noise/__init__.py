@@ -1,11 +1,12 @@
 """Noise of a sensor at rest: terms with their intervals, what the records cannot tell, how long to record.
 
-Definitions of the terms stand in ``sensors.noise.terms``, the estimator in ``sensors.noise.likelihood``. Several records
-of one sensor are fitted together, with a test that they agree.
+Definitions of the terms stand in ``sensors.noise.terms``, the estimator in ``sensors.noise.likelihood``. Several
+records of one sensor are fitted together, with a test that they agree.
 
-What is assumed: the sensor stands still, so that all it reads but its mean is its noise; the noise is normal and the same
-throughout. Disturbances are found and left out (counted); lines are found in the spectrum and take part in the fit; drift
-is remarked and stays in, unless the warm-up is left out. The sizes are relative to the scale factor of the sensor.
+What is assumed: the sensor stands still, so that all it reads but its mean is its noise; the noise is normal and the
+same throughout. Disturbances are found and left out (counted); lines are found in the spectrum and take part in the
+fit; drift is remarked and stays in, unless the warm-up is left out. The sizes are relative to the scale factor of the
+sensor.
 
 References
 ----------
@@ -127,7 +128,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     Raises
     ------
     DataError
-        If there are no records (``no_records``), or no axis has terms: then with the reason of each.
+        If there are no records (``no_records``), or no axis has terms: then with the reason of each (``too_short``, ``constant``,
+        ``all_missing``).
     """
     if not len(readings) or not readings.axes:
         raise DataError("no record of a sensor at rest", code="no_records")
@@ -140,19 +142,20 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 
 def _problems(axes: Sequence[AxisNoise], readings: Readings) -> list[Problem]:
     """Return why no axis has terms, each reason once, with the axes that it holds for."""
-    reasons: dict[str, list[str]] = {}
+    found: dict[Problem, list[str]] = {}
     for one in axes:
-        reasons.setdefault(one.reason, []).append(one.axis)
-    length = duration(readings.length)
+        if one.problem is not None:
+            found.setdefault(one.problem, []).append(one.axis)
+    recorded = f"{duration(readings.length)} recorded, {len(readings.records[0])} samples a record"
     return [
         Problem(
-            f"no noise terms of {', '.join(names)}: {reason}",
+            f"no noise terms of {', '.join(names)}: {problem.what}",
             readings.records[0].name,
-            f"{length} recorded, {len(readings.records[0])} samples a record",
-            "Record the sensor standing still, for longer",
-            "no_terms",
+            problem.why or recorded,
+            problem.do or "Record the sensor standing still, for longer",
+            problem.code,
         )
-        for reason, names in reasons.items()
+        for problem, names in found.items()
     ]
 
 
@@ -160,7 +163,7 @@ def _relative(plan: Plan) -> list[Remark]:
     if plan.kind is None or SCALE in plan.standards:
         return []
     what = "the scale factor has no stated uncertainty: noise terms are relative to it"
-    return [Remark("relative_to_fixture", "info", what, do="State sensor.scale_factor under [standards]")]
+    return [Remark("relative_to_fixture", "info", what, do="A campaign states it under [standards]: sensor.scale_factor")]
 
 
 def _of_axis(one: AxisNoise) -> Estimate | None:

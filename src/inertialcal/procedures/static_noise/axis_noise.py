@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError
+from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
 from ...sensors.noise.fit import fit
 from ...sensors.noise.noise_fit import NoiseFit
@@ -63,7 +63,7 @@ class AxisNoise:
         Those that could be used.
     fit : NoiseFit or None
         Terms, from all records together; None with a reason.
-    reason : str
+    problem : Problem or None
         Why there are no terms.
     lines : tuple of float
         Frequencies of the lines in the fit [Hz].
@@ -74,9 +74,14 @@ class AxisNoise:
     axis: str
     records: tuple[Recorded, ...]
     fit: NoiseFit | None
-    reason: str
+    problem: Problem | None
     lines: tuple[float, ...]
     remarks: tuple[Remark, ...]
+
+    @property
+    def reason(self) -> str:
+        """Why there are no terms."""
+        return "" if self.problem is None else self.problem.what
 
 
 def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
@@ -93,27 +98,27 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     """
     records: list[Recorded] = []
     remarks: list[Remark] = []
-    reasons: list[str] = []
+    problems: list[Problem] = []
     for run in readings.records:
         try:
             found = _recorded(plan, run, axis)
         except DataError as error:
-            reasons.append(error.problems[0].what)
+            problems.append(error.problems[0])
             continue
         told = (*found.looked.remarks, *_curve_remarks(found))
         remarks += [one.at(run.name) if len(readings.records) > 1 else one for one in told]
         records.append(found)
     if not records:
-        return AxisNoise(axis, (), None, reasons[0], (), _no_terms(axis, reasons[0]))
+        return AxisNoise(axis, (), None, problems[0], (), _no_terms(axis, problems[0]))
     lines = lines_to_fit([one.spectral for one in records])
     try:
         found_terms = _fitted(plan, records, lines)
     except DataError as error:
-        reason = error.problems[0].what
-        return AxisNoise(axis, tuple(records), None, reason, lines, (*remarks, *_no_terms(axis, reason)))
+        problem = error.problems[0]
+        return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)))
     remarks += [Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do) for one in found_terms.remarks]
     records = [_with_own(plan, one, lines, len(records)) for one in records]
-    return AxisNoise(axis, tuple(records), found_terms, "", lines, (*remarks, *_tested(axis, found_terms)))
+    return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)))
 
 
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
@@ -174,8 +179,8 @@ def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...], several: int)
     return Recorded(one.run, one.looked, one.curve, one.shown, one.spectral, own)
 
 
-def _no_terms(axis: str, reason: str) -> tuple[Remark, ...]:
-    return (Remark("no_terms", "warning", f"{axis}: no noise terms: {reason}"),)
+def _no_terms(axis: str, problem: Problem) -> tuple[Remark, ...]:
+    return (Remark("no_terms", "warning", f"{axis}: no noise terms: {problem.what}", do=problem.do),)
 
 
 def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:

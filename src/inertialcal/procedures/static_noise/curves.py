@@ -13,6 +13,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -72,7 +73,7 @@ def _allan(result: Result, one: AxisNoise, record: Recorded) -> Curve:
     curve, unit = record.shown, _unit(result)
     expected = np.full(len(curve), np.nan)
     if one.fit is not None:
-        expected = _deviation(result, one.fit.terms, curve.m, record)
+        expected = _deviation(result, one.fit.terms, curve.m.astype(np.float64), record)
     columns = {
         "tau": Column(curve.tau, "s"),
         "deviation": Column(curve.deviation[:, 0], unit),
@@ -143,7 +144,7 @@ def _in_lines(record: Recorded, spectrum: Spectrum, frequency: Array) -> list[bo
         return [False] * len(frequency)
     marked = spectrum.frequency[lines.marked[:, 0]]
     edges = np.concatenate([[0.0], 0.5 * (frequency[1:] + frequency[:-1]), [np.inf]])
-    return [bool(np.any((marked > a) & (marked <= b))) for a, b in zip(edges[:-1], edges[1:], strict=True)]
+    return [bool(np.any((marked > a) & (marked <= b))) for a, b in pairwise(edges)]
 
 
 def _record_length(result: Result, one: AxisNoise) -> Curve:

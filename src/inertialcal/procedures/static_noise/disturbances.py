@@ -14,6 +14,7 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.rounding import number
 from ...core.units import factor
+from ...sensors.noise.noise_fit import duration
 from ...sensors.noise.terms import Kind
 from ...signals.record_quality import BadSegment, Drift, RecordQuality, record_quality
 from .plan import Plan, Run
@@ -98,10 +99,11 @@ def _drift(drift: Drift, kind: Kind | None, run: Run, axis: str) -> Remark:
         inside, unit = LEVELS[kind]
         times = factor(inside, unit)
     warm = drift.early > EARLY
-    what = f"{axis}: drifts by {number(drift.rise * times, 3)} {unit} over the record, more than its slow noise explains"
+    what = (
+        f"{axis}: drifts by {number(drift.rise * times, 3)} {unit} over the record, more than its slow noise explains"
+    )
     if not warm:
         do = "Slow terms may be drift: look at temperature, or read them off a Hadamard deviation (deviation)"
         return Remark("drift", "warning", what, do=do)
-    third = number(run.length / 3.0, 2)
-    do = f"Leave the warm-up out (warm_up), say its first {third} s, and compare"
+    do = f"Leave the warm-up out (warm_up), say the first {duration(run.length / 3.0)}, and compare"
     return Remark("warm_up", "warning", f"{what}, most of it early: the sensor warms up", do=do)

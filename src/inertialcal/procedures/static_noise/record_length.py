@@ -93,7 +93,7 @@ def sentence(reach: Reach, wanted: float) -> str:
         why = f"{name}: not found, {reach.reason}"
         if reach.needed is None or reach.needed <= reach.record:
             return why
-        return f"{why}: {duration(reach.needed)} would show it, were it at its upper limit"
+        return f"{why}; {duration(reach.needed)} would show it at its limit"
     known = f"{name}: known to {100.0 * reach.relative_error:.2g} %"
     if reach.relative_error <= wanted:
         return known

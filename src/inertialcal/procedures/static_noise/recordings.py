@@ -25,6 +25,7 @@ from .plan import Plan, Readings, Run
 
 FLAG = "flag"  # where the sample interval comes from, when the user said it
 AGREES = 0.01  # relative difference of intervals that is passed over
+LARGEST = 1e60  # reading: beyond it fourth powers overflow
 FEWEST = 2  # samples of a record
 
 
@@ -73,7 +74,7 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
     DataError
         If there is none (``no_records``) or they differ in their axes (``wrong_column``); if one has no sample interval
         (``no_time``), stamps that are repeated (``time_repeated``) or run backwards (``time_backwards``), a channel
-        of text (``wrong_column``), or nothing left after the warm-up (``nothing_left``).
+        of text (``wrong_column``) or of impossible size (``wrong_value``), or nothing left after the warm-up (``nothing_left``).
     """
     if not recordings:
         raise DataError("no recordings of a sensor at rest", code="no_records")
@@ -101,6 +102,7 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
         data = one.recording.channel(name).data
         if data.dtype.kind not in "iuf":
             raise DataError(f"column {name!r} holds no numbers", one.place, code="wrong_column")
+        _refuse_sizes(data, name, one)
         remarks += code_remarks(data, axis)
         values[axis], there = _placed(data, one, interval) if places else (data, None)
         if there is not None:
@@ -117,6 +119,14 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
     return Run(values, present, scale, interval, averaging, quantity, one.place, skipped), [*remarks, *more]
 
 
+def _refuse_sizes(data: NDArray[Any], name: str, one: AtRest) -> None:
+    """Refuse numbers that are no reading: their squares are beyond what a number can hold."""
+    largest = float(np.max(np.abs(data, where=np.isfinite(data), out=np.zeros(len(data))), initial=0.0))
+    if largest > LARGEST:
+        what = f"column {name!r} reaches {largest:.3g}"
+        raise DataError(what, one.place, "no sensor reads so much", "Look at the file", "wrong_value")
+
+
 def _interval(one: AtRest) -> tuple[float, bool, list[Remark]]:
     """Return the sample interval [s], whether samples are to be put on its grid by their stamps, and what to say."""
     recording = one.recording
@@ -131,8 +141,9 @@ def _interval(one: AtRest) -> tuple[float, bool, list[Remark]]:
     axis = analyse(stamps)
     if recording.interval_from == FLAG:
         return said, False, _not_used(axis, one)
-    if axis.pattern != "regular" or axis.interval is None:
-        _refuse_backward(axis, one)
+    regular = axis.pattern == "regular" and axis.interval is not None
+    _refuse_disorder(axis, one, regular)
+    if not regular or axis.interval is None:
         what = "stamps say when packets arrived: the samples are taken as evenly spaced, and gaps are not seen"
         return said, False, [Remark("stamps_not_used", "warning", what, one.place)]
     same = abs(axis.interval - said) <= AGREES * said
@@ -151,12 +162,21 @@ def _not_used(axis: TimeAxis, one: AtRest) -> list[Remark]:
     return [Remark("stamps_not_used", "warning", f"{what}, though they show {seen}", one.place)]
 
 
-def _refuse_backward(axis: TimeAxis, one: AtRest) -> None:
+def _refuse_disorder(axis: TimeAxis, one: AtRest, regular: bool) -> None:
+    """Refuse stamps that run backwards, and repeated ones where each stamp means its own sample."""
+    why = "an averaging time is counted off in samples of one order"
     if len(axis.backward):
-        what = f"{len(axis.backward)} stamp(s) run backwards"
-        why = "an averaging time is counted off in samples of one order"
-        do = "Sort the record, or say the sample rate (--sample-rate HZ)"
-        raise DataError(what, f"{one.place}: sample {int(axis.backward[0]) + 1}", why, do, "time_backwards")
+        what, at, code = f"{len(axis.backward)} stamp(s) run backwards", axis.backward, "time_backwards"
+    elif regular and len(axis.repeated):
+        what, at, code = f"{len(axis.repeated)} repeated stamp(s)", axis.repeated, "time_repeated"
+    else:
+        return
+    row = one.recording.first_row
+    place = f"{one.recording.source.path}:{row + int(at[0])}" if row else f"{one.place}: sample {int(at[0]) + 1}"
+    do = (
+        "Sort the record, drop what is twice in it, or say the sample rate (--sample-rate HZ): stamps are then not used"
+    )
+    raise DataError(what, place, why, do, code)
 
 
 def _placed(data: NDArray[Any], one: AtRest, interval: float) -> tuple[NDArray[Any], NDArray[np.bool_]]:
@@ -189,4 +209,3 @@ def _skipped(plan: Plan, one: AtRest, data: NDArray[Any], interval: float) -> tu
         raise DataError(what, one.place, do="Leave out less", code="nothing_left")
     what = f"the first {number(plan.warm_up)} s of {number(len(data) * interval)} s are left out (warm_up)"
     return count, [Remark("warm_up_left_out", "info", what)]
-

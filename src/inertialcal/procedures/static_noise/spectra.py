@@ -16,6 +16,7 @@ from .plan import Plan
 LONGEST = 2**17  # samples of a segment of Welch's method: lines are narrow enough, and long records cost little
 PARTS = 8  # of a record, in the length of a segment
 MOST_LINES = 6  # taken into a fit
+CONSTANT = "constant"  # which the Allan deviation tells already
 LISTED = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
 
@@ -63,7 +64,11 @@ def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str)
     except DataError as error:
         what = f"{axis}: no spectrum: {error.problems[0].what}"
         return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=error.problems[0].do),))
-    remarks = [Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do) for one in spectrum.remarks]
+    remarks = [
+        Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do)
+        for one in spectrum.remarks
+        if one.code != CONSTANT
+    ]
     lines = find_lines(spectrum) if plan.lines else None
     agreement = compare_allan(spectrum, curve)
     remarks += [*_told(lines, axis), *_disagreement(agreement, axis)]

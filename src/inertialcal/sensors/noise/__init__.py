@@ -12,7 +12,7 @@ from .fit import fit
 from .flicker_bank import flicker_bank
 from .forecast import Forecast, forecast
 from .goodness import ChiSquare
-from .noise_fit import FoundTerm, NoiseFit, Parameter
+from .noise_fit import FoundTerm, NoiseFit, Parameter, duration
 from .planner import RecordPlan, plan_record
 from .runs import AllanLike, Run
 from .simulate import simulate
@@ -60,6 +60,7 @@ __all__ = [
     "continuous_spectrum",
     "converted",
     "discretise",
+    "duration",
     "expected_variance",
     "fit",
     "flicker_bank",

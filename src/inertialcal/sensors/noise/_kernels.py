@@ -84,7 +84,7 @@ def covariance_of_pair(
 def _at_distance(
     t: float, m1: float, m2: float, n1: float, n2: float, sizes: Array, ramp: float, exponentials: Array
 ) -> float:
-    """Number of pairs at a distance, times the covariance of their halved squares."""
+    """Return the number of pairs at a distance, times the covariance of their halved squares."""
     s = second_differences(t, m1, m2, sizes, exponentials)
     pairs = max(min(n1, n2, (n1 + n2) / 2.0 - t), 0.0)
     return float(pairs * (0.5 * s * s + ramp * ramp * m1 * m2 * s))

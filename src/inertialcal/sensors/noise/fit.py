@@ -115,9 +115,8 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
         table = (_the_only(problem, candidates),)
     fitted = estimate(problem, table[0].terms)
     sigma = covariance_of_runs(problem, terms_of(problem, fitted))
-    return Solution(
-        problem, candidates, table, fitted, sigma, sandwich(problem, fitted, sigma), kind, unit, p
-    )  # fmt: skip
+    bread = sandwich(problem, fitted, sigma)
+    return Solution(problem, candidates, table, fitted, sigma, bread, kind, unit, p)
 
 
 def _names(terms: str | Sequence[str]) -> tuple[str, ...]:

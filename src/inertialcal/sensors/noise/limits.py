@@ -1,13 +1,14 @@
 """Intervals of noise terms by the profile of the cost, upper limits of terms not shown, and the record that shows them.
 
-An interval holds the values at which the least cost over all other unknowns rises by no more than ``stretch q / 2``, q
-the point of chi-square with one degree of freedom, and ``stretch`` the variance of the unknown over that as if averaging
-times were independent [1]_. The stretch is that of the terms *at the end of the interval*: the more a slow term holds,
-the more neighbouring averaging times share. The interval is unsymmetric where the cost is, and ends at zero where a term
-could be absent. Where the relative uncertainty is small the normal interval of the logarithm is the same.
+An interval holds the values at which the least cost over all other unknowns rises by no more than ``stretch q / 2``,
+q the point of chi-square with one degree of freedom, and ``stretch`` the variance of the unknown over that as if
+averaging times were independent [1]_. The stretch is that of the terms *at the end of the interval*: the more a slow
+term holds, the more neighbouring averaging times share. The interval is unsymmetric where the cost is, and ends at
+zero where a term could be absent. Where the relative uncertainty is small the normal interval of the logarithm is the
+same.
 
 A term that is not shown is added with a held power; its upper limit is where the cost has risen by the one-sided 95 %
-point over its least. Of Gauss-Markov noise that is sigma at the correlation time where it could hide best. The record
+point over its least. Because only terms that came out small get a limit, it holds in rather more than 95 %. Of Gauss-Markov noise that is sigma at the correlation time where it could hide best. The record
 needed is that in which a term *at its upper limit* would have a power known to 25 %: the same averaging times with
 degrees of freedom as the longer record gives them, and longer ones. An estimate: the planner computes the uncertainty
 of a planned record exactly.
@@ -51,7 +52,8 @@ ONE_SIDED = 0.95  # of an upper limit
 NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
-WIDEST = 40.0  # of the logarithm of a power, and of a limit in standard uncertainties: beyond, there is none
+WIDEST = 40.0  # of the logarithm of a power: beyond, there is no end
+FURTHEST = 1e6  # the same of a limit, in standard uncertainties
 TOLERANCE = 0.003  # of the logarithm of an end, and of a limit in standard uncertainties
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 STEEP = 1e6  # rise of the cost that is not looked into
@@ -183,7 +185,7 @@ def upper_limit(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> floa
     u, stretch = _of_added(problem, fitted, at, sigma)
     held = lru_cache(lambda x: estimate(problem, names, at, float(least.powers[at]) + x * u, within=within))
     point = float(special.ndtri(ONE_SIDED))
-    x = end_of(problem, held, at, least.cost, stretch, point**2, point, WIDEST)
+    x = end_of(problem, held, at, least.cost, stretch, point**2, point, FURTHEST)
     return None if x is None else float(least.powers[at]) + x * u
 
 

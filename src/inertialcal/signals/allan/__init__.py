@@ -103,22 +103,22 @@ def allan(
         of_channel(samples[:, i], None if there is None else there[:, i], quantity, kind, wanted, noise, labels[i])
         for i in range(axes)
     ]
-    edf = np.stack([one.edf for one in columns], axis=1)
+    edf = np.array([one.edf for one in columns]).T
     to_rate = scale if quantity == "rate" else scale / interval
-    found = to_rate * np.stack([one.deviation for one in columns], axis=1)
+    found = to_rate * np.array([one.deviation for one in columns]).T
     lo, hi = interval_of(found, edf, p)
     missing = np.array([one.missing for one in columns], dtype=np.int64)
     remarks += dead_time_remark(interval, averaging) + missing_remark(missing, n, labels)
     return Allan(
         tau=wanted.astype(np.float64) * interval,
         m=wanted,
-        n=np.stack([one.terms for one in columns], axis=1),
+        n=np.array([one.terms for one in columns]).T,
         deviation=found,
         lo=lo,
         hi=hi,
         edf=edf,
-        power=np.stack([one.power for one in columns], axis=1),
-        inflation=np.stack([one.inflation for one in columns], axis=1),
+        power=np.array([one.power for one in columns]).T,
+        inflation=np.array([one.inflation for one in columns]).T,
         p=p,
         interval=interval,
         averaging=averaging,

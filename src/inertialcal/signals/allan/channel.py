@@ -71,7 +71,7 @@ def of_channel(
     found = variances(phase, kind, factors)  # uses the phase up
     power, edf = carried_on(power, kind, factors, found.terms)
     variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
-    flat = not np.nanmax(variance, initial=0.0) > 0.0
+    flat = not np.any(variance > 0.0)
     remarks = _remarks(flat, found.terms, told, len(factors), name)
     if flat:
         power, edf = np.full((2, len(factors)), np.nan)

@@ -136,7 +136,7 @@ def _level(x: NDArray[Any], there: NDArray[np.bool_] | None = None) -> Any:
     if not len(sample) and there is not None:
         sample = x[there][:1].astype(np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
-        return np.float64(sample[0] + np.mean(sample - sample[0]))
+        return np.float64(sample[0] + (sample - sample[0]).sum() / len(sample))
 
 
 def _whole_level(x: NDArray[Any], sample: NDArray[Any]) -> np.int64:

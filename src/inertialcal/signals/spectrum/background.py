@@ -79,8 +79,8 @@ def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:
     own = 0.5 * spectrum.edf
     spread = special.polygamma(1, own) * (1.0 + 2.0 * float(np.sum(spectrum.neighbours[1:])))
     raised = np.where(sloped, 1.0 + off**2 / np.where(sloped, width, 1.0), 1.0)
-    parts, at = np.unique(np.where(known, raised / count, 1.0), return_inverse=True)
-    dof = 2.0 * _inverse_trigamma(spread * parts)[at]
+    variance = np.where(known, spread * raised / count, 0.1)
+    dof = 2.0 / variance + 1.0 - variance / 6.0  # trigamma(dof / 2) = variance, to 1e-3 below 0.2
     level = np.exp(mean_log + slope * off - (special.digamma(own) - np.log(own)))
     return Background(np.where(known, level, np.nan), np.where(known, dof, np.nan))
 
@@ -90,10 +90,9 @@ def _windows(spectrum: Spectrum) -> Callable[[Array], Array]:
     n, guard = len(spectrum.frequency), spectrum.lobe
     at = np.arange(n)
     order = np.round(spectrum.frequency / spectrum.spacing).astype(np.int64)
-    part = PART * min(1.0, (KNOWN / spectrum.edf) ** 0.25)
-    half = np.minimum(np.minimum((part * order).astype(np.int64), at), max(n // OF_ALL, FEWEST + guard))
-    half = np.minimum(half, WIDEST)
-    half = np.where(half - guard >= FEWEST, half, 0)
+    part, fewest = PART * min(1.0, (KNOWN / spectrum.edf) ** 0.25), FEWEST + guard
+    half = np.minimum(np.minimum((part * order).astype(np.int64), at), min(WIDEST, max(n // OF_ALL, fewest)))
+    half = np.where((half >= fewest) & (8 * fewest <= n), half, 0)  # half of a short spectrum is no neighbourhood
     high = np.minimum(at + half, n - 1)
     low = np.maximum(high - 2 * half, 0)
 
@@ -103,12 +102,3 @@ def _windows(spectrum: Spectrum) -> Callable[[Array], Array]:
         return np.asarray(running[high + 1] - running[low] - own)
 
     return summed
-
-
-def _inverse_trigamma(value: Array) -> Array:
-    """Return x with trigamma(x) = value, by Newton's method on 1 / trigamma, which is nearly a straight line."""
-    x = 0.5 + 1.0 / value
-    for _ in range(6):
-        now = special.polygamma(1, x)
-        x = x + now * (1.0 - now / value) / special.polygamma(2, x)
-    return np.asarray(x)

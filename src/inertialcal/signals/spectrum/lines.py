@@ -89,7 +89,7 @@ class Lines:
     false_alarm : float
         Probability, an axis, that noise alone shows any finding.
     tested : tuple of float
-        Lowest and highest frequency tested [Hz].
+        Lowest and highest frequency tested [Hz]; NaN where the spectrum has too few values to test any.
     """
 
     found: tuple[Line, ...]
@@ -102,7 +102,10 @@ class Lines:
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """One remark a finding."""
+        """One remark a finding; or that nothing could be tested."""
+        if not np.isfinite(self.tested[0]):
+            what = "the spectrum has too few frequencies to tell lines from noise"
+            return (Remark("lines_not_tested", "info", what, do="Record longer, or give longer segments"),)
         do = "Find its source, or name it in the fit: a term fitted across it is wrong"
         texts = [
             f"{'line' if line.kind == 'line' else 'broad peak'} in axis {line.axis} at {line.name}, amplitude "
@@ -123,6 +126,8 @@ class Lines:
         caption = (
             f"{len(rows)} line(s) between {low:.3g} and {high:.6g} Hz; false-alarm probability {self.false_alarm:g} "
             "an axis"
+            if np.isfinite(low)
+            else "too few frequencies to tell lines from noise"
         )
         return (Grid(heads, rows, caption, (3, 4, 5, 6)),) if rows else (caption,)
 
@@ -196,7 +201,8 @@ def _standing_out(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[Fl
         again = background_of(spectrum, axis, _widened(marked, spectrum.lobe))
         there = np.isfinite(again.level)  # too few neighbours are left beside many lines
         level = Background(np.where(there, again.level, level.level), np.where(there, again.dof, level.dof))
-    return marked, level
+    with np.errstate(invalid="ignore"):
+        return marked & (_chances(spectrum, axis, level) < false_alarm / tested), level
 
 
 def _widened(marked: Flags, by: int) -> Flags:
@@ -220,6 +226,8 @@ def _measured(spectrum: Spectrum, axis: int, level: Background, first: int, stop
     a, b = max(0, first - lobe), min(len(density), stop + lobe)
     noise = np.where(np.isfinite(level.level[a:b]), level.level[a:b], density[a:b])
     excess = density[a:b] - noise
+    if excess.sum() < excess.max():  # the flanks lie below the noise by chance
+        excess = np.maximum(excess, 0.0)
     power = float(excess.sum()) * spectrum.spacing
     frequency = float(np.sum(excess * spectrum.frequency[a:b]) / excess.sum())
     centre = int(np.argmin(np.abs(spectrum.frequency[a:b] - frequency)))
