@@ -13,7 +13,7 @@ test: $(READY)  ## the default suite
 	$(BIN)/python -m pytest -m "not slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
 slow: $(READY)  ## long coverage runs
-	$(BIN)/python -m pytest -m "slow and not bench" --durations=20
+	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
 check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff format --check src tests docs

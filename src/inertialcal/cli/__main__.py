@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 import tempfile
@@ -11,6 +12,8 @@ from typing import NoReturn
 
 from ..core.errors import InertialcalError, Problem, UsageError
 from .output import FOUND, errors_out
+
+SELDOM = 200_000, 20, 20  # new objects to a search for garbage: libraries make many at the start, and keep them all
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -35,6 +38,7 @@ def entry() -> NoReturn:
     interpreter while it is taken down, so it is not.
     """
     status = 70
+    gc.set_threshold(*SELDOM)
     try:
         main()
     except SystemExit as left:

@@ -25,7 +25,6 @@ from functools import cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import signal as scipy_signal
 
 from ..core.estimate import Array
 from ..statistics.quantiles import chi_square_quantile, f_upper, normal_quantile
@@ -178,10 +177,12 @@ def _exceedances(jumps: Array, limit: Array, w: int, cuts: Indices) -> Indices:
 
 def _highest(at: Indices, score: Array, w: int) -> Indices:
     """Which of the places ``at`` are the highest for w samples around; empty stretches are left short."""
+    from scipy import signal  # noqa: PLC0415 - heavy import, which commands on tables need not wait for
+
     place = 1 + np.cumsum(np.minimum(np.diff(at, prepend=at[0]), w + 1))
     dense = np.zeros(place[-1] + 2)  # a zero at each end: find_peaks sees no peak at an end
     dense[place] = score
-    peaks, _found = scipy_signal.find_peaks(dense, distance=w)
+    peaks, _found = signal.find_peaks(dense, distance=w)
     which: Indices = np.minimum(np.searchsorted(place, peaks), len(at) - 1)
     return which
 

@@ -29,7 +29,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from scipy import linalg, optimize
+from scipy import linalg
 
 from ..core.errors import DataError
 from ..core.estimate import Array
@@ -204,6 +204,7 @@ def _largest(blocks: Blocks, results: Array) -> float:
 
 def _ratio(squares: Array, sizes: Array, largest: float) -> float:
     """Flicker over white variance of the block means, of greatest restricted likelihood."""
+    from scipy import optimize  # noqa: PLC0415 - heavy import, which most commands need not wait for
 
     def ratio(q: float) -> float:
         return (float(np.exp(q)) - NEGATIVE) / largest

@@ -12,7 +12,6 @@ References
 from __future__ import annotations
 
 import numpy as np
-from scipy import signal
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -40,6 +39,8 @@ def low_passed(seconds: Array, samples: Array, cutoff: float, interval: float) -
     DataError
         ``shorter_than_settling`` if the window is not longer than the settling at both ends.
     """
+    from scipy import signal  # noqa: PLC0415 - heavy import, which commands on tables need not wait for
+
     settling = 1.0 / cutoff
     length = float(seconds[-1] - seconds[0]) + interval if len(seconds) else 0.0
     if not length > 2.0 * settling:
