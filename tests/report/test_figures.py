@@ -16,6 +16,9 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
+from test_figure_noise import allan as noise_allan
+from test_figure_noise import allan_terms as noise_terms
+from test_figure_noise import spectrum as noise_spectrum
 
 from inertialcal.core.errors import DataError
 from inertialcal.report.figures import FIGURES, budget, data, matrix, on_new_figure, prefix, rate_error, to_svg
@@ -146,7 +149,7 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
-                   flip_quiet("y")],
+                   flip_quiet("y"), noise_allan("z"), noise_terms("z"), noise_spectrum("z")],
         "sequence": SEQUENCE, "verdicts": VERDICTS, "results": [*ROWS, *BESIDE], "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip
 

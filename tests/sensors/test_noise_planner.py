@@ -7,9 +7,20 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
+from inertialcal.sensors.noise.fit import fit
 from inertialcal.sensors.noise.forecast import forecast
 from inertialcal.sensors.noise.planner import deviation_error, plan_record, standard_error, standard_record
-from inertialcal.sensors.noise.terms import BiasInstability, GaussMarkov, RandomWalk, RateRandomWalk, Sinusoid
+from inertialcal.sensors.noise.simulate import simulate
+from inertialcal.sensors.noise.terms import (
+    BiasInstability,
+    GaussMarkov,
+    RandomWalk,
+    RateRamp,
+    RateRandomWalk,
+    Sinusoid,
+    Term,
+)
+from inertialcal.signals.allan import allan
 
 INTERVAL = 0.01  # s
 TERMS = (RandomWalk(1e-4), BiasInstability(1e-5), RateRandomWalk(1e-7))
@@ -44,24 +55,40 @@ def test_one_white_term_is_known_as_well_as_its_samples_allow() -> None:
     assert found.shown
 
 
+def scatter(terms: tuple[Term, ...], record: float, records: int) -> Array:
+    """Relative scatter of every parameter, as `fit` finds it in simulated records."""
+    rng, n, names = np.random.default_rng(2), round(record / INTERVAL), [term.name for term in terms]
+    found = []
+    for _ in range(records):
+        curve = allan(simulate(terms, n, INTERVAL, rng), INTERVAL, quantity="rate")
+        found.append([one.value for term in fit(curve, "gyro", terms=names).found for one in term.parameters])
+    return np.std(np.log(found), axis=0)
+
+
+WALK = (RandomWalk(1e-3), RateRandomWalk(5e-4))
+FITTED: list[tuple[tuple[Term, ...], float]] = [
+    ((RandomWalk(1e-3), BiasInstability(1e-3)), 300.0),
+    ((RandomWalk(1e-3), GaussMarkov(2e-3, 1.0)), 300.0),
+    ((RandomWalk(1e-3), RateRamp(1e-4)), 300.0),  # the walk's own scatter is what a ramp is told from
+]
+
+
 def test_the_forecast_is_the_scatter_of_fits() -> None:
-    """White noise and a random walk, fitted as the module says: weights edf / 2 of the model, squares not negative."""
-    rng, n, N, K = np.random.default_rng(2), 4_000, 1.0, 0.3
-    m = 2 ** np.arange(11)
-    tau = m.astype(float)
-    design = np.stack((1.0 / tau, tau / 3.0 + 1.0 / (6.0 * tau)), axis=1)
-    squares = []
-    for _ in range(300):
-        steps = np.cumsum(rng.normal(size=n))
-        x = N * rng.normal(size=n) + K * steps
-        variance = np.array([deviations(x, int(k)) for k in m]) ** 2
-        model = design @ [N**2, K**2]
-        edf = np.maximum(1.0, n / m)
-        weight = np.sqrt(edf) / model
-        squares.append(np.linalg.lstsq(design * weight[:, None], variance * weight, rcond=None)[0])
-    seen = np.std(squares, axis=0) / np.mean(squares, axis=0) / 2.0
-    found = forecast((RandomWalk(N), RateRandomWalk(K)), float(n), 1.0)
-    assert [one.relative_error for one in found.known] == pytest.approx(list(seen), rel=0.25)
+    known = [one.relative_error for one in forecast(WALK, 100.0, INTERVAL).known]
+    assert scatter(WALK, 100.0, 80) == pytest.approx(known, rel=0.3)  # scatter of 80 records is known to 8 %
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("terms", "record"), FITTED)
+def test_the_forecast_is_the_scatter_of_many_fits(terms: tuple[Term, ...], record: float) -> None:
+    known = [one.relative_error for one in forecast(terms, record, INTERVAL).known]
+    assert scatter(terms, record, 100) == pytest.approx(known, rel=0.25)
+
+
+@pytest.mark.slow
+def test_records_as_long_as_planned_give_the_error_that_was_wanted() -> None:
+    plan = plan_record(WALK, "rate_random_walk", 0.1, INTERVAL)
+    assert scatter(WALK, plan.fit, 100)[1] == pytest.approx(0.1, rel=0.25)
 
 
 @pytest.mark.parametrize("term", [term.name for term in TERMS])

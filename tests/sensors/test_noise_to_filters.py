@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import ast
 import re
+from typing import Any
 
 import numpy as np
 import pytest
+import yaml
 
 from inertialcal.core.errors import PlanError
 from inertialcal.sensors.noise.filter_block import FilterBlock
@@ -27,18 +29,20 @@ def values(block: FilterBlock) -> dict[str, tuple[float, ...]]:
     return {one.key: one.values for one in block.settings}
 
 
-def read(text: str) -> dict[str, str]:
-    """Lines ``key: value  # comment`` of a YAML mapping."""
-    lines = [line.split("#")[0].strip() for line in text.splitlines()]
-    return dict(re.split(r":\s+", line, maxsplit=1) for line in lines if re.search(r":\s+\S", line))
+def read(text: str) -> dict[str, Any]:
+    """A block, as a YAML reader that runs nothing sees it."""
+    found: dict[str, Any] = yaml.safe_load(text)
+    return found
 
 
 def test_kf_gins_gets_its_own_example_back() -> None:
-    found = read(to_kf_gins(GYRO, ACCELEROMETER).text)
+    block = to_kf_gins(GYRO, ACCELEROMETER)
+    found = read(block.text)["imunoise"]
     expected = {"arw": 0.003, "vrw": 0.03, "gbstd": 0.027, "abstd": 15.0}
     for key, value in expected.items():
-        assert ast.literal_eval(found[key]) == pytest.approx([value] * 3, rel=1e-5)
-    assert float(found["corrtime"]) == pytest.approx(4.0)
+        assert found[key] == pytest.approx([value] * 3, rel=1e-5)
+    assert found["corrtime"] == pytest.approx(4.0)
+    assert read(str(block)) == {"imunoise": found}
 
 
 def test_kf_gins_keeps_the_driving_noise_under_another_correlation_time() -> None:
@@ -53,13 +57,15 @@ def test_kf_gins_keeps_the_driving_noise_under_another_correlation_time() -> Non
 def test_kalibr_gets_densities_and_the_largest_axis() -> None:
     block = to_kalibr(WALKS, [(RandomWalk(0.01), RateRandomWalk(2e-4))], 200.0, 'imu "0"\n')
     found = read(block.text)
-    assert float(found["gyroscope_noise_density"]) == 3e-3
-    assert float(found["gyroscope_random_walk"]) == 4e-5
-    assert float(found["accelerometer_noise_density"]) == 0.01
-    assert float(found["accelerometer_random_walk"]) == 2e-4
-    assert float(found["update_rate"]) == 200.0
-    assert found["rostopic"] == '"imu \\"0\\"?"'
-    assert all("." in value for key, value in found.items() if key != "rostopic" and "e" in value)  # a YAML number
+    assert found == {
+        "gyroscope_noise_density": 3e-3,
+        "gyroscope_random_walk": 4e-5,
+        "accelerometer_noise_density": 0.01,
+        "accelerometer_random_walk": 2e-4,
+        "update_rate": 200.0,
+        "rostopic": 'imu "0"?',
+    }
+    assert read(str(block)) == found
     assert block.cannot_hold == ("gyro: differences between the axes, the largest value stands for all",)
     assert not block.missing
 
@@ -110,6 +116,30 @@ def test_what_is_not_told_is_a_comment_and_counted_never_a_number() -> None:
     untimed = to_kf_gins(gyro, WALKS)
     assert "corrtime" in untimed.missing
     assert "abstd" in untimed.missing  # a walk has no standard deviation without a correlation time
+
+
+def test_a_horizon_stands_a_walk_in_for_all_that_wanders() -> None:
+    """B alone has the Allan deviation 0.664 B at any time, a walk K sqrt(tau / 3)."""
+    gyro: Axes = [(RandomWalk(1e-3), BiasInstability(1e-5))]
+    block = to_kalibr(gyro, WALKS, 100.0, horizon=30.0)
+    found = read(block.text)
+    assert found["gyroscope_random_walk"] * np.sqrt(30.0 / 3.0) == pytest.approx(0.664 * 1e-5, rel=1e-3)
+    assert found["accelerometer_random_walk"] == pytest.approx(4e-5, rel=1e-6)  # a walk alone stays what it is
+    assert block.cannot_hold[0] == (
+        "gyro: bias instability: a walk stands in, right at 30 s, too small before and too large after"
+    )
+    assert not block.missing
+    several: Axes = [(BiasInstability(1e-5), RateRandomWalk(2e-6), GaussMarkov(1e-5, 10.0))]
+    alone = [values(to_gtsam([(t,)], GYRO, 9.8, horizon=30.0))["setBiasOmegaCovariance"][0] for t in several[0]]
+    together = values(to_gtsam(several, GYRO, 9.8, horizon=30.0))["setBiasOmegaCovariance"][0]
+    assert together == pytest.approx(sum(alone))
+    assert "EKF2_GYR_B_NOISE" in to_px4([(RandomWalk(1.0),)], WALKS, horizon=30.0).missing
+    timed = to_kf_gins(gyro, GYRO, HOUR, horizon=30.0)
+    assert values(timed)["gbstd"][0] * DEG / HOUR == pytest.approx(
+        0.664e-5 * np.sqrt(3.0 / 30.0 * HOUR / 2.0), rel=1e-3
+    )
+    with pytest.raises(PlanError, match=r"a horizon of 0\.0 s"):
+        to_kalibr(gyro, WALKS, 100.0, horizon=0.0)
 
 
 def test_a_correlation_time_and_a_second_bias_are_said_to_be_lost() -> None:

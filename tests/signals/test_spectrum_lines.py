@@ -53,7 +53,7 @@ def test_noise_alone_shows_lines_as_rarely_as_stated(name: str) -> None:
 @pytest.mark.parametrize(("method", "segment"), [("welch", None), ("welch", N // 64), ("multitaper", None)])
 @pytest.mark.parametrize("name", NOISES)
 def test_false_alarms_of_many_records(name: str, method: Method, segment: int | None) -> None:
-    records = 300
+    records = 200
     assert alarms(name, records, method, segment) <= stats.binom.isf(1e-3, records, FALSE_ALARM)
 
 

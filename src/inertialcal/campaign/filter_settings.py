@@ -15,7 +15,11 @@ THREE = 3  # axes, or one for all
 
 
 def block_for(
-    target: str, found: Mapping[Kind, Sequence[Sequence[Term]]], sample_rate: float, gravity: float | None = None
+    target: str,
+    found: Mapping[Kind, Sequence[Sequence[Term]]],
+    sample_rate: float,
+    gravity: float | None = None,
+    horizon: float | None = None,
 ) -> FilterBlock:
     """Return the settings of a filter.
 
@@ -29,6 +33,8 @@ def block_for(
         Of the records [Hz].
     gravity : float, optional
         Of the site [m/s^2]; standard gravity if not said.
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see ``to_filters``.
 
     Raises
     ------
@@ -44,12 +50,13 @@ def block_for(
         raise DataError(what, do="Say it: --unit gyro=deg/s --unit acc=g", code="no_unit")
     gyro, accelerometer = (_axes(found.get(kind, ()), kind) for kind in ("gyro", "accelerometer"))
     if target == "kalibr":
-        return to_kalibr(gyro, accelerometer, sample_rate)
+        return to_kalibr(gyro, accelerometer, sample_rate, horizon=horizon)
     if target == "px4":
-        return to_px4(gyro, accelerometer)
+        return to_px4(gyro, accelerometer, horizon=horizon)
     if target == "gtsam":
-        return to_gtsam(gyro, accelerometer, STANDARD_GRAVITY.value if gravity is None else gravity)
-    return to_kf_gins(gyro, accelerometer)
+        site = STANDARD_GRAVITY.value if gravity is None else gravity
+        return to_gtsam(gyro, accelerometer, site, horizon=horizon)
+    return to_kf_gins(gyro, accelerometer, horizon=horizon)
 
 
 def _axes(terms: Sequence[Sequence[Term]], kind: str) -> list[tuple[Term, ...]]:

@@ -12,7 +12,7 @@ from functools import lru_cache
 
 from ..core.influence import Standards
 from ..core.recording import Recording
-from ..procedures import flip, rate_table
+from ..procedures import flip, rate_table, static_noise
 from ..procedures.flip.recordings import readings_from as flip_readings
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
@@ -21,10 +21,12 @@ from ..sensors.chain import Chain
 from .channels import chain_of, in_body_axes
 from .flip_inputs import flip_plan, turned_head
 from .ground import ChainModel, chain_model
+from .ground_checks import WITH_MODEL
+from .noise_inputs import noise_plan, records_at_rest
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
 
-Result = rate_table.Result | flip.Result
+Result = rate_table.Result | flip.Result | static_noise.Result
 Placed = Sequence[tuple[str, RecordingEntry, Recording]]
 
 
@@ -33,7 +35,7 @@ class _Fit:
     """A test with ``use = "fit"``, ready for recordings."""
 
     procedure: str
-    plan: rate_table.Plan | flip.Plan
+    plan: rate_table.Plan | flip.Plan | static_noise.Plan
     sensor: Sensor
     entries: tuple[tuple[str, RecordingEntry, Chain | None], ...]
     model: ChainModel | None = None
@@ -68,11 +70,14 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
     entries = tuple((name, entry, chain_of(entry, sensor)) for name, entry in named.items())
     if test.procedure == "flip":
         return _Fit(test.procedure, flip_plan(test, standards), sensor, entries, chain_model(sensor))
+    if test.procedure == "static_noise":
+        return _Fit(test.procedure, noise_plan(test, sensor, standards), sensor, entries, chain_model(sensor))
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
 
 
 def _result(twin: Twin, fit: _Fit) -> Result:
-    keep_bias = isinstance(fit.plan, flip.Plan) and not fit.plan.corrected
+    corrected = isinstance(fit.plan, flip.Plan) and fit.plan.corrected
+    keep_bias = fit.procedure in WITH_MODEL and not corrected
     placed = [
         (name, entry, in_body_axes(twin.recordings[entry.file], name, entry, fit.sensor, chain, fit.model, keep_bias))
         for name, entry, chain in fit.entries
@@ -89,4 +94,13 @@ def _flip(plan: flip.Plan, placed: Placed) -> flip.Result:
     return flip.reduce(plan, flip_readings(plan, [turned_head(body, name, entry) for name, entry, body in placed]))
 
 
-REDUCED: dict[str, Callable[..., Result]] = {"rate_table": _rate_table, "flip": _flip}
+def _static_noise(plan: static_noise.Plan, placed: Placed) -> static_noise.Result:
+    found = [records_at_rest(body, name)[0] for name, _, body in placed]
+    return static_noise.reduce(plan, static_noise.readings_from(plan, found))
+
+
+REDUCED: dict[str, Callable[..., Result]] = {
+    "rate_table": _rate_table,
+    "flip": _flip,
+    "static_noise": _static_noise,
+}

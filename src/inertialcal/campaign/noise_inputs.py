@@ -37,9 +37,9 @@ def prepared_static_noise(campaign: Campaign, test: Test, sensor: Sensor) -> Pre
     for name in test.recordings:
         entry = campaign.file.recordings[name]
         whole = prepare_recording(campaign.folder, name, entry, sensor, keep_bias=True, complete=False)
-        parts = list(_parts(whole, test))
-        chosen = sum(len(part) for part in parts)
-        found += [_at_rest(part, name, number, len(parts), sensor) for number, part in enumerate(parts, 1)]
+        own = records_at_rest(whole, name, test)
+        chosen = sum(len(one.recording) for one in own)
+        found += own
         inputs[entry.file] = whole.source.sha256
         origins.append(Origin(name, entry.file, whole.source.sha256, "recording", len(whole), chosen))
     readings = static_noise.readings_from(plan, found)
@@ -79,10 +79,20 @@ def _with_window(test: Test, window: tuple[int, int]) -> Test:
     return test.model_copy(update={"windows": [window]})
 
 
-def _at_rest(part: Recording, name: str, number: int, count: int, sensor: Sensor) -> static_noise.AtRest:
-    axes = [axis for axis in AXES if axis in part.names and axis in sensor.axes]
-    label = f"{name}, window {number}" if count > 1 else name
-    return static_noise.AtRest(part, {axis: axis for axis in axes}, name=label)
+def records_at_rest(whole: Recording, name: str, test: Test | None = None) -> list[static_noise.AtRest]:
+    """Return a recording in body axes as a record, or as one for each window of a test.
+
+    Raises
+    ------
+    DataError
+        ``nothing_left``, if no sample lies in a window.
+    """
+    parts = [whole] if test is None else list(_parts(whole, test))
+    labels = [f"{name}, window {number}" for number in range(1, len(parts) + 1)] if len(parts) > 1 else [name]
+    return [
+        static_noise.AtRest(part, {axis: axis for axis in AXES if axis in part.names}, name=label)
+        for part, label in zip(parts, labels, strict=True)
+    ]
 
 
 def _mixed(sensor: Sensor) -> list[Remark]:

@@ -102,7 +102,7 @@ class NoiseFile:
         curves = [curve.to_dict(one.name) for one in self.sensors for curve in one.curves()]
         return {"results": [row.to_dict() for row in self.rows], "curves": curves}
 
-    def for_filter(self, target: str, gravity: float | None = None) -> FilterBlock:
+    def for_filter(self, target: str, gravity: float | None = None, horizon: float | None = None) -> FilterBlock:
         """Return the settings of a navigation filter: ``"kalibr"``, ``"px4"``, ``"gtsam"`` or ``"kf-gins"``.
 
         Parameters
@@ -111,6 +111,8 @@ class NoiseFile:
             Which.
         gravity : float, optional
             Of the site, for GTSAM [m/s^2]; standard gravity if not said.
+        horizon : float, optional
+            Averaging time at which a walk stands in for all that wanders, bias instability above all [s].
 
         Raises
         ------
@@ -120,7 +122,7 @@ class NoiseFile:
             If neither a gyro nor an accelerometer is known by its unit (``no_unit``).
         """
         by_kind = {one.group.kind: one.terms() for one in self.sensors if one.group.kind is not None}
-        return block_for(target, by_kind, self.sample_rate, gravity)
+        return block_for(target, by_kind, self.sample_rate, gravity, horizon)
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""

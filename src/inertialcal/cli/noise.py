@@ -84,6 +84,10 @@ def allan(
         typer.Option("--for", help="Settings of a filter: kalibr, px4, gtsam, kf-gins. May be repeated."),
     ] = None,
     gravity: Annotated[str | None, typer.Option(help='Of the site, for gtsam: "9.81 m/s2".')] = None,
+    horizon: Annotated[
+        str | None,
+        typer.Option(help='With --for: a walk stands in for all that wanders, right at this averaging time: "100 s".'),
+    ] = None,
     start: Start = None,
     stop: Stop = None,
     mission_start: MissionStart = None,
@@ -98,13 +102,14 @@ def allan(
     from .noise_text import blocks_text, noise_text
 
     _check_output(output, figure)
+    site, over = _quantity(gravity, "--gravity", "m/s^2", "9.81 m/s2"), _quantity(horizon, "--horizon", "s", "100 s")
     found = reduce_files(
         list(files), columns=column or (), quantity=quantity, scale_factors=_scale_factors(scale_factor),  # type: ignore[arg-type]
         deviation=deviation, taus=_taus(taus), terms=_listed(terms), lines=not no_lines, warm_up=warm_up,
         keep_disturbed=keep_disturbed, relative_error=error,
         **_recorded(unit, sample_rate, averaging, time_column, start, stop, mission_start, frame),
     )  # fmt: skip
-    blocks = {one: found.for_filter(one, _gravity(gravity)) for one in target or ()}
+    blocks = {one: found.for_filter(one, site, over) for one in target or ()}
     written = _write(output, found, blocks, files, figure)
     if as_json:
         filters = {one: {"text": block.text, "cannot_hold": list(block.cannot_hold), "missing": list(block.missing)}
@@ -200,14 +205,21 @@ def _taus(given: str) -> str | list[float]:
     raise UsageError(f"--taus {given!r}", do="Write octave, decade, all, or seconds: --taus 0.1,1,10")
 
 
-def _gravity(given: str | None) -> float | None:
+def _quantity(given: str | None, option: str, unit: str, like: str) -> float | None:
+    """Return a number in a unit.
+
+    Raises
+    ------
+    UsageError
+        If what was given is none.
+    """
     from ..core.errors import DataError, UsageError
     from ..core.units import parse_quantity
 
     try:
-        return None if given is None else float(parse_quantity(given).to("m/s^2"))
+        return None if given is None else float(parse_quantity(given).to(unit))
     except DataError as error:
-        raise UsageError(f"--gravity {given!r}: {error.problems[0].what}", do='Write it like "9.81 m/s2"') from None
+        raise UsageError(f"{option} {given!r}: {error.problems[0].what}", do=f'Write it like "{like}"') from None
 
 
 def _check_output(output: Path | None, figure: str | None) -> None:

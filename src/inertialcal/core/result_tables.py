@@ -25,9 +25,9 @@ def figure(row: Mapping[str, Any] | None) -> str:
     """Return value and standard uncertainty; an upper limit is marked as one."""
     if row is None:
         return ""
-    if row["status"] == "upper_limit" and row["value"] is not None:
+    if row["status"] == "upper_limit" and row["u"] is None:
         return f"< {number(row['value'], FEW)}"
-    return with_uncertainty(row["value"], row["u"])
+    return ("< " if row["status"] == "upper_limit" else "") + with_uncertainty(row["value"], row["u"])
 
 
 def figure_beside(row: Mapping[str, Any] | None, result: Mapping[str, Any] | None) -> str:

@@ -9,6 +9,11 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import rate_table, sams_tsh, sams_tsh_model
+from . import rate_table, sams_tsh, sams_tsh_model, still_gyro
 
-RIGS: dict[str, ModuleType] = {"rate_table": rate_table, "sams_tsh": sams_tsh, "sams_tsh_model": sams_tsh_model}
+RIGS: dict[str, ModuleType] = {
+    "rate_table": rate_table,
+    "sams_tsh": sams_tsh,
+    "sams_tsh_model": sams_tsh_model,
+    "still_gyro": still_gyro,
+}

@@ -128,8 +128,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     Raises
     ------
     DataError
-        If there are no records (``no_records``), or no axis has terms: then with the reason of each (``too_short``, ``constant``,
-        ``all_missing``).
+        If there are no records (``no_records``), or no axis has terms: then with the reason of each (``too_short``,
+        ``constant``, ``all_missing``).
     """
     if not len(readings) or not readings.axes:
         raise DataError("no record of a sensor at rest", code="no_records")
@@ -163,7 +163,9 @@ def _relative(plan: Plan) -> list[Remark]:
     if plan.kind is None or SCALE in plan.standards:
         return []
     what = "the scale factor has no stated uncertainty: noise terms are relative to it"
-    return [Remark("relative_to_fixture", "info", what, do="A campaign states it under [standards]: sensor.scale_factor")]
+    return [
+        Remark("relative_to_fixture", "info", what, do="A campaign states it under [standards]: sensor.scale_factor")
+    ]
 
 
 def _of_axis(one: AxisNoise) -> Estimate | None:

@@ -74,7 +74,8 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
     DataError
         If there is none (``no_records``) or they differ in their axes (``wrong_column``); if one has no sample interval
         (``no_time``), stamps that are repeated (``time_repeated``) or run backwards (``time_backwards``), a channel
-        of text (``wrong_column``) or of impossible size (``wrong_value``), or nothing left after the warm-up (``nothing_left``).
+        of text (``wrong_column``) or of impossible size (``wrong_value``), or nothing left after the warm-up
+        (``nothing_left``).
     """
     if not recordings:
         raise DataError("no recordings of a sensor at rest", code="no_records")

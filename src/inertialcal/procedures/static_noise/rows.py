@@ -66,13 +66,13 @@ def _terms(result: Result, fit: NoiseFit, axis: str) -> Iterator[Row]:
 
 def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
     """Yield the upper limit of a term that was not found, or that there is none."""
-    reason = _why(term)
-    if term.upper_limit is None:
-        yield from (not_estimated(word, axis, units[word], reason) for word in term.words)
-        return
-    word, limit = term.words[0], term.upper_limit
-    row = Row(word, axis, limit, None, units[word], None, Interval(0.0, limit, 0.95), "upper_limit", reason)
-    yield widened(row, result.plan.standards)
+    reason, limit = _why(term), term.upper_limit
+    others = term.words
+    if limit is not None:
+        word, *others = term.words
+        row = Row(word, axis, limit, None, units[word], None, Interval(0.0, limit, 0.95), "upper_limit", reason)
+        yield widened(row, result.plan.standards)
+    yield from (not_estimated(word, axis, units[word], reason) for word in others)
 
 
 def _why(term: FoundTerm) -> str:

@@ -31,7 +31,9 @@ def widened(row: Row, standards: Standards) -> Row:
     if own == 0.0 or row.value is None:
         return row
     u = None if row.u is None else float(np.hypot(row.u, own * row.value))
-    return replace(row, u=u, interval=_interval(row, own))
+    interval = _interval(row, own)
+    value = interval.hi if row.status == "upper_limit" and interval is not None else row.value
+    return replace(row, value=value, u=u, interval=interval)
 
 
 def _interval(row: Row, own: float) -> Interval | None:

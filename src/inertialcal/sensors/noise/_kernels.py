@@ -10,40 +10,38 @@ from ...core.estimate import Array
 
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
+MOST_STEPS, MOST_HALVINGS = 60, 12  # of Fisher scoring
+CONVERGED = 1e-6  # gain of the cost below which it ends
 NEAR = 2  # distances from a knot that are summed one by one
 GROWTH = 8  # lengths of neighbouring panels beyond
 
 
 @compiled
-def phase_covariance(lag: float, sizes: Array, exponentials: Array) -> float:
-    """Return C of ``phase.Phase`` at one lag, without lines; sizes are point, linear, cubic and flicker.
-
-    Rows of ``exponentials`` are size, u, gain and excess (see ``phase.twice_summed_exponential``).
-    """
-    j = abs(lag)
-    if j == 0.0:
-        return float(sizes[0])
-    found = -0.5 * sizes[1] * j + sizes[2] * j * j * j / 12.0
-    if sizes[3] != 0.0:
-        found += 0.5 * sizes[3] * j * j * np.log(j)
-    for row in range(len(exponentials)):
-        x = exponentials[row, 1] * j
-        if x < 0.05:
-            rest = -x * x * x / 6.0 * (1.0 - x / 4.0 * (1.0 - x / 5.0 * (1.0 - x / 6.0 * (1.0 - x / 7.0))))
-        else:
-            rest = np.exp(-x) - 1.0 + x - 0.5 * x * x
-        found -= exponentials[row, 0] * (exponentials[row, 2] * rest + exponentials[row, 3] * j)
-    return float(found)
-
-
-@compiled
 def second_differences(t: float, m1: float, m2: float, sizes: Array, exponentials: Array) -> float:
-    """Return the covariance of differences of neighbouring means over m1 and m2 samples, their middles t apart."""
+    """Return the covariance of differences of neighbouring means over m1 and m2 samples, their middles t apart.
+
+    That is C of ``phase.Phase``, without lines, at nine lags; sizes are point, linear, cubic and flicker. Rows of
+    ``exponentials`` are size, u, gain and excess (see ``phase.twice_summed_exponential``).
+    """
+    point, linear, cubic, flicker = sizes[0], 0.5 * sizes[1], sizes[2] / 12.0, 0.5 * sizes[3]
     total = 0.0
     for a in range(-1, 2):
         for b in range(-1, 2):
-            weight = (-2.0 if a == 0 else 1.0) * (-2.0 if b == 0 else 1.0)
-            total += weight * phase_covariance(t + b * m2 - a * m1, sizes, exponentials)
+            j = abs(t + b * m2 - a * m1)
+            if j == 0.0:
+                found = point
+            else:
+                found = j * (cubic * j * j - linear)
+                if flicker != 0.0:
+                    found += flicker * j * j * np.log(j)
+                for row in range(exponentials.shape[0]):
+                    x = exponentials[row, 1] * j
+                    if x < 0.05:
+                        rest = -x * x * x * (1.0 - x * 0.25 * (1.0 - x * 0.2 * (1.0 - x / 6.0 * (1.0 - x / 7.0)))) / 6.0
+                    else:
+                        rest = np.exp(-x) - 1.0 + x - 0.5 * x * x
+                    found -= exponentials[row, 0] * (exponentials[row, 2] * rest + exponentials[row, 3] * j)
+            total += (2.0 - 3.0 * abs(a)) * (2.0 - 3.0 * abs(b)) * found
     return float(total / (m1 * m2))
 
 
@@ -162,8 +160,8 @@ def solve_positive(A: Array, b: Array, free: NDArray[np.bool_], x: Array) -> boo
 
 
 @compiled
-def nonnegative(A: Array, b: Array, may: NDArray[np.bool_], x: Array) -> None:
-    """Fill x >= 0 with the minimum of x' A x / 2 - b' x, those not allowed zero (Lawson and Hanson, active set)."""
+def nonnegative(A: Array, b: Array, held: int, x: Array) -> None:
+    """Fill x >= 0 with the minimum of x' A x / 2 - b' x, x[held] zero (Lawson and Hanson, active set)."""
     p = len(b)
     free = np.zeros(p, np.bool_)
     trial = np.zeros(p)
@@ -172,7 +170,7 @@ def nonnegative(A: Array, b: Array, may: NDArray[np.bool_], x: Array) -> None:
     for _ in range(3 * p + 3):
         best, at = 0.0, -1
         for i in range(p):
-            if may[i] and not free[i]:
+            if i != held and not free[i]:
                 slope = b[i]
                 for j in range(p):
                     slope -= A[i, j] * x[j]
@@ -214,73 +212,72 @@ def cost_of(mu: Array, s: Array, w: Array) -> float:
 
 
 @compiled
-def scored(
-    D: Array, s: Array, w: Array, may: NDArray[np.bool_], held: int, value: float, v: Array, warm: bool
-) -> float:
-    """Fill v >= 0 of least cost for mu = D v, column ``held`` at its value (-1 for none); return the cost.
+def fill_mean(D: Array, v: Array, new: Array, step: float, mu: Array) -> None:
+    """Fill mu with D at a step on the way from v to new."""
+    for t in range(D.shape[0]):
+        mu[t] = 0.0
+        for i in range(D.shape[1]):
+            mu[t] += D[t, i] * (v[i] + step * (new[i] - v[i]))
 
-    Warm: v is where it starts, else the data.
 
-    Fisher scoring: weighted least squares, weights w / mu^2, steps halved where the cost would rise.
-    """
+@compiled
+def fill_normal(D: Array, s: Array, w: Array, mu: Array, held: int, value: float, A: Array, b: Array) -> None:
+    """Fill the normal equations A v = b of weights w / mu^2, column ``held`` taken off."""
     k, p = D.shape
+    A[:], b[:] = 0.0, 0.0
+    for t in range(k):
+        weight = w[t] / (mu[t] * mu[t])
+        rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
+        for i in range(p):
+            weighted = weight * D[t, i]
+            b[i] += weighted * rest
+            for j in range(i + 1):
+                A[i, j] += weighted * D[t, j]
+    for i in range(p):
+        for j in range(i):
+            A[j, i] = A[i, j]
+
+
+@compiled
+def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm: bool) -> float:
+    """Fill v >= 0 of least cost for mu = D v, v[held] at its value (held -1 for none); return the cost.
+
+    Fisher scoring: weighted least squares, weights w / mu^2, steps halved where the cost would rise. It starts from
+    v where warm, else from the data.
+    """
+    p = D.shape[1]
     mu, A, b, new = s.copy(), np.zeros((p, p)), np.zeros(p), np.zeros(p)
-    allowed = may.copy()
+    cost = np.inf
     if held >= 0:
-        allowed[held] = False
         v[held] = value
-    cost, started = np.inf, False
     if warm:
-        for t in range(k):
-            mu[t] = 0.0
-            for i in range(p):
-                mu[t] += D[t, i] * v[i]
+        fill_mean(D, v, v, 0.0, mu)
         cost = cost_of(mu, s, w)
-        started = np.isfinite(cost)
-        if not started:
+        if not np.isfinite(cost):
             mu[:] = s
-            cost = np.inf
-    for _ in range(60):
-        for i in range(p):
-            b[i] = 0.0
-            for j in range(p):
-                A[i, j] = 0.0
-        for t in range(k):
-            weight = w[t] / (mu[t] * mu[t])
-            rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
-            for i in range(p):
-                b[i] += weight * D[t, i] * rest
-                for j in range(i + 1):
-                    A[i, j] += weight * D[t, i] * D[t, j]
-        for i in range(p):
-            for j in range(i):
-                A[j, i] = A[i, j]
-        nonnegative(A, b, allowed, new)
+    for _ in range(MOST_STEPS):
+        fill_normal(D, s, w, mu, held, value, A, b)
+        nonnegative(A, b, held, new)
         if held >= 0:
             new[held] = value
-        step, trial_cost = 1.0, np.inf
-        for _ in range(12):
-            for t in range(k):
-                mu[t] = 0.0
-                for i in range(p):
-                    at = v[i] + step * (new[i] - v[i]) if started else new[i]
-                    mu[t] += D[t, i] * at
-            trial_cost = cost_of(mu, s, w)
-            if trial_cost <= cost or not started:
+        step, trial = 1.0, np.inf
+        for _ in range(MOST_HALVINGS):
+            fill_mean(D, v, new, step, mu)
+            trial = cost_of(mu, s, w)
+            if trial <= cost:
                 break
             step *= 0.5
-        gained = cost - trial_cost
-        if started and not gained > 0.0:
+        if not np.isfinite(trial):
+            return np.inf
+        gained = cost - trial
+        if not gained > 0.0:
             break
         for i in range(p):
-            v[i] = v[i] + step * (new[i] - v[i]) if started else new[i]
-        cost = trial_cost
-        if started and gained <= 1e-7:
+            v[i] += step * (new[i] - v[i])
+        cost = trial
+        if gained <= CONVERGED:
             break
-        if not np.isfinite(cost):
-            return np.inf
-        started = True
-    return cost
+    return float(cost)
 
 
 @compiled
@@ -298,8 +295,8 @@ def at_position(table: Array, position: float, column: Array) -> None:
 
 @compiled
 def searched(
-    D: Array, table: Array, lo: float, hi: float, stride: float, s: Array, w: Array, may: NDArray[np.bool_],
-    held: int, value: float, v: Array, precision: float,
+    D: Array, table: Array, lo: float, hi: float, stride: float, s: Array, w: Array, held: int, value: float,
+    v: Array, precision: float,
 ) -> tuple[float, float]:  # fmt: skip
     """Fill v of least cost, the last column taken from the table at the best position; return position and cost.
 
@@ -311,7 +308,7 @@ def searched(
     trial = np.zeros(len(v))
     for i in range(trials):
         position = min(lo + i * stride, hi)
-        cost = _scored_at(position, D, table, column, s, w, may, held, value, trial, i > 0)
+        cost = _scored_at(position, D, table, column, s, w, held, value, trial, i > 0)
         if cost < best_cost:
             best, best_cost = position, cost
             v[:] = trial
@@ -319,26 +316,25 @@ def searched(
     ratio = 0.6180339887498949
     trial[:] = v
     one, two = right - ratio * (right - left), left + ratio * (right - left)
-    cost_one = _scored_at(one, D, table, column, s, w, may, held, value, trial, True)
-    cost_two = _scored_at(two, D, table, column, s, w, may, held, value, trial, True)
+    cost_one = _scored_at(one, D, table, column, s, w, held, value, trial, True)
+    cost_two = _scored_at(two, D, table, column, s, w, held, value, trial, True)
     while right - left > precision:
         if cost_one < cost_two:
             right, two, cost_two = two, one, cost_one
             one = right - ratio * (right - left)
-            cost_one = _scored_at(one, D, table, column, s, w, may, held, value, trial, True)
+            cost_one = _scored_at(one, D, table, column, s, w, held, value, trial, True)
         else:
             left, one, cost_one = one, two, cost_two
             two = left + ratio * (right - left)
-            cost_two = _scored_at(two, D, table, column, s, w, may, held, value, trial, True)
+            cost_two = _scored_at(two, D, table, column, s, w, held, value, trial, True)
     best = 0.5 * (left + right)
-    return best, _scored_at(best, D, table, column, s, w, may, held, value, v, False)
+    return best, _scored_at(best, D, table, column, s, w, held, value, v, False)
 
 
 @compiled
 def _scored_at(
-    position: float, D: Array, table: Array, column: Array, s: Array, w: Array, may: NDArray[np.bool_],
-    held: int, value: float, v: Array, warm: bool,
+    position: float, D: Array, table: Array, column: Array, s: Array, w: Array, held: int, value: float, v: Array, warm: bool,
 ) -> float:  # fmt: skip
     at_position(table, position, column)
     D[:, D.shape[1] - 1] = column
-    return scored(D, s, w, may, held, value, v, warm)
+    return scored(D, s, w, held, value, v, warm)

@@ -16,28 +16,26 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.errors import DataError
-from ...core.remarks import Remark
+from .fit_remarks import remarks_of
 from .found_terms import Solution, estimate_of, estimated, not_identified
-from .goodness import ChiSquare, agreement_test, residual_test
+from .goodness import SIGNIFICANT, agreement_test, residual_test
 from .likelihood import (
     COARSE,
-    GAUSS_MARKOV,
-    Problem,
     covariance_of_runs,
     estimate,
     mean_of,
-    problem_of,
     sandwich,
     terms_of,
 )
+from .misfit import misfit_of
 from .noise_fit import NoiseFit
 from .order import NAMES, Choice, criterion, present, ranked, separable
+from .problem import GAUSS_MARKOV, Problem, problem_of, with_misfit
 from .runs import AllanLike, Run, run_of, unit_of
 from .terms import Kind
 from .units import sample_unit
 
 AUTO = (*NAMES, GAUSS_MARKOV)
-SIGNIFICANT = 0.01  # probability below which a test is remarked
 
 
 def fit(
@@ -82,12 +80,14 @@ def fit(
         raise DataError("no Allan deviation to fit", do="Give that of one run, or of several", code="too_short")
     samples = sample_unit(kind, unit or unit_of(several[0]))
     runs = [run_of(curve, axis, samples) for curve in several]
-    solution = _solved(problem_of(runs, lines), terms, kind, samples, p)
+    plain = problem_of(runs, lines)
+    solution = _solved(plain, terms, kind, samples, p)
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
     found = estimated(solution)
     wanted = AUTO if terms == "auto" else _names(terms)
     missed = tuple(not_identified(solution, name) for name in wanted if name not in present(problem, fitted))
-    residual = residual_test(problem, fitted, solution.sigma)
+    scatter = solution.sigma if problem is plain else covariance_of_runs(plain, fitted)
+    residual = residual_test(plain, fitted, scatter)
     agreement = agreement_test(problem, fitted, solution.sigma)
     return NoiseFit(
         kind,
@@ -97,26 +97,32 @@ def fit(
         tuple((choice.terms, choice.criterion - best.criterion) for choice in solution.table),
         residual,
         agreement,
+        0.5 * problem.misfit,
         terms_of(problem, fitted),
         tuple(run.tau for run in runs),
         tuple(run.variance for run in runs),
         tuple(np.split(mean_of(problem, fitted), np.cumsum([len(run.m) for run in runs])[:-1])),
-        _remarks(problem, residual, agreement),
+        remarks_of(solution, residual, agreement),
     )
 
 
 def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, unit: str, p: float) -> Solution:
-    """Choose the terms, and fit those of the choice closely."""
-    if terms == "auto":
-        candidates = separable(problem, AUTO)
-        table = ranked(problem, candidates)
-    else:
-        candidates = separable(problem, _names(terms))
-        table = (_the_only(problem, candidates),)
-    fitted = estimate(problem, table[0].terms)
-    sigma = covariance_of_runs(problem, terms_of(problem, fitted))
-    bread = sandwich(problem, fitted, sigma)
-    return Solution(problem, candidates, table, fitted, sigma, bread, kind, unit, p)
+    """Choose the terms, and fit those of the choice closely; with a misfit, where scatter does not explain the rest."""
+    candidates = separable(problem, AUTO if terms == "auto" else _names(terms))
+
+    def solution(problem: Problem) -> Solution:
+        table = ranked(problem, candidates) if terms == "auto" else (_the_only(problem, candidates),)
+        fitted = estimate(problem, table[0].terms)
+        sigma = covariance_of_runs(problem, fitted)
+        bread = sandwich(problem, fitted, sigma)
+        return Solution(problem, candidates, table, fitted, sigma, bread, kind, unit, p)
+
+    first = solution(problem)
+    test = residual_test(problem, first.fitted, first.sigma)
+    if test is None or test.p >= SIGNIFICANT:
+        return first
+    misfit = misfit_of(problem, candidates)
+    return solution(with_misfit(problem, misfit)) if misfit > 0.0 else first
 
 
 def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
@@ -142,28 +148,3 @@ def _the_only(problem: Problem, candidates: tuple[str, ...]) -> Choice:
             code="wrong_terms",
         )
     return Choice(candidates, criterion(candidates, fitted), fitted)
-
-
-def _remarks(problem: Problem, residual: ChiSquare | None, agreement: ChiSquare | None) -> tuple[Remark, ...]:
-    found = []
-    if residual is not None and residual.p < SIGNIFICANT:
-        found.append(
-            Remark(
-                "terms_do_not_explain",
-                "warning",
-                f"the terms do not explain the Allan deviation (chi-square {residual.statistic:.1f} with"
-                f" {residual.dof} degrees of freedom, p = {residual.p:.1e}): intervals are too short",
-                do="Look for lines, disturbances or drift (psd), and leave them out or name them",
-            )
-        )
-    if agreement is not None and agreement.p < SIGNIFICANT:
-        found.append(
-            Remark(
-                "runs_disagree",
-                "warning",
-                f"the {len(problem.runs)} runs do not agree on the terms (chi-square {agreement.statistic:.1f} with"
-                f" {agreement.dof} degrees of freedom, p = {agreement.p:.1e})",
-                do="Fit each run by itself, and look what differs",
-            )
-        )
-    return tuple(found)

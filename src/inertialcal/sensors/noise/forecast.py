@@ -22,10 +22,12 @@ from ...core.rounding import number
 from ...core.tables import Grid, Part, html, text
 from .allan_of_terms import variance_of_phase
 from .covariance_of_allan import covariance_of_allan, model_edf
+from .sandwich import sandwich_of
 from .terms import Term, total_phase
 
 SHOWN = 0.25  # relative error of a size that is shown to be there
 SPANS = 3  # longest averaging time of the octaves, in its lengths that a record holds
+OF_NOISE = 1.5  # degrees of freedom of an averaging time that a record holds, most of all noises (white)
 STEP = 1e-4  # relative, of the derivative for a parameter that the variance is not a power of
 SCALES = ("coefficient", "sigma", "amplitude")  # parameters whose square the Allan variance is proportional to
 GIVEN = ("frequency",)  # parameters that are told before a fit
@@ -163,11 +165,8 @@ def relative_errors(terms: tuple[Term, ...], record: float, interval: float, ave
     phase = total_phase(terms, interval, averaging)
     mean = variance_of_phase(phase, m)
     sigma = covariance_of_allan(phase, m, n - 2.0 * m + 1.0)
-    weighted = slopes.T * (0.5 * model_edf(mean, sigma) / mean**2)
-    bread = weighted @ slopes
-    scale = 1.0 / np.sqrt(np.diag(bread))
-    inverse = np.linalg.pinv(bread * np.outer(scale, scale), rcond=1e-13) * np.outer(scale, scale)
-    return np.sqrt(np.diag(inverse @ (weighted @ sigma @ weighted.T) @ inverse))
+    edf = np.minimum(model_edf(mean, sigma), OF_NOISE * n / m)  # the fit weighs a ramp or a line as if it were noise
+    return sandwich_of(slopes, 0.5 * edf / mean**2, sigma).u
 
 
 def _octaves(n: int) -> Array:

@@ -8,10 +8,12 @@ import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import Interval
-from .likelihood import GAUSS_MARKOV, LINEAR, Fitted, Problem, Sandwich, estimate, time_at
-from .limits import interval_of, record_needed, upper_limit
+from .likelihood import Fitted, estimate, time_at
+from .limits import interval_of, limit_and_record
 from .noise_fit import FoundTerm, Parameter
 from .order import NAMES, PRICE, Choice, present
+from .problem import GAUSS_MARKOV, LINEAR, Problem
+from .sandwich import Sandwich
 from .terms import TERMS, Kind, Sinusoid, quantity_name
 from .units import parameter_unit
 
@@ -56,7 +58,7 @@ class Solution:
 def estimated(solution: Solution) -> tuple[FoundTerm, ...]:
     """Return the terms that have a size, with intervals."""
     problem, powers = solution.problem, solution.fitted.powers
-    u = np.sqrt(np.diag(solution.bread.covariance))
+    u = solution.bread.u
     found = []
     for column, at in enumerate(np.flatnonzero(powers > 0.0).tolist()):
         size = float(np.sqrt(powers[at]))
@@ -93,12 +95,12 @@ def not_identified(solution: Solution, name: str) -> FoundTerm:
         reason = "looks like white noise, with dead time"
         return FoundTerm(name, "not_identified", (), words, reason, unit=unit, record=problem.length)
     reason, at = _reason(name, solution.table), problem.names.index(name) if name in NAMES else len(problem.names)
+    limit_at = None
     if name == GAUSS_MARKOV:
         fitted = replace(fitted, position=_where_it_hides(problem, fitted))
-        reason += f"; limit at a correlation time of {time_at(problem, fitted.position):.2g} s"
-    power = upper_limit(problem, fitted, at, solution.sigma)
-    needed = None if power is None else record_needed(problem, fitted, at, power, solution.sigma)
-    return FoundTerm(name, "not_identified", (), words, reason, _root(power), unit, needed, problem.length)
+        limit_at = time_at(problem, fitted.position)
+    power, needed = limit_and_record(problem, fitted, at, solution.sigma)
+    return FoundTerm(name, "not_identified", (), words, reason, _root(power), unit, needed, problem.length, limit_at)
 
 
 def _where_it_hides(problem: Problem, fitted: Fitted) -> float:
@@ -116,8 +118,8 @@ def _reason(name: str, table: tuple[Choice, ...]) -> str:
         if name in choice.terms and lost and worse < PRICE:
             return f"not told from {', '.join(lost)} (criterion +{worse:.1f})"
         if name in choice.terms and not lost:
-            return f"record too short: it explains too little (criterion +{worse:.1f})"
-    return "record too short: the other terms explain what is seen"
+            return f"record too short (criterion +{worse:.1f})"
+    return "record too short (no trace of it)"
 
 
 def _root(power: float | None) -> float | None:

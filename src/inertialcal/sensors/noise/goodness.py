@@ -20,8 +20,10 @@ import numpy as np
 from scipy import special
 
 from ...core.estimate import Array
-from .likelihood import Fitted, Problem, mean_of, slopes_of
+from .likelihood import Fitted, mean_of, slopes_of
+from .problem import Problem
 
+SIGNIFICANT = 0.01  # probability below which a test says that something is wrong
 SMALL = 1e-8  # of the largest eigenvalue: directions that the fit took
 
 
@@ -42,6 +44,10 @@ class ChiSquare:
     statistic: float
     dof: int
     p: float
+
+    def __str__(self) -> str:
+        """Return the test in a line."""
+        return f"chi-square {self.statistic:.1f}, {self.dof} dof, p = {self.p:.2g}"
 
 
 def residual_test(problem: Problem, fitted: Fitted, sigma: Array) -> ChiSquare | None:

@@ -8,10 +8,11 @@ zero where a term could be absent. Where the relative uncertainty is small the n
 same.
 
 A term that is not shown is added with a held power; its upper limit is where the cost has risen by the one-sided 95 %
-point over its least. Because only terms that came out small get a limit, it holds in rather more than 95 %. Of Gauss-Markov noise that is sigma at the correlation time where it could hide best. The record
-needed is that in which a term *at its upper limit* would have a power known to 25 %: the same averaging times with
-degrees of freedom as the longer record gives them, and longer ones. An estimate: the planner computes the uncertainty
-of a planned record exactly.
+point over its least. The choice of terms comes first, and the limit does not allow for that: of a term that most
+records show, those that miss it are those where it came out small. Of Gauss-Markov noise the limit is that of sigma at
+the correlation time where it could hide best. The record needed is that in which a term *at its upper limit* would have
+a power known to 25 %: the same averaging times with degrees of freedom as the longer record gives them, and longer
+ones. An estimate: the planner computes the uncertainty of a planned record exactly.
 
 References
 ----------
@@ -30,23 +31,20 @@ from scipy import optimize, special
 from ...core.estimate import Array
 from ...core.results import Interval
 from .likelihood import (
-    GAUSS_MARKOV,
-    PER_E,
     Fitted,
-    Problem,
-    Sandwich,
     column_at,
     covariance_of_runs,
     estimate,
     estimate_at,
-    expected,
     mean_of,
     sandwich,
     terms_of,
     time_at,
 )
 from .order import present
+from .problem import GAUSS_MARKOV, PER_E, Problem, expected
 from .runs import Run
+from .sandwich import Sandwich
 
 ONE_SIDED = 0.95  # of an upper limit
 NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
@@ -54,7 +52,8 @@ KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
 WIDEST = 40.0  # of the logarithm of a power: beyond, there is no end
 FURTHEST = 1e6  # the same of a limit, in standard uncertainties
-TOLERANCE = 0.003  # of the logarithm of an end, and of a limit in standard uncertainties
+ROUGH = 0.1  # of a row of the table of correlation times, while another unknown is held
+TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncertainties
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 STEEP = 1e6  # rise of the cost that is not looked into
 
@@ -96,7 +95,7 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     """
     timed, column = at == len(fitted.powers), column_of(fitted, at)
     best = time_at(problem, fitted.position) if timed else float(fitted.powers[at])
-    relative = float(np.sqrt(bread.covariance[column, column])) / (1.0 if timed else best)
+    relative = float(bread.u[column]) / (1.0 if timed else best)
     if relative < NORMAL_BELOW:
         half = float(special.ndtri(0.5 * (1.0 + p))) * relative
         return Interval(best * np.exp(-half), best * np.exp(half), p)
@@ -141,7 +140,7 @@ def end_of(
     there = held(first)
     if there.powers[min(at, len(there.powers) - 1)] <= 0.0:
         return first
-    bread = sandwich(problem, there, covariance_of_runs(problem, terms_of(problem, there)))
+    bread = sandwich(problem, there, covariance_of_runs(problem, there))
     return crossing(rise, first, target * float(bread.stretch[column_of(there, at)]), furthest)
 
 
@@ -153,7 +152,7 @@ def column_of(fitted: Fitted, at: int) -> int:
 def _power_held(problem: Problem, fitted: Fitted, at: int, best: float) -> Held:
     names = present(problem, fitted)
     within = _nearby(problem, fitted)
-    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), within=within))
+    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), ROUGH, within))
 
 
 def _time_held(problem: Problem, fitted: Fitted) -> Held:
@@ -166,8 +165,8 @@ def _nearby(problem: Problem, fitted: Fitted) -> tuple[float, float]:
     return max(fitted.position - NEARBY, 0.0), min(fitted.position + NEARBY, last)
 
 
-def upper_limit(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> float | None:
-    """Return the one-sided 95 % upper limit of the power of a term that was not chosen [unit^2].
+def limit_and_record(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> tuple[float | None, float | None]:
+    """Return the one-sided 95 % upper limit of the power of a term that was not chosen [unit^2], and the record needed.
 
     Parameters
     ----------
@@ -177,16 +176,24 @@ def upper_limit(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> floa
         Column of the term.
     sigma : ndarray, shape (k, k)
         Covariance of the Allan variances.
+
+    Returns
+    -------
+    limit : float or None
+        None where there is none.
+    record : float or None
+        Length of one record that shows a term of that power [s]; None beyond 2^24 times the present one.
     """
     linear = at < len(problem.names)
     names = (*present(problem, fitted), problem.names[at] if linear else GAUSS_MARKOV)
     within = _nearby(problem, fitted) if linear else (fitted.position, fitted.position)
-    least = estimate(problem, names, within=within)
+    least = estimate(problem, names, precision=ROUGH, within=within)
+    best = float(least.powers[at])
     u, stretch = _of_added(problem, fitted, at, sigma)
-    held = lru_cache(lambda x: estimate(problem, names, at, float(least.powers[at]) + x * u, within=within))
+    held = lru_cache(lambda x: estimate(problem, names, at, best + x * u, ROUGH, within))
     point = float(special.ndtri(ONE_SIDED))
     x = end_of(problem, held, at, least.cost, stretch, point**2, point, FURTHEST)
-    return None if x is None else float(least.powers[at]) + x * u
+    return (None, None) if x is None else (best + x * u, record_needed(problem, fitted, at, best + x * u, stretch))
 
 
 def _of_added(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> tuple[float, float]:
@@ -196,12 +203,11 @@ def _of_added(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> tuple[
     powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / whole[:, at]))
     added = sandwich(problem, replace(fitted, powers=powers), sigma, timed=at < len(problem.names))
     column = column_of(fitted, at)
-    return float(np.sqrt(added.covariance[column, column])), float(added.stretch[column])
+    return float(added.u[column]), float(added.stretch[column])
 
 
-def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, sigma: Array) -> float | None:
+def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stretch: float) -> float | None:
     """Return the length of one record that shows a term of that power [s]; None beyond 2^24 times the present one."""
-    stretch = _of_added(problem, fitted, at, sigma)[1]
     run = problem.runs[int(np.argmax([run.length for run in problem.runs]))]
     powers = fitted.powers.copy()
     powers[at] = power

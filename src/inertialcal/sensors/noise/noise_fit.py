@@ -12,7 +12,7 @@ from ...core.results import Interval, Row
 from ...core.rounding import with_uncertainty
 from ...core.tables import Grid, Part, html, text
 from .goodness import ChiSquare
-from .terms import Kind, Term
+from .terms import TERMS, Kind, Term
 from .units import converted, shown_units
 
 BEST = 5  # choices of terms that are shown
@@ -65,6 +65,8 @@ class FoundTerm:
         Length of a record that shows the term, were it at its limit [s].
     record : float
         Length of the present record [s].
+    limit_at : float or None
+        Correlation time that the limit of Gauss-Markov noise holds for [s].
     """
 
     name: str
@@ -76,6 +78,7 @@ class FoundTerm:
     unit: str = ""
     record_needed: float | None = None
     record: float = 0.0
+    limit_at: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,6 +101,8 @@ class NoiseFit:
         Whether the terms explain the Allan deviation; None where nothing is left over to tell.
     agreement : ChiSquare or None
         Whether several runs agree; None for one.
+    misfit : float
+        Relative, of each Allan deviation: what the terms leave unexplained beside scatter, allowed for in all else.
     terms : tuple of Term
         The terms estimated, to simulate, draw or filter with.
     tau, variance, expected : tuple of ndarray
@@ -113,6 +118,7 @@ class NoiseFit:
     choices: tuple[tuple[tuple[str, ...], float], ...]
     residual: ChiSquare | None
     agreement: ChiSquare | None
+    misfit: float
     terms: tuple[Term, ...]
     tau: tuple[Array, ...]
     variance: tuple[Array, ...]
@@ -159,7 +165,7 @@ class NoiseFit:
             shown.append(_missing(missing, self.kind))
         for test, what in ((self.residual, "terms explain the Allan deviation"), (self.agreement, "runs agree")):
             if test is not None:
-                shown.append(f"{what}: chi-square {test.statistic:.1f}, {test.dof} dof, p = {test.p:.2g}")
+                shown.append(f"{what}: {test}")
         if len(self.choices) > 1:
             rows = [(", ".join(terms), f"{worse:.1f}") for terms, worse in self.choices[:BEST]]
             shown.append(Grid(("terms", "criterion"), rows, "Choices of terms (0 is best)", (1,)))
@@ -178,6 +184,8 @@ class NoiseFit:
 
 def _missing_rows(term: FoundTerm, axis: str, test: str, condition: str) -> list[Row]:
     reason = term.reason
+    if term.limit_at is not None:
+        reason += f"; limit at a correlation time of {duration(term.limit_at)}"
     if term.record_needed is not None and term.record_needed > term.record:
         reason += f"; a record of {duration(term.record_needed)} would show it, were it at its upper limit"
     if term.upper_limit is None:
@@ -222,14 +230,14 @@ def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
 def _missing(missing: list[FoundTerm], kind: Kind | None) -> Grid:
     rows = []
     for term in missing:
-        unit = next(iter(shown_units(term.name, "coefficient", kind)), term.unit)
+        unit = next(iter(shown_units(term.name, TERMS[term.name].parameters[0], kind)), term.unit)
         limit, needed = "-", "-"
         if term.upper_limit is not None:
             times = 1.0 if unit == term.unit else converted(1.0, term.unit, unit)
             limit = f"< {term.upper_limit * times:.3g}"
         if term.record_needed is not None and term.record_needed > term.record:
             needed = duration(term.record_needed)
-        name = term.words[0] if len(term.words) == 1 else term.name
+        name = term.words[0] if term.limit_at is None else f"{term.name}, {duration(term.limit_at)}"
         rows.append((name, limit, unit if limit != "-" else "", needed, term.reason))
     heads = ("not identified", "95 % limit", "unit", "record needed", "reason")
     return Grid(heads, rows, "Not identified; record needed to show a term that is at its limit", (1, 3))

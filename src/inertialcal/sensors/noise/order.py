@@ -19,14 +19,8 @@ from itertools import combinations
 
 import numpy as np
 
-from .likelihood import (
-    COARSE,
-    GAUSS_MARKOV,
-    LINEAR,
-    Fitted,
-    Problem,
-    estimate,
-)
+from .likelihood import COARSE, Fitted, estimate
+from .problem import GAUSS_MARKOV, LINEAR, Problem
 from .terms import Quantization, RandomWalk, RateRamp
 
 PRICE = 10.83  # of one unknown: 99.9 % point of chi-square with one degree of freedom

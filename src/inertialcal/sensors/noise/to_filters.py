@@ -8,13 +8,19 @@ All these filters hold white noise and one slow bias an axis. The bias is given 
 a random walk of the rate its K; of Gauss-Markov noise ``sigma sqrt(2 / t_c)``, exact for times well below t_c and too
 large beyond it in filters that have no correlation time. Bias instability, quantisation, ramps and lines fit into none.
 
+Where the record shows bias instability and no walk, a filter still wants a number. A ``horizon`` gives one, and says
+what it is: the time over which the filter must carry the bias, from one correction by other sensors to the next. All
+that wanders (B, K, Gauss-Markov) is then a walk with ``q = sqrt(3 avar(horizon) / horizon)``, which has the same Allan
+deviation there.
+
 What each takes
 ---------------
 Kalibr [1]_
     One value for the three axes (here the largest), densities as in the coefficients N and K.
 PX4 EKF2 [2]_
     Standard deviations a prediction step of dt, not densities: the filter squares them and multiplies by dt^2, so
-    ``EKF2_GYR_NOISE = N / sqrt(dt)`` and ``EKF2_GYR_B_NOISE = K / sqrt(dt)``. One value for the three axes.
+    ``EKF2_GYR_NOISE = N / sqrt(dt)`` and ``EKF2_GYR_B_NOISE = K / sqrt(dt)``. One value for the three axes. Newer
+    versions stop adding to a bias whose variance has reached that of the white noise.
 GTSAM [3]_
     Covariances of continuous noise, N^2 and K^2, an axis each, of PreintegrationCombinedParams.
 KF-GINS [4]_
@@ -23,10 +29,12 @@ KF-GINS [4]_
 
 References
 ----------
-.. [1] Kalibr wiki, "IMU Noise Model".
-.. [2] PX4-Autopilot, ekf2 module, covariance prediction, and its parameter list (EKF2_PREDICT_US, 10 ms).
-.. [3] GTSAM, CombinedImuFactor.h, PreintegrationCombinedParams.
-.. [4] KF-GINS, dataset/kf-gins.yaml, section imunoise.
+.. [1] Kalibr wiki (github.com/ethz-asl/kalibr), "IMU Noise Model" and "Yaml formats".
+.. [2] PX4-Autopilot, src/modules/ekf2: EKF/covariance.cpp (predictCovariance), and the parameters' units and ranges in
+   params_gyro_bias.yaml, params_accel_bias.yaml, ekf2_params.c (EKF2_PREDICT_US, 10 ms).
+.. [3] GTSAM, gtsam/navigation/PreintegrationCombinedParams.h.
+.. [4] KF-GINS, dataset/kf-gins.yaml, section imunoise; src/kf-gins/gi_engine.cpp: a bias is driven by
+   ``2 sigma^2 / t_c``.
 """
 
 from __future__ import annotations
@@ -46,7 +54,9 @@ PX4_RANGES = {  # least and largest value that the parameters may have [2]_
 }
 
 
-def to_kalibr(gyro: Axes, accelerometer: Axes, sample_rate: float, topic: str = "/imu0") -> FilterBlock:
+def to_kalibr(
+    gyro: Axes, accelerometer: Axes, sample_rate: float, topic: str = "/imu0", *, horizon: float | None = None
+) -> FilterBlock:
     """Return the imu.yaml of Kalibr.
 
     Parameters
@@ -57,14 +67,16 @@ def to_kalibr(gyro: Axes, accelerometer: Axes, sample_rate: float, topic: str = 
         Of the messages [Hz].
     topic : str
         Of the messages.
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
 
     Raises
     ------
     PlanError
-        If there is no axis, an axis has a term twice, or the sample rate is not positive.
+        If there is no axis, an axis has a term twice, or the sample rate or the horizon is not positive.
     """
     _check_positive(sample_rate, "a sample rate", "Hz")
-    acc, rate = sensor_noise("accelerometer", accelerometer), sensor_noise("gyro", gyro)
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
     wanted = (
         ("accelerometer_noise_density", acc.white, "m/s^2/sqrt(Hz)", "largest N of the axes"),
         ("accelerometer_random_walk", acc.drive, "m/s^3/sqrt(Hz)", f"largest driving noise: {acc.source}"),
@@ -78,7 +90,7 @@ def to_kalibr(gyro: Axes, accelerometer: Axes, sample_rate: float, topic: str = 
     return filter_block("kalibr", lines, settings, rate, acc, held)
 
 
-def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP) -> FilterBlock:
+def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP, *, horizon: float | None = None) -> FilterBlock:
     """Return the parameters of PX4's EKF2, as lines of a parameter file.
 
     Parameters
@@ -87,6 +99,8 @@ def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP) -> FilterBlo
         Terms of each axis [SI]; one axis stands for all.
     step : float
         Prediction step of the filter (EKF2_PREDICT_US) [s].
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
 
     Raises
     ------
@@ -94,7 +108,7 @@ def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP) -> FilterBlo
         As `to_kalibr`; or if the step is not positive.
     """
     _check_positive(step, "a prediction step", "s")
-    acc, rate = sensor_noise("accelerometer", accelerometer), sensor_noise("gyro", gyro)
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
     wanted = (
         ("EKF2_GYR_NOISE", rate.white, "rad/s", "largest N / sqrt(step)"),
         ("EKF2_ACC_NOISE", acc.white, "m/s^2", "largest N / sqrt(step)"),
@@ -119,7 +133,9 @@ def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP) -> FilterBlo
     return filter_block("px4", lines, settings, rate, acc, held)
 
 
-def to_gtsam(gyro: Axes, accelerometer: Axes, gravity: float, up: bool = True) -> FilterBlock:
+def to_gtsam(
+    gyro: Axes, accelerometer: Axes, gravity: float, up: bool = True, *, horizon: float | None = None
+) -> FilterBlock:
     """Return Python lines that make GTSAM's PreintegrationCombinedParams.
 
     Parameters
@@ -130,6 +146,8 @@ def to_gtsam(gyro: Axes, accelerometer: Axes, gravity: float, up: bool = True) -
         Of the site, positive [m/s^2].
     up : bool
         Whether z of the navigation frame points up (``MakeSharedU``) or down (``MakeSharedD``).
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
 
     Raises
     ------
@@ -137,7 +155,7 @@ def to_gtsam(gyro: Axes, accelerometer: Axes, gravity: float, up: bool = True) -
         As `to_kalibr`; or if gravity is not positive.
     """
     _check_positive(gravity, "a gravity", "m/s^2")
-    acc, rate = sensor_noise("accelerometer", accelerometer), sensor_noise("gyro", gyro)
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
     wanted = (
         ("setAccelerometerCovariance", acc.white, "m^2/s^4/Hz", "N^2 of each axis"),
         ("setGyroscopeCovariance", rate.white, "rad^2/s^2/Hz", "N^2 of each axis"),
@@ -156,7 +174,9 @@ def to_gtsam(gyro: Axes, accelerometer: Axes, gravity: float, up: bool = True) -
     return filter_block("gtsam", lines, settings, rate, acc, _times_not_held(rate, acc), missing)
 
 
-def to_kf_gins(gyro: Axes, accelerometer: Axes, correlation_time: float | None = None) -> FilterBlock:
+def to_kf_gins(
+    gyro: Axes, accelerometer: Axes, correlation_time: float | None = None, *, horizon: float | None = None
+) -> FilterBlock:
     """Return the section ``imunoise`` of a KF-GINS file.
 
     Parameters
@@ -166,13 +186,15 @@ def to_kf_gins(gyro: Axes, accelerometer: Axes, correlation_time: float | None =
     correlation_time : float, optional
         Of all biases [s]; by default the geometric mean of the Gauss-Markov terms found. The driving noise of each
         bias is kept: ``sigma = q sqrt(t_c / 2)``.
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
 
     Raises
     ------
     PlanError
         As `to_kalibr`; or if the correlation time is not positive.
     """
-    acc, rate = sensor_noise("accelerometer", accelerometer), sensor_noise("gyro", gyro)
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
     if correlation_time is not None:
         _check_positive(correlation_time, "a correlation time", "s")
     found = [t for sensor in (rate, acc) for t in sensor.times if np.isfinite(t)]

@@ -5,8 +5,8 @@ the samples of one window. Where P holds int64, differences are exact, and only 
 
 Averaging factors go in rising order. All are taken over one block of starting points before the next: streams m apart
 are then read from memory once and not once a factor. For long windows, blocks follow each other one window apart, not
-side by side: where factors double, they share these blocks, and few of them are needed at a time. Four factors that
-double share their streams even in registers.
+side by side: where factors double, they share these blocks, and few of them are needed at a time. Two or four
+factors that double share their streams even in registers.
 """
 
 from __future__ import annotations
@@ -99,6 +99,19 @@ def _second(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any]) -> float:
 
 
 @summing
+def _two_seconds(
+    p0: NDArray[Any], p1: NDArray[Any], p2: NDArray[Any], p4: NDArray[Any]
+) -> tuple[float, float]:
+    s, t = 0.0, 0.0
+    for i in range(len(p0)):
+        d = np.float64(p0[i] + p2[i] - 2 * p1[i])
+        s += d * d
+        d = np.float64(p0[i] + p4[i] - 2 * p2[i])
+        t += d * d
+    return s, t
+
+
+@summing
 def _four_seconds(
     p0: NDArray[Any], p1: NDArray[Any], p2: NDArray[Any], p4: NDArray[Any], p8: NDArray[Any], p16: NDArray[Any]
 ) -> tuple[float, float, float, float]:
@@ -127,31 +140,40 @@ def _third(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], d: NDArray[Any]) -
 @compiled
 def _add_seconds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Array) -> None:
     """Add (P[j + 2m] - 2 P[j + m] + P[j])^2 for j from ``start`` to before ``stop``."""
-    n, k_all = len(p), len(factors)
+    n = len(p)
     k = 0
-    while k < k_all:
+    while k < len(factors):
         m = factors[k]
         e = min(stop, n - 2 * m)
         if e <= start:
             break
-        doubling = k + 3 < k_all and factors[k + 1] == 2 * m and factors[k + 2] == 4 * m and factors[k + 3] == 8 * m
-        if doubling and e + 16 * m <= n:
-            s, t, u, v = _four_seconds(
-                p[start:e],
-                p[start + m : e + m],
-                p[start + 2 * m : e + 2 * m],
-                p[start + 4 * m : e + 4 * m],
-                p[start + 8 * m : e + 8 * m],
-                p[start + 16 * m : e + 16 * m],
-            )
+        p0, p1, p2 = p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m]
+        doubling = _doubling(factors, k)
+        if doubling >= 4 and e + 16 * m <= n:
+            p4, p8, p16 = p[start + 4 * m : e + 4 * m], p[start + 8 * m : e + 8 * m], p[start + 16 * m : e + 16 * m]
+            s, t, u, v = _four_seconds(p0, p1, p2, p4, p8, p16)
             out[k] += s
             out[k + 1] += t
             out[k + 2] += u
             out[k + 3] += v
             k += 4
+        elif doubling >= 2 and e + 4 * m <= n:
+            s, t = _two_seconds(p0, p1, p2, p[start + 4 * m : e + 4 * m])
+            out[k] += s
+            out[k + 1] += t
+            k += 2
         else:
-            out[k] += _second(p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m])
+            out[k] += _second(p0, p1, p2)
             k += 1
+
+
+@compiled
+def _doubling(factors: Whole, k: int) -> int:
+    """Return how many factors from the k-th on, up to 4, are each twice the one before."""
+    many = 1
+    while many < 4 and k + many < len(factors) and factors[k + many] == 2 * factors[k + many - 1]:
+        many += 1
+    return many
 
 
 @compiled
@@ -163,9 +185,7 @@ def _add_thirds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Arr
         e = min(stop, n - 3 * m)
         if e <= start:
             break
-        out[k] += _third(
-            p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 3 * m : e + 3 * m]
-        )
+        out[k] += _third(p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 3 * m : e + 3 * m])
 
 
 @compiled

@@ -33,7 +33,7 @@ WIDEST = 64  # neighbours on each side
 FEWEST = 12  # neighbours on each side that make a level
 PART = 0.5  # of the distance from zero frequency, that the neighbours may reach ...
 KNOWN = 32.0  # ... up to so many degrees of freedom of a value; by their fourth root less beyond
-OF_ALL = 16  # part of all values that lie on one side, at most
+OF_ALL = 32  # part of all values that lie on one side, at most
 STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is needed
 
 

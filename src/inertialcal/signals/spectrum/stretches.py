@@ -34,7 +34,7 @@ class Stretches:
         return int((self.stop - self.start).max(initial=0))
 
     def held(self, segment: int) -> int:
-        """Samples in stretches that hold a segment of that length."""
+        """Count samples in stretches that hold a segment of that length."""
         length = self.stop - self.start
         return int(length[length >= segment].sum())
 

@@ -1,4 +1,4 @@
-"""Tapers, and what follows from them alone: degrees of freedom, correlation of neighbours, frequencies that can be told.
+"""Tapers, and what follows from them alone: degrees of freedom, correlation of neighbours, usable frequencies.
 
 For Gaussian noise whose spectrum is level across the window, the powers of two segments under two tapers have the
 correlation of the squared size of the sum of the product of the tapers, shifted by the distance of the segments [1]_
