@@ -14,7 +14,7 @@ from inertialcal.rigs import still_gyro
 from inertialcal.rigs.still_gyro import Bench, build
 from inertialcal.rigs.twin import Twin
 
-SMALL = Bench(records=1, samples=3_000)
+SMALL = Bench(records=1, samples=3_000, skipped=0.0)
 
 
 def found(twin: Twin) -> list[str]:
@@ -43,7 +43,7 @@ def test_a_mistake_that_is_not_known_is_refused() -> None:
 
 
 def test_what_is_saved_has_the_scatter_of_the_truth_and_the_dead_time() -> None:
-    twin = build(replace(SMALL, skipped=0.0), 1)
+    twin = build(SMALL, 1)
     (recording,) = twin.recordings.values()
     truth = {(one.quantity, one.axis): one.value for one in twin.truth}
     scale = 1.0 + float(np.asarray(twin.drawn["scale_factor_error"]))
@@ -62,6 +62,6 @@ def test_the_same_seed_gives_the_same_record() -> None:
 
 @pytest.mark.slow
 def test_the_stated_intervals_hold_the_truth() -> None:
-    bench = replace(SMALL, samples=2_000, skipped=0.0)
+    bench = replace(SMALL, samples=2_000)
     for one in coverage(lambda seed: build(bench, seed), 100):
         assert one.verdict == "PASS", (one.quantity, one.axis, one.hits, one.n)

@@ -137,6 +137,14 @@ def test_bands_keep_the_level_and_know_their_scatter() -> None:
         psd(white(1, 4_000), INTERVAL).smoothed(0)
 
 
+def test_a_weighted_sum_knows_its_scatter() -> None:
+    found = psd(white(2, 2_000, 400), INTERVAL)
+    weights = np.exp(-found.frequency)
+    total, edf = found.summed(weights)
+    assert total.mean() == pytest.approx(2.0 * 9.0 * INTERVAL * weights.sum(), rel=0.02)
+    assert 2.0 * total.mean() ** 2 / total.var() == pytest.approx(edf.mean(), rel=0.2)
+
+
 def test_segments_lie_between_gaps_and_what_is_lost_is_counted() -> None:
     x = white(1, 20_000)
     x[3_000:3_050] = np.nan
@@ -159,9 +167,9 @@ def test_a_sample_missing_in_one_axis_is_missing() -> None:
 
 def test_segments_are_short_enough_that_most_samples_count() -> None:
     x = white(1, 20_000)
-    x[np.arange(500, 20_000, 950)] = np.nan
+    x[np.arange(3_000, 20_000, 500)] = np.nan  # a stretch of 3,000 samples holds the longest segment, alone
     found = psd(x, INTERVAL)
-    assert found.segment < 950
+    assert 250 <= found.segment < 500
     assert found.used > 0.7 * 20_000
     assert [one.code for one in found.remarks] == ["gaps"]
 

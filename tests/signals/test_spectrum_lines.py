@@ -14,6 +14,7 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
 from inertialcal.signals.spectrum import allan_of_spectrum, compare_allan, find_lines, psd
+from inertialcal.signals.spectrum.background import background_of
 from inertialcal.signals.spectrum.density import Method
 
 INTERVAL = 0.01  # s
@@ -114,15 +115,50 @@ def test_a_short_spectrum_says_that_it_cannot_tell_lines() -> None:
 
 def test_a_line_at_the_edge_of_what_is_tested_is_measured_without_the_rise_below_it() -> None:
     """A random walk rises below the lowest frequency tested: none of that is the line's."""
-    rng, t = np.random.default_rng(9), np.arange(8 * N) * INTERVAL
-    x = 0.05 * np.cumsum(rng.normal(size=8 * N))
+    rng, t, records = np.random.default_rng(9), np.arange(8 * N)[:, None] * INTERVAL, 12
+    x = 0.05 * np.cumsum(rng.normal(size=(8 * N, records)), axis=0)
     spectrum = psd(x, INTERVAL)
     lowest = find_lines(spectrum).tested[0]
-    frequency = lowest + 2.0 * spectrum.spacing
-    (line,) = find_lines(psd(x + 6.0 * np.sin(2.0 * np.pi * frequency * t), INTERVAL)).found
-    assert line.frequency == pytest.approx(frequency, abs=0.5 * spectrum.spacing)
-    assert line.amplitude == pytest.approx(6.0, rel=0.15)
-    assert np.isfinite(line.ratio)
+    frequency = lowest + spectrum.spacing
+    level = spectrum.density[np.argmin(np.abs(spectrum.frequency - frequency))].mean()
+    amplitude = np.sqrt(2.0 * 15.0 * level * spectrum.enbw)  # 15 times the noise
+    lines = find_lines(psd(x + amplitude * np.sin(2.0 * np.pi * frequency * t), INTERVAL)).found
+    near = [line for line in lines if abs(line.frequency - frequency) < spectrum.spacing]
+    assert len(near) == records
+    assert np.mean([line.amplitude for line in near]) == pytest.approx(amplitude, rel=0.05)
+    assert np.mean([line.frequency for line in near]) == pytest.approx(frequency, abs=0.15 * spectrum.spacing)
+
+
+LEVELS: dict[str, Noise] = {name: NOISES[name] for name in ("white", "quantised", "random walk")}
+
+
+@pytest.mark.parametrize("name", LEVELS)
+def test_the_level_is_that_of_the_noise_and_knows_its_scatter(name: str) -> None:
+    """Unbiased to the edges of what is tested, where values lie on one side or the spectrum is steep."""
+    records = 150
+    spectrum = psd(LEVELS[name](np.random.default_rng(3), records), INTERVAL, segment=N // 8)
+    sine = 2.0 * np.sin(np.pi * spectrum.frequency * INTERVAL)
+    true = 2.0 * INTERVAL * sine ** {"white": 0.0, "quantised": 2.0, "random walk": -2.0}[name]
+    unmarked = np.zeros(len(true), dtype=bool)
+    found = [background_of(spectrum, axis, unmarked) for axis in range(records)]
+    known = np.flatnonzero(np.isfinite(found[0].level))
+    ratio = np.stack([one.level[known] for one in found]) / true[known]
+    for at in (0, 1, len(known) // 2, -3, -1):
+        dof = found[0].dof[known[at]]
+        sigma = np.sqrt(2.0 / dof)
+        assert ratio[:, at].mean() == pytest.approx(1.0, abs=4.0 * sigma / np.sqrt(records) + 0.01)
+        assert ratio[:, at].std() == pytest.approx(sigma, rel=0.25)
+
+
+def test_a_line_does_not_raise_the_level_at_its_own_frequency() -> None:
+    rng, t = np.random.default_rng(5), np.arange(N) * INTERVAL
+    x = rng.normal(size=N)
+    plain, lined = psd(x, INTERVAL), psd(x + np.sin(2.0 * np.pi * 12.5 * t), INTERVAL)
+    unmarked = np.zeros(len(plain.frequency), dtype=bool)
+    at = int(np.argmax(lined.density[:, 0]))
+    level = [background_of(one, 0, unmarked).level[at] for one in (plain, lined)]
+    assert lined.density[at, 0] > 100.0 * level[0]
+    assert level[1] == pytest.approx(level[0], rel=0.01)
 
 
 def test_lines_taken_out_leave_the_noise() -> None:
@@ -177,6 +213,18 @@ def test_figures_of_one_record_agree(name: str) -> None:
     assert found.compared >= 20 * 3
     assert np.nanmax(np.abs(found.ratio - 1.0)) < 0.1
     assert not found.remarks
+
+
+def test_the_chance_of_a_ratio_is_that_of_fishers_distribution() -> None:
+    """Ratio 2 of variances, with 5 degrees of freedom above and those of the spectrum below."""
+    spectrum = psd(np.random.default_rng(1).normal(size=N), INTERVAL)
+    meant = allan_of_spectrum(spectrum, np.array([4.0 * INTERVAL]))
+    curve = Curve(meant.tau, np.sqrt(2.0) * meant.deviation, np.array([[5.0]]))
+    chance = 2.0 * stats.f.sf(2.0 / 1.05, 5.0, meant.edf[0, 0])  # 5 % is no disagreement
+    assert compare_allan(spectrum, curve).chance[0, 0] == pytest.approx(chance, rel=1e-6)
+    lower = Curve(meant.tau, np.sqrt(0.5) * meant.deviation, np.array([[5.0]]))
+    chance = 2.0 * stats.f.cdf(0.5 / 0.95, 5.0, meant.edf[0, 0])
+    assert compare_allan(spectrum, lower).chance[0, 0] == pytest.approx(chance, rel=1e-6)
 
 
 def test_a_wrong_interval_disagrees() -> None:

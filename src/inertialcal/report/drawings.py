@@ -158,7 +158,9 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
         return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own]
     if name in NOISE:
         own = [one for one in results["curves"] if (one["test"], one["axis"]) == (test, axis)]
-        return [(clean(_entitled(one)), curve_csv(one)) for one in own if one["name"] in NOISE[name]]
+        shown = [one for one in own if one["name"] in NOISE[name]]
+        records = [one for one in shown if one["name"] == name]
+        return [(_entitled(one, records), curve_csv(one)) for one in shown]
     mine = [one for one in results["curves"] if one["name"] == name and one["test"] == test]
     if name == "compensated":
         return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]
@@ -172,8 +174,11 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     ]
 
 
-def _entitled(curve: Mapping[str, Any]) -> str:
-    return " ".join(part for part in (curve["name"], curve["axis"], curve.get("recording", "")) if part)
+def _entitled(curve: Mapping[str, Any], records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the title of a curve: of several records with their number, in words."""
+    title = clean(f"{curve['name']} {curve['axis']}")
+    several = len(records) > 1 and curve in records
+    return f"{title} record {count(records.index(curve) + 1)}" if several else title
 
 
 def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:

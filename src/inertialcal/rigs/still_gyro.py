@@ -73,7 +73,7 @@ class Bench:
     walk: float = 7e-5
     rate_walk: float = 8e-7
     flicker: float = 3e-5
-    skipped: float = 0.003
+    skipped: float = 0.001
     scale_factor: Influence = SCALE
     knocked: bool = False
     warming: float = 0.0

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import Deviation, allan
 from inertialcal.signals.allan.deviations import KINDS, variances
-from inertialcal.signals.allan.prefix import phase_of
+from inertialcal.signals.allan.prefix import give_back, phase_of
 
 PEERS: dict[Deviation, str] = {"overlapping": "oadev", "modified": "mdev", "overlapping_hadamard": "ohdev"}
 CASES: list[tuple[Deviation, int, float, int]] = [  # deviation, samples, least ratio (issue 6), rounds
@@ -45,7 +45,10 @@ def seconds(action: Callable[[], Any]) -> float:
 
 
 def alone(x: Array, deviation: Deviation, factors: NDArray[np.int64]) -> Array:
-    return np.sqrt(variances(phase_of(x, "rate"), KINDS[deviation], factors).variance)
+    phase = phase_of(x, "rate")
+    found: Array = np.sqrt(variances(phase, KINDS[deviation], factors).variance)
+    give_back(phase)
+    return found
 
 
 @pytest.mark.bench

@@ -2,7 +2,7 @@
 
 Issue 6: within 3 points of 68 and 95 % up to an eighth of the record; beyond, too wide by at most 7 points, never too
 narrow; judged by the 99.9 % binomial interval of the hit rate. The chi-square form alone gives 70.9 for 68.3 % at an
-eighth of the record (white noise, Hadamard). The truth is the mean of the variances over all records. Seeds are 1, 2, 3.
+eighth of the record (white noise, Hadamard). The truth is the mean of the variances over all records. Seeds: 1, 2, 3.
 """
 
 from __future__ import annotations

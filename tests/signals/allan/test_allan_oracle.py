@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import allantools
 import numpy as np
 import pytest
@@ -76,7 +78,7 @@ def variance(x: Array, m: int, deviation: Deviation) -> float:
     stride = 1 if deviation in {"overlapping", "modified", "overlapping_hadamard"} else m
     weights = [1, -2, 1] if order == 2 else [-1, 3, -3, 1]
     count = len(p) - order * m
-    terms = sum(w * p[i * m : i * m + count] for i, w in enumerate(weights))
+    terms: Any = sum(w * p[i * m : i * m + count] for i, w in enumerate(weights))
     if deviation == "modified":
         sums = np.concatenate([[0], np.cumsum(terms)])
         terms = sums[m:] - sums[:-m]

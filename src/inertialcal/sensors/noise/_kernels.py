@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import numba
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.estimate import Array
 
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
-MOST_STEPS, MOST_HALVINGS = 60, 12  # of Fisher scoring
+MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
+SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends
 CONVERGED = 1e-6  # gain of the cost below which it ends
+NO_SLOPE, SINGULAR = 1e-12, 1e-13  # relative, what is taken for zero
 NEAR = 2  # distances from a knot that are summed one by one
 GROWTH = 8  # lengths of neighbouring panels beyond
 
@@ -120,122 +121,70 @@ def fill_covariance(
 
 
 @compiled
-def solve_positive(A: Array, b: Array, free: NDArray[np.bool_], x: Array) -> bool:
-    """Fill x with the solution of A x = b on the free unknowns, zero elsewhere (Cholesky); False if singular."""
-    p = len(b)
-    L = np.zeros((p, p))
-    for i in range(p):
-        x[i] = 0.0
-        if not free[i]:
-            continue
-        for j in range(i + 1):
-            if not free[j]:
-                continue
-            rest = A[i, j]
-            for k in range(j):
-                if free[k]:
-                    rest -= L[i, k] * L[j, k]
-            if i == j:
-                if rest <= 1e-13 * A[i, i]:
-                    return False
-                L[i, i] = np.sqrt(rest)
-            else:
-                L[i, j] = rest / L[j, j]
-    y = np.zeros(p)
-    for i in range(p):
-        if free[i]:
-            rest = b[i]
-            for k in range(i):
-                if free[k]:
-                    rest -= L[i, k] * y[k]
-            y[i] = rest / L[i, i]
-    for i in range(p - 1, -1, -1):
-        if free[i]:
-            rest = y[i]
-            for k in range(i + 1, p):
-                if free[k]:
-                    rest -= L[k, i] * x[k]
-            x[i] = rest / L[i, i]
-    return True
+def nonnegative(A: Array, b: Array, held: int, T: Array, x: Array) -> None:
+    """Fill x >= 0 with the minimum of x' A x / 2 - b' x, x[held] zero.
 
-
-@compiled
-def nonnegative(A: Array, b: Array, held: int, x: Array) -> None:
-    """Fill x >= 0 with the minimum of x' A x / 2 - b' x, x[held] zero (Lawson and Hanson, active set)."""
+    Unknowns change places with their slopes one at a time, always the first that is out of order: a negative unknown,
+    or a slope that would lower the cost (K. G. Murty, Math. Programming 7 (1974) 285). T is work space, a column wider.
+    """
     p = len(b)
-    free = np.zeros(p, np.bool_)
-    trial = np.zeros(p)
     for i in range(p):
-        x[i] = 0.0
-    for _ in range(3 * p + 3):
-        best, at = 0.0, -1
+        x[i] = 0.0  # 1 while it is an unknown, 0 while its slope is
+        T[i, p] = b[i]
+        for j in range(p):
+            T[i, j] = A[i, j]
+    for _ in range(MOST_PIVOTS):
+        at = -1
+        for i in range(p - 1, -1, -1):
+            slope = T[i, p] > NO_SLOPE * abs(b[i]) and T[i, i] > SINGULAR * A[i, i]
+            if i != held and (slope if x[i] == 0.0 else T[i, p] < 0.0):
+                at = i
+        if at < 0:
+            break
+        x[at] = 1.0 - x[at]
+        pivot = 1.0 / T[at, at]
+        for j in range(p + 1):
+            T[at, j] *= pivot
         for i in range(p):
-            if i != held and not free[i]:
-                slope = b[i]
-                for j in range(p):
-                    slope -= A[i, j] * x[j]
-                gain = slope / np.sqrt(A[i, i]) if A[i, i] > 0.0 else 0.0
-                if gain > best:
-                    best, at = gain, i
-        if at < 0 or best <= 1e-12 * abs(b[at]) / np.sqrt(A[at, at]):
-            return
-        free[at] = True
-        if not solve_positive(A, b, free, trial):
-            free[at] = False
-            return
-        while True:
-            step = 1.0
-            for i in range(p):
-                if free[i] and trial[i] <= 0.0:
-                    step = min(step, x[i] / (x[i] - trial[i]) if x[i] > trial[i] else 0.0)
-            for i in range(p):
-                if free[i]:
-                    x[i] += step * (trial[i] - x[i])
-            if step == 1.0:
-                break
-            for i in range(p):
-                if free[i] and trial[i] <= 0.0 and x[i] <= 1e-300 + 1e-14 * abs(trial[i]):
-                    free[i] = False
-                    x[i] = 0.0
-            solve_positive(A, b, free, trial)
+            if i != at:
+                factor = T[i, at]
+                for j in range(p + 1):
+                    T[i, j] -= factor * T[at, j]
+                T[i, at] = -factor * pivot
+        T[at, at] = pivot
+    for i in range(p):
+        x[i] *= T[i, p]
 
 
 @compiled
-def cost_of(mu: Array, s: Array, w: Array) -> float:
-    """Return the sum of w (ln mu + s / mu); infinite where mu is not positive."""
+def cost_at(D: Array, v: Array, new: Array, step: float, s: Array, w: Array, mu: Array) -> float:
+    """Fill mu with D at a step on the way from v to new; return the sum of w (ln mu + s / mu), infinite if mu <= 0."""
     total = 0.0
-    for i in range(len(s)):
-        if not mu[i] > 0.0:
-            return np.inf
-        total += w[i] * (np.log(mu[i]) + s[i] / mu[i])
-    return total
-
-
-@compiled
-def fill_mean(D: Array, v: Array, new: Array, step: float, mu: Array) -> None:
-    """Fill mu with D at a step on the way from v to new."""
     for t in range(D.shape[0]):
-        mu[t] = 0.0
+        mean = 0.0
         for i in range(D.shape[1]):
-            mu[t] += D[t, i] * (v[i] + step * (new[i] - v[i]))
+            mean += D[t, i] * (v[i] + step * (new[i] - v[i]))
+        mu[t] = mean
+        total += w[t] * (np.log(mean) + s[t] / mean) if mean > 0.0 else np.inf
+    return float(total)
 
 
 @compiled
 def fill_normal(D: Array, s: Array, w: Array, mu: Array, held: int, value: float, A: Array, b: Array) -> None:
     """Fill the normal equations A v = b of weights w / mu^2, column ``held`` taken off."""
-    k, p = D.shape
-    A[:], b[:] = 0.0, 0.0
-    for t in range(k):
+    p = D.shape[1]
+    for i in range(p):
+        b[i] = 0.0
+        for j in range(p):
+            A[i, j] = 0.0
+    for t in range(D.shape[0]):
         weight = w[t] / (mu[t] * mu[t])
         rest = s[t] - (value * D[t, held] if held >= 0 else 0.0)
         for i in range(p):
             weighted = weight * D[t, i]
             b[i] += weighted * rest
-            for j in range(i + 1):
+            for j in range(p):
                 A[i, j] += weighted * D[t, j]
-    for i in range(p):
-        for j in range(i):
-            A[j, i] = A[i, j]
 
 
 @compiled
@@ -246,35 +195,27 @@ def scored(D: Array, s: Array, w: Array, held: int, value: float, v: Array, warm
     v where warm, else from the data.
     """
     p = D.shape[1]
-    mu, A, b, new = s.copy(), np.zeros((p, p)), np.zeros(p), np.zeros(p)
-    cost = np.inf
+    A, T, b, new, mu = np.empty((p, p)), np.empty((p, p + 1)), np.empty(p), np.empty(p), np.empty(len(s))
     if held >= 0:
         v[held] = value
-    if warm:
-        fill_mean(D, v, v, 0.0, mu)
-        cost = cost_of(mu, s, w)
-        if not np.isfinite(cost):
-            mu[:] = s
+    if not (warm and cost_at(D, v, v, 0.0, s, w, mu) < np.inf):
+        for t in range(len(s)):
+            mu[t] = s[t]
+    cost = np.inf
     for _ in range(MOST_STEPS):
         fill_normal(D, s, w, mu, held, value, A, b)
-        nonnegative(A, b, held, new)
+        nonnegative(A, b, held, T, new)
         if held >= 0:
             new[held] = value
-        step, trial = 1.0, np.inf
-        for _ in range(MOST_HALVINGS):
-            fill_mean(D, v, new, step, mu)
-            trial = cost_of(mu, s, w)
-            if trial <= cost:
-                break
+        step, trial = 2.0, np.inf
+        while not trial < cost and step > SHORTEST_STEP:
             step *= 0.5
-        if not np.isfinite(trial):
-            return np.inf
-        gained = cost - trial
-        if not gained > 0.0:
+            trial = cost_at(D, v, new, step, s, w, mu)
+        if not trial < cost:
             break
         for i in range(p):
             v[i] += step * (new[i] - v[i])
-        cost = trial
+        gained, cost = cost - trial, trial
         if gained <= CONVERGED:
             break
     return float(cost)
@@ -295,46 +236,37 @@ def at_position(table: Array, position: float, column: Array) -> None:
 
 @compiled
 def searched(
-    D: Array, table: Array, lo: float, hi: float, stride: float, s: Array, w: Array, held: int, value: float,
-    v: Array, precision: float,
-) -> tuple[float, float]:  # fmt: skip
-    """Fill v of least cost, the last column taken from the table at the best position; return position and cost.
+    D: Array, table: Array, lo: float, hi: float, spacings: Array, s: Array, w: Array, held: int, value: float, v: Array
+) -> tuple[float, float]:
+    """Fill v of least cost, the last column of D taken from the table at the best position; return that, and the cost.
 
-    The positions from lo to hi are tried one stride apart, then the best is bracketed and refined.
+    Positions from lo to hi are tried at the first spacing, then about the best at the next ones, and each time that
+    where the parabola through the best and its neighbours is lowest.
     """
-    column = np.zeros(D.shape[0])
-    best, best_cost = lo, np.inf
-    trials = int(np.ceil((hi - lo) / stride)) + 1
-    trial = np.zeros(len(v))
-    for i in range(trials):
-        position = min(lo + i * stride, hi)
-        cost = _scored_at(position, D, table, column, s, w, held, value, trial, i > 0)
-        if cost < best_cost:
-            best, best_cost = position, cost
-            v[:] = trial
-    left, right = max(best - stride, lo), min(best + stride, hi)
-    ratio = 0.6180339887498949
-    trial[:] = v
-    one, two = right - ratio * (right - left), left + ratio * (right - left)
-    cost_one = _scored_at(one, D, table, column, s, w, held, value, trial, True)
-    cost_two = _scored_at(two, D, table, column, s, w, held, value, trial, True)
-    while right - left > precision:
-        if cost_one < cost_two:
-            right, two, cost_two = two, one, cost_one
-            one = right - ratio * (right - left)
-            cost_one = _scored_at(one, D, table, column, s, w, held, value, trial, True)
-        else:
-            left, one, cost_one = one, two, cost_two
-            two = left + ratio * (right - left)
-            cost_two = _scored_at(two, D, table, column, s, w, held, value, trial, True)
-    best = 0.5 * (left + right)
-    return best, _scored_at(best, D, table, column, s, w, held, value, v, False)
-
-
-@compiled
-def _scored_at(
-    position: float, D: Array, table: Array, column: Array, s: Array, w: Array, held: int, value: float, v: Array, warm: bool,
-) -> float:  # fmt: skip
-    at_position(table, position, column)
-    D[:, D.shape[1] - 1] = column
-    return scored(D, s, w, held, value, v, warm)
+    k, p = D.shape
+    column, powers, costs = np.empty(k), np.zeros(p), np.empty(int((hi - lo) / spacings[0]) + 9)
+    best, least, warm = lo, np.inf, False
+    for level in range(len(spacings)):
+        start, count = lo, int(np.ceil((hi - lo) / spacings[0])) + 1
+        if level > 0:
+            start, count = best - 3.0 * spacings[level], 7
+        lowest = 0
+        for i in range(count + min(level, 1)):
+            at = float(i)
+            if i == count:
+                middle = min(max(lowest, 1), count - 2)
+                left, right = costs[middle - 1] - costs[middle], costs[middle + 1] - costs[middle]
+                at = middle + 0.5 * (left - right) / (left + right) if left + right > 0.0 else lowest
+            position = min(max(start + at * spacings[level], lo), hi)
+            at_position(table, position, column)
+            for t in range(k):
+                D[t, p - 1] = column[t]
+            costs[i] = scored(D, s, w, held, value, powers, warm)
+            warm = True
+            if costs[i] < costs[lowest]:
+                lowest = i
+            if costs[i] < least:
+                best, least = position, costs[i]
+                for j in range(p):
+                    v[j] = powers[j]
+    return best, least

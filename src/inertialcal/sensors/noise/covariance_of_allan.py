@@ -11,9 +11,9 @@ the sum is the spectrum of the noise there::
 
     cov = a P(f) h(m)^2 h(m')^2 / max(n, n'),    h(m) = (2 cos(2 pi f m T) - 2) / m
 
-with P the density of the running sum and a the variance of the line in it; ends of the record are neglected. Allan
-variances of neighbouring octaves are correlated by 0.5 to 0.7, and edf alone, with octaves as if independent, makes
-intervals of fitted terms too short.
+with P the density of the running sum and a the variance of the line in it. The Allan variance of a line itself swings
+with its phase, by a share of sin(2 pi f n T) / (n sin(2 pi f T)) of its size. Allan variances of neighbouring octaves
+are correlated by 0.5 to 0.7, and edf alone, with octaves as if independent, makes intervals of fitted terms too short.
 
 With gaps the number of pairs is scaled to the number of terms that were there.
 
@@ -32,6 +32,7 @@ from ._kernels import fill_covariance
 from .phase import SERIES_FROM, Phase, dead_time_part, exponential_gain
 from .spectrum_of_terms import density_of_samples
 
+NO_BEAT = 1e-9  # sine of a frequency that is no beat: the sum of two lines at the sample rate
 TAIL = 8.0  # of a correlation time, and of both averaging times, beyond which nothing is summed
 
 
@@ -55,15 +56,42 @@ def covariance_of_allan(phase: Phase, m: Array, n: Array) -> Array:
     slowest = float(exponentials[:, 1].min()) if len(exponentials) else np.inf
     wanders = TAIL * float(m[-1]) * (phase.flicker > 0.0)
     reach = max(TAIL / slowest, wanders, 2.0)
-    out = np.zeros((len(m), len(m)))
-    m, n = np.asarray(m, dtype=float), np.asarray(n, dtype=float)
+    m, n, out = np.asarray(m, dtype=float), np.asarray(n, dtype=float), np.zeros((len(m), len(m)))
     fill_covariance(m, n, reach, sizes, phase.ramp, exponentials, out)
-    for variance, cycles in phase.cosines:
-        of_sum = 1.0 / (2.0 * np.sin(np.pi * cycles)) ** 2
-        power = float(density_of_samples(phase, np.array([cycles]))[0])
-        h = (2.0 * np.cos(2.0 * np.pi * cycles * m) - 2.0) / m
-        out += variance * power * of_sum**2 * np.outer(h**2, h**2) / np.maximum(n, n[:, None])
+    for line in phase.cosines:
+        out += noise_on_line(phase, line, m, n)
+    for i, line in enumerate(phase.cosines):
+        out += ends_of_lines(line, line, m, n)
+        for other in phase.cosines[:i]:
+            out += ends_of_lines(line, other, m, n)
     return out
+
+
+def noise_on_line(phase: Phase, line: tuple[float, float], m: Array, n: Array) -> Array:
+    """Return what noise times a line adds, shape (k, k) [unit^4]; a line as in ``phase``."""
+    power = float(density_of_samples(phase, np.array([line[1]]))[0]) / (2.0 * np.sin(np.pi * line[1])) ** 2
+    h = (2.0 * np.cos(2.0 * np.pi * line[1] * m) - 2.0) / m
+    found = _root(line, m) * h
+    return np.asarray(2.0 * power * np.outer(found, found) / np.maximum(n, n[:, None]))
+
+
+def ends_of_lines(one: tuple[float, float], other: tuple[float, float], m: Array, n: Array) -> Array:
+    """Return what it adds that a record holds no whole number of cycles, for lines of unknown phase, shape (k, k)."""
+    total = np.zeros((len(m), len(m)))
+    alike = one is other
+    for cycles in (one[1] + other[1],) if alike else (one[1] + other[1], one[1] - other[1]):
+        sine = np.sin(np.pi * cycles)
+        share = np.sin(np.pi * cycles * n) / (n * sine) if abs(sine) > NO_BEAT else np.ones(len(n))
+        swing = _root(one, m) * _root(other, m) * share
+        total += (0.5 if alike else 2.0) * np.outer(swing, swing)
+    return total
+
+
+def _root(line: tuple[float, float], m: Array) -> Array:
+    """Root of the Allan variance of a line, with the sign of its differences, shape (k,)."""
+    variance, cycles = line
+    h = (2.0 * np.cos(2.0 * np.pi * cycles * m) - 2.0) / m
+    return np.asarray(np.sqrt(0.5 * variance) / (2.0 * np.sin(np.pi * cycles)) * h)
 
 
 def model_edf(variance: Array, covariance: Array) -> Array:

@@ -20,7 +20,6 @@ from .fit_remarks import remarks_of
 from .found_terms import Solution, estimate_of, estimated, not_identified
 from .goodness import SIGNIFICANT, agreement_test, residual_test
 from .likelihood import (
-    COARSE,
     covariance_of_runs,
     estimate,
     mean_of,
@@ -139,7 +138,7 @@ def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
 
 
 def _the_only(problem: Problem, candidates: tuple[str, ...]) -> Choice:
-    fitted = estimate(problem, candidates, precision=COARSE)
+    fitted = estimate(problem, candidates, looks=1)
     if not np.isfinite(fitted.cost):
         raise DataError(
             f"{', '.join(candidates)} cannot give this Allan deviation",

@@ -1,12 +1,7 @@
 """Gauss-Markov terms that stand in for bias instability, which no finite state holds.
 
 Correlation times lie in geometric steps, the sizes are those that come nearest to the flat Allan deviation of 0.664 B
-between two averaging times, in least squares without negative parts. Allan variance of Gauss-Markov noise of standard
-deviation 1 [1]_: ``(2 r - 3 + 4 exp(-r) - exp(-2 r)) / r^2`` with r the averaging over the correlation time.
-
-References
-----------
-.. [1] IEEE Std 952-1997, Annex C: exponentially correlated (Markov) noise.
+between two averaging times, in least squares without negative parts.
 """
 
 from __future__ import annotations
@@ -16,6 +11,7 @@ from scipy import optimize
 
 from ...core.errors import PlanError
 from ...core.estimate import Array
+from .allan_of_terms import expected_variance
 from .terms import GaussMarkov
 
 PEAK = 1.89  # averaging time over correlation time at which the Allan deviation of Gauss-Markov noise is largest
@@ -61,7 +57,8 @@ def flicker_bank(
     def stretched(stretch: float) -> tuple[Array, Array, float]:
         middle = np.sqrt(shortest * longest)
         times = middle * (ends / middle) ** stretch / PEAK
-        shape = np.stack([_gauss_markov_variance(tau, time) for time in times], axis=1) / FLAT
+        bank = [expected_variance(GaussMarkov(1.0, float(time)), tau / shortest, shortest) for time in times]
+        shape = np.stack(bank, axis=1) / FLAT
         parts = optimize.nnls(shape, np.ones(len(tau)))[0]
         return times, parts, float(np.max(np.abs(np.sqrt(shape @ parts) - 1.0)))
 
@@ -69,9 +66,3 @@ def flicker_bank(
     times, parts, largest = stretched(float(best))
     terms = [GaussMarkov(float(coefficient * np.sqrt(w)), float(t)) for w, t in zip(parts, times, strict=True) if w > 0]
     return tuple(terms), largest
-
-
-def _gauss_markov_variance(tau: Array, time: float) -> Array:
-    """Allan variance of continuous Gauss-Markov noise of standard deviation 1."""
-    r = tau / time
-    return np.asarray((2.0 * r - 3.0 + 4.0 * np.exp(-r) - np.exp(-2.0 * r)) / r**2)

@@ -26,9 +26,7 @@ from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem
 from .sandwich import Sandwich, sandwich_of
 from .terms import GaussMarkov, Sinusoid, Term, total_phase
 
-FINE = 0.02  # of a row of the table of correlation times: precision of one
-COARSE = 0.5  # the same, while choices are compared
-STRIDE = 5.0  # rows between correlation times that are tried first
+SPACINGS = np.array([5.0, 1.67, 0.3])  # rows between correlation times that are tried, ever closer about the best
 SAME_TAU = 0.01  # relative difference of averaging times that are alike
 
 
@@ -56,7 +54,7 @@ def estimate(
     wanted: Sequence[str],
     held: int = -1,
     value: float = 0.0,
-    precision: float = FINE,
+    looks: int = 2,
     within: tuple[float, float] | None = None,
 ) -> Fitted:
     """Return the least cost of a choice of terms; lines are always part of it.
@@ -69,21 +67,24 @@ def estimate(
         Names of the terms.
     held, value : int, float
         Power that is held at a value, -1 for none.
-    precision : float
-        Of the position of the correlation time, in rows of the table.
+    looks : int
+        How often the correlation time is looked for more closely.
     within : (float, float), optional
         Positions of the correlation time that are searched; absent: all.
     """
     at = _columns(problem, wanted)
     D = np.ascontiguousarray(problem.columns[:, [i for i in at if i < len(problem.names)]])
-    place, powers = at.index(held) if held >= 0 else -1, np.zeros(len(at))
-    args = problem.variance, problem.weight, place, value, powers
+    powers = np.zeros(len(at))
+    args = problem.variance, problem.weight, at.index(held) if held >= 0 else -1, value, powers
     if GAUSS_MARKOV not in wanted:
-        return Fitted(_spread(problem, at, powers), 0.0, scored(D, *args, False))
-    D = np.column_stack([D, np.zeros(len(D))])
-    lo, hi = (0.0, float(len(problem.table) - 1)) if within is None else within
-    position, cost = searched(D, problem.table, lo, hi, STRIDE, *args, precision)
-    return Fitted(_spread(problem, at, powers), position, cost)
+        position, cost = 0.0, scored(D, *args, False)
+    else:
+        D = np.column_stack([D, np.zeros(len(D))])
+        lo, hi = (0.0, len(problem.table) - 1.0) if within is None else within
+        position, cost = searched(D, problem.table, lo, hi, SPACINGS[: 1 + looks if hi > lo else 1], *args)
+    every = np.zeros(len(problem.names) + 1)
+    every[at] = powers
+    return Fitted(every, position, cost)
 
 
 def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fitted:
@@ -95,13 +96,6 @@ def _columns(problem: Problem, wanted: Sequence[str]) -> list[int]:
     """Columns of the terms, Gauss-Markov noise last."""
     at = [i for i, name in enumerate(problem.names) if name in wanted or name.startswith("line_")]
     return [*at, len(problem.names)] if GAUSS_MARKOV in wanted else at
-
-
-def _spread(problem: Problem, at: list[int], powers: Array) -> Array:
-    """Return the powers of all terms, zero where they are not wanted."""
-    every = np.zeros(len(problem.names) + 1)
-    every[at] = powers
-    return every
 
 
 def column_at(problem: Problem, position: float) -> Array:

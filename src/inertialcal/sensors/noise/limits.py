@@ -52,7 +52,6 @@ KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
 WIDEST = 40.0  # of the logarithm of a power: beyond, there is no end
 FURTHEST = 1e6  # the same of a limit, in standard uncertainties
-ROUGH = 0.1  # of a row of the table of correlation times, while another unknown is held
 TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncertainties
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 STEEP = 1e6  # rise of the cost that is not looked into
@@ -152,7 +151,7 @@ def column_of(fitted: Fitted, at: int) -> int:
 def _power_held(problem: Problem, fitted: Fitted, at: int, best: float) -> Held:
     names = present(problem, fitted)
     within = _nearby(problem, fitted)
-    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), ROUGH, within))
+    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), 1, within))
 
 
 def _time_held(problem: Problem, fitted: Fitted) -> Held:
@@ -187,10 +186,10 @@ def limit_and_record(problem: Problem, fitted: Fitted, at: int, sigma: Array) ->
     linear = at < len(problem.names)
     names = (*present(problem, fitted), problem.names[at] if linear else GAUSS_MARKOV)
     within = _nearby(problem, fitted) if linear else (fitted.position, fitted.position)
-    least = estimate(problem, names, precision=ROUGH, within=within)
+    least = estimate(problem, names, looks=1, within=within)
     best = float(least.powers[at])
     u, stretch = _of_added(problem, fitted, at, sigma)
-    held = lru_cache(lambda x: estimate(problem, names, at, best + x * u, ROUGH, within))
+    held = lru_cache(lambda x: estimate(problem, names, at, best + x * u, 1, within))
     point = float(special.ndtri(ONE_SIDED))
     x = end_of(problem, held, at, least.cost, stretch, point**2, point, FURTHEST)
     return (None, None) if x is None else (best + x * u, record_needed(problem, fitted, at, best + x * u, stretch))

@@ -18,7 +18,7 @@ import numpy as np
 from scipy import optimize
 
 from .goodness import SIGNIFICANT, residual_test
-from .likelihood import COARSE, covariance_of_runs, estimate
+from .likelihood import covariance_of_runs, estimate
 from .problem import Problem, with_misfit
 
 LEAST, MOST = 1e-4, 1.0  # relative misfits of a variance that are looked at
@@ -39,11 +39,11 @@ def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:
     def excess(log: float) -> float:
         """Logarithm of chi-square over its degrees of freedom."""
         trial = with_misfit(problem, float(np.exp(log)))
-        fitted = estimate(trial, candidates, precision=COARSE)
+        fitted = estimate(trial, candidates, looks=1)
         found = residual_test(trial, fitted, covariance_of_runs(trial, fitted))
         return 0.0 if found is None else float(np.log(found.statistic / found.dof))
 
-    fitted = estimate(problem, candidates, precision=COARSE)
+    fitted = estimate(problem, candidates, looks=1)
     test = residual_test(problem, fitted, covariance_of_runs(problem, fitted))
     if test is None or test.p >= SIGNIFICANT:
         return 0.0

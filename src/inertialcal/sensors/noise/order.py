@@ -19,7 +19,7 @@ from itertools import combinations
 
 import numpy as np
 
-from .likelihood import COARSE, Fitted, estimate
+from .likelihood import Fitted, estimate
 from .problem import GAUSS_MARKOV, LINEAR, Problem
 from .terms import Quantization, RandomWalk, RateRamp
 
@@ -63,7 +63,7 @@ def ranked(problem: Problem, candidates: tuple[str, ...]) -> tuple[Choice, ...]:
     fits: dict[tuple[str, ...], Fitted] = {}
 
     def add(wanted: tuple[str, ...]) -> Fitted:
-        fitted = estimate(problem, wanted, precision=COARSE)
+        fitted = estimate(problem, wanted, looks=1)
         there = present(problem, fitted)
         if there and np.isfinite(fitted.cost) and (there not in fits or fitted.cost < fits[there].cost):
             fits[there] = fitted

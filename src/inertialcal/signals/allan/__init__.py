@@ -20,9 +20,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.errors import PlanError
 from .channel import code_remarks, of_channel
-from .checks import checked_kind, checked_present, checked_samples
+from .checks import checked_kind, checked_names, checked_present, checked_samples
 from .curve import Allan
 from .dead_time import check_averaging, dead_time_remark
 from .deviations import Deviation
@@ -34,7 +33,6 @@ from .taus import Factors, Taus, factors_of
 __all__ = ["Allan", "Deviation", "Quantity", "allan", "code_remarks", "on_grid"]
 
 ONE_SIGMA = 0.6827
-FEW = 3  # channels that are named x, y, z where nobody says
 
 
 def allan(
@@ -97,7 +95,7 @@ def allan(
     check_averaging(interval, averaging)
     there = checked_present(present, samples)
     n, axes = samples.shape
-    labels = _checked_names(names, axes)
+    labels = checked_names(names, axes)
     wanted, remarks = factors_of(kind, n if quantity == "angle" else n + 1, interval, taus, factors)
     columns = [
         of_channel(samples[:, i], None if there is None else there[:, i], quantity, kind, wanted, noise, labels[i])
@@ -130,11 +128,3 @@ def allan(
         unit=unit,
         remarks=remarks + tuple(remark for one in columns for remark in one.remarks),
     )
-
-
-def _checked_names(names: tuple[str, ...] | None, axes: int) -> tuple[str, ...]:
-    if names is None:
-        return tuple("xyz"[:axes]) if axes <= FEW else tuple(str(i) for i in range(axes))
-    if len(names) != axes:
-        raise PlanError(f"{len(names)} name(s) for {axes} channel(s)", code="wrong_names")
-    return tuple(names)

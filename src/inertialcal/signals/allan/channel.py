@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ..codes import is_stuck, levels_of, rails
+from ..codes import is_stuck, levels_of, longest_run, rails
 from .deviations import Kind, variances
 from .noise_type import carried_on, identified_powers
-from .prefix import Quantity, phase_of
+from .prefix import Quantity, give_back, phase_of
 
 TELLING = 4  # averaging times at which the noise type should be told, or the record is short
 WHITE = 0
@@ -69,6 +69,7 @@ def of_channel(
     power = identified_powers(phase, kind, factors) if noise == "auto" else np.full(len(factors), float(noise))
     told = int(np.count_nonzero(np.isfinite(power)))
     found = variances(phase, kind, factors)  # uses the phase up
+    give_back(phase)
     power, edf = carried_on(power, kind, factors, found.terms)
     variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
     flat = not np.any(variance > 0.0)
@@ -110,8 +111,10 @@ def code_remarks(x: NDArray[Any], name: str) -> tuple[Remark, ...]:
         return ()
     found = []
     if is_stuck(finite):
-        do = "Leave the stretch out: it has no noise"
-        found.append(Remark("stuck", "warning", f"{name}: one value is repeated far too long", do=do))
+        run = longest_run(finite)
+        what = f"{name}: {run.value:g} is repeated {run.length} times on end, far longer than other values"
+        found.append(Remark("stuck", "warning", what, do="Leave the stretch out: it has no noise"))
+        finite = np.delete(finite, slice(run.start, run.start + run.length))
     for rail in rails(levels_of(finite)):
         what = f"{name}: {rail.count} samples lie at the end of the range, {rail.value:g}"
         do = "Saturated samples hide noise: change the range"

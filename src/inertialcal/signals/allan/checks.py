@@ -12,6 +12,8 @@ from .deviations import KINDS, Kind
 from .edf import BLUEST
 from .prefix import QUANTITIES
 
+FEW = 3  # channels that are named x, y, z where nobody says
+
 
 def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"] | int) -> Kind:
     """Return the deviation asked for.
@@ -79,3 +81,18 @@ def checked_present(present: NDArray[np.bool_] | None, samples: NDArray[Any]) ->
     if there.shape not in {samples.shape, (len(samples),), (len(samples), 1)}:
         raise DataError(f"present of shape {there.shape} for samples of shape {samples.shape}", code="wrong_shape")
     return np.broadcast_to(there if there.ndim == 2 else there[:, None], samples.shape)
+
+
+def checked_names(names: tuple[str, ...] | None, axes: int) -> tuple[str, ...]:
+    """Return the names of the channels: x, y, z, or numbers, where nobody says.
+
+    Raises
+    ------
+    PlanError
+        If there are more or fewer.
+    """
+    if names is None:
+        return tuple("xyz"[:axes]) if axes <= FEW else tuple(str(i) for i in range(axes))
+    if len(names) != axes:
+        raise PlanError(f"{len(names)} name(s) for {axes} channel(s)", code="wrong_names")
+    return tuple(names)

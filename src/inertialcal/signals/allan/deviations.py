@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from . import _kernels as kernels
+from . import _kernels_missing as missing
 from .prefix import Phase
 
 Deviation = Literal["overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"]
@@ -109,9 +110,9 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
         terms = np.empty(len(factors), dtype=np.int64)
         shared = (phase.values, phase.count, phase.pointwise, factors)
         if kind.modified:
-            kernels.sum_present_modified(*shared, sums, terms, inflation)
+            missing.sum_present_modified(*shared, sums, terms, inflation)
         else:
-            kernels.sum_present(*shared, kind.order, kind.overlapping, sums, terms, inflation)
+            missing.sum_present(*shared, kind.order, kind.overlapping, sums, terms, inflation)
     size = factors.astype(np.float64) ** (4 if kind.modified else 2)
     with np.errstate(invalid="ignore", divide="ignore"):
         return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation)
@@ -128,10 +129,12 @@ def _sum_complete(p: NDArray[Any], kind: Kind, factors: NDArray[np.int64], sums:
 
 def _sum_modified(p: NDArray[Any], factors: NDArray[np.int64], sums: Array) -> None:
     """Averages of m second differences of P are third differences of the sums of P."""
-    few = int(np.searchsorted(factors, kernels.SMALL, side="right"))
-    if few:
-        spare = np.empty(kernels.BLOCK + 3 * kernels.SMALL, dtype=p.dtype)
-        kernels.sum_local_thirds(p, factors[:few], spare, sums[:few])
+    few = 0
+    for longest in kernels.SHORT:
+        more = int(np.searchsorted(factors, longest, side="right"))
+        spare = np.empty((kernels.LOCAL + 3) * longest, dtype=p.dtype)
+        kernels.sum_local_thirds(p, factors[few:more], kernels.LOCAL * longest, spare, sums[few:more])
+        few = more
     if few == len(factors):
         return
     if p.dtype == np.int64 and float(max(p.max(), -p.min())) * len(p) > SAFE / 8.0:

@@ -32,7 +32,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from ...core.estimate import Array
-from . import _kernels as kernels
+from . import _kernels_edf as kernels
 from .deviations import Kind
 
 BLUEST = 2  # exponent of the spectrum of the rate: quantisation of the integral

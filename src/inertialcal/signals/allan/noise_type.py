@@ -26,7 +26,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from . import _kernels as kernels
+from . import _kernels_noise_type as kernels
 from .deviations import Kind
 from .edf import BLUEST, all_degrees
 from .prefix import Phase
