@@ -1,4 +1,4 @@
-"""`allan` and `psd` on the command line: what a newcomer reads, the JSON, the files, one clear message for bad input."""
+"""`allan` and `psd` on the command line: what a newcomer reads, JSON, files, one clear message for bad input."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def write(tmp_path: Path) -> Write:
 
 @pytest.fixture
 def good(write: Write) -> str:
-    return write("imu.csv", "time [s],gyro_x [deg/s],gyro_y [deg/s]", STAMPS, rates(1), rates(2))
+    return write("imu.csv", "time [s],gyro_x [deg/s],gyro_y [deg/s],gyro_z [deg/s]", STAMPS, *map(rates, (1, 2, 3)))
 
 
 # What a newcomer reads

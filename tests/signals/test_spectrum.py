@@ -12,6 +12,16 @@ from scipy import signal
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
+from inertialcal.sensors.noise.simulate import simulate
+from inertialcal.sensors.noise.spectrum_of_terms import sampled_spectrum
+from inertialcal.sensors.noise.terms import (
+    BiasInstability,
+    GaussMarkov,
+    Quantization,
+    RandomWalk,
+    RateRandomWalk,
+    Term,
+)
 from inertialcal.signals.spectrum import psd
 from inertialcal.signals.spectrum.density import Method
 from inertialcal.statistics.intervals import covers
@@ -126,6 +136,26 @@ def test_what_a_removed_mean_or_smoothing_falsifies_is_left_out(method: Method) 
         assert found.density.mean(axis=1)[:3] == pytest.approx(density(found.frequency[:3]), rel=0.18)
         # 10 % allowed at most, and three standard deviations
     assert psd(white(1, 4_000), 1.0, segment=500).frequency[0] == pytest.approx(4.0 / 500.0)
+
+
+TERMS: list[tuple[Term, ...]] = [
+    (Quantization(0.02), RandomWalk(0.3)),
+    (RandomWalk(0.3), BiasInstability(1.0)),
+    (RandomWalk(0.3), GaussMarkov(1.0, 0.5), RateRandomWalk(0.2)),
+]
+
+
+@pytest.mark.parametrize("averaging", [INTERVAL, 0.5 * INTERVAL])
+@pytest.mark.parametrize("terms", TERMS)
+def test_samples_of_noise_terms_have_the_density_of_the_terms(terms: tuple[Term, ...], averaging: float) -> None:
+    """What a figure draws through a spectrum: aliased, with dead time too."""
+    rng = np.random.default_rng(5)
+    x = np.stack([simulate(terms, 4_000, INTERVAL, rng, averaging) for _ in range(60)], axis=1)
+    found = psd(x, INTERVAL)
+    ratio = found.density.mean(axis=1) / sampled_spectrum(terms, found.frequency, INTERVAL, averaging)
+    scatter = np.sqrt(2.0 / (60.0 * found.edf))
+    assert ratio[5:].mean() == pytest.approx(1.0, abs=0.01)  # what smoothing adds to a steep part lies below
+    assert ratio[5:].std() == pytest.approx(scatter, rel=0.3)
 
 
 def test_bands_keep_the_level_and_know_their_scatter() -> None:

@@ -79,8 +79,8 @@ class SpectrumFile:
 
     def content(self) -> dict[str, Any]:
         """Return figures and spectra as ``results.json`` would hold them."""
-        content = self.noise.content()
-        return content | {"curves": [one for one in content["curves"] if one["name"] == "spectrum"]}
+        spectra = [one for one in self.noise.content()["curves"] if one["name"] == "spectrum"]
+        return {"results": [row.to_dict() for row in self.rows], "curves": spectra}
 
     def bands(self, sensor: SensorNoise, per_decade: int = PER_DECADE) -> tuple[Band, ...]:
         """Return mean densities over bands of equal width on a logarithmic axis.

@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 HEADS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "what the record tells")
 OTHERS = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
 ALONE = "run "
+SIZE, TIME = "gauss_markov_sigma", "gauss_markov_correlation_time"  # a limit of one says all of the other
 
 
 def noise_text(found: NoiseFile) -> str:
@@ -39,7 +40,12 @@ def _sensor(one: SensorNoise) -> str:
     lengths = dict(_lengths(one))
     cells = [_cells(row, inside, lengths, one.group.kind is not None) for row in rows]
     lines = [head, table(cells, HEADS)]
-    missing = [row.to_dict() for row in one.rows() if row.status == "not_estimated"]
+    limited = {row.axis for row in rows if (row.quantity, row.status) == (SIZE, "upper_limit")}
+    missing = [
+        row.to_dict()
+        for row in one.rows()
+        if row.status == "not_estimated" and not (row.quantity == TIME and row.axis in limited)
+    ]
     lines += [f"  {line}" for line in not_estimated(missing)]
     lines += [_lines(one), _alone(one)]
     return "\n".join(line for line in lines if line)

@@ -34,7 +34,10 @@ class Disturbance:
 
 @dataclass(frozen=True)
 class Stillness:
-    """Whether a channel is at rest at all, where it is disturbed, and by how much more than white noise means scatter."""
+    """Whether a channel is at rest at all, and where it is disturbed.
+
+    ``widening`` is by how much more than white noise the means of its widest windows scatter.
+    """
 
     at_rest: bool
     disturbances: tuple[Disturbance, ...]
@@ -63,6 +66,8 @@ def judge(values: Array, floor: float = 0.0) -> Stillness | None:
     widening = float(found.widening[0])
     if not len(still):
         return Stillness(False, (), widening)
+    # Noise that is not white scatters more over a long stretch than over the few samples that its scale is told from.
+    sigma = max(sigma, float(np.sqrt(np.average(found.scatter[still, 0] ** 2, weights=length[still]))))
     level = np.interp(np.arange(len(found)), still, found.level[still, 0])
     disturbances = []
     for i in np.setdiff1d(np.arange(len(found)), still):

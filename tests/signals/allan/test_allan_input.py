@@ -10,7 +10,7 @@ import pytest
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.core.recording import SECOND
 from inertialcal.signals.allan import Deviation, allan, code_remarks, on_grid
-from inertialcal.signals.allan.dead_time import variance_ratio
+from inertialcal.signals.allan.prefix import give_back, phase_of
 
 RNG = np.random.default_rng
 WHITE = RNG(1).normal(size=4000)
@@ -180,6 +180,15 @@ def test_missing_points_of_an_angle_are_left_out() -> None:
     assert found.n[:, 0].tolist() == [int(np.isfinite(t).sum()) for t in terms]
 
 
+@pytest.mark.parametrize("deviation", ALL)
+def test_windows_that_are_just_half_filled_take_part(deviation: Deviation) -> None:
+    x = WHITE.copy()
+    x[1::2] = np.nan
+    found = allan(x, 1.0, quantity="rate", deviation=deviation, factors=[2, 4])
+    assert found.n.tolist() == allan(WHITE, 1.0, quantity="rate", deviation=deviation, factors=[2, 4]).n.tolist()
+    assert np.isfinite(found.deviation).all()
+
+
 def test_windows_that_are_never_half_filled_are_said_so() -> None:
     x = np.full(3000, np.nan)
     x[::3] = WHITE[:1000]
@@ -218,36 +227,28 @@ def test_stamps_of_another_length_are_refused() -> None:
         on_grid(np.zeros(4), np.arange(3), 0.01)
 
 
-# Dead time
+# Memory that goes from one record to the next
 
 
-def test_dead_time_inflates_white_noise_by_sqrt_2() -> None:
-    fine = RNG(5).normal(size=(20_000, 30))  # 1 s averages, every other one saved
-    full = allan(fine, 1.0, quantity="rate", factors=[16])
-    thin = allan(fine[::2], 2.0, quantity="rate", averaging=1.0, factors=[8])
-    assert np.sqrt(thin.variance.mean() / full.variance.mean()) == pytest.approx(np.sqrt(2.0), rel=0.02)
-    assert "white noise shows 1.41 times" in str(thin.remarks[0])
-    assert codes(full) == set()
-    assert codes(allan(WHITE, 1.0, quantity="rate", averaging=1.0)) == set()
+def test_records_one_after_the_other_do_not_meet() -> None:
+    rng = RNG(6)
+    records = [rng.normal(size=n) for n in (50_000, 3_000, 60_000, 50_000)]
+    first = [allan(x, 1.0, quantity="rate").deviation for x in records]
+    again = [allan(x, 1.0, quantity="rate").deviation for x in reversed(records)]
+    together = allan(np.stack([records[0], records[3]], axis=1), 1.0, quantity="rate").deviation
+    for one, other in zip(first, reversed(again), strict=True):
+        assert np.array_equal(one, other)
+    assert np.array_equal(together, np.hstack([first[0], first[3]]))
 
 
-@pytest.mark.parametrize("m", [1, 2, 5, 40])
-def test_ratio_of_white_noise_is_that_of_the_times(m: int) -> None:
-    assert variance_ratio(0, m, 2.0, 1.0) == pytest.approx(2.0, rel=1e-9)
-    assert variance_ratio(0, m, 1.0, 1.0) == pytest.approx(1.0)
-
-
-def test_ratio_of_random_walk() -> None:
-    # B_2 for mu = 1 (Barnes): with T = r tau_a, Allan variance of one sample (3 r - 1) / 2 that of adjacent averages
-    ratio = variance_ratio(-2, 1, 3.0, 1.0) * 3.0  # the contiguous ones are three times as long
-    assert ratio == pytest.approx((3.0 * 3.0 - 1.0) / 2.0, rel=1e-9)
-    assert variance_ratio(-1, 50, 2.0, 1.0) == pytest.approx(1.0, abs=0.05)
-
-
-@pytest.mark.parametrize("options", [(1, 4, 1.0, 1.0), (0, 4, 1.0, 2.0)])
-def test_ratios_that_do_not_exist(options: tuple[int, int, float, float]) -> None:
-    with pytest.raises(DataError, match=r"exponent 1|averaging time of 2 s"):
-        variance_ratio(*options)
+def test_phases_that_are_not_given_back_keep_their_memory() -> None:
+    one, other = phase_of(WHITE, "rate"), phase_of(WHITE[::-1], "rate")
+    kept = one.values.copy()
+    give_back(other)
+    third = phase_of(np.ascontiguousarray(WHITE[::-1]), "rate")
+    assert np.array_equal(one.values, kept)
+    assert not np.shares_memory(one.values, third.values)
+    assert np.array_equal(third.values, phase_of(WHITE[::-1], "rate").values)
 
 
 # What is shown

@@ -90,7 +90,8 @@ def _deviation(result: Result, terms: tuple[Term, ...], m: Array, record: Record
     way = WAYS[result.plan.deviation]
     if not terms:
         return np.full(len(m), np.nan)
-    return np.sqrt(expected_variance(terms, m, record.run.interval, record.run.averaging, way))
+    variance = expected_variance(terms, m, record.run.interval, record.run.averaging, way)
+    return np.sqrt(np.maximum(variance, 0.0))  # rounding, where a line has a node
 
 
 def _terms(result: Result, one: AxisNoise, fit: NoiseFit) -> Curve:

@@ -15,7 +15,6 @@ from ...core.remarks import Remark
 from ...core.rounding import number
 from ...core.units import factor
 from ...sensors.noise.noise_fit import duration
-from ...sensors.noise.terms import Kind
 from ...signals.record_quality import BadSegment, Drift, RecordQuality, record_quality
 from .plan import Plan, Run
 
@@ -70,7 +69,7 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
         rates = quality.cleaned()[:, 0] if bad else rates
         left_out = before - int(np.count_nonzero(np.isfinite(rates)))
     remarks = [*_moving(quality, axis), *_disturbed(bad, run, axis, left_out)]
-    remarks += [_drift(one, plan.kind, run, axis) for one in quality.drifts if one.found]
+    remarks += [_drift(one, plan, run, axis) for one in quality.drifts if one.found]
     return Looked(rates, bad, left_out, tuple(remarks))
 
 
@@ -93,15 +92,14 @@ def _disturbed(bad: tuple[BadSegment, ...], run: Run, axis: str, left_out: int) 
     return [Remark("disturbed", "warning", what, count=len(bad), do=do)]
 
 
-def _drift(drift: Drift, kind: Kind | None, run: Run, axis: str) -> Remark:
-    times, unit = 1.0, "file units"
-    if kind is not None:
-        inside, unit = LEVELS[kind]
+def _drift(drift: Drift, plan: Plan, run: Run, axis: str) -> Remark:
+    times, unit = 1.0, plan.unit or "file units"
+    if plan.kind is not None:
+        inside, unit = LEVELS[plan.kind]
         times = factor(inside, unit)
     warm = drift.early > EARLY
-    what = (
-        f"{axis}: drifts by {number(drift.rise * times, 3)} {unit} over the record, more than its slow noise explains"
-    )
+    rise = number(float(number(drift.rise * times, 3)))  # -1430, not -1.43e+03
+    what = f"{axis}: drifts by {rise} {unit} over the record, more than its slow noise explains"
     if not warm:
         do = "Slow terms may be drift: look at temperature, or read them off a Hadamard deviation (deviation)"
         return Remark("drift", "warning", what, do=do)

@@ -72,7 +72,7 @@ def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str
         word, *others = term.words
         row = Row(word, axis, limit, None, units[word], None, Interval(0.0, limit, 0.95), "upper_limit", reason)
         yield widened(row, result.plan.standards)
-    yield from (not_estimated(word, axis, units[word], reason) for word in others)
+    yield from (not_estimated(word, axis, units[word], term.reason) for word in others)
 
 
 def _why(term: FoundTerm) -> str:

@@ -1,7 +1,8 @@
 """Noise terms of a sensor axis from its Allan deviation: sizes with intervals, and what the record cannot tell.
 
-The estimator and what it assumes stand in ``likelihood``, the choice of terms in ``order``, intervals, upper limits and
-the record needed in ``limits``, the tests in ``goodness``. Parameters are those of ``terms``, SI inside.
+The estimator and what it assumes stand in ``likelihood``, the choice of terms in ``order``, intervals in ``profile``,
+upper limits and the record needed in ``limits``, the tests in ``goodness``, what terms leave unexplained in ``misfit``.
+Parameters are those of ``terms``, SI inside.
 
 The curve is taken as the overlapping Allan deviation of samples whose disturbances and lines are known: lines that
 were found in the spectrum are given by their frequency, and their amplitude is fitted with the rest. The choice of
@@ -20,6 +21,7 @@ from .fit_remarks import remarks_of
 from .found_terms import Solution, estimate_of, estimated, not_identified
 from .goodness import SIGNIFICANT, agreement_test, residual_test
 from .likelihood import (
+    Fitted,
     covariance_of_runs,
     estimate,
     mean_of,
@@ -31,7 +33,7 @@ from .noise_fit import NoiseFit
 from .order import NAMES, Choice, criterion, present, ranked, separable
 from .problem import GAUSS_MARKOV, Problem, problem_of, with_misfit
 from .runs import AllanLike, Run, run_of, unit_of
-from .terms import Kind
+from .terms import Kind, RateRamp, Sinusoid
 from .units import sample_unit
 
 AUTO = (*NAMES, GAUSS_MARKOV)
@@ -71,8 +73,8 @@ def fit(
     Raises
     ------
     DataError
-        If a curve carries too little, is constant, of another deviation, or in a unit of something else, or a term is
-        not known.
+        If a curve carries too little, is constant, without noise, of another deviation, or in a unit of something
+        else, or a term is not known.
     """
     several = list(curves) if isinstance(curves, Sequence) else [curves]
     if not several:
@@ -112,6 +114,7 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
     def solution(problem: Problem) -> Solution:
         table = ranked(problem, candidates) if terms == "auto" else (_the_only(problem, candidates),)
         fitted = estimate(problem, table[0].terms)
+        _check_noise(problem, fitted)
         sigma = covariance_of_runs(problem, fitted)
         bread = sandwich(problem, fitted, sigma)
         return Solution(problem, candidates, table, fitted, sigma, bread, kind, unit, p)
@@ -122,6 +125,16 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
         return first
     misfit = misfit_of(problem, candidates)
     return solution(with_misfit(problem, misfit)) if misfit > 0.0 else first
+
+
+def _check_noise(problem: Problem, fitted: Fitted) -> None:
+    if not any(not isinstance(term, RateRamp | Sinusoid) for term in terms_of(problem, fitted)):
+        raise DataError(
+            "the terms are a ramp or a line alone, without noise",
+            why="nothing would scatter",
+            do='Add "random_walk", or look whether the record is computed rather than measured',
+            code="no_noise",
+        )
 
 
 def _names(terms: str | Sequence[str]) -> tuple[str, ...]:

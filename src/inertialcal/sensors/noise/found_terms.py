@@ -9,10 +9,11 @@ import numpy as np
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import Interval
 from .likelihood import Fitted, estimate, time_at
-from .limits import interval_of, limit_and_record
+from .limits import limit_and_record
 from .noise_fit import FoundTerm, Parameter
 from .order import NAMES, PRICE, Choice, present
 from .problem import GAUSS_MARKOV, LINEAR, Problem
+from .profile import interval_of
 from .sandwich import Sandwich
 from .terms import TERMS, Kind, Sinusoid, quantity_name
 from .units import parameter_unit
@@ -110,15 +111,15 @@ def _where_it_hides(problem: Problem, fitted: Fitted) -> float:
 
 
 def _reason(name: str, table: tuple[Choice, ...]) -> str:
-    """Say why a term was not taken: another looks like it, or it makes too little difference."""
+    """Say why a term was not taken: another looks like it, or it makes too little difference; with the criterion."""
     chosen = table[0]
     for choice in table:
         worse = choice.criterion - chosen.criterion
         lost = [other for other in chosen.terms if other not in choice.terms]
         if name in choice.terms and lost and worse < PRICE:
-            return f"not told from {', '.join(lost)} (criterion +{worse:.1f})"
+            return f"not told from {', '.join(lost)} (+{worse:.1f})"
         if name in choice.terms and not lost:
-            return f"record too short (criterion +{worse:.1f})"
+            return f"record too short (+{worse:.1f})"
     return "record too short (no trace of it)"
 
 

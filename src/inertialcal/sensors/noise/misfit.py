@@ -14,6 +14,8 @@ References
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 from scipy import optimize
 
@@ -21,8 +23,8 @@ from .goodness import SIGNIFICANT, residual_test
 from .likelihood import covariance_of_runs, estimate
 from .problem import Problem, with_misfit
 
-LEAST, MOST = 1e-4, 1.0  # relative misfits of a variance that are looked at
-PRECISION = 0.05  # of the logarithm
+LEAST, MOST = 1e-4, 0.5  # relative misfits of a variance that are looked at
+STEP, PRECISION = 1.0, 0.05  # of the logarithm: as it is first looked through, and as it is found
 
 
 def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:
@@ -36,6 +38,7 @@ def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:
         Names of the terms.
     """
 
+    @cache
     def excess(log: float) -> float:
         """Logarithm of chi-square over its degrees of freedom."""
         trial = with_misfit(problem, float(np.exp(log)))
@@ -47,7 +50,8 @@ def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:
     test = residual_test(problem, fitted, covariance_of_runs(problem, fitted))
     if test is None or test.p >= SIGNIFICANT:
         return 0.0
-    lo, hi = np.log(LEAST), np.log(MOST)
-    if excess(lo) <= 0.0 or excess(hi) >= 0.0:
-        return LEAST if excess(lo) <= 0.0 else MOST
-    return float(np.exp(optimize.brentq(excess, lo, hi, xtol=PRECISION)))
+    for hi in np.arange(np.log(LEAST), np.log(MOST) + STEP, STEP):
+        if excess(hi) <= 0.0:
+            lo = hi - STEP
+            return float(np.exp(optimize.brentq(excess, lo, hi, xtol=PRECISION) if excess(lo) > 0.0 else hi))
+    return MOST

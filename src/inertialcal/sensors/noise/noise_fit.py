@@ -202,20 +202,14 @@ def _missing_rows(term: FoundTerm, axis: str, test: str, condition: str) -> list
 
 
 def _table(found: tuple[FoundTerm, ...], kind: Kind | None) -> Grid:
-    rows = []
-    for term in found:
-        for one in term.parameters:
-            word = one.name if term.name not in {"gauss_markov", "sinusoid"} else one.name.removeprefix(f"{term.name}_")
-            for unit in shown_units(term.name, word, kind) if one.name != word else _units(term.name, one, kind):
-                rows.append(_row(one, unit))
-            if one.name != word and not shown_units(term.name, word, kind):
-                rows.append(_row(one, one.unit))
+    rows = [
+        _row(one, unit)
+        for term in found
+        for word, one in zip(TERMS[term.name].parameters, term.parameters, strict=False)
+        for unit in shown_units(term.name, word, kind) or (one.unit,)
+    ]
     p = next((one.interval.p for term in found for one in term.parameters), 0.95)
     return Grid(("term", "value ± u", "unit", f"{100 * p:g} % interval"), rows, "Noise terms", (1, 3))
-
-
-def _units(term: str, one: Parameter, kind: Kind | None) -> tuple[str, ...]:
-    return shown_units(term, "coefficient", kind) or (one.unit,)
 
 
 def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
@@ -239,7 +233,7 @@ def _missing(missing: list[FoundTerm], kind: Kind | None) -> Grid:
             needed = duration(term.record_needed)
         name = term.words[0] if term.limit_at is None else f"{term.name}, {duration(term.limit_at)}"
         rows.append((name, limit, unit if limit != "-" else "", needed, term.reason))
-    heads = ("not identified", "95 % limit", "unit", "record needed", "reason")
+    heads = ("not identified", "95 % limit", "unit", "record needed", "reason (criterion)")
     return Grid(heads, rows, "Not identified; record needed to show a term that is at its limit", (1, 3))
 
 

@@ -112,11 +112,11 @@ def code_remarks(x: NDArray[Any], name: str) -> tuple[Remark, ...]:
     found = []
     if is_stuck(finite):
         run = longest_run(finite)
-        what = f"{name}: {run.value:g} is repeated {run.length} times on end, far longer than other values"
+        what = f"{name}: one value is repeated far too long: {run.value:g}, {run.length} times on end"
         found.append(Remark("stuck", "warning", what, do="Leave the stretch out: it has no noise"))
         finite = np.delete(finite, slice(run.start, run.start + run.length))
     for rail in rails(levels_of(finite)):
-        what = f"{name}: {rail.count} samples lie at the end of the range, {rail.value:g}"
+        what = f"{name}: samples lie at the end of the range, {rail.value:g}"
         do = "Saturated samples hide noise: change the range"
         found.append(Remark("saturated", "warning", what, count=rail.count, do=do))
     return tuple(found)
