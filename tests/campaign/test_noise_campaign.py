@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.run import Outcome, check, run
+from inertialcal.campaign.starter import start
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate
@@ -313,3 +314,34 @@ def test_cells_without_a_number_are_missing_samples(still: Make, data: str) -> N
         lines[i] = f"{stamp},{'nan' if i % 2 else ''},{y}"
     outcome = run(still(content="\n".join(lines) + "\n"), write=False)
     assert any("x: 60 of 6000 samples are missing" in one["what"] for one in outcome.results["remarks"])
+
+
+def still_file(path: Path, seed: int, level: float = 0.0) -> None:
+    """Write a record of gyros and accelerometers at rest."""
+    values = np.random.default_rng(seed).normal(0.0, 0.05, (2_000, 2))
+    lines = [f"{i * 0.01:.2f},{x + level:.5f},{9.81 + y:.5f}" for i, (x, y) in enumerate(values)]
+    path.write_text("t [s],gyro_x [deg/s],acc_z [m/s^2]\n" + "\n".join(lines) + "\n", encoding="utf-8")
+
+
+def test_init_makes_a_test_of_noise_of_what_stands_still(tmp_path: Path) -> None:
+    still_file(tmp_path / "a.csv", 1)
+    still_file(tmp_path / "b.csv", 2, 0.1)
+    path, marked, remarks = start(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    assert not remarks
+    assert [text.splitlines()[number - 1].partition(" ")[0] for number in marked] == ["maker", "part", "serial"]
+    assert 'recordings = ["gyros1", "gyros2"]' in text
+    path.write_text(text.replace("# FILL IN", ""), encoding="utf-8")
+    rows = {(r["test"], r["quantity"], r["axis"], r["condition"]): r for r in run(tmp_path).results["results"]}
+    walk = rows["noise_gyros", "angle_random_walk", "x", ""]
+    assert walk["value"] == pytest.approx(0.05 * 0.1 * 60.0, rel=0.05)  # deg/sqrt(h)
+    assert rows["noise_accelerometers", "velocity_random_walk", "z", ""]["value"] > 0.0
+
+
+@pytest.mark.parametrize("levels", [(0.0, 30.0), (-30.0, 30.0)])
+def test_dwells_at_rates_of_their_own_are_no_test_of_noise(levels: tuple[float, float], tmp_path: Path) -> None:
+    for number, level in enumerate(levels):
+        still_file(tmp_path / f"{number}.csv", number, level)
+    text = start(tmp_path)[0].read_text(encoding="utf-8")
+    assert "static_noise" not in text
+    assert 'procedure = "rate_table"' in text

@@ -141,7 +141,7 @@ def test_a_misfit_is_that_of_the_sensor_and_does_not_shrink_with_more_runs() -> 
     rippled = [replace(one, deviation=one.deviation * ripple) for one in curves]
     (alone, four), exact = ([fit(some[:n], "gyro", terms=names(white)) for n in (1, 4)] for some in (rippled, curves))
     assert 0.01 < alone.misfit < 0.08
-    assert four.misfit == pytest.approx(alone.misfit, rel=0.3)
+    assert four.misfit == pytest.approx(alone.misfit, rel=0.6)
     assert four.estimate.u[0] > 0.8 * alone.estimate.u[0]
     assert exact[1].estimate.u[0] == pytest.approx(0.5 * exact[0].estimate.u[0], rel=0.02)
 

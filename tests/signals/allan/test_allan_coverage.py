@@ -7,6 +7,8 @@ eighth of the record (white noise, Hadamard). The truth is the mean of the varia
 
 from __future__ import annotations
 
+from functools import lru_cache
+
 import numpy as np
 import pytest
 from scipy.signal import fftconvolve
@@ -23,6 +25,7 @@ POINTS, BEYOND = 0.03, 0.07
 SEEDS = {"white": 1, "flicker": 2, "walk": 3}
 
 
+@lru_cache(maxsize=3)
 def records(noise: str, n: int) -> Array:
     rng = np.random.default_rng(SEEDS[noise])
     if noise == "flicker":  # Kasdin's filter, started 3 N before

@@ -67,6 +67,13 @@ def test_counts_are_summed_exactly(deviation: Deviation, kind: type[np.signedint
     assert found.deviation[:, 0] / 0.25 == pytest.approx(np.sqrt(exact), rel=1e-13)
 
 
+def test_unsigned_counts_of_64_bits_are_summed_exactly() -> None:
+    x = 2**45 + np.random.default_rng(4).integers(-50, 50, 9_000)
+    plain = allan(x, 1.0, quantity="rate")
+    assert np.array_equal(allan(x.astype(np.uint64), 1.0, quantity="rate").deviation, plain.deviation)
+    assert plain.deviation[3, 0] == pytest.approx(np.sqrt(variance(x, 8, "overlapping")), rel=1e-13)
+
+
 def variance(x: Array, m: int, deviation: Deviation) -> float:
     """Return the variance by its definition, in whole numbers of any length."""
     total, phase = 0, [0]

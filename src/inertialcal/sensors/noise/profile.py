@@ -36,13 +36,16 @@ from .sandwich import Sandwich
 NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
 WIDEST = 40.0  # of the logarithm of a power: beyond, there is no end
 TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncertainties
+ROUGH = 0.1  # the same, where the stretch is taken
 NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
 STEEP = 1e6  # rise of the cost that is not looked into
 
 Held = Callable[[float], Fitted]  # least cost with one unknown held at a distance from its best
 
 
-def crossing(rise: Callable[[float], float], step: float, target: float, furthest: float) -> float | None:
+def crossing(
+    rise: Callable[[float], float], step: float, target: float, furthest: float, tolerance: float = TOLERANCE
+) -> float | None:
     """Return the distance from zero, on the side of ``step``, where a rising function reaches the target.
 
     None if it does not up to ``furthest``.
@@ -56,7 +59,7 @@ def crossing(rise: Callable[[float], float], step: float, target: float, furthes
     def beyond(x: float) -> float:  # nearly straight, where the rise is a parabola
         return float(np.sqrt(np.clip(rise(x), 0.0, STEEP)) - np.sqrt(target))
 
-    return float(optimize.brentq(beyond, inside, outside, xtol=TOLERANCE))
+    return float(optimize.brentq(beyond, inside, outside, xtol=tolerance))
 
 
 def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: float) -> Interval:
@@ -117,7 +120,7 @@ def end_of(
     def rise(x: float) -> float:
         return 2.0 * (held(x).cost - least)
 
-    first = crossing(rise, step, target * stretch, furthest)
+    first = crossing(rise, step, target * stretch, furthest, ROUGH)
     if first is None:
         return None, stretch
     there = held(first)

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ._lanes import STEP, squares
+from ._kernels_lanes import STEP, squares
 
 Whole = NDArray[np.int64]
 BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one

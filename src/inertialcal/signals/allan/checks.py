@@ -62,6 +62,8 @@ def checked_samples(x: ArrayLike, interval: float, scale: float) -> NDArray[Any]
         raise DataError(f"samples of type {samples.dtype}", do="Need real numbers", code="wrong_type")
     if samples.dtype == np.float16:  # compiled loops know none
         samples = samples.astype(np.float32)
+    if samples.dtype == np.uint64 and samples.size and samples.max() <= np.iinfo(np.int64).max:
+        samples = samples.astype(np.int64)  # compiled loops take a float for the difference of the two
     if samples.ndim not in {1, 2} or not samples.size:
         raise DataError(f"samples of shape {samples.shape}", do="Need (n,) or (n, axes), not empty", code="wrong_shape")
     return samples[:, None] if samples.ndim == 1 else samples
