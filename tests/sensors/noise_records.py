@@ -45,7 +45,7 @@ def values(found: NoiseFit) -> dict[str, float]:
 
 def exact_run(terms: tuple[Term, ...], n: int, interval: float, averaging: float | None = None) -> Run:
     """The Allan variances that terms are expected to have."""
-    m = 2.0 ** np.arange(int(np.log2(n / 4)) + 1)
+    m: Array = np.exp2(np.arange(np.floor(np.log2(n / 4)) + 1.0))
     phase, pairs = total_phase(terms, interval, averaging), n - 2.0 * m + 1.0
     variance = expected_variance(terms, m, interval, averaging)
     edf = model_edf(variance, covariance_of_allan(phase, m, pairs))

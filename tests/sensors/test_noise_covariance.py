@@ -11,7 +11,7 @@ from scipy.optimize import minimize, nnls
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.noise import _kernels as kernels
 from inertialcal.sensors.noise.allan_of_terms import expected_variance
-from inertialcal.sensors.noise.covariance_of_allan import covariance_of_allan, model_edf
+from inertialcal.sensors.noise.covariance_of_allan import covariance_of_allan, model_edf, noise_on_line
 from inertialcal.sensors.noise.phase import Phase
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import (
@@ -31,7 +31,7 @@ QUADRATURE = 1e-3  # of a correlation or variance: panels of distances
 END_EFFECTS = 0.01  # the same, of a line that a record holds many cycles of
 DEAD_TIME = 0.025  # the same, of flicker with dead time, whose short part is taken as white
 N = 2048
-M = 2 ** np.arange(10)
+M: Array = np.exp2(np.arange(10.0))
 
 MIXTURES: list[tuple[Term, ...]] = [
     (RandomWalk(1.0),),
@@ -54,7 +54,7 @@ def every_distance(phase: Phase, m: Array, n: Array, line: Phase | None = None) 
     for i in range(k):
         for j in range(k):
             lag = np.arange(-(n[i] - 1), n[j])
-            at = [(w[a] * w[b], np.abs(lag + b * m[j] - a * m[i])) for a in range(3) for b in range(3)]
+            at = [(w[a] * w[b], np.abs(lag + b * m[j] - a * m[i]).astype(int)) for a in range(3) for b in range(3)]
             s, mu = (sum(weight * of[lags] for weight, lags in at) / (m[i] * m[j]) for of in (noise, known))
             pairs = np.minimum(n[i], n[j] - lag) - np.maximum(0, -lag)
             out[i, j] = np.sum(pairs * (s**2 / 2 + (mu + phase.ramp**2 * m[i] * m[j]) * s)) / (n[i] * n[j])
@@ -74,27 +74,32 @@ def test_is_the_sum_over_all_distances(terms: tuple[Term, ...], averaging: float
     assert np.max(np.abs(found - exact) / np.outer(unit, unit)) < tolerance
 
 
-def test_a_line_adds_what_noise_at_its_frequency_does() -> None:
+def test_noise_on_a_line_is_the_sum_over_all_distances() -> None:
     noise, line = (RandomWalk(1.0), GaussMarkov(0.5, 10.0)), Sinusoid(20.0, 0.11)
-    n = N - 2 * M + 1
-    exact = every_distance(total_phase(noise, 1.0), M, n, total_phase((line,), 1.0))
-    found = covariance_of_allan(total_phase((*noise, line), 1.0), M, n)
+    n, phase = N - 2 * M + 1, total_phase(noise, 1.0)
+    exact = every_distance(phase, M, n, total_phase((line,), 1.0))
+    both = total_phase((*noise, line), 1.0)
+    found = covariance_of_allan(phase, M, n) + noise_on_line(both, both.cosines[0], M, n)
     unit = np.sqrt(np.diag(exact))
-    assert exact[0, 0] > 3.0 * every_distance(total_phase(noise, 1.0), M[:1], n[:1])[0, 0]
+    assert exact[0, 0] > 3.0 * every_distance(phase, M[:1], n[:1])[0, 0]
     assert np.max(np.abs(found - exact) / np.outer(unit, unit)) < END_EFFECTS
 
 
-def test_is_that_of_simulated_records() -> None:
-    terms = (RandomWalk(1.0), RateRandomWalk(0.03))
+@pytest.mark.parametrize(
+    "terms",
+    [(RandomWalk(1.0), RateRandomWalk(0.03)), (RandomWalk(0.03), Sinusoid(0.5, 0.037), Sinusoid(0.3, 0.041))],
+    ids=["walk", "lines"],
+)
+def test_is_that_of_simulated_records(terms: tuple[Term, ...]) -> None:
     rng = np.random.default_rng(3)
     records = np.column_stack([simulate(terms, 1024, 1.0, rng) for _ in range(2000)])
     curve = allan(records, 1.0, quantity="rate", noise=0)
-    used = curve.m <= 256
+    used = curve.m <= 128
     seen = np.cov(curve.deviation[used] ** 2)
     found = covariance_of_allan(total_phase(terms, 1.0), curve.m[used].astype(float), curve.n[used, 0].astype(float))
     unit = np.sqrt(np.diag(seen))
     assert np.diag(found) == pytest.approx(np.diag(seen), rel=0.2)
-    assert np.max(np.abs(found - seen) / np.outer(unit, unit)) < 0.15
+    assert np.max(np.abs(found - seen) / np.outer(unit, unit)) < 0.2
 
 
 def test_white_noise_has_the_published_degrees_of_freedom() -> None:
@@ -107,7 +112,7 @@ def test_white_noise_has_the_published_degrees_of_freedom() -> None:
 
 
 def test_compiled_and_plain_loops_agree() -> None:
-    m = M[:3].astype(float)
+    m = M[:3]
     sizes, exponentials = np.array([0.1, 1.0, 0.01, 0.2]), np.array([[0.09, 0.1, 100.0, 1e-3]])
     args = 2.0, 4.0, 99.0, 95.0, 50.0, sizes, 0.1, exponentials
     assert kernels.covariance_of_pair.py_func(*args) == pytest.approx(kernels.covariance_of_pair(*args), rel=1e-12)

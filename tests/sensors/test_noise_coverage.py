@@ -79,7 +79,7 @@ def test_intervals_cover_the_truth_in_many_records(name: str) -> None:
 def test_intervals_of_runs_fitted_together_cover_the_truth() -> None:
     terms, counts = (RandomWalk(1.0), RateRandomWalk(0.5)), [0, 0]
     for seed in range(1, 1001):
-        runs = [curve(terms, n, 0.01, 10 * seed + i) for i, n in enumerate((2000, 3000, 4000))]
+        runs = [curve(terms, n, 0.01, 10 * seed + i) for i, n in enumerate((2000, 4000))]
         found = fit(runs, "gyro", terms=names(terms))
         for i, hit in enumerate(hits(found, terms).values()):
             counts[i] += hit
@@ -133,7 +133,7 @@ def test_pure_white_noise_names_no_other_term() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("n", "records"), [(1000, 400), (4000, 400), (100_000, 200)])
+@pytest.mark.parametrize(("n", "records"), [(4000, 400), (100_000, 200)])
 def test_pure_white_noise_names_no_other_term_in_many_records(n: int, records: int) -> None:
     assert named_on_white(n, records) >= 0.95 * records
 
@@ -159,14 +159,15 @@ def test_upper_limits_hold() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("term", [RateRandomWalk(0.3), BiasInstability(0.5), GaussMarkov(0.7, 0.3)])
+@pytest.mark.parametrize("term", [RateRandomWalk(0.3), BiasInstability(0.5)])
 def test_upper_limits_hold_in_many_records(term: Term) -> None:
     check_limits((RandomWalk(1.0), term), 200, 21)  # 10 expected; 0.1 % of such counts are more
 
 
 def missing_scatter(records: int) -> tuple[Array, Array]:
     """Coefficients of whole records, and of the same with a tenth missing: half one by one, half in bursts."""
-    whole, holed = [], []
+    whole: list[list[float]] = []
+    holed: list[list[float]] = []
     for seed in range(1, records + 1):
         y = record(WALK, 10_000, 0.01, seed)
         gaps, rng = y.copy(), np.random.default_rng(seed)

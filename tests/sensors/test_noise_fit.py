@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from noise_records import GMWM, WALK, curve, exact_run, fitted, names, record, values
 
-from inertialcal.core.errors import DataError
+from inertialcal.core.errors import DataError, PlanError
 from inertialcal.sensors.noise.fit import fit
 from inertialcal.sensors.noise.planner import plan_record
 from inertialcal.sensors.noise.runs import Run
@@ -220,6 +220,12 @@ def test_what_cannot_be_fitted_is_refused() -> None:
         fit(replace(run, variance=run.tau**2), "gyro")
     with pytest.raises(DataError, match="a curve of 2 axes"):
         fit(allan(np.column_stack([y, y]), 0.01, quantity="rate"), "gyro")
+    with pytest.raises(DataError, match="axis 2 of a curve of 2"):
+        fit(allan(np.column_stack([y, y]), 0.01, quantity="rate"), "gyro", axis=2)
+    with pytest.raises(PlanError, match="intervals of probability 95"):
+        fit(run, "gyro", p=95.0)
+    with pytest.raises(DataError, match=r"0 averaging time\(s\)"):
+        fit(replace(run, variance=np.full(len(run.m), np.nan)), "gyro")
     with pytest.raises(DataError, match="no Allan deviation to fit"):
         fit([], "gyro")
 

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import Deviation, allan
@@ -74,7 +75,7 @@ def test_unsigned_counts_of_64_bits_are_summed_exactly() -> None:
     assert plain.deviation[3, 0] == pytest.approx(np.sqrt(variance(x, 8, "overlapping")), rel=1e-13)
 
 
-def variance(x: Array, m: int, deviation: Deviation) -> float:
+def variance(x: NDArray[Any], m: int, deviation: Deviation) -> float:
     """Return the variance by its definition, in whole numbers of any length."""
     total, phase = 0, [0]
     for value in x.tolist():

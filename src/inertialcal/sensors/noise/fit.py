@@ -16,7 +16,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from ...core.errors import DataError
+from ...core.errors import DataError, PlanError
 from .fit_remarks import remarks_of
 from .found_terms import Solution, estimate_of, estimated, not_identified
 from .goodness import SIGNIFICANT, agreement_test, residual_test
@@ -75,7 +75,11 @@ def fit(
     DataError
         If a curve carries too little, is constant, without noise, of another deviation, or in a unit of something
         else, or a term is not known.
+    PlanError
+        If the probability is not between 0 and 1.
     """
+    if not 0.0 < p < 1.0:
+        raise PlanError(f"intervals of probability {p:g}", do="Give one between 0 and 1: 0.95", code="probability")
     several = list(curves) if isinstance(curves, Sequence) else [curves]
     if not several:
         raise DataError("no Allan deviation to fit", do="Give that of one run, or of several", code="too_short")

@@ -156,12 +156,15 @@ def _column(values: Array, axis: int | None) -> Array:
         return values
     if axis is None and values.shape[1] != 1:
         raise DataError(f"a curve of {values.shape[1]} axes", do="Say which: axis=0, 1, ...", code="axis")
+    if axis is not None and not 0 <= axis < values.shape[1]:
+        raise DataError(f"axis {axis} of a curve of {values.shape[1]}", do="The first is axis=0", code="axis")
     return np.asarray(values[:, axis or 0])
 
 
 def _usable(run: Run) -> Run:
     """Keep octaves with something in them."""
-    if not np.any(run.variance > 0.0):
+    there = run.variance[np.isfinite(run.variance)]
+    if len(there) and not np.any(there > 0.0):
         raise DataError(
             "the Allan deviation is zero throughout",
             why="a constant channel has no noise that could be told",
