@@ -50,7 +50,7 @@ def check_coverage(case: Case, records: int) -> None:
 
 @pytest.mark.parametrize(
     ("terms", "records"),
-    [(WALK, 300), ((RandomWalk(1.0), GaussMarkov(2.0, 0.3)), 100)],
+    [(WALK, 300), ((RandomWalk(1.0), GaussMarkov(2.0, 0.3)), 60)],
     ids=["walk", "gauss_markov"],
 )
 def test_intervals_cover_the_truth(terms: tuple[Term, ...], records: int) -> None:
@@ -58,11 +58,9 @@ def test_intervals_cover_the_truth(terms: tuple[Term, ...], records: int) -> Non
 
 
 MANY: dict[str, Case] = {
-    "walk": ((RandomWalk(1.0), RateRandomWalk(0.3)), 10_000, 0.01, None, False),
-    "walk_chosen": ((RandomWalk(1.0), RateRandomWalk(3.0)), 6000, 0.01, None, True),
-    "bias_instability": ((RandomWalk(1.0), BiasInstability(1.5)), 6000, 0.01, None, False),
+    "walk, terms chosen": ((RandomWalk(1.0), RateRandomWalk(3.0)), 6000, 0.01, None, True),
     "quantization": ((Quantization(0.05), RandomWalk(1.0)), 10_000, 0.01, None, False),
-    "dead_time": ((RandomWalk(1.0), BiasInstability(0.3), RateRandomWalk(0.03)), 8000, 2.0, 1.0, False),
+    "dead time": ((RandomWalk(1.0), BiasInstability(0.3), RateRandomWalk(0.03)), 8000, 2.0, 1.0, False),
     "ramp": ((RandomWalk(1.0), RateRamp(0.05)), 10_000, 0.01, None, False),
     "gauss_markov": ((RandomWalk(1.0), GaussMarkov(2.0, 0.5)), 8000, 0.01, None, False),
     "line": ((RandomWalk(0.01), Sinusoid(0.5, 0.37)), 10_000, 0.1, None, False),
@@ -129,7 +127,7 @@ def named_on_white(n: int, records: int) -> int:
 
 
 def test_pure_white_noise_names_no_other_term() -> None:
-    assert named_on_white(4000, 60) >= 0.95 * 60
+    assert named_on_white(4000, 40) >= 0.95 * 40
 
 
 @pytest.mark.slow
@@ -155,7 +153,7 @@ def check_limits(terms: tuple[Term, ...], records: int, most: int) -> None:
 
 
 def test_upper_limits_hold() -> None:
-    check_limits((RandomWalk(1.0), RateRandomWalk(0.2)), 60, 9)  # 3 expected; 0.2 % of such counts are more
+    check_limits((RandomWalk(1.0), RateRandomWalk(0.2)), 40, 7)  # 2 expected; 0.1 % of such counts are more
 
 
 @pytest.mark.slow
@@ -187,7 +185,7 @@ def check_missing(records: int, margin: float) -> None:
 
 
 def test_a_tenth_of_samples_missing_changes_little() -> None:
-    check_missing(40, 1.25)
+    check_missing(30, 1.3)
 
 
 @pytest.mark.slow
@@ -207,11 +205,11 @@ def test_residual_test_seldom_rejects_what_explains(terms: tuple[Term, ...], n: 
 
 def test_agreement_of_runs_is_seldom_denied() -> None:
     tests = []
-    for seed in range(1, 61):
+    for seed in range(1, 41):
         runs = [curve(WALK, 4000, 0.01, 1000 + 3 * seed + i) for i in range(3)]
         found = fit(runs, "gyro", terms=names(WALK)).agreement
         assert found is not None
         tests.append(found)
     assert {test.dof for test in tests} == {4}
-    assert sum(test.p < 0.01 for test in tests) <= 5
-    assert np.mean([test.statistic for test in tests]) == pytest.approx(4.0, abs=4.0 * np.sqrt(8.0 / 60.0))
+    assert sum(test.p < 0.01 for test in tests) <= 4
+    assert np.mean([test.statistic for test in tests]) == pytest.approx(4.0, abs=4.0 * np.sqrt(8.0 / 40.0))
