@@ -15,7 +15,7 @@ from inertialcal.campaign.starter import start
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate
-from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk, Sinusoid
+from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk, Sinusoid, Term
 
 SAMPLES, INTERVAL = 6_000, 0.02
 WALK, RATE_WALK = 7e-5, 4e-5  # rad/sqrt(s), rad/s/sqrt(s)
@@ -49,7 +49,9 @@ Make = Callable[..., Path]
 
 def rates(seed: int = 1) -> dict[str, Any]:
     rng = np.random.default_rng(seed)
-    terms = {"x": (RandomWalk(WALK), Sinusoid(2e-3, 9.97)), "y": (RandomWalk(WALK), RateRandomWalk(RATE_WALK))}
+    terms: dict[str, tuple[Term, ...]] = {
+        "x": (RandomWalk(WALK), Sinusoid(2e-3, 9.97)), "y": (RandomWalk(WALK), RateRandomWalk(RATE_WALK))
+    }  # fmt: skip
     found = {axis: np.degrees(simulate(own, SAMPLES, INTERVAL, rng)) for axis, own in terms.items()}
     found["y"][3000:3100] += 2.0 * np.sin(np.arange(100) / 3.0)  # a knock
     return found

@@ -60,8 +60,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "allan", "psd", "result", "estimate", "check", "run", "model",
-         "compare", "judged", "simulate", "score")  # fmt: skip
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "allan", "psd", "result", "estimate", "check",
+         "run", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 
 class Cells(HTMLParser):

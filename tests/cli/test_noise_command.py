@@ -18,7 +18,7 @@ from inertialcal.sensors.noise.terms import RandomWalk
 
 N, INTERVAL = 6_000, 0.01
 WALK = 0.24  # deg/sqrt(h)
-STAMPS = np.arange(N) * INTERVAL
+STAMPS: NDArray[np.float64] = np.asarray(np.arange(N) * INTERVAL, dtype=np.float64)
 
 Write = Callable[..., str]
 

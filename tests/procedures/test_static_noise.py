@@ -19,6 +19,7 @@ from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Row, is_beside
 from inertialcal.procedures import static_noise as noise
 from inertialcal.procedures.static_noise.record_length import Reach, sentence
+from inertialcal.sensors.noise.noise_fit import duration
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,
@@ -49,7 +50,7 @@ def recording(values: NDArray[Any], interval: float = 0.02, time_ns: NDArray[np.
 
 
 def stamps(n: int, interval: float = 0.02) -> NDArray[np.int64]:
-    return np.rint(np.arange(n) * interval * SECOND).astype(np.int64)
+    return np.asarray(np.rint(np.arange(n) * interval * SECOND), dtype=np.int64)
 
 
 def reduced(values: NDArray[Any], plan: noise.Plan = GYRO, **more: Any) -> noise.Result:
@@ -73,7 +74,9 @@ def codes(found: noise.Result) -> set[str]:
 
 
 def test_terms_of_averages_with_dead_time_are_found_in_their_intervals() -> None:
-    terms = {"x": (RandomWalk(WALK), BiasInstability(FLICKER)), "y": (RandomWalk(WALK), RateRandomWalk(RATE_WALK))}
+    terms: dict[str, tuple[Term, ...]] = {
+        "x": (RandomWalk(WALK), BiasInstability(FLICKER)), "y": (RandomWalk(WALK), RateRandomWalk(RATE_WALK))
+    }  # fmt: skip
     found = noise.reduce(GYRO, records(terms, seed=3, interval=2.0, averaging=1.0, samples=40_000))
     truth = {("angle_random_walk", "x"): WALK, ("angle_random_walk", "y"): WALK, ("bias_instability", "x"): FLICKER,
              ("rate_random_walk", "y"): RATE_WALK}  # fmt: skip
@@ -282,7 +285,31 @@ def test_the_scale_factor_adds_to_every_size_and_is_shared() -> None:
     i, j = (estimate.index(f"angle_random_walk_{axis}") for axis in "xy")
     correlation = estimate.covariance[i, j] / (estimate.u[i] * estimate.u[j])
     assert correlation == pytest.approx(1.0, abs=0.05)
+    assert estimate.u[i] == pytest.approx(after.u)  # covariance and row are of one mind
     assert "relative_to_fixture" in codes(plain) - codes(found)
+
+
+def test_an_upper_limit_says_which_record_would_show_the_term() -> None:
+    found = noise.reduce(GYRO, records({"x": (RandomWalk(WALK),)}))
+    row = row_of(found, "rate_random_walk")
+    (axis,) = found.axes
+    assert axis.fit is not None
+    term = next(one for one in axis.fit.found if "rate_random_walk" in one.words)
+    assert term.record_needed is not None
+    assert term.record_needed > term.record
+    assert row.reason == f"{term.reason}; a record of {duration(term.record_needed)} would show it at this limit"
+
+
+def test_the_averaging_time_of_a_recording_is_taken() -> None:
+    values = white()
+    one = recording(values, 2.0)
+    rows = [
+        row_of(
+            noise.reduce(GYRO, noise.readings_from(GYRO, [noise.AtRest(own, {"x": "gx"})])), "angle_random_walk"
+        ).value
+        for own in (one, replace(one, averaging_time=1.0))
+    ]
+    assert rows[0] == pytest.approx((rows[1] or 0.0) * np.sqrt(2.0), rel=1e-3)  # half of the time is not seen
 
 
 def test_a_one_sided_bound_lies_inside_the_interval() -> None:
@@ -391,7 +418,7 @@ def test_terms_follow_the_scale_and_never_the_level(scale: float, offset: float)
 def test_the_order_of_axes_changes_nothing() -> None:
     readings = records({"x": (RandomWalk(WALK),), "y": (RandomWalk(2 * WALK),)})
     run = readings.records[0]
-    turned = replace(run, values=dict(reversed(run.values.items())))
+    turned = replace(run, values={axis: run.values[axis] for axis in sorted(run.values, reverse=True)})
     one, other = (
         {(r.quantity, r.axis): r.value for r in noise.reduce(GYRO, noise.Readings((each,))).rows()}
         for each in (run, turned)

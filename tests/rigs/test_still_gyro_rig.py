@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from inertialcal.campaign.in_memory import fit_results
+from inertialcal.campaign.run import run
 from inertialcal.campaign.score import coverage
+from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.rigs import still_gyro
 from inertialcal.rigs.still_gyro import Bench, build
@@ -58,6 +61,20 @@ def test_the_same_seed_gives_the_same_record() -> None:
     one, other = (build(SMALL, 5).recordings["recordings/still1.csv"].channel("z").data for _ in range(2))
     assert np.array_equal(one, other)
     assert not np.array_equal(one, build(SMALL, 6).recordings["recordings/still1.csv"].channel("z").data)
+
+
+def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
+    twin = build(SMALL, 4)
+    (tmp_path / "recordings").mkdir()
+    for file, recording in twin.recordings.items():
+        (tmp_path / file).write_text(csv_text(recording), encoding="utf-8")
+    (tmp_path / "campaign.toml").write_text(twin.campaign, encoding="utf-8")
+    files = {(r["quantity"], r["axis"], r["condition"]): r for r in run(tmp_path, write=False).results["results"]}
+    (result,) = fit_results(twin)
+    (axis,) = [one for one in result.rows() if (one.quantity, one.axis) == ("angle_random_walk", "x")]
+    shown = files["angle_random_walk", "x", ""]
+    assert shown["value"] == axis.value
+    assert shown["u"] == axis.u
 
 
 @pytest.mark.slow

@@ -59,9 +59,8 @@ def test_intervals_cover_the_truth(terms: tuple[Term, ...], records: int) -> Non
 
 MANY: dict[str, Case] = {
     "walk, terms chosen": ((RandomWalk(1.0), RateRandomWalk(3.0)), 6000, 0.01, None, True),
-    "quantization": ((Quantization(0.05), RandomWalk(1.0)), 10_000, 0.01, None, False),
+    "quantization and ramp": ((Quantization(0.05), RandomWalk(1.0), RateRamp(0.05)), 10_000, 0.01, None, False),
     "dead time": ((RandomWalk(1.0), BiasInstability(0.3), RateRandomWalk(0.03)), 8000, 2.0, 1.0, False),
-    "ramp": ((RandomWalk(1.0), RateRamp(0.05)), 10_000, 0.01, None, False),
     "gauss_markov": ((RandomWalk(1.0), GaussMarkov(2.0, 0.5)), 8000, 0.01, None, False),
     "line": ((RandomWalk(0.01), Sinusoid(0.5, 0.37)), 10_000, 0.1, None, False),
 }
@@ -75,9 +74,9 @@ def test_intervals_cover_the_truth_in_many_records(name: str) -> None:
 
 @pytest.mark.slow
 def test_intervals_of_runs_fitted_together_cover_the_truth() -> None:
-    terms, counts = (RandomWalk(1.0), RateRandomWalk(0.5)), [0, 0]
+    terms, counts = (RandomWalk(1.0), RateRandomWalk(2.0)), [0, 0]
     for seed in range(1, 1001):
-        runs = [curve(terms, n, 0.01, 10 * seed + i) for i, n in enumerate((2000, 4000))]
+        runs = [curve(terms, n, 0.01, 10 * seed + i) for i, n in enumerate((1000, 2000))]
         found = fit(runs, "gyro", terms=names(terms))
         for i, hit in enumerate(hits(found, terms).values()):
             counts[i] += hit
@@ -131,7 +130,7 @@ def test_pure_white_noise_names_no_other_term() -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("n", "records"), [(4000, 400), (100_000, 200)])
+@pytest.mark.parametrize(("n", "records"), [(4000, 300), (100_000, 200)])
 def test_pure_white_noise_names_no_other_term_in_many_records(n: int, records: int) -> None:
     assert named_on_white(n, records) >= 0.95 * records
 
@@ -185,7 +184,7 @@ def check_missing(records: int, margin: float) -> None:
 
 
 def test_a_tenth_of_samples_missing_changes_little() -> None:
-    check_missing(30, 1.3)
+    check_missing(40, 1.25)
 
 
 @pytest.mark.slow

@@ -69,7 +69,7 @@ def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str
     reason, limit = _why(term), term.upper_limit
     others = term.words
     if limit is not None:
-        word, *others = term.words
+        word, others = term.words[0], term.words[1:]
         row = Row(word, axis, limit, None, units[word], None, Interval(0.0, limit, 0.95), "upper_limit", reason)
         yield widened(row, result.plan.standards)
     yield from (not_estimated(word, axis, units[word], term.reason) for word in others)
