@@ -93,3 +93,12 @@ def test_the_first_minute_of_a_hand_held_record_in_counts(capsys: pytest.Capture
     walks = values(content, "angle_random_walk")
     assert len(walks) == 3
     assert all(0.3 < walk < 6.0 for walk in walks)  # Xsens MTi: 0.05 deg/s/sqrt(Hz), 3 deg/sqrt(h)
+
+
+def test_a_filtered_record_of_vibration_has_terms_but_they_do_not_explain_it(
+    capsys: pytest.CaptureFixture[str], shared: Path
+) -> None:
+    (path,) = (shared / "data/pims_pad").glob("*.121f03006")
+    content = allan(capsys, path)
+    assert any(row["quantity"] == "line_amplitude" for row in content["results"])
+    assert len(remarks(content, "terms_do_not_explain")) == 3

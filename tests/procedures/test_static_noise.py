@@ -297,7 +297,7 @@ def test_an_upper_limit_says_which_record_would_show_the_term() -> None:
     term = next(one for one in axis.fit.found if "rate_random_walk" in one.words)
     assert term.record_needed is not None
     assert term.record_needed > term.record
-    assert row.reason == f"{term.reason}; a record of {duration(term.record_needed)} would show it at this limit"
+    assert row.reason == f"record too short; {duration(term.record_needed)} would show it at this limit"
 
 
 def test_the_averaging_time_of_a_recording_is_taken() -> None:

@@ -112,7 +112,7 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
         return AxisNoise(axis, (), None, problems[0], (), _no_terms(axis, problems[0]))
     lines = lines_to_fit([one.spectral for one in records])
     try:
-        found_terms = _fitted(plan, records, lines)
+        found_terms, lines = _with_lines(plan, records, lines)
     except DataError as error:
         problem = error.problems[0]
         return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)))
@@ -166,6 +166,18 @@ def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -
     terms = "auto" if plan.terms is None else tuple(plan.terms)
     curves = [one.curve for one in records]
     return fit(curves, plan.kind, terms=terms, lines=lines, axis=0, unit=plan.unit)
+
+
+def _with_lines(
+    plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]
+) -> tuple[NoiseFit, tuple[float, ...]]:
+    """Return the fit and the lines in it: none where terms chosen beside them are without noise."""
+    try:
+        return _fitted(plan, records, lines), lines
+    except DataError as error:
+        if error.problems[0].code != "no_noise" or not lines or plan.terms is not None:
+            raise
+    return _fitted(plan, records, ()), ()
 
 
 def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...], several: int) -> Recorded:

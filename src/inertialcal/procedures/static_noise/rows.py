@@ -6,6 +6,7 @@ Conditions: none for the result, from all records together; ``"run NAME alone"``
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
 FILE_UNIT = "file unit"  # of samples whose unit nobody said
 LINE = "line at "
+CRITERION = re.compile(r" \(\+[0-9.]+\)$")
 
 
 def rows(result: Result) -> Iterator[Row]:
@@ -72,14 +74,19 @@ def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str
         word, others = term.words[0], term.words[1:]
         row = Row(word, axis, limit, None, units[word], None, Interval(0.0, limit, 0.95), "upper_limit", reason)
         yield widened(row, result.plan.standards)
-    yield from (not_estimated(word, axis, units[word], term.reason) for word in others)
+    yield from (not_estimated(word, axis, units[word], _reason(term)) for word in others)
 
 
 def _why(term: FoundTerm) -> str:
     """Say why a term was not found, and which record would show it."""
     if term.record_needed is None or term.record_needed <= term.record:
-        return term.reason
-    return f"{term.reason}; a record of {duration(term.record_needed)} would show it at this limit"
+        return _reason(term)
+    return f"{_reason(term)}; {duration(term.record_needed)} would show it at this limit"
+
+
+def _reason(term: FoundTerm) -> str:
+    """Return why a term was not found, without the number of the criterion, which tells a reader nothing."""
+    return CRITERION.sub("", term.reason)
 
 
 def _lines(result: Result, axis: str, record: Recorded, several: bool) -> Iterator[Row]:
