@@ -340,6 +340,20 @@ def test_every_quantity_condition_and_curve_of_a_flip_is_documented(tmp_path: Pa
             assert all(f"`{name}`" in columns for name in curve["columns"]), curve["name"]
 
 
+def test_every_quantity_condition_and_curve_of_noise_is_documented(tmp_path: Path) -> None:
+    page = (DOCS / "procedures" / "static_noise.md").read_text(encoding="utf-8")
+    words, curves = ((DOCS / name).read_text(encoding="utf-8") for name in ("words.md", "results.md"))
+    found = ic.run(build("still_gyro", tmp_path / "still"), write=False).results
+    for row in found["results"]:
+        told = re.sub("run .* alone", "run NAME alone", row["condition"])
+        assert f"`{row['quantity']}`" in page, row["quantity"]
+        assert not told or f"`{told}`" in words, row["condition"]
+    for curve in found["curves"]:
+        columns = rows_after(curves, "A curve has")[curve["name"]][2]
+        terms = {name for name in curve["columns"] if f"`{name}`" in page}
+        assert all(f"`{name}`" in columns for name in set(curve["columns"]) - terms), curve["name"]
+
+
 def test_every_remark_of_a_procedure_is_documented() -> None:
     code = re.compile(r'Remark\(\s*"(\w+)"')
     for procedure in PROCEDURES:

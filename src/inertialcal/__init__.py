@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from .campaign.score import score
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
+    from .campaign.single_noise import allan
+    from .campaign.single_spectrum import psd
     from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
     from .files import read
@@ -30,6 +32,7 @@ if TYPE_CHECKING:
     from .report.plot import plot
 
 __all__ = [
+    "allan",
     "check",
     "compare",
     "compensate",
@@ -37,6 +40,7 @@ __all__ = [
     "info",
     "load_model",
     "plot",
+    "psd",
     "rate_table",
     "read",
     "read_table",
@@ -48,6 +52,8 @@ __all__ = [
 ]
 
 _HOMES = {
+    "allan": ("campaign.single_noise", "allan"),
+    "psd": ("campaign.single_spectrum", "psd"),
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),

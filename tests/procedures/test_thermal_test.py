@@ -348,9 +348,11 @@ def test_earth_rate_of_two_attitudes_is_no_offset() -> None:
     plans = (plan(), plan(attitude=replace(KNOWN, azimuth=2.5)))
     earth = [earth_along(one)[0][0] for one in plans]
     assert abs(earth[0] - earth[1]) > 1e-5
-    turned, other = (
-        reduce(one, readings(lambda T, e=e: cubic(T) + e, noise=1e-9)) for one, e in zip(plans, earth, strict=True)
-    )
+
+    def reduced(number: int) -> Result:
+        return reduce(plans[number], readings(lambda T: cubic(T) + earth[number], noise=1e-9))
+
+    turned, other = reduced(0), reduced(1)
     assert offset_rows(turned, other, "air", "bias_shift")[0].value == pytest.approx(0.0, abs=1e-8)
 
 

@@ -21,7 +21,7 @@ LARGEST_PAGE = 2_000_000  # bytes
 LARGEST_PDF = 5_000_000  # bytes
 
 
-@pytest.fixture(scope="module", params=["published", "simulated"])
+@pytest.fixture(scope="module", params=["published", "simulated", "still"])
 def report(request: pytest.FixtureRequest, reports: dict[str, Path]) -> Path:
     return reports[request.param]
 

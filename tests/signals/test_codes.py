@@ -101,3 +101,9 @@ def test_a_rate_that_is_set_in_steps_is_not_clipped() -> None:
     ramps = np.linspace(-4.0, 4.0, 23)
     assert _rails(np.concatenate([levels, ramps])) == ()
     assert len(_rails(np.clip(np.random.default_rng(1).normal(0.0, 3.0, 2000), -4.5, 4.5))) == 2
+
+
+def test_noise_far_below_the_step_is_not_stuck_though_one_code_lasts_long() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(50):
+        assert not is_stuck(np.rint(0.3 * rng.normal(size=20_000) + 0.2))

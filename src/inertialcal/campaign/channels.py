@@ -29,7 +29,7 @@ SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skip
 
 
 def prepare_recording(
-    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False
+    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False, complete: bool = True
 ) -> Recording:
     """Return the readings of a recording in body axes, SI, time in the middle of each average.
 
@@ -43,6 +43,8 @@ def prepare_recording(
         Whose chain, ground model and mounting apply.
     keep_bias : bool
         Whether the bias that a ground model predicts stays in.
+    complete : bool
+        Whether a literal NaN in a channel of an axis is refused; else it is a missing sample.
 
     Returns
     -------
@@ -55,7 +57,7 @@ def prepare_recording(
     DataError
         If the file or a column cannot be read, or as the chain says.
     """
-    recording = raw_recording(folder, entry)
+    recording = raw_recording(folder, entry, complete)
     model = chain_model(sensor, folder)
     if model is not None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
         what, why = f"recordings.{name}: its axes are not those of the sensor", "the ground model is for those"
@@ -63,8 +65,8 @@ def prepare_recording(
     return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor), model, keep_bias)
 
 
-def raw_recording(folder: Path, entry: RecordingEntry) -> Recording:
-    """Return the recording of an entry as its file has it.
+def raw_recording(folder: Path, entry: RecordingEntry, complete: bool = True) -> Recording:
+    """Return the recording of an entry as its file has it; `complete` as `prepare_recording` has it.
 
     Raises
     ------
@@ -76,7 +78,7 @@ def raw_recording(folder: Path, entry: RecordingEntry) -> Recording:
         folder / entry.file,
         time_column=(entry.clock or Clock()).column,
         frame=entry.frame,
-        required=[channels[axis].column for axis in channels if axis in AXES],
+        required=[channels[axis].column for axis in channels if axis in AXES and complete],
     )
 
 
@@ -272,12 +274,12 @@ def _instant(cell: str, utc: bool, where: str) -> int:
 
 
 def windowed(recording: Recording, test: Test) -> Recording:
-    """Keep the samples inside the windows of the test.
+    """Return the samples inside the windows of a test; all where it has none.
 
     Raises
     ------
     DataError
-        If the recording has no time in UTC, or no sample inside.
+        If the recording has no time in UTC (``no_time``), or no sample lies in them (``nothing_left``).
     """
     if not test.windows:
         return recording

@@ -10,6 +10,8 @@ from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor
+from ..procedures import static_noise
+from ..procedures.static_noise.scale import SCALE
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows
 from .cross_checks import MODELLED
@@ -55,15 +57,17 @@ def results_content(
     ]
     if modelled is not None:
         rows += [displayed(replace(row, test="model"), modelled_sensor(campaign).unit) for row in _model_rows(modelled)]
-    verdicts: list[Verdict] = []
+    judged: list[tuple[Verdict, str]] = []
+    units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     for requirement in campaign.file.requirements:
         found, more = judge(requirement, tested)
-        verdicts += found
+        judged += [(verdict, requirement.quantity) for verdict in found]
         known = {(row.test, row.quantity, row.axis, row.condition) for row in rows}
         new = [row for row in more if (row.test, row.quantity, row.axis, row.condition) not in known]
         rows += [displayed(row, unit) for row in new]
-    left_out = [*exclusion_rows(campaign, prepared), *thermal_exclusions(tested)]
+    verdicts = [verdict for verdict, _ in judged]
+    left_out = [*exclusion_rows(campaign, prepared, tested), *thermal_exclusions(tested)]
     results = {
         "schema": 1,
         "campaign": campaign.file.campaign.model_dump(),
@@ -79,7 +83,7 @@ def results_content(
         "curves": curves_content(campaign, tested, modelled),
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": RULE,
-        "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
+        "verdicts": [_verdict_row(verdict, units.get(verdict.test, unit), asked) for verdict, asked in judged],
         "closed_loop": _closed_loop(campaign, modelled, unit),
         "verification": _verification(campaign, verdicts, modelled),
     }
@@ -95,6 +99,8 @@ def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | 
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
     for one in tested:
+        if isinstance(one.result, static_noise.Result) and not one.result.plan.standards.get(SCALE):
+            continue  # the scatter of the noise is all there is
         unit = sensor_of(campaign, one.test).unit
         found += budget_rows(one.test.id, one.result.estimate, unit, one.result.plan)
     if modelled is not None:
@@ -114,9 +120,9 @@ def _covariance(one: Tested) -> dict[str, Any] | None:
     }
 
 
-def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
+def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str, Any]:
     relative = verdict.unit == "1"
-    unit = "%" if relative else display_unit("", verdict.unit, sensor_unit) if verdict.unit else ""
+    unit = "%" if relative else display_unit(quantity, verdict.unit, sensor_unit) if verdict.unit else ""
     scale = factor(verdict.unit, unit) if verdict.unit else 1.0
     interval = scaled_interval(verdict.interval, scale)
     lower, upper = scaled(verdict.lower, scale), scaled(verdict.upper, scale)

@@ -7,9 +7,10 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ..core.errors import DataError, InertialcalError, Problem
-from ..core.units import kind, normalise, parse_quantity
+from ..core.units import kind, normalise, parse_quantity, same_dimension
 from ..files.pad_pairs import pairs_of
 from ..procedures import PROCEDURES
+from . import noise_units as noise
 from .chains import build_chain, scale_factors
 from .conditions import parse_condition
 from .ground_checks import ground_checks
@@ -53,13 +54,18 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "reference_voltage": ("voltage",),
     "temperature_reference_voltage": ("voltage",),
 }
-# The kind of sensor that a procedure tests.
-SENSORS = {
-    "rate_table": ("gyro", "gyros"),
-    "flip": ("accelerometer", "accelerometers"),
-    "thermal": ("gyro", "gyros"),
+NOISE = {sensor: noise.data_sheet_units(sensor) for sensor in noise.SENSORS}  # quantities of noise, and their units
+SENSORS: dict[str, tuple[str, ...]] = {  # that a procedure tests
+    "rate_table": ("gyro",),
+    "flip": ("accelerometer",),
+    "thermal": ("gyro",),
+    "static_noise": ("gyro", "accelerometer"),
 }
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+WITHOUT_GROUPS = {  # how a part of a recording is chosen
+    "rate_table": "Choose by windows, or give rows.group",
+    "flip": "Choose by positions",
+}
 AGAINST = ("flip", "thermal")  # procedures whose tests are set beside each other
 HELD_OUT = ("rate_table", "thermal")  # procedures whose tests judge what another one found
 WHERE = {"rate_error": "rate", "bias": "temperature"}  # quantities over a range, and what the range is of
@@ -247,10 +253,10 @@ def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
     where = at("tests", number, "procedure")
     kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
              and file.recordings[n].sensor in file.sensors}  # fmt: skip
-    wanted, plural = SENSORS[test.procedure]
-    others = kinds - {wanted}
+    others = kinds - {*SENSORS[test.procedure]}
     if others:
-        what = f"test {test.id!r}: {test.procedure} tests {plural}, the sensor is of kind {others.pop()!r}"
+        tested = f"{SENSORS[test.procedure][0]}s"
+        what = f"test {test.id!r}: {test.procedure} tests {tested}, the sensor is of kind {others.pop()!r}"
         yield Problem(what, where, code="wrong_value")
 
 
@@ -269,11 +275,11 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
         entry = file.recordings.get(name)
         if entry is None:
             continue
-        own_key = TABLES.get(test.procedure)
-        for key in (key for key in TABLES.values() if key != own_key):
-            if getattr(entry, key) is not None:
-                need = f"{own_key} or channels" if own_key else "channels"
-                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {need}"
+        own_key = TABLES.get(test.procedure, "")
+        needs = f"{own_key} or channels" if own_key else "channels"
+        for key in TABLES.values():
+            if key != own_key and getattr(entry, key) is not None:
+                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {needs}"
                 yield Problem(what, at("recordings", name, key), code="wrong_value")
         if test.procedure == "flip" and entry.channels is not None and entry.positions is None:
             what = f"recordings.{name}: nothing says how the head was turned, and when"
@@ -281,7 +287,7 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
             yield Problem(what, at("recordings", name), do=do, code="missing_key")
         if test.groups is not None and (entry.rows is None or entry.rows.group is None) and entry.means is None:
             what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
-            do = "Choose by positions" if test.procedure == "flip" else "Choose by windows, or give rows.group"
+            do = WITHOUT_GROUPS.get(test.procedure, "Choose by windows")
             yield Problem(what, at("tests", number, "groups"), do=do, code="wrong_value")
         own = test.plan.get("axis")
         if own and entry.axis not in (None, own):
@@ -404,16 +410,20 @@ def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
     if text == one.limit and parse_quantity(text).value <= 0.0:
         what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
         yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
+    what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
     needed = QUANTITIES.get(one.quantity)
     if needed is not None and kind(unit) not in needed:
-        what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
         yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
+    shown = [units[one.quantity] for units in NOISE.values() if one.quantity in units]
+    if shown and not any(same_dimension(unit, other) for other in shown):
+        yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
 
 
 def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
     """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
-    near = get_close_matches(one.quantity, list(QUANTITIES), n=1, cutoff=0.8)
-    if one.quantity not in QUANTITIES and near:
+    known = [*QUANTITIES, *(name for units in NOISE.values() for name in units)]
+    near = get_close_matches(one.quantity, known, n=1, cutoff=0.8)
+    if one.quantity not in known and near:
         what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
         yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
     about = WHERE.get(one.quantity)

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..core.results import Interval, Row
-from ..core.units import factor, kind, normalise, si_unit
+from ..core.units import factor, kind, normalise, same_dimension, si_unit
+from .noise_units import noise_unit
 
 PERCENT = ("scale_factor_error", "scale_factor_asymmetry", "cross_axis_sensitivity")
 
@@ -24,6 +25,9 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     """
     if quantity in PERCENT and unit == "1":
         return "%"
+    noise = noise_unit(quantity, sensor_unit)
+    if noise and same_dimension(noise, unit):
+        return noise
     if kind(unit) == kind(sensor_unit):
         return sensor_unit
     if unit in {"V/(rad/s)", "V/(m/s^2)"}:

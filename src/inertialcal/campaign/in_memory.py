@@ -13,7 +13,7 @@ from functools import lru_cache
 from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.results import Row
-from ..procedures import flip, rate_table, thermal
+from ..procedures import flip, rate_table, static_noise, thermal
 from ..procedures.flip.recordings import readings_from as flip_readings
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
@@ -24,11 +24,13 @@ from ..sensors.chain import Chain
 from .channels import chain_of, in_body_axes
 from .flip_inputs import flip_plan, turned_head
 from .ground import ChainModel, chain_model
+from .ground_checks import WITH_MODEL
+from .noise_inputs import noise_plan, records_at_rest
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
 from .thermal_inputs import thermal_plan, warmed_recording
 
-Result = rate_table.Result | flip.Result | thermal.Result
+Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result
 Placed = Sequence[tuple[str, RecordingEntry, Recording]]
 
 
@@ -37,7 +39,7 @@ class _Fit:
     """A test with ``use = "fit"``, ready for recordings."""
 
     procedure: str
-    plan: rate_table.Plan | flip.Plan | thermal.Plan
+    plan: rate_table.Plan | flip.Plan | thermal.Plan | static_noise.Plan
     sensor: Sensor
     entries: tuple[tuple[str, RecordingEntry, Chain | None], ...]
     model: ChainModel | None = None
@@ -123,13 +125,16 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
         return _Fit(test.procedure, flip_plan(test, standards), sensor, entries, chain_model(sensor))
     if test.procedure == "thermal":
         return _Fit(test.procedure, thermal_plan(file, standards, test, sensor), sensor, entries)
+    if test.procedure == "static_noise":
+        return _Fit(test.procedure, noise_plan(test, sensor, standards), sensor, entries, chain_model(sensor))
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
 
 
 def _result(twin: Twin, fit: _Fit) -> Result:
     if isinstance(fit.plan, thermal.Plan):
         return _thermal(twin, fit.plan, fit)
-    keep_bias = isinstance(fit.plan, flip.Plan) and not fit.plan.corrected
+    corrected = isinstance(fit.plan, flip.Plan) and fit.plan.corrected
+    keep_bias = fit.procedure in WITH_MODEL and not corrected
     placed = [
         (name, entry, in_body_axes(twin.recordings[entry.file], name, entry, fit.sensor, chain, fit.model, keep_bias))
         for name, entry, chain in fit.entries
@@ -152,4 +157,13 @@ def _thermal(twin: Twin, plan: thermal.Plan, fit: _Fit) -> thermal.Result:
     return thermal.reduce(plan, thermal_readings(warmed))
 
 
-REDUCED: dict[str, Callable[..., Result]] = {"rate_table": _rate_table, "flip": _flip}
+def _static_noise(plan: static_noise.Plan, placed: Placed) -> static_noise.Result:
+    found = [records_at_rest(body, name)[0] for name, _, body in placed]
+    return static_noise.reduce(plan, static_noise.readings_from(plan, found))
+
+
+REDUCED: dict[str, Callable[..., Result]] = {
+    "rate_table": _rate_table,
+    "flip": _flip,
+    "static_noise": _static_noise,
+}

@@ -11,6 +11,7 @@ from .cross_checks import MODELLED
 from .flip_inputs import prepared_flip
 from .load import Campaign
 from .modelling import Prepared
+from .noise_inputs import prepared_static_noise
 from .rate_table_inputs import prepared_rate_table
 from .schema import Sensor, Test
 from .thermal_inputs import prepared_thermal
@@ -19,6 +20,7 @@ WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "rate_table": prepared_rate_table,
     "flip": prepared_flip,
     "thermal": prepared_thermal,
+    "static_noise": prepared_static_noise,
 }
 
 

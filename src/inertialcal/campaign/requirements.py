@@ -24,8 +24,9 @@ import numpy as np
 from ..core.errors import DataError
 from ..core.results import Interval, Row, not_estimated
 from ..core.units import parse_quantity
-from ..procedures import rate_table, thermal
-from ..statistics.decision import decide
+from ..procedures import rate_table, static_noise, thermal
+from ..statistics.decision import Verdict as Decision
+from ..statistics.decision import decide, decide_by
 from .conditions import Condition, parse_condition
 from .over_temperature import judged_over
 from .schema import Requirement, Test
@@ -36,6 +37,7 @@ RULE = (
     " over several rates the 95 % hold for all together"
 )
 OPEN = "OPEN"
+BELOW = "not found; its 95 % upper limit lies inside the limit"
 
 
 @dataclass(frozen=True)
@@ -274,10 +276,19 @@ def _figures(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verd
         for row in one.rows:
             if row.quantity != requirement.quantity or row.condition or requirement.axis not in (None, row.axis):
                 continue
-            yield _figure(requirement, one.test.id, row)
+            yield _figure(requirement, one, row)
 
 
-def _figure(requirement: Requirement, test: str, row: Row) -> Verdict:
+def _decided(one: Tested, row: Row, lower: float | None, upper: float | None) -> Decision:
+    """Compare a figure by its own interval where that is no t-interval about the value, as of a term of noise."""
+    if isinstance(one.result, static_noise.Result):
+        p = LEVEL if lower is not None and upper is not None else round(2.0 * LEVEL - 1.0, 12)
+        return decide_by(one.result.interval_at(row, p), row.value, row.u, lower, upper)
+    return decide(_nan(row.value), _nan(row.u), np.inf if row.dof is None else row.dof, lower, upper)
+
+
+def _figure(requirement: Requirement, one: Tested, row: Row) -> Verdict:
+    test = one.test.id
     try:
         lower, upper = _limits(requirement, row.unit)
     except DataError as error:
@@ -286,12 +297,13 @@ def _figure(requirement: Requirement, test: str, row: Row) -> Verdict:
                        "INCONCLUSIVE", reason)  # fmt: skip
     below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
     if below and (lower is None or lower <= 0.0):
+        reason = BELOW if isinstance(one.result, static_noise.Result) else row.reason
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
-                       "PASS", row.reason)  # fmt: skip
+                       "PASS", reason)  # fmt: skip
     if row.status != "estimated":
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
                        "INCONCLUSIVE", row.reason)  # fmt: skip
-    found = decide(_nan(row.value), _nan(row.u), np.inf if row.dof is None else row.dof, lower, upper)
+    found = _decided(one, row, lower, upper)
     return Verdict(
         requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, found.interval, lower, upper,
         found.status, found.reason,

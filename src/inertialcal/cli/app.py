@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, demos, flips, models, recordings, thermals, twins
+from . import campaigns, demos, flips, models, noise, recordings, thermals, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -35,6 +35,8 @@ def _root(
 
 
 app.command("info")(recordings.info)
+app.command("allan")(noise.allan)
+app.command("psd")(noise.psd)
 app.command("rate-table")(recordings.rate_table)
 app.command("flip")(flips.flip)
 app.command("thermal")(thermals.thermal)

@@ -18,7 +18,7 @@ def demo(
     rig: Annotated[
         str,
         typer.Argument(
-            help="npsat2011, sams1996, or a rig: rate_table, sams_tsh; npsat2011 and rate_table where not given.",
+            help="npsat2011, sams1996, or a rig: rate_table, sams_tsh, still_gyro; else npsat2011 and rate_table.",
             show_default=False,
         ),
     ] = "",

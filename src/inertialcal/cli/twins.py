@@ -15,7 +15,9 @@ from .progress import progress
 
 
 def simulate(
-    rig: Annotated[str, typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model.", show_default=False)],
+    rig: Annotated[
+        str, typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model, still_gyro.", show_default=False)
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,
     fault: Annotated[str, typer.Option(help="A mistake to put in, like wrong_sign.", show_default=False)] = "",

@@ -15,6 +15,7 @@ from .rounding import PLAIN, near, number, with_uncertainty
 from .tables import Folded, Grid, Part
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
+FEW = 3  # digits of an upper limit
 WHOLE = 1e3  # values from here on are told with more than three digits
 HEADS = ("quantity", "axis", "value ± u", "unit", "95 % interval", "dof")
 RIGHT = (2, 4, 5)
@@ -24,6 +25,8 @@ def figure(row: Mapping[str, Any] | None) -> str:
     """Return value and standard uncertainty; an upper limit is marked as one."""
     if row is None:
         return ""
+    if row["status"] == "upper_limit" and row["u"] is None:
+        return f"< {number(row['value'], FEW)}"
     return ("< " if row["status"] == "upper_limit" else "") + with_uncertainty(row["value"], row["u"])
 
 

@@ -18,6 +18,7 @@ RECORDINGS_SHOWN = 1  # traces of a test, of each axis that was turned: the othe
 Results = Mapping[str, Any]
 
 
+NOISE = {"allan": ("allan", "allan_terms"), "spectrum": ("spectrum",)}  # curves of the figures of noise
 STILL = 0.01  # of the largest input: next to none
 
 
@@ -88,20 +89,23 @@ PLAIN: dict[str, Finding] = {
     "reference_voltage": ("Reference voltages of the converter over temperature, each less its mean.",),
     "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
 }
-# Captions about one axis: what stands before and after its name.
-ABOUT = {
+CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
+
+
+OF_AXIS = {  # before and after the name of the axis
     "thermal": ("Bias of ", " over temperature with its polynomial, and what is left: the gap between the paths."),
     "input_output": ("Reading of ", " against the applied input, and what the fitted line leaves."),
+    "allan": ("Deviation of ", " over averaging time with 95 % intervals, and the terms fitted to it."),
+    "spectrum": ("Density of ", " with 95 % intervals, and the terms that were fitted to its Allan deviation."),
 }
-CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
 
 
 def _caption(results: Results, picture: Picture) -> Finding:
     axis = Text(picture.axis)
     if picture.name in PLAIN:
         return PLAIN[picture.name]
-    if picture.name in ABOUT:
-        before, after = ABOUT[picture.name]
+    if picture.name in OF_AXIS:
+        before, after = OF_AXIS[picture.name]
         return (before, axis, after)
     match picture.name:
         case "rate_error":
@@ -154,30 +158,41 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     name, test, axis = picture.name, picture.test, picture.axis
     if name in ("matrix", "budget", "side_by_side"):
         return [(words(name), rows_csv(_rows(results, name, test)))]
+    own = [one for one in results["curves"] if one["test"] == test]
     if name in CURVES or name in ("thermal_order", "start_up", "reference_voltage"):
-        names = CURVES.get(name, (name,))
-        own = [one for one in results["curves"] if one["name"] in names and one["test"] == test]
-        return [(_told(one), curve_csv(one)) for one in own if axis in ("", one["axis"])]
+        shown = [one for one in own if one["name"] in CURVES.get(name, (name,)) and axis in ("", one["axis"])]
+        return [(_of_thermal(one), curve_csv(one)) for one in shown]
     if name == "flip":
         of = "quiet" if picture.recorded else "flip_dwells"
-        own = [one for one in results["curves"] if (one["name"], one["test"]) == (of, test)]
-        return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own]
-    mine = [one for one in results["curves"] if one["name"] == name and one["test"] == test]
+        return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own if one["name"] == of]
+    if name in NOISE:
+        shown = [one for one in own if one["axis"] == axis and one["name"] in NOISE[name]]
+        records = [one for one in shown if one["name"] == name]
+        return [(_entitled(one, records), curve_csv(one)) for one in shown]
+    mine = [one for one in own if one["name"] == name]
     if name == "compensated":
         return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]
-    mine = [one for one in mine if one["axis"] == axis]
+    return _of_axis(results, name, [one for one in mine if one["axis"] == axis], number)
+
+
+def _of_axis(results: Results, name: str, mine: Sequence[Mapping[str, Any]], number: int) -> list[tuple[str, str]]:
+    """Return the curve behind a figure of one axis; of dwells with the trace that they were found on."""
     if name != "dwells":
-        return [(f"{name} {clean(axis)}", curve_csv(mine[number]))]
-    pairs = [(one, trace) for one in mine for trace in _traces(results, one)]
-    return [
-        (f"dwells {clean(axis)}", curve_csv(pairs[number][0])),
-        (f"trace {clean(axis)}", curve_csv(pairs[number][1])),
-    ]
+        return [(f"{name} {clean(mine[number]['axis'])}", curve_csv(mine[number]))]
+    shown, trace = [(one, trace) for one in mine for trace in _traces(results, one)][number]
+    return [(f"{one['name']} {clean(one['axis'])}", curve_csv(one)) for one in (shown, trace)]
 
 
-def _told(curve: Mapping[str, Any]) -> str:
-    """Return what a curve of a thermal test is."""
+def _of_thermal(curve: Mapping[str, Any]) -> str:
+    """Return the title of a curve of a thermal test."""
     return " ".join(part for part in (words(curve["name"]), clean(curve["axis"]), words(curve.get("of", ""))) if part)
+
+
+def _entitled(curve: Mapping[str, Any], records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the title of a curve: of several records with their number, in words."""
+    title = clean(f"{curve['name']} {curve['axis']}")
+    several = len(records) > 1 and curve in records
+    return f"{title} record {count(records.index(curve) + 1)}" if several else title
 
 
 def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:

@@ -62,6 +62,7 @@ def largest(rows: Sequence[Any]) -> Any | None:
     return max(rows, key=lambda row: abs(row["value"].raw), default=None)
 
 
+WALKS = ("angle_random_walk", "velocity_random_walk")
 BIASES = ("bias", "model_bias_error", "residual_bias")
 OFFSETS = ("vacuum_offset", "bias_shift")
 
@@ -70,6 +71,9 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     """Say the scale factor error, the largest of several axes, or the bias; and what the requirements made of it."""
     if any(row["quantity"] == "path_difference" for row in rows):
         return (*of_thermal(rows), *_made_of(verdicts))
+    walk = largest([row for quantity in WALKS for row in estimated(rows, quantity)])
+    if walk is not None:
+        return (*_noise(walk, rows), *_made_of(verdicts))
     biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
     if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
         row = largest(biases)
@@ -114,6 +118,15 @@ def _with_commas(names: Sequence[Any]) -> Finding:
     return tuple(part for i, name in enumerate(names) for part in ((", ", name) if i else (name,)))
 
 
+def _noise(walk: Any, rows: Sequence[Any]) -> Finding:
+    """Say the largest white noise, and the largest bias instability where one was found."""
+    said: Finding = ("Largest ", walk["quantity"].replace("_", " "), " ", of_row(walk), ", on ", walk["axis"])
+    flicker = largest(estimated(rows, "bias_instability"))
+    if flicker is None:
+        return (*said, "; no bias instability found")
+    return (*said, "; largest bias instability ", of_row(flicker), ", on ", flicker["axis"])
+
+
 def _bias(row: Any, rows: Sequence[Any]) -> Finding:
     """Say the largest bias, and the error of the control axis, of a flip."""
     said: Finding = ("Largest ", row["quantity"].replace("_", " "), " ", of_row(row), ", on ", row["axis"])
@@ -136,6 +149,22 @@ def worst(verdicts: Iterable[Any]) -> str:
     """Return the gravest verdict of some."""
     found = {str(one["verdict"]) for one in verdicts}
     return next((word for word in ORDER if word in found), "")
+
+
+def of_noise(reaches: Sequence[Any]) -> Finding:
+    """Say which term is known worst for what was asked, and how many were not found."""
+    missing = sum(one.known is None for one in reaches)
+    lost = f"{count(missing)} of {count(len(reaches))} terms were not found" if missing else "every term was found"
+    poor = [one for one in reaches if one.known is not None and not one.enough]
+    if not poor:
+        return (f"{lost[:1].upper()}{lost[1:]}; the others are known as well as was asked for",)
+    worst_one = max(poor, key=lambda one: one.known.raw)
+    said: Finding = (worst_one.term.replace("_", " ").capitalize(), " of ", worst_one.axis, " is known to ",
+                     Figure(worst_one.known, None, worst_one.unit))  # fmt: skip
+    if worst_one.longer:
+        said = (*said, "; a record of ", Figure(worst_one.needed, None, "h"), " would give ",
+                Figure(worst_one.wanted, None, worst_one.unit))  # fmt: skip
+    return (*said, f"; {lost}")
 
 
 def of_closed_loop(loop: Any) -> Finding:

@@ -28,9 +28,19 @@ from .highlights import highlights
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
-AT_TOP = ("compensated", "rate_error", "input_output", "flip", "thermal")  # the first of these that there is
+AT_TOP = ("compensated", "rate_error", "input_output", "flip", "thermal", "allan")  # the first of these that there is
 OF_ALL_AXES = ("conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
-OF_TESTS = ("input_output", "rate_error", "dwells", "flip", "side_by_side", "thermal", *OF_ALL_AXES)
+OF_TESTS = (
+    "input_output",
+    "rate_error",
+    "dwells",
+    "flip",
+    "side_by_side",
+    "thermal",
+    "allan",
+    "spectrum",
+    *OF_ALL_AXES,
+)
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
@@ -91,6 +101,7 @@ def _content(
         "sections": sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"]),
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
+        "reaches": sections.reaches(r["curves"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
         "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
@@ -141,6 +152,8 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
             names = {"test": section.test, "other": section.step["against"] if section.step else ""}
             pairs = _block("pairs", page, pairs=section.pairs, verdict_of=verdict_of, **names)
             yield f"pairs-{section.anchor}", pairs
+    if page["reaches"]:
+        yield "noise", _block("noise", page, reaches=page["reaches"])
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", page, rows=rows)
     for name, _, rows in page["budgets"]:

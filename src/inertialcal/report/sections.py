@@ -65,6 +65,58 @@ class Section:
     pairs: dict[tuple[str, str], dict[str, Any]]
 
 
+@dataclass(frozen=True)
+class Reach:
+    """What the records of a test of noise tell of one term of one axis, and how long one would have to be.
+
+    Parameters
+    ----------
+    test, axis, term : str
+        Which.
+    known : Number or None
+        Relative error; None for a term that was not found.
+    wanted : Number or None
+        Relative error that was asked for.
+    unit : str
+        Of both.
+    record, needed : Number or None
+        Length of the longest record, and of one that is enough; None where there is none.
+    """
+
+    test: str
+    axis: str
+    term: str
+    known: Any | None
+    wanted: Any | None
+    unit: str
+    record: Any
+    needed: Any | None
+
+    @property
+    def enough(self) -> bool:
+        """Whether these records know the term as well as was asked for."""
+        return self.known is not None and self.known.raw <= self.wanted.raw if self.wanted is not None else False
+
+    @property
+    def longer(self) -> bool:
+        """Whether a longer record is known that would be enough."""
+        return not self.enough and self.needed is not None and self.needed.raw > self.record.raw
+
+
+def reaches(curves: Iterable[Any]) -> list[Reach]:
+    """Return what the records of all tests of noise tell of each term."""
+    found = []
+    for curve in curves:
+        if curve["name"] != "record_length":
+            continue
+        columns = curve["columns"]
+        keys = ("term", "relative_error", "wanted", "record", "needed")
+        for term, known, wanted, record, needed in zip(*(columns[key]["values"] for key in keys), strict=True):
+            unit = str(columns["relative_error"]["unit"])
+            found.append(Reach(curve["test"], curve["axis"], term, known, wanted, unit, record, needed))
+    return found
+
+
 def anchor(kind: str, name: str, number: int) -> str:
     """Return an id: the name as far as an id can hold it, and a number that keeps it apart."""
     kept = re.sub(r"[^A-Za-z0-9_-]+", "-", name)[:40].strip("-")

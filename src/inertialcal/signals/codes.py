@@ -27,6 +27,7 @@ RAIL_CODES = frozenset(
 STUCK_CHANCE = 1e-6  # chance of a run so long, were neighbours independent
 STUCK_RUN = 10  # shortest run that is called stuck ...
 STUCK_RATIO = 5.0  # ... and how much longer than the run that a sample elsewhere lies in, on average
+ALIKE = 10  # runs of the same value from which their own share of equal neighbours is known
 CONSTANT_IN_COUNTS = 2  # a rail of a known converter shows from so many samples
 
 
@@ -143,21 +144,27 @@ def longest_run(values: NDArray[np.generic]) -> Run:
 def is_stuck(values: NDArray[np.generic]) -> bool:
     """Whether the longest run of equal values is far longer than the channel's other runs explain.
 
-    With p the share of equal neighbours outside that run, n samples hold about n p**(k-1) runs of k; the
-    run is stuck where this is below 1e-6, and it is also five times longer than the run that a sample
-    elsewhere lies in, on average (slow channels repeat their codes).
+    With p the share of equal neighbours outside that run (of all samples, or of those with its value where that is
+    larger), n samples hold about n p**(k-1) runs of k; the run is stuck where this is below 1e-6, and it is also five
+    times longer than the run that a sample elsewhere lies in, on average (slow channels repeat their codes).
 
     Parameters
     ----------
     values : ndarray, shape (n,), n >= 1
         In any unit. A constant channel is stuck.
     """
-    _, lengths = _runs(values)
-    longest = int(lengths.max())
+    starts, lengths = _runs(values)
+    at = int(np.argmax(lengths))
+    longest = int(lengths[at])
     if longest == len(values):
         return longest >= STUCK_RUN
-    others = np.delete(lengths, int(np.argmax(lengths)))
+    others = np.delete(lengths, at)
+    same = values[starts] == values[starts[at]]
+    same[at] = False
+    alike = lengths[same]
     equal = (others - 1).sum() / max(others.sum() - 1, 1)
+    if len(alike) >= ALIKE:
+        equal = max(equal, (alike - 1).sum() / alike.sum())
     log_chance = np.log(len(values)) + (longest - 1) * np.log(max(equal, 1.0 / len(values)))
     usual = float((others.astype(np.float64) ** 2).sum() / others.sum())
     long = longest >= max(STUCK_RUN, STUCK_RATIO * usual)

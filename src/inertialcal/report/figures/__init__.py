@@ -12,6 +12,7 @@ from hashlib import sha256
 from typing import Any
 
 from . import (
+    allan,
     budget,
     compensated,
     conditions,
@@ -22,6 +23,7 @@ from . import (
     rate_error,
     reference_voltage,
     side_by_side,
+    spectrum,
     start_up,
     thermal,
     thermal_order,
@@ -95,6 +97,8 @@ FIGURES: dict[str, Kind] = {
         thermal_order,
         start_up,
         reference_voltage,
+        allan,
+        spectrum,
         matrix,
         budget,
     )

@@ -1,0 +1,84 @@
+"""The part of a first campaign.toml that is about sensors at rest: tests of their noise."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+import numpy as np
+
+from ..core.recording import Channel, Recording
+from ..core.units import kind
+from ..signals.stillness import judge
+from .flip_source import CLOCK_COLUMN, quoted
+from .load import MARK
+from .starter_flip import AXES, accelerometers
+
+SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell
+APART = 20.0  # standard deviations: levels of files that differ by more were turned at different rates
+REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "angle_random_walk"\n# upper = "0.3 deg/sqrt(h)"\n'
+KINDS = {"gyro": ("gyros", "angular_rate"), "accelerometer": ("accelerometers", "acceleration")}
+
+
+def gyros(recording: Recording) -> dict[str, Channel]:
+    """Return the gyro channels by axis."""
+    return {c.axis: c for c in recording.channels if c.quantity == "gyro" and c.axis in AXES}
+
+
+def is_still(recording: Recording) -> bool:
+    """Whether the gyros of a recording stand still, and long enough to tell of their noise."""
+    if recording.time_ns is None or len(recording) < SHORT:
+        return False
+    values = [one.data.astype(np.float64) for one in gyros(recording).values()]
+    judged = [judge(one[np.isfinite(one)]) for one in values]
+    found = [one.at_rest for one in judged if one is not None]
+    return bool(found) and all(found)
+
+
+def of_one_level(recordings: Collection[Recording]) -> bool:
+    """Whether recordings at rest have the same level: else each is a dwell at a rate of its own."""
+    for axis in AXES:
+        values = [one[axis].data.astype(np.float64) for one in map(gyros, recordings) if axis in one]
+        if values:
+            levels = [float(np.nanmedian(one)) for one in values]
+            if max(levels) - min(levels) > APART * max(float(np.nanstd(one)) for one in values):
+                return False
+    return True
+
+
+def still_parts(recordings: Mapping[str, Recording]) -> list[str]:
+    """Return the texts of sensors, recordings and tests; what is not known is marked.
+
+    Parameters
+    ----------
+    recordings : mapping of str to Recording
+        At rest, by file.
+    """
+    return [*_parts("gyro", recordings), *_parts("accelerometer", recordings)]
+
+
+def _parts(sensor: str, recordings: Mapping[str, Recording]) -> list[str]:
+    channels = {file: gyros(one) if sensor == "gyro" else accelerometers(one) for file, one in recordings.items()}
+    taken = {file: one for file, one in channels.items() if one}
+    if not taken:
+        return []
+    name, quantity = KINDS[sensor]
+    units = [c.unit for one in taken.values() for c in one.values() if c.unit and kind(c.unit) == quantity]
+    unit = f"unit = {quoted(units[0])}" if units else f'unit = "?"  {MARK}'
+    own = {f"{name}{number}": file for number, file in enumerate(taken, 1)}
+    return [
+        f'[sensors.{name}]\nkind = "{sensor}"\naxes = ["x", "y", "z"]\n{unit}\n',
+        *(_entry(label, name, file, recordings[file], taken[file]) for label, file in own.items()),
+        f'[[tests]]\nid = "noise_{name}"\nprocedure = "static_noise"\n'
+        f"recordings = [{', '.join(quoted(one) for one in own)}]\n",
+    ]
+
+
+def _entry(label: str, sensor: str, file: str, recording: Recording, channels: Mapping[str, Channel]) -> str:
+    column = CLOCK_COLUMN.search(recording.interval_from)
+    clock = f"clock = {{ column = {quoted(column[1])} }}\n" if column else ""
+    each = [f"{axis} = {{ column = {quoted(c.name)}, unit = {quoted(c.unit or '?')} }}" for axis, c in channels.items()]
+    mark = "" if all(c.unit for c in channels.values()) else f"  {MARK}"
+    return (
+        f"[recordings.{label}]\nsensor = {quoted(sensor)}\nfile = {quoted(file)}\n{clock}"
+        f"channels = {{ {', '.join(each)} }}{mark}\n"
+    )
