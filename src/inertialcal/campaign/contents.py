@@ -28,6 +28,7 @@ from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
 from .thermal_exclusions import thermal_exclusions
+from .thermal_loop import loop_rows
 
 
 def results_content(
@@ -168,7 +169,8 @@ def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
 def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> dict[str, Any]:
     """Say what the closed loop gave, in the unit of the sensor."""
     if modelled is None or not modelled.loops:
-        return {"verdict": "not run", "reason": _not_run(campaign, modelled), "axes": []}
+        reason = _not_run(campaign, modelled)
+        return {"verdict": "not run", "reason": reason, "axes": [], "over_temperature": []}
     scale = factor("rad/s", unit)
     axes = [
         {
@@ -179,7 +181,8 @@ def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> di
         }
         for one in modelled.loops
     ]  # fmt: skip
-    return {"verdict": modelled.verdict, "reason": "", "axes": axes}
+    warm = loop_rows(modelled.thermal_loops, scale, unit)
+    return {"verdict": modelled.verdict, "reason": "", "axes": axes, "over_temperature": warm}
 
 
 def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Modelled | None) -> list[dict[str, Any]]:

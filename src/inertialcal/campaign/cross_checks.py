@@ -66,6 +66,7 @@ WITHOUT_GROUPS = {  # how a part of a recording is chosen
     "rate_table": "Choose by windows, or give rows.group",
     "flip": "Choose by positions",
 }
+AFTER, CORRECTED = "thermal", ("rate_table",)  # whose bias is taken off, and of what
 AGAINST = ("flip", "thermal")  # procedures whose tests are set beside each other
 HELD_OUT = ("rate_table", "thermal")  # procedures whose tests judge what another one found
 WHERE = {"rate_error": "rate", "bias": "temperature"}  # quantities over a range, and what the range is of
@@ -90,6 +91,7 @@ def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
         *(p for name, entry in file.recordings.items() for p in _recording(folder, file, name, entry, at)),
         *(p for number, test in enumerate(file.tests) for p in _test(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in _against(file, number, test, at)),
+        *(p for number, test in enumerate(file.tests) for p in _after(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_reserved(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
@@ -307,6 +309,24 @@ def _against(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Pr
     elif test.against not in others:
         what = f"test {test.id!r}: against = {test.against!r} is no other {test.procedure} test of this campaign"
         yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+
+
+def _after(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a test that comes after none, after itself, or after one that finds no bias over temperature."""
+    where = at("tests", number, "after")
+    others = [one.id for one in file.tests if one.id != test.id and one.procedure == AFTER and one.use == "fit"]
+    for name in test.after:
+        if test.procedure not in CORRECTED:
+            what = f"test {test.id!r}: after, but only a {' or '.join(CORRECTED)} has a bias taken off its readings"
+            yield Problem(what, where, "it would have no effect", "Leave it out", "wrong_value")
+        elif name not in others:
+            what = f'test {test.id!r}: after = {name!r} is no {AFTER} test of this campaign with use = "fit"'
+            yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+        for recording in test.recordings:
+            entry = file.recordings.get(recording)
+            if entry is not None and entry.rows is not None:
+                what = f"test {test.id!r}: after = {name!r}, but recording {recording!r} is a table without temperature"
+                yield Problem(what, where, do="Leave after out, or give the recording itself", code="wrong_value")
 
 
 def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:

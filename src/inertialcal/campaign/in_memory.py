@@ -21,6 +21,7 @@ from ..procedures.thermal.against import offset_rows, quantity_of
 from ..procedures.thermal.recordings import readings_from as thermal_readings
 from ..rigs.twin import SEED, Twin
 from ..sensors.chain import Chain
+from .after import Bias, without_bias
 from .channels import chain_of, in_body_axes
 from .flip_inputs import flip_plan, turned_head
 from .ground import ChainModel, chain_model
@@ -28,7 +29,7 @@ from .ground_checks import WITH_MODEL
 from .noise_inputs import noise_plan, records_at_rest
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
-from .thermal_inputs import thermal_plan, warmed_recording
+from .thermal_inputs import felt_in_body, thermal_plan, warmed_recording
 
 Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result
 Placed = Sequence[tuple[str, RecordingEntry, Recording]]
@@ -45,6 +46,7 @@ class _Fit:
     model: ChainModel | None = None
     test: str = ""
     against: str = ""
+    after: str = ""
     condition: str = ""
 
 
@@ -76,8 +78,16 @@ def fitted_tests(twin: Twin) -> list[Fitted]:
         As the chain and the procedure say, where the twin has a fault.
     """
     fits = _fits(twin.campaign)
-    results = {fit.test: _result(twin, fit) for fit in fits}
+    results = _results(twin, fits)
     return [Fitted(fit.test, results[fit.test], _rows(fit, results)) for fit in fits]
+
+
+def _results(twin: Twin, fits: Sequence[_Fit]) -> dict[str, Result]:
+    """Return the results by test, in the order of the tests; what a test comes after is reduced first."""
+    found: dict[str, Result] = {}
+    for fit in sorted(fits, key=lambda one: bool(one.after)):
+        found[fit.test] = _result(twin, fit, found)
+    return {fit.test: found[fit.test] for fit in fits}
 
 
 def _rows(fit: _Fit, results: Mapping[str, Result]) -> tuple[Row, ...] | None:
@@ -98,7 +108,7 @@ def fit_results(twin: Twin) -> list[Result]:
     DataError
         As the chain and the procedure say, where the twin has a fault.
     """
-    return [_result(twin, fit) for fit in _fits(twin.campaign)]
+    return list(_results(twin, _fits(twin.campaign)).values())
 
 
 @lru_cache(4)
@@ -112,7 +122,13 @@ def _fits(text: str) -> tuple[_Fit, ...]:
     }
     tests = [test for test in file.tests if test.use == "fit"]
     return tuple(
-        replace(_fit(file, standards, test), test=test.id, against=test.against or "", condition=test.condition)
+        replace(
+            _fit(file, standards, test),
+            test=test.id,
+            against=test.against or "",
+            after="".join(test.after),
+            condition=test.condition,
+        )
         for test in tests
     )
 
@@ -130,7 +146,7 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
 
 
-def _result(twin: Twin, fit: _Fit) -> Result:
+def _result(twin: Twin, fit: _Fit, found: Mapping[str, Result]) -> Result:
     if isinstance(fit.plan, thermal.Plan):
         return _thermal(twin, fit.plan, fit)
     corrected = isinstance(fit.plan, flip.Plan) and fit.plan.corrected
@@ -139,11 +155,17 @@ def _result(twin: Twin, fit: _Fit) -> Result:
         (name, entry, in_body_axes(twin.recordings[entry.file], name, entry, fit.sensor, chain, fit.model, keep_bias))
         for name, entry, chain in fit.entries
     ]
+    before = found.get(fit.after)
+    if isinstance(fit.plan, rate_table.Plan) and isinstance(before, thermal.Result):
+        felt = [(name, entry, felt_in_body(body, entry, fit.sensor)) for name, entry, body in placed]
+        return _rate_table(fit.plan, felt, Bias(fit.after, before))
     return REDUCED[fit.procedure](fit.plan, placed)
 
 
-def _rate_table(plan: rate_table.Plan, placed: Placed) -> rate_table.Result:
+def _rate_table(plan: rate_table.Plan, placed: Placed, bias: Bias | None = None) -> rate_table.Result:
     turned = [Turned(body, entry.axis or "", entry.run or "", name=name) for name, entry, body in placed]
+    if bias is not None:
+        turned = without_bias(turned, bias)
     return rate_table.reduce(plan, rate_table_readings(plan, turned))
 
 

@@ -332,6 +332,7 @@ class Test(Strict):
     condition: Text = ""
     source: Text = ""
     against: Name | None = None
+    after: list[Name] = Field(default=[], max_length=1)
     plan: dict[str, Any] = {}
 
     @field_validator("windows", mode="before")

@@ -86,14 +86,26 @@ def warmed_recording(raw: Recording, name: str, entry: RecordingEntry, sensor: S
         As ``channels.in_body_axes``; or if the mounting mixes sensors, so that no temperature is that of a body axis.
     """
     body = in_body_axes(raw, name, entry, sensor, chain)
-    made = [*body.channels, *_reference_voltages(raw, entry, chain)]
+    made = (*body.channels, *_reference_voltages(raw, entry, chain))
+    return Warmed(felt_in_body(replace(body, channels=made), entry, sensor), entry.run or "", name)
+
+
+def felt_in_body(recording: Recording, entry: RecordingEntry, sensor: Sensor) -> Recording:
+    """Return a recording with temperatures and reference voltages named by the body axis of their sensor.
+
+    Raises
+    ------
+    DataError
+        If the mounting mixes sensors, so that no temperature is that of a body axis.
+    """
     felt = felt_axes(sensor)
-    if felt is None and any(channel.name.startswith(f"{TEMPERATURE}_") for channel in made):
+    if felt is None and any(name.startswith(f"{TEMPERATURE}_") for name in recording.names):
         what = "the mounting mixes sensors: no thermometer is that of one body axis"
         raise DataError(what, entry.file, do="Give one channel temperature, or a mounting without mixing")
     names = _renamed(felt or {})
-    channels = tuple(replace(one, name=names.get(one.name, one.name)) for one in made)
-    return Warmed(replace(body, channels=channels), entry.run or "", name)
+    return replace(
+        recording, channels=tuple(replace(one, name=names.get(one.name, one.name)) for one in recording.channels)
+    )
 
 
 def felt_axes(sensor: Sensor) -> dict[str, str] | None:

@@ -115,7 +115,22 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
         for one in loop["axes"]
     ]  # fmt: skip
     heads = ["  axis", "rms error", "compensated", "unit", "dwells", "runs", "verdict", ""]
-    return f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
+    said = f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
+    return "\n".join([said, *_over_temperature_text(loop.get("over_temperature", ()))])
+
+
+def _over_temperature_text(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield one line an axis of each thermal test held out: bias before and after its polynomial is taken off."""
+    cells = [
+        [
+            f"  {one['axis']}", one["test"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+            f"{one['runs']}", one["verdict"], one["reason"],
+        ]
+        for one in rows
+    ]  # fmt: skip
+    if cells:
+        yield "  bias over temperature, on power-ups held out"
+        yield table(cells, ["  axis", "test", "rms bias", "compensated", "unit", "runs", "verdict", ""])
 
 
 def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:

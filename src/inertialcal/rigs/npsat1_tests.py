@@ -84,13 +84,13 @@ def _rate_table(bench: Bench) -> list[str]:
     fit, held = runs[: bench.table_fit_runs], runs[bench.table_fit_runs :]
     fitted = [name for number in fit for name in names[number]]
     rest = f"{attitude}, zero_reference = true"
-    tests = [
-        _test(NAMES["rate_table"], "rate_table", "fit", fitted, attitude, "the model is fitted on these power-ups")
-    ]
+    after = [f'after = ["{NAMES[AIR]}"]'] if "thermal" in bench.parts and AIR in bench.chambers else []
+    why = "the model is fitted on these power-ups"
+    tests = [_test(NAMES["rate_table"], "rate_table", "fit", fitted, attitude, why, *after)]
     if held:
         left = [name for number in held for name in names[number]]
         why = "and judged by power-ups that it has not seen"
-        tests.append(_test("rate_check", "rate_table", "hold_out", left, attitude, why))
+        tests.append(_test("rate_check", "rate_table", "hold_out", left, attitude, why, *after))
     if bench.zero_reference:
         every = [name for number in runs for name in names[number]]
         why = "all of them with the reading at rest taken off"

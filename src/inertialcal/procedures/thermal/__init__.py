@@ -31,6 +31,8 @@ from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
 from ...core.tables import Part, html, text
 from .curves import curves
+from .earth import earth_along
+from .law import Law
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Readings, Sweep, Thermometer
 from .quantities import Asked, asked_of, bias_at, estimate
 from .recordings import Warmed, readings_from
@@ -42,6 +44,7 @@ __all__ = [
     "INFLUENCES",
     "LARGEST_ORDER",
     "Attitude",
+    "Law",
     "OfSensor",
     "Plan",
     "Readings",
@@ -51,6 +54,7 @@ __all__ = [
     "Truth",
     "Warmed",
     "bias_at",
+    "earth_along",
     "needed",
     "readings_from",
     "reduce",
