@@ -18,11 +18,26 @@ from .npsat1_tests import AT_DEGC, REFERENCE_DEGC
 from .npsat1_unit import Unit, reference_volts
 from .twin import Drawn, TrueValue
 
+MODEL_DEGC = np.array([-30.0, 0.0, 40.0, 70.0])  # four points tell a cubic
+
 
 def true_values(unit: Unit, parts: tuple[str, ...]) -> tuple[TrueValue, ...]:
     """Return the quantities of a unit that the tests of these parts find."""
     found = {"thermal": _thermal, "rate_table": _on_table, "noise": _noise}
-    return tuple(value for part in parts for value in found[part](unit))
+    each = [value for part in parts for value in found[part](unit)]
+    return (*each, *(_model(unit) if {"thermal", "rate_table"} <= set(parts) else ()))
+
+
+def _model(unit: Unit) -> Iterator[TrueValue]:
+    """Yield the bias over temperature of the model: in air, with what the installation on the rate table adds."""
+    bias = polynomial_bias(unit, AIR, MODEL_DEGC)
+    for i, axis in enumerate(AXES):
+        powers = np.polynomial.Polynomial.fit(MODEL_DEGC - REFERENCE_DEGC, bias[:, i], 3).convert()
+        constant, *others = powers.coef
+        yield TrueValue("bias", axis, float(constant + unit.installation[i]), "rad/s", "model")
+        for j, value in enumerate(others, 1):
+            name = "rad/s/degC" if j == 1 else f"rad/s/degC^{j}"
+            yield TrueValue(f"bias_temperature_{j}", axis, float(value), name, "model")
 
 
 def _thermal(unit: Unit) -> Iterator[TrueValue]:
