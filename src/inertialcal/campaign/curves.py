@@ -17,6 +17,7 @@ from ..core.units import divide, factor, kind, power, same_dimension
 from ..procedures.rate_table.closed_loop import HeldOut
 from .load import Campaign
 from .modelling import Modelled
+from .overlays import overlays
 from .prepare import modelled_sensor, sensor_of
 from .requirements import Tested
 
@@ -39,6 +40,8 @@ def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Model
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
         found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.result.curves()]
+    units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
+    found += [displayed_curve(curve, units[test]).to_dict(test) for test, curve in overlays(campaign, tested)]
     if modelled is not None:
         unit = modelled_sensor(campaign).unit
         found += [displayed_curve(compensated(one), unit).to_dict("model") for one in modelled.errors]

@@ -87,6 +87,7 @@ PLAIN: dict[str, Finding] = {
     "thermal_order": ("Error on what was held out, order by order: R2 of the fit itself would always grow.",),
     "start_up": ("What the reading does after power-up, and what is left out for it (hollow).",),
     "reference_voltage": ("Reference voltages of the converter over temperature, each less its mean.",),
+    "overlay": ("Bias on power-ups that no polynomial was fitted to: as read, and after what was found is taken off.",),
     "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
 }
 CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
@@ -159,7 +160,7 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     if name in ("matrix", "budget", "side_by_side"):
         return [(words(name), rows_csv(_rows(results, name, test)))]
     own = [one for one in results["curves"] if one["test"] == test]
-    if name in CURVES or name in ("thermal_order", "start_up", "reference_voltage"):
+    if name in CURVES or name in ("overlay", "thermal_order", "start_up", "reference_voltage"):
         shown = [one for one in own if one["name"] in CURVES.get(name, (name,)) and axis in ("", one["axis"])]
         return [(_of_thermal(one), curve_csv(one)) for one in shown]
     if name == "flip":

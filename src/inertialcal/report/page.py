@@ -18,6 +18,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from ..core import output_table
 from ..core.side_by_side import verdict_of
 from . import drawings, findings, numbers, sections, wording
 from .coefficients import delivered
@@ -29,7 +30,7 @@ FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
 AT_TOP = ("compensated", "rate_error", "input_output", "flip", "thermal", "allan")  # the first of these that there is
-OF_ALL_AXES = ("conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
+OF_ALL_AXES = ("overlay", "conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
 OF_TESTS = (
     "input_output",
     "rate_error",
@@ -101,6 +102,7 @@ def _content(
         "sections": sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"]),
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
+        "output": output_table.output_rows(lists["results"], results["sequence"]),
         "reaches": sections.reaches(r["curves"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
@@ -133,7 +135,9 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
     steps = sorted(results["sequence"], key=lambda step: (step["test"] not in judged, USES.index(step["use"])))
-    wanted = [top, matrix, *budgets.values(), *(one for step in steps for one in of_tests.get(step["test"], []))]
+    overlays = [one for one in found if _is(one, "overlay") and one is not top]
+    others = [one for step in steps for one in of_tests.get(step["test"], []) if one not in overlays]
+    wanted = [top, *overlays, matrix, *budgets.values(), *others]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
     return {"top": top, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
 
@@ -152,8 +156,7 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
             names = {"test": section.test, "other": section.step["against"] if section.step else ""}
             pairs = _block("pairs", page, pairs=section.pairs, verdict_of=verdict_of, **names)
             yield f"pairs-{section.anchor}", pairs
-    if page["reaches"]:
-        yield "noise", _block("noise", page, reaches=page["reaches"])
+    yield from _of_all_tests(page)
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", page, rows=rows)
     for name, _, rows in page["budgets"]:
@@ -166,6 +169,14 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for one in page["pictures"]["drawn"]:
         if room.left > NO_ROOM:
             yield f"data-{one.key}", _block("data", page, key=one.key, tables=one.data())
+
+
+def _of_all_tests(page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
+    """Yield the tables that are made from several tests."""
+    if page["output"]:
+        yield "output", _block("output", page, output=page["output"], note=output_table.note)
+    if page["reaches"]:
+        yield "noise", _block("noise", page, reaches=page["reaches"])
 
 
 def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]]:
