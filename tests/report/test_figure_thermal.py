@@ -72,7 +72,18 @@ def row(quantity: str, value: float, u: float, unit: str = "deg/h") -> dict[str,
     }  # fmt: skip
 
 
+def overlay(axis: str = "x", vacuum: bool = True) -> dict[str, Any]:
+    columns: dict[str, Any] = {
+        "temperature": column(T, "degC"), "raw": column([30.0, 20.0, -10.0], "deg/h"),
+        "by_temperature": column([5.0, 4.0, None], "deg/h"), "run": column(["6", "6", "7"]),
+    }  # fmt: skip
+    if vacuum:
+        columns["by_temperature_and_pressure"] = column([0.5, -0.4, None], "deg/h")
+    return curve("overlay", axis=axis, **columns)
+
+
 CURVES = [
+    overlay(), overlay("y"),
     cells(), law(), law("air", -4.0), order(), order("y"), start_up(), start_up("y"), reference("reference_voltage"),
     reference("temperature_reference_voltage"),
 ]  # fmt: skip
@@ -110,6 +121,7 @@ def heights(ax: Axes) -> list[tuple[float, float]]:
         ("start_up", "after 2 power-ups: x 3.00 ± 0.20 deg/h; the first 60 s are left out"),
         ("reference_voltage", "reference changes by 0.02 V and temperature reference changes by 0.02 V at most"),
         ("conditions", "against air: x 4.000 ± 0.080 deg/h"),
+        ("overlay", "compensation takes the largest bias from 30 to 0.5 deg/h"),
     ],
 )
 def test_titles_say_the_finding(name: str, finding: str) -> None:
@@ -184,3 +196,12 @@ def test_a_test_beside_none_or_beside_another_sensor_has_no_picture_of_condition
     assert FIGURES["conditions"].pictures(alone) == []
     other = {"curves": [law(), law("air") | {"axis": "z"}], "sequence": SEQUENCE}
     assert FIGURES["conditions"].pictures(other) == []
+
+
+def test_the_overlay_shows_what_each_step_leaves_and_in_air_there_is_one_step() -> None:
+    first, second = axes_of("overlay")
+    assert points(first, "raw") == (T, [30.0, 20.0, -10.0])
+    assert points(first, "for temperature and pressure")[1][:2] == [0.5, -0.4]
+    assert second.get_legend() is not None
+    air = FIGURES["overlay"].pictures({"curves": [overlay(vacuum=False)]})[0]
+    assert air.finding == "compensation takes the largest bias from 30 to 5 deg/h"

@@ -17,7 +17,7 @@ from typing import Any
 from .results import is_beside
 
 FIRST = "bias_voltage_"  # in volts, volts per volt, ...: of the thermal test
-AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment", "cross_axis_sensitivity")  # of the rate table
+AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
 OTHERS = ("vacuum_offset", "residual_bias", "angle_random_walk")
 NOTE = {"bias": "left on the rate table"}
 
@@ -35,7 +35,8 @@ def output_rows(rows: Sequence[Any], steps: Sequence[Mapping[str, Any]]) -> list
         return []
     first = table["after"][0]
     own = [row for row in rows if not is_beside(row["condition"]) and "degC" not in row["condition"]]
-    chosen = [row for row in own if _is_chosen(row, first, table["test"])]
+    turned = {step["test"] for step in steps if step.get("procedure") == table.get("procedure")} - {table["test"]}
+    chosen = [row for row in own if row["test"] not in turned and _is_chosen(row, first, table["test"])]
     return sorted(chosen, key=_order)
 
 
