@@ -93,6 +93,8 @@ def strings(content: Any) -> Iterator[str]:
 
 def is_rounding(shown: str, value: float) -> bool:
     """Whether a text is the number to as many digits as the text has."""
+    shown, _, word = shown.partition(" ")  # lengths of records are in hours, and said as people do
+    value *= {"days": 1 / 24.0, "min": 60.0, "s": 3600.0}.get(word, 1.0)
     if not re.fullmatch(r"-?\d+(\.\d+)?(e[+-]\d+)?", shown):
         return False
     mantissa, _, exponent = shown.partition("e")

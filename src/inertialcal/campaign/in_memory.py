@@ -95,7 +95,7 @@ def _flip(plan: flip.Plan, placed: Placed) -> flip.Result:
 
 
 def _static_noise(plan: static_noise.Plan, placed: Placed) -> static_noise.Result:
-    found = [records_at_rest(body, name)[0] for name, _, body in placed]
+    found = [records_at_rest(body, name, "")[0] for name, _, body in placed]
     return static_noise.reduce(plan, static_noise.readings_from(plan, found))
 
 
