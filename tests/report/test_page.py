@@ -278,6 +278,7 @@ def test_hostile_texts_are_shown_and_do_nothing(small: Files, text: str) -> None
     assert {name for _, found in page.tags for name in found} <= {n for _, found in plain.tags for n in found}
 
 
+@pytest.mark.slow  # half a minute
 def test_a_large_campaign_stays_small(made: tuple[Files, str]) -> None:
     files, _ = made
     results, model, provenance = copy.deepcopy(files)
