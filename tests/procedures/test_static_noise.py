@@ -173,10 +173,10 @@ def test_a_warm_up_is_remarked_and_left_out_only_when_asked() -> None:
     remark = told(found, "warm_up")
     assert remark.what.startswith("x: drifts by -")
     assert "deg/h" in remark.what
-    assert "warm_up" in remark.do
+    assert "warm-up" in remark.do
     cut = reduced(warming, replace(GYRO, warm_up=250.0))
     assert {"warm_up", "drift"}.isdisjoint(codes(cut))
-    assert told(cut, "warm_up_left_out").what == "the first 250 s of 400 s are left out (warm_up)"
+    assert told(cut, "warm_up_left_out").what == "the first 250 s of 400 s are left out: the warm-up"
     assert len(cut.readings.records[0]) == 7_500
 
 
@@ -223,16 +223,108 @@ def test_a_constant_axis_has_no_terms_and_the_others_have() -> None:
     assert "y: all samples are equal" in told(found, "constant").what
 
 
-@pytest.mark.parametrize(
-    ("change", "code", "words"),
-    [
-        (lambda x: np.where((np.arange(len(x)) > 5000) & (np.arange(len(x)) < 7000), x[0], x), "stuck", "repeated"),
-        (lambda x: np.clip(x, -1e-3, 1.2e-3), "saturated", "end of the range"),
-    ],
-)
-def test_stuck_and_saturated_codes_are_remarked(change: Any, code: str, words: str) -> None:
-    found = reduced(change(np.rint(white() / 5e-5) * 5e-5))
-    assert words in told(found, code).what
+STEP = 5e-5  # rad/s, of a converter
+
+
+def test_a_stuck_stretch_is_left_out_with_its_time_row_and_unit() -> None:
+    values = np.rint(white(samples=6_000) / STEP) * STEP
+    whole = row_of(reduced(values), "angle_random_walk")
+    values[2_000:3_000] = 7 * STEP
+    file = replace(recording(values, time_ns=stamps(6_000)), first_row=2)
+    at_rest = noise.AtRest(file, {"x": "gx"}, name="r", shown="deg/s")
+    for plan, fate in ((GYRO, "left out"), (replace(GYRO, disturbed="keep"), "kept in")):
+        found = noise.reduce(plan, noise.readings_from(plan, [at_rest]))
+        remark = told(found, "stuck")
+        assert remark.what.startswith("x: stuck at 0.020054 deg/s from 40 s to 59.98 s (row 2002): 1000 of 6000 ")
+        assert remark.what.endswith(fate)
+        walk = row_of(found, "angle_random_walk")
+        if fate == "left out":
+            assert found.doubt("x") == walk.reason == ""
+            assert walk.value == pytest.approx(whole.value, abs=3.0 * (whole.u or 0.0))
+            assert "gaps" not in codes(found)  # they are missing on purpose
+        else:
+            assert "in doubt" in walk.reason
+            assert any("in doubt: stuck samples were kept in" in said for _, said in found.sentences())
+
+
+def test_saturated_samples_are_left_out_and_told_in_one_line() -> None:
+    values = np.clip(np.rint(white(samples=6_000) / STEP) * STEP, -1e-3, 1.2e-3)
+    channels = tuple(Channel(f"g{axis}", values, "rad/s", "header", axis, "gyro") for axis in "xy")
+    file = Recording(channels, stamps(6_000), 0.02, interval_from="time column 't'")
+    at_rest = noise.AtRest(file, {"x": "gx", "y": "gy"}, name="r")
+    readings = noise.readings_from(GYRO, [at_rest])
+    (remark,) = (one for one in readings.remarks if one.code == "saturated")
+    low, high = (int(np.count_nonzero(values == end)) for end in (values.min(), values.max()))
+    assert f"x {low + high} at -0.001 rad/s and 0.0012 rad/s, y {low + high} at" in remark.what
+    assert {(one.axis, one.code, one.count) for one in readings.records[0].faults} == {
+        ("x", "saturated", low + high), ("y", "saturated", low + high)
+    }  # fmt: skip
+    assert int(np.count_nonzero(~readings.records[0].there("x"))) == low + high
+    assert "cut at the end of the range" in noise.reduce(GYRO, readings).doubt("x")
+
+
+@pytest.mark.parametrize("off", [1.0, 1.0 + 1e-5, 1.0 - 1e-5, 1.0 + 1e-4, 1.0 - 1e-4])
+def test_averages_that_fill_the_interval_by_another_clock_have_no_dead_time(off: float) -> None:
+    values = white(samples=2_000)
+    file = replace(recording(values, 0.02 * off, stamps(2_000, 0.02 * off)), averaging_time=0.02)
+    (run,) = noise.readings_from(GYRO, [noise.AtRest(file, {"x": "gx"}, name="r")]).records
+    assert run.averaging == run.interval == pytest.approx(0.02 * off, rel=1e-9)
+    stated = replace(file, sample_interval=0.02, averaging_time=0.01)  # both by the clock of the sensor
+    (run,) = noise.readings_from(GYRO, [noise.AtRest(stated, {"x": "gx"}, name="r")]).records
+    assert run.averaging == pytest.approx(0.5 * run.interval, rel=1e-9)
+
+
+def test_averages_that_overlap_are_refused_when_they_are_read() -> None:
+    file = replace(recording(white(samples=2_000), 0.02, stamps(2_000)), averaging_time=0.03)
+    with pytest.raises(DataError, match=r"an averaging time of 0.03 s every 0.02 s") as caught:
+        noise.readings_from(GYRO, [noise.AtRest(file, {"x": "gx"}, name="r")])
+    assert caught.value.problems[0].code == "averaging_time"
+
+
+def test_times_of_messages_are_those_of_the_file() -> None:
+    knocked = white(samples=6_000)
+    knocked[5_000:5_050] += 2e-2 * np.sin(np.arange(50) / 4.0)
+    warm = reduced(knocked, replace(GYRO, warm_up=50.0))
+    assert "x: disturbed at 100" in told(warm, "disturbed").what  # 5000 samples of 0.02 s, warm-up included
+    late = stamps(6_000, 0.025)
+    said = replace(recording(knocked, 0.02, late), interval_from="flag")
+    found = noise.reduce(GYRO, noise.readings_from(GYRO, [noise.AtRest(said, {"x": "gx"}, name="r")]))
+    assert "x: disturbed at 125" in told(found, "disturbed").what
+
+
+def test_a_fit_that_its_tests_reject_says_so_in_every_figure() -> None:
+    one, other = (records({"x": (RandomWalk(w),)}, 1, 6_000).records[0] for w in (WALK, 1.3 * WALK))
+    found = noise.reduce(GYRO, noise.Readings((one, replace(other, name="run 2"))))
+    assert "the records do not agree" in found.doubt("x")
+    assert row_of(found, "angle_random_walk").reason == f"in doubt: {found.doubt('x')}"
+    assert all("known to" not in said for _, said in found.sentences())
+    alone = row_of(found, "angle_random_walk", condition="run run 2 alone")
+    assert alone.reason == ""
+
+
+def test_a_record_without_terms_is_left_out_of_several_and_told() -> None:
+    good, short = records({"x": (RandomWalk(WALK),)}, 1, 4_000).records[0], records({"x": (RandomWalk(WALK),)}, 2, 6)
+    readings = noise.Readings((good, replace(short.records[0], name="short")))
+    found = noise.reduce(GYRO, readings)
+    assert told(found, "record_not_used").where == "short"
+    assert len(found.axes[0].records) == 1
+    noise.check(GYRO, readings)
+    with pytest.raises(DataError, match="no noise terms of x"):
+        noise.check(GYRO, short)
+
+
+def test_averaging_times_that_no_record_has_leave_the_terms_as_they_are() -> None:
+    readings = records({"x": (RandomWalk(WALK),)}, 1, 2_000)
+    found = noise.reduce(replace(GYRO, seconds=(1e4,)), readings)
+    assert "octaves are shown" in told(found, "taus_not_shown").what
+    assert found.rows() == noise.reduce(GYRO, readings).rows()
+
+
+def test_missing_samples_are_told_once() -> None:
+    values = white(samples=4_000)
+    values[1_000:1_100] = np.nan
+    found = reduced(values)
+    assert sum("100 of 4000 samples are missing" in one.what for one in found.remarks) == 1
 
 
 def test_three_seconds_give_wide_limits_and_no_wrong_number() -> None:
@@ -354,6 +446,7 @@ def test_how_long_to_record_is_told_of_every_term() -> None:
             "rate ramp: not found, record too short; 2 h would show it at its limit",
         ),
         (Reach("rate_ramp", "rate_ramp", None, 60.0, None, "why"), "rate ramp: not found, why"),
+        (Reach("rate_ramp", "rate_ramp", 0.3, 60.0, 7200.0, doubt="it bends"), "rate ramp: in doubt: it bends"),
     ],
 )
 def test_sentences_say_how_well_and_how_long(reach: Reach, expected: str) -> None:

@@ -11,6 +11,8 @@ from matplotlib.figure import Figure
 
 from inertialcal.report.figures import FIGURES, on_new_figure
 from inertialcal.report.figures.log_axes import label, log_axis
+from inertialcal.report.figures.spectrum import OVER
+from inertialcal.report.figures.style import LINE
 
 TAU = [0.01 * 2.0**k for k in range(12)]
 FREQUENCY = [0.1 * 2.0**k for k in range(9)]
@@ -106,11 +108,74 @@ def test_the_spectrum_marks_lines_and_names_them() -> None:
     ax, finding = drawn("spectrum", spectrum("z"))
     found = lines_of(ax)
     assert found["measured"] == spectrum("z")["columns"]["density"]["values"]
-    assert found["line"] == [2e-3]
+    assert found["line"] == [pytest.approx(OVER * 2e-3)]
     assert finding == "z: line at 12.8 Hz"
-    assert FIGURES["spectrum"].pictures({"curves": [spectrum("x")], "results": ROWS})[0].finding == (
-        "x: no line stands out of the noise"
-    )
+    (other,) = FIGURES["spectrum"].pictures({"curves": [spectrum("x")], "results": ROWS})
+    assert other.finding == "x: no line found"
+
+
+def test_a_line_is_marked_at_its_frequency_and_a_broad_peak_once() -> None:
+    """Bands are wide: their centres are not where lines are, and a peak takes several."""
+    marked = spectrum("z")
+    marked["columns"]["line"] = column([False, False, True, True, True, False, False, True, False])
+    marked["columns"]["density"] = column([3e-5, 3e-5, 4e-5, 9e-5, 5e-5, 3e-5, 3e-5, 2e-3, 3e-5], "(deg/s)^2/Hz")
+    rows = [
+        row("line_frequency", 13.4, 0.01, "Hz", "line at 13.4 Hz"),
+        row("line_frequency", 20.0, 0.1, "Hz", "line at 20 Hz"),
+    ]
+    (picture,) = FIGURES["spectrum"].pictures({"curves": [marked], "results": rows})
+    ax = on_new_figure(picture, titled=False).axes[0]
+    places = {str(line.get_label()): np.asarray(line.get_xdata()).tolist() for line in ax.get_lines()}
+    assert places["line"] == [13.4, 20.0]
+    assert places["broad peak"] == [FREQUENCY[3]]
+    assert picture.finding == "z: lines at 13.4 and 20 Hz"
+
+
+def ringing(axis: str, *frequencies: float) -> dict[str, Any]:
+    """Terms with lines: the Allan deviation of a sine of amplitude a is a sin^2(pi f tau) / (pi f tau)."""
+    terms = allan_terms(axis)
+    tau = np.geomspace(TAU[0], TAU[-1], 400)
+    columns = {"tau": column(tau.tolist(), "s"), "angle_random_walk": column((WHITE / np.sqrt(tau)).tolist(), "deg/s")}
+    for f in frequencies:
+        columns[f"line at {f:g} Hz"] = column(
+            (0.02 * np.sin(np.pi * f * tau) ** 2 / (np.pi * f * tau)).tolist(), "deg/s"
+        )
+    return terms | {"columns": columns | {"all": column(columns["angle_random_walk"]["values"], "deg/s")}}
+
+
+def test_of_lines_the_peaks_are_drawn_as_one_curve_that_does_not_ring() -> None:
+    f = 9.97
+    ax, _ = drawn("allan", allan("z"), ringing("z", f))
+    found = lines_of(ax)
+    peaks = np.array(found["peaks of the 9.97 Hz line"])
+    tau = np.geomspace(TAU[0], TAU[-1], 400)
+    late = (tau > 1.0 / f) & (tau < 5.0 / f)
+    np.testing.assert_allclose(peaks[late], 0.02 / (np.pi * f * tau[late]), rtol=0.03)
+    assert np.all(np.diff(peaks[np.argmax(peaks) :]) < 0.0)
+    assert found["all terms"] == allan("z")["columns"]["expected"]["values"]  # where it is compared with the data
+    ax, _ = drawn("allan", allan("z"), ringing("z", f, 20.61))
+    assert "peaks of the lines" in lines_of(ax)
+
+
+def test_a_single_term_is_drawn_once() -> None:
+    terms = allan_terms("z")
+    del terms["columns"]["bias_instability"]
+    ax, _ = drawn("allan", allan("z"), terms)
+    assert list(lines_of(ax)) == ["measured", "angle random walk"]
+
+
+def test_a_finding_of_many_terms_takes_two_lines() -> None:
+    more = [*ROWS, row("rate_random_walk", 29.1, 8.9, "deg/h/sqrt(h)"), row("gauss_markov_sigma", 60.9, 1.4, "deg/h")]
+    (picture,) = FIGURES["allan"].pictures({"curves": [allan("z")], "results": more})
+    assert picture.finding.endswith("bias instability 9.30 ± 0.40 deg/h, rate random walk, Gauss-Markov")
+    assert len(picture.finding) <= 2 * LINE
+
+
+def test_terms_that_do_not_hold_are_no_finding() -> None:
+    doubt = "the terms do not explain the Allan deviation"
+    rows = [one | {"reason": doubt} for one in ROWS[:2]]
+    (picture,) = FIGURES["allan"].pictures({"curves": [allan("z")], "results": rows})
+    assert picture.finding == f"z: {doubt}"
 
 
 def test_deviations_without_intervals_or_terms_are_drawn_alone() -> None:
@@ -126,6 +191,10 @@ def test_deviations_without_intervals_or_terms_are_drawn_alone() -> None:
     [
         (0.01, 1000.0, ["0.01", "0.1", "1", "10", "100", "1000"]),
         (0.9, 12.0, ["1", "2", "5", "10"]),
+        (0.0012, 0.05, ["0.003", "0.01", "0.03"]),
+        (0.011, 0.9, ["0.03", "0.1", "0.3"]),
+        (5.1, 5.9, ["5.2", "5.4", "5.6", "5.8"]),
+        (5.1e-6, 5.9e-6, ["5.2e−6", "5.4e−6", "5.6e−6", "5.8e−6"]),
         (1e-12, 1e-2, ["1e−12", "1e−10", "1e−8", "1e−6", "1e−4", "0.01"]),
     ],
 )
@@ -137,6 +206,16 @@ def test_decades_are_labelled_and_where_there_are_few_what_lies_between(
     ticks = [tick for tick in ax.xaxis.get_majorticklocs() if low <= tick <= high * (1.0 + 1e-9)]
     assert [label(tick) for tick in ticks] == expected
     assert not log_axis(ax, "y", np.array([np.nan, 0.0]))
+
+
+def test_every_axis_has_at_least_two_ticks() -> None:
+    rng = np.random.default_rng(1)
+    ax = Figure().subplots()
+    for low, width in zip(10.0 ** rng.uniform(-9, 4, 60), 10.0 ** rng.uniform(-2, 1, 60), strict=True):
+        log_axis(ax, "y", np.array([low, low * 10.0**width]))
+        ticks = ax.yaxis.get_majorticklocs()
+        assert 2 <= len(ticks) <= 9
+        assert len({label(tick) for tick in ticks}) == len(ticks)
 
 
 def test_equal_values_get_an_axis_around_them() -> None:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from numpy.typing import NDArray
 from scipy.optimize import minimize, nnls
 
 from inertialcal.core.estimate import Array
@@ -13,6 +14,7 @@ from inertialcal.sensors.noise import _kernels as kernels
 from inertialcal.sensors.noise.allan_of_terms import expected_variance
 from inertialcal.sensors.noise.covariance_of_allan import covariance_of_allan, model_edf, noise_on_line
 from inertialcal.sensors.noise.phase import Phase
+from inertialcal.sensors.noise.runs import run_of
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
@@ -29,6 +31,7 @@ from inertialcal.signals.allan import allan
 
 QUADRATURE = 1e-3  # of a correlation or variance: panels of distances
 END_EFFECTS = 0.01  # the same, of a line that a record holds many cycles of
+SMALL_WINDOWS = 0.3  # the same, of windows of two samples, with gaps: some rest on one sample alone
 DEAD_TIME = 0.025  # the same, of flicker with dead time, whose short part is taken as white
 N = 2048
 M: Array = np.exp2(np.arange(10.0))
@@ -109,6 +112,38 @@ def test_white_noise_has_the_published_degrees_of_freedom() -> None:
         covariance_of_allan(total_phase((RandomWalk(1.0),), 1.0), m, N - 1.0 * m),
     )
     assert edf[0] == pytest.approx(2.0 / 3.0 * N, rel=2e-3)
+
+
+def exact_with_gaps(present: NDArray[np.bool_], m: NDArray[np.int64]) -> Array:
+    """Covariance for white noise of variance 1 and these very gaps: that of quadratic forms, twice a trace."""
+    forms = []
+    for size in m:
+        rows = []
+        for j in range(len(present) - 2 * size + 1):
+            windows = [present[at : at + size] for at in (j, j + size)]
+            if all(2 * window.sum() >= size for window in windows):
+                row = np.zeros(len(present))
+                row[j : j + 2 * size] = np.concatenate(
+                    [sign * w / w.sum() for sign, w in zip((-1, 1), windows, strict=True)]
+                )
+                rows.append(row)
+        D = np.array(rows)
+        forms.append(0.5 * D.T @ D / len(D))
+    return np.array([[2.0 * np.sum(one * other) for other in forms] for one in forms])
+
+
+@pytest.mark.parametrize("share", [0.1, 0.3])
+@pytest.mark.parametrize("burst", [1, 20])
+def test_missing_samples_leave_the_covariance_right(share: float, burst: int) -> None:
+    """Left out of it, they make the intervals of terms too short by their share."""
+    present = np.repeat(np.random.default_rng(4).random(400 // burst) >= share, burst)
+    x = np.where(present, np.random.default_rng(5).normal(size=400), np.nan)
+    run = run_of(allan(x, 1.0, quantity="rate", noise=0))
+    exact = exact_with_gaps(present, run.m.astype(int))
+    found = covariance_of_allan(total_phase((RandomWalk(1.0),), 1.0), run.m, run.n, run.inflation)
+    assert np.diag(found) == pytest.approx(np.diag(exact), rel=SMALL_WINDOWS)
+    slopes = run.edf / (run.inflation / run.m)  # what the size of white noise takes from each averaging time
+    assert slopes @ found @ slopes == pytest.approx(slopes @ exact @ slopes, rel=0.08)
 
 
 def test_compiled_and_plain_loops_agree() -> None:

@@ -62,7 +62,7 @@ def scatter(terms: tuple[Term, ...], record: float, records: int) -> Array:
     for _ in range(records):
         curve = allan(simulate(terms, n, INTERVAL, rng), INTERVAL, quantity="rate")
         found.append([one.value for term in fit(curve, "gyro", terms=names).found for one in term.parameters])
-    return np.std(np.log(found), axis=0)
+    return np.asarray(np.std(np.log(found), axis=0))
 
 
 WALK = (RandomWalk(1e-3), RateRandomWalk(5e-4))
@@ -97,6 +97,22 @@ def test_a_record_as_long_as_planned_gives_the_error_that_was_wanted(term: str) 
     plan = plan_record(TERMS, term, wanted, INTERVAL)
     assert forecast(TERMS, plan.fit, INTERVAL).of(term).relative_error == pytest.approx(wanted, rel=0.02)
     assert 0.3 * plan.standard < plan.exact < 2.0 * plan.standard
+
+
+def test_a_record_is_long_enough_for_the_term_to_be_named() -> None:
+    """A fit that is told its terms needs less than one that has to choose them."""
+    terms = (RandomWalk(1e-3), RateRandomWalk(1e-4))
+    plan = plan_record(terms, "rate_random_walk", 0.25, 0.1)
+    assert plan.record > 1.5 * plan.fit
+    rng, named = np.random.default_rng(3), []
+    for _ in range(20):
+        curve = allan(simulate(terms, int(plan.record / 0.1), 0.1, rng), 0.1, quantity="rate")
+        named.append("rate_random_walk" in {term.name for term in fit(curve, "gyro").terms})
+    assert sum(named) >= 18  # 19 expected at least
+    given = plan_record((*terms, Sinusoid(1e-3, 0.2)), "sinusoid", 0.1, 0.1)  # a line is given, not chosen
+    assert given.record == given.fit
+    twice = plan_record((RandomWalk(1.0), GaussMarkov(0.3, 1.0), GaussMarkov(0.3, 50.0)), "random_walk", 0.1, 0.1)
+    assert twice.record == twice.fit
 
 
 def test_a_term_alone_is_read_as_the_rule_says() -> None:

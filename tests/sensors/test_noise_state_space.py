@@ -80,7 +80,7 @@ def simulated(space: StateSpace, steps: int, records: int, rng: np.random.Genera
     for k in range(steps):
         found[k] = space.H[0] @ state
         state = space.Phi @ state + root @ rng.normal(size=state.shape)
-    return found + np.sqrt(space.R) * rng.normal(size=found.shape)
+    return np.asarray(found + np.sqrt(space.R) * rng.normal(size=found.shape))
 
 
 def overlapping(x: Array, m: Array) -> Array:

@@ -24,6 +24,7 @@ from inertialcal.sensors.noise.terms import (
     RateRandomWalk,
     Sinusoid,
     Term,
+    averaged_over,
     total_phase,
 )
 from inertialcal.sensors.noise.units import converted, kind_of_unit, parameter_unit
@@ -174,8 +175,11 @@ def test_units_follow_by_algebra() -> None:
 
 def test_what_cannot_be_is_refused() -> None:
     rng = np.random.default_rng(0)
-    with pytest.raises(DataError, match=r"averaging time of 2 s every 1 s"):
+    with pytest.raises(DataError, match=r"averaging time of 2 s at a sample interval of 1 s"):
         expected_variance(RandomWalk(1.0), [1], 1.0, 2.0)
+    with pytest.raises(DataError, match=r"averaging time of 0 s"):
+        simulate(RandomWalk(1.0), 9, 1.0, rng, 0.0)
+    assert averaged_over(1.0, 1.0 + 1e-7) == averaged_over(1.0, None) == 1.0  # no clock is better
     with pytest.raises(DataError, match=r"sampled every 1 s is constant"):
         expected_variance(Sinusoid(1.0, 3.0), [1], 1.0)
     with pytest.raises(DataError, match=r"1 sample\(s\) asked for, need 2"):

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml
+import yaml  # type: ignore[import-untyped]
 
 from inertialcal.core.errors import PlanError
 from inertialcal.sensors.noise.filter_block import FilterBlock

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import get_args
 
 import numpy as np
@@ -90,7 +91,7 @@ def markov(rng: np.random.Generator, n: int, records: int) -> Array:
     return np.asarray(signal.lfilter([1.0], [1.0, -0.9], rng.normal(size=(n, records)), axis=0, zi=0.9 * start)[0])
 
 
-NOISES = {
+NOISES: dict[str, tuple[Callable[..., Array], Callable[[Array], Array]]] = {
     "white": (lambda rng, n, records: rng.normal(size=(n, records)), lambda f: 2.0 * np.ones_like(f)),
     "quantised": (
         lambda rng, n, records: np.diff(rng.normal(size=(n + 1, records)), axis=0),

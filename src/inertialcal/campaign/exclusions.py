@@ -36,6 +36,8 @@ RULES = {
 SAMPLES = {"test_low": "validity_minimum", "rail": "counts"}
 # Of a flip, by the code of their remark: what decided, and what its count counts; then why an axis is not read.
 FLIP_RULES = {"settling": ("settle", "window"), "no_reading": ("no_reading", "sample")}
+# Of a test of noise, by the code of a fault: why samples are no readings.
+NO_READINGS = {"stuck": "one value repeated for too long", "saturated": "at the end of the range"}
 UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}
 
 
@@ -84,6 +86,12 @@ def _of_noise(one: Prepared, result: static_noise.Result | None, chain: Chain) -
         if record.warm_up:
             decided = f"campaign: warm_up = {one.plan.warm_up:g} s"
             yield _row(one, "warm_up", decided, "the warm-up", record.name, count=record.warm_up, counts="sample")
+        for fault in record.faults:
+            if fault.left_out:
+                decided = f"rule: disturbed = {one.plan.disturbed}"
+                reason = NO_READINGS[fault.code]
+                yield _row(one, fault.code, decided, reason, record.name, fault.axis, count=fault.count,
+                           counts="sample")  # fmt: skip
     for axis in result.axes if result is not None else ():
         for found in axis.records:
             if found.looked.left_out:

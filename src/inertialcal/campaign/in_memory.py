@@ -180,7 +180,7 @@ def _thermal(twin: Twin, plan: thermal.Plan, fit: _Fit) -> thermal.Result:
 
 
 def _static_noise(plan: static_noise.Plan, placed: Placed) -> static_noise.Result:
-    found = [records_at_rest(body, name)[0] for name, _, body in placed]
+    found = [records_at_rest(body, name, "")[0] for name, _, body in placed]
     return static_noise.reduce(plan, static_noise.readings_from(plan, found))
 
 

@@ -26,6 +26,7 @@ SENSED = {"gyro": "gyro", "acc": "accelerometer", "": ""}  # quantities of chann
 KINDS: dict[str, Kind] = {"angular_rate": "gyro", "angle": "gyro", "acceleration": "accelerometer"}
 ADDED = {"angle": "rad", "velocity": "m/s"}  # what is added up, and its unit inside
 RATES: dict[Kind, str] = {"gyro": "rad/s", "accelerometer": "m/s^2"}
+LIKE = {"gyro": "deg/s", "acc": "m/s2"}  # unit of a group, where its numbers suggest none
 SHOWN: dict[Kind, str] = {"gyro": "deg/s", "accelerometer": "m/s^2"}  # of what was read in another unit
 
 
@@ -226,13 +227,18 @@ def _without_unit(recording: Recording, taken: Sequence[tuple[Channel, Taken]]) 
     if not bare:
         return []
     part = replace(recording, channels=tuple(bare))
-    hints = [str(hint) for hint in unit_hints(part, [survey_channel(channel) for channel in bare])]
+    hints = unit_hints(part, [survey_channel(channel) for channel in bare])
+    seen = {hint.target: hint for hint in hints if hint.unit}
     names = ", ".join(channel.name for channel in bare)
     what = f"{names}: nobody said the unit, so figures are in that of the file"
-    group = bare[0].quantity or bare[0].name
-    like = {"gyro": "deg/s", "acc": "m/s2"}.get(group, "deg/s")
-    do = "; ".join([f"Say it, like --unit {group}={like}", *hints])
-    return [Remark("no_unit", "warning", what, recording.source.path, do=do)]
+    targets = dict.fromkeys(channel.quantity or channel.name for channel in bare)
+    told = [
+        f"--unit {one}={seen[one].unit} ({seen[one].reason})"
+        if one in seen
+        else f"--unit {one}={LIKE.get(one, 'deg/s')}"
+        for one in targets
+    ]
+    return [Remark("no_unit", "warning", what, recording.source.path, do=f"Say it, like {', '.join(told)}")]
 
 
 def _unasked(taken: Sequence[tuple[Channel, Taken]], said: Said | None) -> list[Remark]:

@@ -76,7 +76,13 @@ def _figures(folder: Path, found: NoiseFile | SpectrumFile) -> Iterable[Path]:
 
 
 def curves_text(found: NoiseFile | SpectrumFile) -> str:
-    """Return the curves as CSV: one line a point, with its sensor, axis, record, curve and unit."""
+    """Return the curves as CSV: one line a point, with its sensor, axis, record, curve and unit.
+
+    Parameters
+    ----------
+    found : NoiseFile or SpectrumFile
+        What was found.
+    """
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(["curve", "sensor", "axis", "record", "of", "at", "at_unit", "column", "value", "unit"])
@@ -97,7 +103,13 @@ def _points(curve: Mapping[str, Any]) -> Iterable[Sequence[Any]]:
 
 
 def terms_text(found: NoiseFile | SpectrumFile) -> str:
-    """Return the terms as JSON: rows in the units of data sheets, and each term's parameters inside (SI)."""
+    """Return the terms as JSON: rows in the units of data sheets, and each term's parameters inside (SI).
+
+    Parameters
+    ----------
+    found : NoiseFile or SpectrumFile
+        What was found.
+    """
     noise = found.noise if isinstance(found, SpectrumFile) else found
     sensors = [
         {

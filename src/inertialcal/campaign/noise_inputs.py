@@ -25,6 +25,15 @@ MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
 def prepared_static_noise(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:
     """Return a test of noise ready to be reduced.
 
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    test : Test
+        Its entry.
+    sensor : Sensor
+        That it is about.
+
     Raises
     ------
     PlanError, DataError
@@ -37,18 +46,28 @@ def prepared_static_noise(campaign: Campaign, test: Test, sensor: Sensor) -> Pre
     for name in test.recordings:
         entry = campaign.file.recordings[name]
         whole = prepare_recording(campaign.folder, name, entry, sensor, keep_bias=True, complete=False)
-        own = records_at_rest(whole, name, test)
+        own = records_at_rest(whole, name, sensor.unit, test)
         chosen = sum(len(one.recording) for one in own)
         found += own
         inputs[entry.file] = whole.source.sha256
         origins.append(Origin(name, entry.file, whole.source.sha256, "recording", len(whole), chosen))
     readings = static_noise.readings_from(plan, found)
+    static_noise.check(plan, readings)
     readings = replace(readings, remarks=(*readings.remarks, *_mixed(sensor)))
     return Prepared(test, plan, readings, inputs, tuple(origins))
 
 
 def noise_plan(test: Test, sensor: Sensor, standards: Standards) -> static_noise.Plan:
     """Return the plan of a test, with the sensor and the standards of the campaign.
+
+    Parameters
+    ----------
+    test : Test
+        Its entry.
+    sensor : Sensor
+        That it is about.
+    standards : mapping of Influence
+        Uncertainties of the standards.
 
     Raises
     ------
@@ -79,8 +98,19 @@ def _with_window(test: Test, window: tuple[int, int]) -> Test:
     return test.model_copy(update={"windows": [window]})
 
 
-def records_at_rest(whole: Recording, name: str, test: Test | None = None) -> list[static_noise.AtRest]:
+def records_at_rest(whole: Recording, name: str, unit: str, test: Test | None = None) -> list[static_noise.AtRest]:
     """Return a recording in body axes as a record, or as one for each window of a test.
+
+    Parameters
+    ----------
+    whole : Recording
+        In body axes.
+    name : str
+        Of it, in the campaign.
+    unit : str
+        Of the sensor, that readings are told in.
+    test : Test, optional
+        Its windows.
 
     Raises
     ------
@@ -90,7 +120,7 @@ def records_at_rest(whole: Recording, name: str, test: Test | None = None) -> li
     parts = [whole] if test is None else list(_parts(whole, test))
     labels = [f"{name}, window {number}" for number in range(1, len(parts) + 1)] if len(parts) > 1 else [name]
     return [
-        static_noise.AtRest(part, {axis: axis for axis in AXES if axis in part.names}, name=label)
+        static_noise.AtRest(part, {axis: axis for axis in AXES if axis in part.names}, name=label, shown=unit)
         for part, label in zip(parts, labels, strict=True)
     ]
 

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 
 from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording
-from ..core.units import normalise, parse_quantity
+from ..core.units import normalise
 from ..files import read
+from .noise_settings import quantity
 
 Source = str | Path | Recording | NDArray[Any]
 AXES = ("x", "y", "z")
@@ -57,7 +58,7 @@ def recordings_of(
     twice = [str(path) for path in paths if paths.count(path) > 1]
     if twice:
         raise UsageError(f"{twice[0]}: given twice", why="its samples would count twice", code="duplicate_id")
-    window = None if averaging is None else _seconds(averaging)
+    window = None if averaging is None else quantity(averaging, "s", "averaging", "1 s")
     found = []
     for one in several:
         if isinstance(one, str | Path):
@@ -66,14 +67,6 @@ def recordings_of(
             recording = one if isinstance(one, Recording) else _of_array(np.asarray(one), unit, sample_rate)
         found.append(recording if window is None else replace(recording, averaging_time=window))
     return found
-
-
-def _seconds(text: str) -> float:
-    try:
-        return float(parse_quantity(text).to("s"))
-    except DataError:
-        do = 'Write a number with its unit, like "1 s"'
-        raise UsageError(f"averaging: {text!r}", do=do, code="no_unit") from None
 
 
 def _of_array(values: NDArray[Any], unit: str | None, sample_rate: float | None) -> Recording:

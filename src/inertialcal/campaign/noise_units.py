@@ -16,7 +16,13 @@ SENSORS: tuple[Kind, ...] = get_args(Kind)
 
 @cache
 def data_sheet_units(kind: Kind) -> MappingProxyType[str, str]:
-    """Return the unit that each quantity of noise is shown in: ``angle_random_walk`` in ``deg/sqrt(h)``."""
+    """Return the unit that each quantity of noise is shown in: ``angle_random_walk`` in ``deg/sqrt(h)``.
+
+    Parameters
+    ----------
+    kind : {"gyro", "accelerometer"}
+        Of the sensor.
+    """
     inside = quantity_units(kind, "")
     found = {}
     for name, term in TERMS.items():
@@ -29,7 +35,15 @@ def data_sheet_units(kind: Kind) -> MappingProxyType[str, str]:
 
 
 def second_unit(quantity: str, kind: Kind) -> str:
-    """Return another unit that data sheets give a quantity in; empty where there is none."""
+    """Return another unit that data sheets give a quantity in; empty where there is none.
+
+    Parameters
+    ----------
+    quantity : str
+        Of a row.
+    kind : {"gyro", "accelerometer"}
+        Of the sensor.
+    """
     for name, term in TERMS.items():
         for parameter in term.parameters:
             if quantity_name(name, parameter, kind) == quantity:
@@ -39,6 +53,14 @@ def second_unit(quantity: str, kind: Kind) -> str:
 
 
 def noise_unit(quantity: str, sensor_unit: str) -> str:
-    """Return the unit that a quantity of noise of a sensor is shown in; empty where it is none."""
+    """Return the unit that a quantity of noise of a sensor is shown in; empty where it is none.
+
+    Parameters
+    ----------
+    quantity : str
+        Of a row.
+    sensor_unit : str
+        Of its readings.
+    """
     kind = kind_of_unit(sensor_unit)
     return data_sheet_units(kind).get(quantity, "") if kind is not None else ""

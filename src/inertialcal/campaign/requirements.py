@@ -143,10 +143,11 @@ def _open(requirement: Requirement) -> Verdict:
     )
 
 
-def _limits(requirement: Requirement, unit: str) -> tuple[float | None, float | None]:
+def _limits(requirement: Requirement, unit: str, of_size: bool = False) -> tuple[float | None, float | None]:
+    """Return the limits in a unit; a limit on either side is one above for a size, which is never negative."""
     if requirement.limit is not None:
         size = abs(parse_quantity(requirement.limit).to(unit, difference=True))
-        return -size, size
+        return (None if of_size else -size), size
     lower = None if requirement.lower is None else parse_quantity(requirement.lower).to(unit)
     upper = None if requirement.upper is None else parse_quantity(requirement.upper).to(unit)
     return lower, upper
@@ -290,21 +291,30 @@ def _decided(one: Tested, row: Row, lower: float | None, upper: float | None) ->
 def _figure(requirement: Requirement, one: Tested, row: Row) -> Verdict:
     test = one.test.id
     try:
-        lower, upper = _limits(requirement, row.unit)
+        lower, upper = _limits(requirement, row.unit, isinstance(one.result, static_noise.Result))
     except DataError as error:
         reason = error.problems[0].what
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, None, None,
                        "INCONCLUSIVE", reason)  # fmt: skip
+    doubt = one.result.doubt(row.axis) if isinstance(one.result, static_noise.Result) else ""
     below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
     if below and (lower is None or lower <= 0.0):
         reason = BELOW if isinstance(one.result, static_noise.Result) else row.reason
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
-                       "PASS", reason)  # fmt: skip
+                       *_doubted("PASS", reason, doubt))  # fmt: skip
     if row.status != "estimated":
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
                        "INCONCLUSIVE", row.reason)  # fmt: skip
     found = _decided(one, row, lower, upper)
     return Verdict(
         requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, found.interval, lower, upper,
-        found.status, found.reason,
+        *_doubted(found.status, found.reason, doubt),
     )  # fmt: skip
+
+
+def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:
+    """Return verdict and reason: no PASS by a figure that may not hold."""
+    if not doubt:
+        return status, reason
+    said = f"in doubt: {doubt}"
+    return ("INCONCLUSIVE", said) if status == "PASS" else (status, f"{reason}; {said}" if reason else said)

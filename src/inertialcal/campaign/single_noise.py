@@ -14,20 +14,16 @@ from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
 from ..core.tables import Part, html, text
-from ..core.units import parse_quantity
 from ..procedures import static_noise as procedure
 from ..sensors.noise.filter_block import FilterBlock
 from ..sensors.noise.noise_fit import duration
 from ..sensors.noise.terms import Term
-from ..signals.allan.deviations import KINDS
 from .curves import displayed_curve
 from .display import displayed
 from .filter_settings import block_for
 from .noise_channels import Group, Said, groups_of
+from .noise_settings import settings_of
 from .noise_sources import Source, recordings_of
-
-WORDS = ("octave", "decade", "all")  # averaging times
-TERMS = ("quantization", "random_walk", "bias_instability", "rate_random_walk", "rate_ramp", "gauss_markov")
 
 
 @dataclass(frozen=True, eq=False)
@@ -152,22 +148,12 @@ class NoiseFile:
 
 
 def allan(
-    sources: Source | Sequence[Source],
-    *,
-    columns: Sequence[str] = (),
-    quantity: Said | None = None,
-    scale_factors: Mapping[str, str] | None = None,
-    deviation: str = "overlapping",
-    taus: str | Sequence[float] = "octave",
-    terms: Sequence[str] | None = None,
-    lines: bool = True,
-    warm_up: str = "0 s",
-    keep_disturbed: bool = False,
-    spectrum: str = "welch",
-    segment: str | None = None,
-    relative_error: str = "10 %",
-    **recorded: Any,
-) -> NoiseFile:
+    sources: Source | Sequence[Source], *, columns: Sequence[str] = (), quantity: Said | None = None,
+    scale_factors: Mapping[str, str] | None = None, deviation: str = "overlapping",
+    taus: str | Sequence[float] = "octave", terms: Sequence[str] | None = None, lines: bool = True,
+    warm_up: str = "0 s", keep_disturbed: bool = False, spectrum: str = "welch", segment: str | None = None,
+    relative_error: str = "10 %", **recorded: Any,
+) -> NoiseFile:  # fmt: skip
     """Find the noise terms of a sensor at rest, with intervals, and how long to record.
 
     Several files are records of one sensor: their terms are fitted together, and a test says whether they agree.
@@ -211,19 +197,19 @@ def allan(
     UsageError
         If it is not clear which channel is meant, or what its samples are.
     """
-    settings: dict[str, Any] = {
-        "deviation": _one_of(deviation, tuple(KINDS), "deviation"),
-        "terms": None if terms is None else [_one_of(one, TERMS, "terms") for one in terms],
-        "lines": lines,
-        "warm_up": _quantity(warm_up, "s", "warm_up"),
-        "disturbed": "keep" if keep_disturbed else "leave_out",
-        "spectrum": _one_of(spectrum, ("welch", "multitaper"), "spectrum"),
-        "segment": None if segment is None else _quantity(segment, "s", "segment"),
-        "relative_error": _quantity(relative_error, "1", "relative_error"),
-    } | _taus(taus)
-    if not settings["relative_error"] > 0.0:
-        raise UsageError(f"relative_error: {relative_error!r}", do="Write it like 10 %", code="wrong_value")
-    recordings = recordings_of(sources, **recorded)
+    settings = settings_of(
+        deviation, taus, terms, lines, warm_up, keep_disturbed, spectrum, segment, relative_error
+    )  # fmt: skip
+    return _noise_file(settings, recordings_of(sources, **recorded), columns, quantity, scale_factors)
+
+
+def _noise_file(
+    settings: Mapping[str, Any],
+    recordings: Sequence[Recording],
+    columns: Sequence[str],
+    quantity: Said | None,
+    scale_factors: Mapping[str, str] | None,
+) -> NoiseFile:
     grouped = [groups_of(one, columns, quantity, scale_factors) for one in recordings]
     _check_alike([groups for groups, _ in grouped], recordings)
     told_of = [remark for _, remarks in grouped for remark in remarks]
@@ -231,27 +217,6 @@ def allan(
     inputs = {one.source.path: one.source.sha256 for one in recordings if one.source.path}
     rate = 1.0 / sensors[0].result.readings.records[0].interval
     return NoiseFile(sensors, inputs, gather([*told_of, *remarks]), rate)
-
-
-def _taus(taus: str | Sequence[float]) -> dict[str, Any]:
-    if isinstance(taus, str):
-        return {"taus": _one_of(taus, WORDS, "taus")}
-    return {"seconds": tuple(float(tau) for tau in taus)}
-
-
-def _one_of(given: str, known: Sequence[str], what: str) -> str:
-    if given not in known:
-        raise UsageError(f"{what}: {given!r}", do=f"There are: {', '.join(known)}", code="wrong_value")
-    return given
-
-
-def _quantity(given: str, unit: str, what: str) -> float:
-    try:
-        return float(parse_quantity(given).to(unit, difference=True))
-    except DataError:
-        like = {"1": "10 %", "s": "20 s"}[unit]
-        do = f"Write a number with its unit, like {like}"
-        raise UsageError(f"{what}: {given!r}", do=do, code="no_unit") from None
 
 
 def _check_alike(grouped: Sequence[tuple[Group, ...]], recordings: Sequence[Recording]) -> None:

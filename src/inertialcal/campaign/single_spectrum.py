@@ -101,7 +101,13 @@ class SpectrumFile:
         return tuple(Band(f, values, unit) for f, values in sorted(found.items()))
 
     def agreement(self, sensor: SensorNoise) -> Iterator[str]:
-        """Yield for each axis whether its Allan deviation agrees with its spectrum."""
+        """Yield for each axis whether its Allan deviation agrees with its spectrum.
+
+        Parameters
+        ----------
+        sensor : SensorNoise
+            Which.
+        """
         for one in sensor.result.axes:
             for record in one.records:
                 found = record.spectral.agreement
@@ -132,7 +138,13 @@ class SpectrumFile:
         return (*shown, *told(self.remarks))
 
     def tables(self, sensor: SensorNoise) -> list[Grid]:
-        """Return the bands of a sensor, and its lines where it has any."""
+        """Return the bands of a sensor, and its lines where it has any.
+
+        Parameters
+        ----------
+        sensor : SensorNoise
+            Which.
+        """
         bands = self.bands(sensor)
         axes = list(dict.fromkeys(axis for band in bands for axis in band.densities))
         unit = bands[0].unit if bands else ""

@@ -6,6 +6,8 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ..core.errors import InertialcalError, PlanError, StoreError, UsageError
 from ..core.recording import Recording
 from ..core.remarks import Remark
@@ -19,7 +21,7 @@ from .starter_still import REQUIREMENT as STILL_REQUIREMENT
 from .starter_still import gyros, is_still, of_one_level, still_parts
 from .table_columns import Guess, guess
 
-ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz")
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files
 LONGEST_TABLE = 10_000  # rows; a longer file is no table of dwells
 REQUIREMENT = (
@@ -31,6 +33,11 @@ FLIP_REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error
 
 def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     """Write campaign.toml for the tables and recordings of a folder.
+
+    Parameters
+    ----------
+    folder : path
+        With the files; the campaign file is written into it.
 
     Returns
     -------
@@ -98,7 +105,7 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
             remarks += _take(found, path, name)
         except InertialcalError as error:
             remarks.append(Remark("not_read", "warning", error.problems[0].what, name))
-    if found.tables or found.raw or not of_one_level(found.still.values()):  # dwells of a rate table
+    if found.raw or not of_one_level(found.still.values()):  # dwells of a rate table
         found.raw.update(found.still)
         found.still.clear()
     return found, remarks
@@ -111,7 +118,7 @@ def _take(found: Found, path: Path, name: str) -> list[Remark]:
     if means is not None:
         found.flips[name] = means
         return []
-    if rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE:
+    if _is_table(table, rates):
         found.tables[name] = rates
         return []
     recording = read(path)
@@ -121,9 +128,22 @@ def _take(found: Found, path: Path, name: str) -> list[Remark]:
     if recording.time_ns is not None and accelerometers(recording):
         found.flips[name], remarks = head_source(recording)
         return [one.at(name) for one in remarks]
+    if recording.time_ns is not None and is_still(recording):
+        found.still[name] = recording
+        return []
     what = "neither columns of rate and reading, nor gyro or accelerometer channels with time"
     what = f"{what} ({_names(table)})"
     return [Remark("not_taken", "info", what, name)]
+
+
+def _is_table(table: Table, rates: Guess) -> bool:
+    """Whether a file is a reduced table: short, with numbers in the columns whose names say rate and reading."""
+    if not (rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE):
+        return False
+    try:
+        return all(np.isfinite(table.numbers(name)).any() for name in (rates.applied, *rates.readings))
+    except InertialcalError:  # text
+        return False
 
 
 def _names(table: Table) -> str:

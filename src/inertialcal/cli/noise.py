@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -57,6 +59,20 @@ Output = Annotated[
         show_default=False,
     ),
 ]  # fmt: skip
+Deviation = Annotated[
+    str, typer.Option(help="Shown: overlapping, non_overlapping, modified, hadamard, overlapping_hadamard.")
+]
+Taus = Annotated[str, typer.Option(help="Averaging times shown: octave, decade, all, or seconds with commas between.")]
+NoLines = Annotated[bool, typer.Option("--no-lines", help="Leave lines of the spectrum out of the fit.")]
+Error = Annotated[str, typer.Option(help="Relative error for which the length of a record is worked out.")]
+Target = Annotated[
+    list[str] | None, typer.Option("--for", help="Settings of a filter: kalibr, px4, gtsam, kf-gins. May be repeated.")
+]
+Gravity = Annotated[str | None, typer.Option(help='Of the site, for gtsam: "9.81 m/s2".')]
+Horizon = Annotated[
+    str | None,
+    typer.Option(help='With --for: a walk stands in for all that wanders, right at this averaging time: "100 s".'),
+]
 
 
 def allan(
@@ -68,26 +84,16 @@ def allan(
     quantity: Quantity = None,
     averaging: Averaging = None,
     scale_factor: ScaleFactor = None,
-    deviation: Annotated[
-        str, typer.Option(help="Shown: overlapping, non_overlapping, modified, hadamard, overlapping_hadamard.")
-    ] = "overlapping",
-    taus: Annotated[
-        str, typer.Option(help="Averaging times shown: octave, decade, all, or seconds with commas between.")
-    ] = "octave",
+    deviation: Deviation = "overlapping",
+    taus: Taus = "octave",
     terms: Terms = None,
-    no_lines: Annotated[bool, typer.Option("--no-lines", help="Leave lines of the spectrum out of the fit.")] = False,
+    no_lines: NoLines = False,
     warm_up: WarmUp = "0 s",
     keep_disturbed: KeepDisturbed = False,
-    error: Annotated[str, typer.Option(help="Relative error for which the length of a record is worked out.")] = "10 %",
-    target: Annotated[
-        list[str] | None,
-        typer.Option("--for", help="Settings of a filter: kalibr, px4, gtsam, kf-gins. May be repeated."),
-    ] = None,
-    gravity: Annotated[str | None, typer.Option(help='Of the site, for gtsam: "9.81 m/s2".')] = None,
-    horizon: Annotated[
-        str | None,
-        typer.Option(help='With --for: a walk stands in for all that wanders, right at this averaging time: "100 s".'),
-    ] = None,
+    error: Error = "10 %",
+    target: Target = None,
+    gravity: Gravity = None,
+    horizon: Horizon = None,
     start: Start = None,
     stop: Stop = None,
     mission_start: MissionStart = None,
@@ -98,18 +104,21 @@ def allan(
     quiet: Quiet = False,
 ) -> int:
     """Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record."""
+    from ..campaign.noise_settings import quantity as said
     from ..campaign.single_noise import allan as reduce_files
     from .noise_text import blocks_text, noise_text
 
     _check_output(output, figure)
-    site, over = _quantity(gravity, "--gravity", "m/s^2", "9.81 m/s2"), _quantity(horizon, "--horizon", "s", "100 s")
-    found = reduce_files(
-        list(files), columns=column or (), quantity=quantity, scale_factors=_scale_factors(scale_factor),  # type: ignore[arg-type]
-        deviation=deviation, taus=_taus(taus), terms=_listed(terms), lines=not no_lines, warm_up=warm_up,
-        keep_disturbed=keep_disturbed, relative_error=error,
-        **_recorded(unit, sample_rate, averaging, time_column, start, stop, mission_start, frame),
-    )  # fmt: skip
-    blocks = {one: found.for_filter(one, site, over) for one in target or ()}
+    site = None if gravity is None else said(gravity, "m/s^2", "--gravity", "9.81 m/s2")
+    over = None if horizon is None else said(horizon, "s", "--horizon", "100 s")
+    with _named(files):
+        found = reduce_files(
+            list(files), columns=column or (), quantity=quantity, scale_factors=_scale_factors(scale_factor),  # type: ignore[arg-type]
+            deviation=deviation, taus=taus, terms=_listed(terms), lines=not no_lines, warm_up=warm_up,
+            keep_disturbed=keep_disturbed, relative_error=error,
+            **_recorded(unit, sample_rate, averaging, time_column, start, stop, mission_start, frame),
+        )  # fmt: skip
+        blocks = {one: found.for_filter(one, site, over) for one in target or ()}
     written = _write(output, found, blocks, files, figure)
     if as_json:
         filters = {one: {"text": block.text, "cannot_hold": list(block.cannot_hold), "missing": list(block.missing)}
@@ -149,12 +158,13 @@ def psd(
     from .noise_text import spectrum_text
 
     _check_output(output, None)
-    found = reduce_file(
-        file, method=method, segment=segment, columns=column or (), quantity=quantity,  # type: ignore[arg-type]
-        scale_factors=_scale_factors(scale_factor), terms=_listed(terms), warm_up=warm_up,
-        keep_disturbed=keep_disturbed,
-        **_recorded(unit, sample_rate, averaging, time_column, start, stop, mission_start, frame),
-    )  # fmt: skip
+    with _named([file]):
+        found = reduce_file(
+            file, method=method, segment=segment, columns=column or (), quantity=quantity,  # type: ignore[arg-type]
+            scale_factors=_scale_factors(scale_factor), terms=_listed(terms), warm_up=warm_up,
+            keep_disturbed=keep_disturbed,
+            **_recorded(unit, sample_rate, averaging, time_column, start, stop, mission_start, frame),
+        )  # fmt: skip
     written = _write(output, found, {}, [file], None)
     if as_json:
         _json("psd", found, written, {})
@@ -162,6 +172,22 @@ def psd(
         print(spectrum_text(found))
         _print_written(written)
     return 0
+
+
+@contextmanager
+def _named(files: Sequence[Path]) -> Iterator[None]:
+    """Let a refusal name the files that it is about, with their hashes, as far as they can be read."""
+    from ..core.errors import InertialcalError
+
+    try:
+        yield
+    except InertialcalError as error:
+        from ..files.source import load
+
+        for path in files:
+            with suppress(InertialcalError):
+                error.inputs = (*error.inputs, (str(path), load(path).sha256))
+        raise
 
 
 def _recorded(
@@ -185,41 +211,6 @@ def _scale_factors(given: list[str] | None) -> dict[str, str]:
 
 def _listed(given: str | None) -> list[str] | None:
     return None if given is None or given == "auto" else [part.strip() for part in given.split(",") if part.strip()]
-
-
-def _taus(given: str) -> str | list[float]:
-    """Return a word, or a list of seconds.
-
-    Raises
-    ------
-    UsageError
-        If it is neither.
-    """
-    try:
-        return [float(part) for part in given.split(",") if part.strip()]
-    except ValueError:
-        if "," not in given:
-            return given
-    from ..core.errors import UsageError
-
-    raise UsageError(f"--taus {given!r}", do="Write octave, decade, all, or seconds: --taus 0.1,1,10")
-
-
-def _quantity(given: str | None, option: str, unit: str, like: str) -> float | None:
-    """Return a number in a unit.
-
-    Raises
-    ------
-    UsageError
-        If what was given is none.
-    """
-    from ..core.errors import DataError, UsageError
-    from ..core.units import parse_quantity
-
-    try:
-        return None if given is None else float(parse_quantity(given).to(unit))
-    except DataError as error:
-        raise UsageError(f"{option} {given!r}: {error.problems[0].what}", do=f'Write it like "{like}"') from None
 
 
 def _check_output(output: Path | None, figure: str | None) -> None:

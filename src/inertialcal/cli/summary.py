@@ -12,6 +12,8 @@ from ..core.rounding import number
 from ..core.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
 from .output import table, wrapped
 
+DOUBT = "in doubt"  # beginning of the reason of a figure that may not hold
+
 
 def results_text(results: Mapping[str, Any]) -> str:
     """Return the figures of a campaign, test by test, each result with what stands beside it."""
@@ -21,7 +23,7 @@ def results_text(results: Mapping[str, Any]) -> str:
     for test in tests:
         rows = [row for row in results["results"] if row["test"] == test]
         blocks.append(f"{test}\n{_estimated(own_rows(rows))}")
-        missing = _not_estimated(rows)
+        missing = "\n".join(part for part in (_in_doubt(rows), _not_estimated(rows)) if part)
         if missing:
             blocks[-1] += f"\n{missing}"
         beside = _side_by_side(rows, test, str(against.get(test) or "the other"))
@@ -50,6 +52,15 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def _name(quantity: str, condition: str) -> str:
     return f"{quantity} ({condition})" if condition else quantity
+
+
+def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return a line a reason why figures of axes may not hold."""
+    axes: dict[str, dict[str, None]] = {}
+    for row in own_rows(rows):
+        if row["status"] == "estimated" and row["reason"].startswith(DOUBT):
+            axes.setdefault(row["reason"], {})[row["axis"]] = None
+    return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:

@@ -12,8 +12,8 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from .numbers import Number, Text, both, clean, digits
-from .wording import count, counted, listed, severities
+from .numbers import Number, Text, both, clean, digits, time
+from .wording import count, counted, listed, severities, words
 
 LOOP = "closed loop"  # row of the verification matrix that is no requirement
 ORDER = ("FAIL", "INCONCLUSIVE", "OPEN", "PASS")  # the worst first
@@ -32,7 +32,18 @@ class Figure:
         return Markup("{}{}{}").format(shown, " " if self.unit else "", self.unit)
 
 
-Finding = tuple[str | Figure, ...]
+@dataclass(frozen=True)
+class Length:
+    """A length of time of the files, in the unit that people would say it in."""
+
+    value: Number
+    unit: str
+
+    def __html__(self) -> Markup:
+        return Markup(time(self.value, self.unit))  # noqa: S704 - made of a number and a unit
+
+
+Finding = tuple[str | Figure | Length, ...]
 
 
 def html(finding: Finding) -> Markup:
@@ -63,6 +74,7 @@ def largest(rows: Sequence[Any]) -> Any | None:
 
 
 WALKS = ("angle_random_walk", "velocity_random_walk")
+NOISE = (*WALKS, "bias_instability", "gauss_markov_sigma", "rate_random_walk", "acceleration_random_walk")
 BIASES = ("bias", "model_bias_error", "residual_bias")
 OFFSETS = ("vacuum_offset", "bias_shift")
 
@@ -71,9 +83,8 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     """Say the scale factor error, the largest of several axes, or the bias; and what the requirements made of it."""
     if any(row["quantity"] == "path_difference" for row in rows):
         return (*of_thermal(rows), *_made_of(verdicts))
-    walk = largest([row for quantity in WALKS for row in estimated(rows, quantity)])
-    if walk is not None:
-        return (*_noise(walk, rows), *_made_of(verdicts))
+    if any(row["quantity"] in WALKS for row in rows):
+        return (*_noise(rows), *_made_of(verdicts))
     biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
     if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
         row = largest(biases)
@@ -118,13 +129,26 @@ def _with_commas(names: Sequence[Any]) -> Finding:
     return tuple(part for i, name in enumerate(names) for part in ((", ", name) if i else (name,)))
 
 
-def _noise(walk: Any, rows: Sequence[Any]) -> Finding:
-    """Say the largest white noise, and the largest bias instability where one was found."""
-    said: Finding = ("Largest ", walk["quantity"].replace("_", " "), " ", of_row(walk), ", on ", walk["axis"])
-    flicker = largest(estimated(rows, "bias_instability"))
-    if flicker is None:
-        return (*said, "; no bias instability found")
-    return (*said, "; largest bias instability ", of_row(flicker), ", on ", flicker["axis"])
+def _noise(rows: Sequence[Any]) -> Finding:
+    """Say the largest of the first two terms that were found, white noise and bias instability before others."""
+    shown = [row for quantity in NOISE if (row := largest(estimated(rows, quantity))) is not None][:2]
+    if not shown:
+        return ("No noise term could be estimated",)
+    said: Finding = ()
+    for row in shown:
+        said = (
+            *said,
+            "; largest " if said else "Largest ",
+            words(row["quantity"]),
+            " ",
+            of_row(row),
+            ", on ",
+            row["axis"],
+        )
+    doubt = next((row["reason"] for row in shown if row["reason"]), "")
+    if doubt:
+        return (*said, "; ", doubt)
+    return said if estimated(rows, "bias_instability") else (*said, "; no bias instability found")
 
 
 def _bias(row: Any, rows: Sequence[Any]) -> Finding:
@@ -153,18 +177,38 @@ def worst(verdicts: Iterable[Any]) -> str:
 
 def of_noise(reaches: Sequence[Any]) -> Finding:
     """Say which term is known worst for what was asked, and how many were not found."""
-    missing = sum(one.known is None for one in reaches)
-    lost = f"{count(missing)} of {count(len(reaches))} terms were not found" if missing else "every term was found"
-    poor = [one for one in reaches if one.known is not None and not one.enough]
+    found = [one for one in reaches if one.known is not None]
+    missing = len(reaches) - len(found)
+    lost = f"; {count(missing)} of {counted(len(reaches), 'term')} {'was' if missing == 1 else 'were'} not found"
+    if not found:
+        return (f"None of {counted(len(reaches), 'term')} was found",)
+    poor = [one for one in found if not one.enough and not one.reason]
+    if not poor and any(one.reason for one in found):
+        first = next(one for one in found if one.reason)
+        return (
+            words(first.term).capitalize(),
+            " of ",
+            *_where(first, reaches),
+            ": ",
+            first.reason,
+            lost if missing else "",
+        )
     if not poor:
-        return (f"{lost[:1].upper()}{lost[1:]}; the others are known as well as was asked for",)
+        start = f"{counted(len(found), 'term').capitalize()} {'is' if len(found) == 1 else 'are'} known to "
+        return (start, Figure(found[0].wanted, None, found[0].unit), " or better", lost if missing else "")
     worst_one = max(poor, key=lambda one: one.known.raw)
-    said: Finding = (worst_one.term.replace("_", " ").capitalize(), " of ", worst_one.axis, " is known to ",
+    said: Finding = (words(worst_one.term).capitalize(), " of ", *_where(worst_one, reaches), " is known to ",
                      Figure(worst_one.known, None, worst_one.unit))  # fmt: skip
     if worst_one.longer:
-        said = (*said, "; a record of ", Figure(worst_one.needed, None, "h"), " would give ",
+        said = (*said, "; a record of ", Length(worst_one.needed, worst_one.time), " would give ",
                 Figure(worst_one.wanted, None, worst_one.unit))  # fmt: skip
-    return (*said, f"; {lost}")
+    return (*said, lost if missing else "")
+
+
+def _where(reach: Any, reaches: Sequence[Any]) -> Finding:
+    """Say of which axis, and of which test where there are several."""
+    several = len({str(one.test) for one in reaches}) > 1
+    return (reach.axis, " in ", reach.test) if several else (reach.axis,)
 
 
 def of_closed_loop(loop: Any) -> Finding:

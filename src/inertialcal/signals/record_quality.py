@@ -28,7 +28,7 @@ from .drift import Drift, drift_of
 from .segments import NOT_WHITE
 from .stillness import Disturbance, Stillness, judge
 
-__all__ = ["BadSegment", "Drift", "RecordQuality", "record_quality"]
+__all__ = ["BadSegment", "Drift", "RecordQuality", "record_quality", "stuck_stretches"]
 
 MOST_STUCK = 20  # stuck stretches of an axis that are looked for
 
@@ -197,7 +197,7 @@ class _Axis:
 
 
 def _looked_through(x: Array, axis: int, interval: float, floor: float) -> _Axis:
-    stuck = _stuck(x, axis, interval)
+    stuck = stuck_stretches(x, interval, axis)
     left = _without(x, stuck)
     rows = np.flatnonzero(np.isfinite(left))
     rest = judge(left[rows], floor)
@@ -205,8 +205,18 @@ def _looked_through(x: Array, axis: int, interval: float, floor: float) -> _Axis
     return _Axis(rest, bad, stuck, drift_of(_without(left, bad), axis, interval))
 
 
-def _stuck(x: Array, axis: int, interval: float) -> tuple[BadSegment, ...]:
-    """Return the stretches in which one value is repeated far too long, the longest first; none if all are equal."""
+def stuck_stretches(x: Array, interval: float, axis: int = 0) -> tuple[BadSegment, ...]:
+    """Return the stretches in which one value is repeated far too long, the longest first; none if all are equal.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Samples of one axis, NaN where one is missing.
+    interval : float
+        From sample to sample [s].
+    axis : int
+        Number that the stretches get.
+    """
     rows = np.flatnonzero(np.isfinite(x))
     found: list[BadSegment] = []
     while len(found) < MOST_STUCK and len(rows) > 1 and np.any(x[rows] != x[rows[0]]) and is_stuck(x[rows]):

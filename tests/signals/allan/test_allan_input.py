@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.allan import Deviation, allan, code_remarks, on_grid
+from inertialcal.signals.allan import Deviation, allan, code_remarks, on_grid, prefix
 from inertialcal.signals.allan.prefix import give_back, phase_of
 
 RNG = np.random.default_rng
@@ -241,6 +241,31 @@ def test_records_one_after_the_other_do_not_meet() -> None:
     assert np.array_equal(together, np.hstack([first[0], first[3]]))
 
 
+def full_of_nan(shape: Any, dtype: Any = np.float64) -> Any:
+    """Fresh memory as bad as it can be: 0xFF in every byte, NaN as a float and -1 as a whole number."""
+    size = int(np.prod(shape)) * np.dtype(dtype).itemsize
+    return np.full(size, 0xFF, dtype=np.uint8).view(dtype).reshape(shape)
+
+
+@pytest.mark.parametrize("deviation", ALL)
+@pytest.mark.parametrize("quantity", ["rate", "angle"])
+@pytest.mark.parametrize("gaps", [False, True])
+@pytest.mark.parametrize("whole", [False, True])
+def test_what_memory_held_before_does_not_matter(
+    deviation: Deviation, quantity: Any, gaps: bool, whole: bool, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    x = np.rint(1e3 * WHITE).astype(np.int64) if whole else WHITE
+    present = np.arange(len(x)) % 7 > 0 if gaps else None
+    clean = allan(x, 1.0, quantity=quantity, deviation=deviation, present=present)  # compiles what is not yet
+    monkeypatch.setattr(np, "empty", full_of_nan)
+    for _ in range(2):
+        prefix._spare[:] = [full_of_nan(9 * len(x), np.uint8)]
+        found = allan(x, 1.0, quantity=quantity, deviation=deviation, present=present)
+        for name in ("deviation", "lo", "hi", "edf", "n"):
+            assert np.array_equal(getattr(found, name), getattr(clean, name))
+    assert np.all(np.isfinite(clean.deviation))
+
+
 def test_phases_that_are_not_given_back_keep_their_memory() -> None:
     one, other = phase_of(WHITE, "rate"), phase_of(WHITE[::-1], "rate")
     kept = one.values.copy()
@@ -273,3 +298,32 @@ def test_frame() -> None:
     assert table["axis"].tolist() == ["x"] * 3 + ["y"] * 3
     assert table["deviation"].tolist() == found.deviation.T.ravel().tolist()
     assert len(found) == 3
+
+
+@pytest.mark.parametrize("overlapping", [True, False])
+def test_the_weights_of_errors_at_gaps_are_those_of_the_term_itself(overlapping: bool) -> None:
+    """Unit errors of the running sum, one at a time, through the deviation of the record with its gaps."""
+    n, m = 40, 4
+    rng = np.random.default_rng(1)
+    there = rng.uniform(size=n) > 0.3
+    there[10:15] = False
+    found = allan(
+        np.where(there, rng.normal(size=n), np.nan), 1.0, quantity="rate", taus=[float(m)],
+        deviation="overlapping" if overlapping else "non_overlapping",
+    )  # fmt: skip
+    terms: list[float] = []
+    for j in range(0, n - 2 * m + 1, 1 if overlapping else m):
+        a, b = np.flatnonzero(there[j : j + m]) + j, np.flatnonzero(there[j + m : j + 2 * m]) + j + m
+        if 2 * len(a) < m or 2 * len(b) < m:
+            continue
+        weights = np.zeros(n + 1)
+        for window, sign in ((a, -1.0), (b, 1.0)):
+            weights[window + 1] += sign / len(window)
+            weights[window] -= sign / len(window)
+        terms.append(float(np.sum(weights**2)))
+    assert int(found.n[0, 0]) == len(terms)
+    assert found.ends[0, 0] == pytest.approx(m**2 / 2.0 * np.mean(terms), rel=1e-12)
+
+
+def test_without_gaps_a_term_has_three_errors() -> None:
+    assert (allan(np.random.default_rng(1).normal(size=100), 1.0, quantity="rate").ends == 3.0).all()

@@ -21,22 +21,24 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...core.curve import Curve
-from ...core.errors import DataError, Problem
+from ...core.errors import DataError
 from ...core.estimate import Component, Estimate
 from ...core.remarks import Remark, gather
 from ...core.result_tables import figures, told
 from ...core.results import Interval, Row
 from ...core.tables import Part, html, text
 from ...sensors.noise.noise_fit import duration
+from .at_rest import AtRest
 from .axis_noise import AxisNoise, Recorded, noise_of
 from .bounds import interval_at
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan, Readings, Run
 from .record_length import Reach, reaches, sentence
-from .recordings import AtRest, readings_from
+from .recordings import readings_from
 from .rows import FILE_UNIT, quantity_units, rows
 from .scale import SCALE, with_scale
 from .simulation import Truth, simulate
+from .usable import check, problems_of
 
 __all__ = [
     "FILE_UNIT",
@@ -50,6 +52,7 @@ __all__ = [
     "Result",
     "Run",
     "Truth",
+    "check",
     "quantity_units",
     "reaches",
     "readings_from",
@@ -95,8 +98,26 @@ class Result:
         return curves_of(self)
 
     def interval_at(self, row: Row, p: float) -> Interval | None:
-        """Return the interval of another probability of an estimated row; None where it has none."""
+        """Return the interval of another probability of an estimated row; None where it has none.
+
+        Parameters
+        ----------
+        row : Row
+            One of the estimated rows without a condition.
+        p : float
+            Probability between both ends.
+        """
         return interval_at(self, row, p)
+
+    def doubt(self, axis: str) -> str:
+        """Return why figures of an axis may not hold; empty where nothing speaks against them.
+
+        Parameters
+        ----------
+        axis : str
+            Its name.
+        """
+        return next((one.doubt for one in self.axes if one.axis == axis), "")
 
     def sentences(self) -> Iterator[tuple[str, str]]:
         """Yield for each axis and term how well it is known, and how long to record."""
@@ -125,6 +146,13 @@ class Result:
 def reduce(plan: Plan, readings: Readings) -> Result:
     """Find the noise terms of each axis.
 
+    Parameters
+    ----------
+    plan : Plan
+        What is asked for.
+    readings : Readings
+        Records of the sensor at rest.
+
     Raises
     ------
     DataError
@@ -135,28 +163,10 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         raise DataError("no record of a sensor at rest", code="no_records")
     axes = tuple(noise_of(plan, readings, axis) for axis in readings.axes)
     if all(one.fit is None for one in axes):
-        raise DataError(_problems(axes, readings))
+        found = {one.axis: one.problem for one in axes if one.problem is not None}
+        raise DataError(problems_of(found, readings))
     remarks = [*readings.remarks, *(remark for one in axes for remark in one.remarks), *_relative(plan)]
     return Result(plan, readings, axes, gather(remarks))
-
-
-def _problems(axes: Sequence[AxisNoise], readings: Readings) -> list[Problem]:
-    """Return why no axis has terms, each reason once, with the axes that it holds for."""
-    found: dict[Problem, list[str]] = {}
-    for one in axes:
-        if one.problem is not None:
-            found.setdefault(one.problem, []).append(one.axis)
-    recorded = f"{duration(readings.length)} recorded, {len(readings.records[0])} samples a record"
-    return [
-        Problem(
-            f"no noise terms of {', '.join(names)}: {problem.what}",
-            readings.records[0].name,
-            problem.why or recorded,
-            problem.do or "Record the sensor standing still, for longer",
-            problem.code,
-        )
-        for problem, names in found.items()
-    ]
 
 
 def _relative(plan: Plan) -> list[Remark]:

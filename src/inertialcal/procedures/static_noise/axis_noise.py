@@ -3,24 +3,21 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
 from ...sensors.noise.fit import fit
 from ...sensors.noise.noise_fit import NoiseFit
-from ...signals.allan import Allan, allan
-from ...signals.allan.deviations import Deviation
+from ...signals.allan import Allan
+from .deviations import FITTED, fitted, shown
 from .disturbances import Looked, looked_through
+from .doubts import doubt_of, fault_of
 from .plan import Plan, Readings, Run
 from .spectra import Spectral, lines_to_fit, spectral
-
-FITTED: Deviation = "overlapping"  # that the terms are fitted to
-INTERVAL = 0.95  # of the deviations
-UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
+from .usable import check_usable
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +80,12 @@ class AxisNoise:
         """Why there are no terms."""
         return "" if self.problem is None else self.problem.what
 
+    @property
+    def doubt(self) -> str:
+        """Why figures of all records together may not hold; empty where nothing speaks against them."""
+        faults = [fault_of(record.run, self.axis) for record in self.records]
+        return next(filter(None, [doubt_of(self.fit), *faults]), "")
+
 
 def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     """Return the noise of one axis.
@@ -96,20 +99,9 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     axis : str
         Which.
     """
-    records: list[Recorded] = []
-    remarks: list[Remark] = []
-    problems: list[Problem] = []
-    for run in readings.records:
-        try:
-            found = _recorded(plan, run, axis)
-        except DataError as error:
-            problems.append(error.problems[0])
-            continue
-        told = (*found.looked.remarks, *_curve_remarks(found))
-        remarks += [one.at(run.name) if len(readings.records) > 1 else one for one in told]
-        records.append(found)
+    records, problems, remarks = _each(plan, readings, axis)
     if not records:
-        return AxisNoise(axis, (), None, problems[0], (), _no_terms(axis, problems[0]))
+        return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
     lines = lines_to_fit([one.spectral for one in records])
     try:
         found_terms, lines = _with_lines(plan, records, lines)
@@ -121,44 +113,44 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)))
 
 
+def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], list[Problem], list[Remark]]:
+    """Return the records of an axis that terms can be told from, or else all; why others cannot; what is suspicious."""
+    usable: list[Recorded] = []
+    others: list[Recorded] = []
+    problems: list[Problem] = []
+    remarks: list[Remark] = []
+    several = len(readings.records) > 1
+    for run in readings.records:
+        try:
+            found = _recorded(plan, run, axis)
+            others.append(found)
+            check_usable(plan, found.curve)
+        except DataError as error:
+            problems.append(error.problems[0])
+            remarks += [_not_used(axis, problems[-1], run)] if several else []
+            continue
+        usable.append(found)
+    for found in usable or others:
+        told = (*found.looked.remarks, *_curve_remarks(found))
+        remarks += [one.at(found.run.name) if several else one for one in told]
+    return usable or others, problems, remarks
+
+
 def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     looked = looked_through(plan, run, axis)
     there = np.isfinite(looked.rates)
-    curve = _allan(plan, run, axis, there, FITTED, "octave")
-    wanted = plan.seconds or plan.taus
-    alike = plan.deviation == FITTED and wanted == "octave"
-    shown = curve if alike else _allan(plan, run, axis, there, plan.deviation, wanted)
-    return Recorded(run, looked, curve, shown, spectral(plan, looked.rates, run.interval, curve, axis))
-
-
-def _allan(
-    plan: Plan,
-    run: Run,
-    axis: str,
-    there: NDArray[np.bool_],
-    deviation: Deviation,
-    taus: str | Sequence[float],
-) -> Allan:
-    """Return a deviation, from the samples in the type of the file: whole numbers are summed exactly."""
-    return allan(
-        run.values[axis],
-        run.interval,
-        quantity=run.quantity,
-        deviation=deviation,
-        taus=taus,
-        averaging=run.averaging,
-        scale=run.scale[axis],
-        present=None if there.all() else there,
-        p=INTERVAL,
-        names=(axis,),
-        unit=UNITS[plan.kind] if plan.kind else plan.unit,
-    )
+    curve = fitted(plan, run, axis, there)
+    alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.seconds
+    asked, told = (curve, ()) if alike else shown(plan, run, axis, there)
+    found = spectral(plan, looked.rates, run.interval, curve, axis)
+    return Recorded(run, looked, curve, asked, replace(found, remarks=(*told, *found.remarks)))
 
 
 def _curve_remarks(found: Recorded) -> list[Remark]:
     """Remarks of curves and spectrum, each once; samples that were left out on purpose are said to be so already."""
     told = dict.fromkeys((*found.curve.remarks, *found.shown.remarks, *found.spectral.remarks))
-    missing = int(found.curve.missing[0]) > found.looked.left_out
+    left_out = found.looked.left_out + found.run.left_out(found.curve.names[0])
+    missing = int(found.curve.missing[0]) > left_out
     return [one for one in told if one.code != "gaps" or missing]
 
 
@@ -192,6 +184,9 @@ def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...], several: int)
 
 
 def _no_terms(axis: str, problem: Problem) -> tuple[Remark, ...]:
+    """Say why there are no terms; that all samples are equal is said by the curve."""
+    if problem.code == "constant":
+        return ()
     return (Remark("no_terms", "warning", f"{axis}: no noise terms: {problem.what}", do=problem.do),)
 
 
@@ -209,3 +204,8 @@ def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
         for (test, what), code in zip(ways, codes, strict=True)
         if test is not None and code not in warned
     )
+
+
+def _not_used(axis: str, problem: Problem, run: Run) -> Remark:
+    what = f"{axis}: this record is not used: {problem.what}"
+    return Remark("record_not_used", "warning", what, run.name, do=problem.do)

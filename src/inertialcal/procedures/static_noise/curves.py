@@ -28,7 +28,8 @@ from ...sensors.noise.spectrum_of_terms import sampled_spectrum
 from ...sensors.noise.terms import RateRamp, Sinusoid, Term
 from ...sensors.noise.units import sample_unit
 from ...signals.spectrum import Spectrum
-from .axis_noise import INTERVAL, AxisNoise, Recorded
+from .axis_noise import AxisNoise, Recorded
+from .deviations import INTERVAL
 from .record_length import reaches
 from .rows import FILE_UNIT
 
@@ -44,7 +45,13 @@ WAYS: Mapping[str, Deviation] = {
 
 
 def curves(result: Result) -> list[Curve]:
-    """Return the curves of all axes and records."""
+    """Return the curves of all axes and records.
+
+    Parameters
+    ----------
+    result : Result
+        Of the test.
+    """
     found: list[Curve] = []
     for one in result.axes:
         found += [_allan(result, one, record) for record in one.records]
@@ -65,7 +72,13 @@ def _unit(result: Result) -> str:
 
 
 def density_unit(unit: str) -> str:
-    """Return the unit of a density of samples in a unit."""
+    """Return the unit of a density of samples in a unit.
+
+    Parameters
+    ----------
+    unit : str
+        Of samples.
+    """
     return f"({FILE_UNIT})^2/Hz" if unit == FILE_UNIT else divide(power(unit, 2), "Hz")
 
 

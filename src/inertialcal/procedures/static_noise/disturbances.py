@@ -15,11 +15,11 @@ from ...core.remarks import Remark
 from ...core.rounding import number
 from ...core.units import factor
 from ...sensors.noise.noise_fit import duration
+from ...signals.codes import coarse_steps
 from ...signals.record_quality import BadSegment, Drift, RecordQuality, record_quality
 from .plan import Plan, Run
 
 LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias
-EARLY = 0.5  # of the drift in the first third, from which it is a warm-up
 FEWEST = 200  # samples from which a disturbance can be told
 LISTED = 3  # stretches that are named
 
@@ -70,6 +70,7 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
         left_out = before - int(np.count_nonzero(np.isfinite(rates)))
     remarks = [*_moving(quality, axis), *_disturbed(bad, run, axis, left_out)]
     remarks += [_drift(one, plan, run, axis) for one in quality.drifts if one.found]
+    remarks += coarse_steps(rates, axis)
     return Looked(rates, bad, left_out, tuple(remarks))
 
 
@@ -84,11 +85,11 @@ def _disturbed(bad: tuple[BadSegment, ...], run: Run, axis: str, left_out: int) 
     if not bad:
         return []
     worst = max(one.peak for one in bad)
-    spans = [f"{number(one.start, 5)} .. {number(one.stop, 5)} s" for one in bad[:LISTED]]
+    spans = [f"{number(run.time(one.first), 6)} .. {number(run.time(one.last), 6)} s" for one in bad[:LISTED]]
     spans += ["..."] if len(bad) > LISTED else []
     fate = f"left out: {left_out} of {len(run)} samples" if left_out else "kept in"
     what = f"{axis}: disturbed at {', '.join(spans)}, by up to {number(worst, 3)} times the noise; {fate}"
-    do = "" if left_out else "Leave them out (disturbed), or record again undisturbed"
+    do = "" if left_out else "Leave them out, or record again undisturbed"
     return [Remark("disturbed", "warning", what, count=len(bad), do=do)]
 
 
@@ -97,11 +98,4 @@ def _drift(drift: Drift, plan: Plan, run: Run, axis: str) -> Remark:
     if plan.kind is not None:
         inside, unit = LEVELS[plan.kind]
         times = factor(inside, unit)
-    warm = drift.early > EARLY
-    rise = number(float(number(drift.rise * times, 3)))  # -1430, not -1.43e+03
-    what = f"{axis}: drifts by {rise} {unit} over the record, more than its slow noise explains"
-    if not warm:
-        do = "Slow terms may be drift: look at temperature, or read them off a Hadamard deviation (deviation)"
-        return Remark("drift", "warning", what, do=do)
-    do = f"Leave the warm-up out (warm_up), say the first {duration(run.length / 3.0)}, and compare"
-    return Remark("warm_up", "warning", f"{what}, most of it early: the sensor warms up", do=do)
+    return drift.remark(axis, times, unit, f"the first {duration(run.length / 3.0)}")

@@ -74,6 +74,28 @@ class Plan:
     standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
 
 
+@dataclass(frozen=True)
+class Fault:
+    """Samples of one axis of a record that are no readings.
+
+    Parameters
+    ----------
+    axis : str
+        Which.
+    code : {"stuck", "saturated"}
+        Why they are none.
+    count : int
+        How many.
+    left_out : bool
+        Whether they are left out, or kept as the plan says.
+    """
+
+    axis: str
+    code: Literal["stuck", "saturated"]
+    count: int
+    left_out: bool
+
+
 @dataclass(frozen=True, eq=False)
 class Run:
     """One record of a sensor at rest, on the regular grid of its sample interval.
@@ -96,6 +118,10 @@ class Run:
         Of the record, for messages.
     warm_up : int
         Samples left out at the start.
+    clock : ndarray, shape (n,), or None
+        Time of each sample since the first of the recording [s], for messages; None where samples are counted.
+    faults : tuple of Fault
+        Samples that are no readings.
     """
 
     values: Mapping[str, NDArray[Any]]
@@ -106,9 +132,45 @@ class Run:
     quantity: Quantity = "rate"
     name: str = ""
     warm_up: int = 0
+    clock: Array | None = None
+    faults: tuple[Fault, ...] = ()
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
+
+    def there(self, axis: str) -> NDArray[np.bool_]:
+        """Return where an axis has a sample, shape (n,).
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
+        found: NDArray[np.bool_] = np.isfinite(self.values[axis])
+        given = self.present.get(axis)
+        return found if given is None else found & given
+
+    def left_out(self, axis: str) -> int:
+        """Return how many samples of an axis are left out, since they are no readings.
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
+        return sum(one.count for one in self.faults if one.axis == axis and one.left_out)
+
+    def time(self, sample: int) -> float:
+        """Return when a sample was taken, since the first of the recording, warm-up included [s].
+
+        Parameters
+        ----------
+        sample : int
+            Counted from 0, after the warm-up.
+        """
+        if self.clock is not None:
+            return float(self.clock[sample])
+        return (self.warm_up + sample) * self.interval
 
     @property
     def length(self) -> float:
@@ -116,11 +178,23 @@ class Run:
         return len(self) * self.interval
 
     def to_rate(self, axis: str) -> float:
-        """Return the rate [SI] that a value of 1 means."""
+        """Return the rate [SI] that a value of 1 means.
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
         return self.scale[axis] if self.quantity == "rate" else self.scale[axis] / self.interval
 
     def rates(self, axis: str) -> Array:
-        """Return the samples of an axis as rates [SI], shape (n,); NaN where one is missing."""
+        """Return the samples of an axis as rates [SI], shape (n,); NaN where one is missing.
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
         found: Array = self.values[axis].astype(np.float64) * self.to_rate(axis)
         there = self.present.get(axis)
         if there is not None:

@@ -1,13 +1,12 @@
 """How long to record: for each term what these records tell of it, and what a record for a wanted error would take.
 
 A term that was found has the relative error of this fit; the record that brings it to the wanted one is that of the
-planner (``sensors.noise.planner``), which takes all found terms as they are and as fitted together. A term that was not
-found has the record that would show it, were it at its upper limit.
+planner (``sensors.noise.planner``), which takes all found terms as they are and as fitted together, and is long enough
+for the term to be named again. A term that was not found has the record that would show it, were it at its upper limit.
 """
 
 from __future__ import annotations
 
-import re
 from dataclasses import dataclass
 
 from ...core.errors import InertialcalError
@@ -34,7 +33,9 @@ class Reach:
         Length that gives the wanted error, or shows the term [s]; at most ``record`` where these records do it
         already; None where no record that can be planned does.
     reason : str
-        Why a term was not found.
+        Why a term was not found, or what one that was could be as well.
+    doubt : str
+        Why the figures of the axis may not hold.
     """
 
     term: str
@@ -43,10 +44,19 @@ class Reach:
     record: float
     needed: float | None
     reason: str = ""
+    doubt: str = ""
 
 
 def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:
-    """Return what the records tell of each term of an axis; nothing where there are no terms."""
+    """Return what the records tell of each term of an axis; nothing where there are no terms.
+
+    Parameters
+    ----------
+    plan : Plan
+        Its ``relative_error`` is what is wanted.
+    found : AxisNoise
+        The axis.
+    """
     if found.fit is None:
         return ()
     record = max(one.run.length for one in found.records)
@@ -55,16 +65,11 @@ def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:
 
 def _reach(plan: Plan, found: AxisNoise, term: FoundTerm, record: float) -> Reach:
     if term.status != "estimated":
-        return Reach(term.name, term.words[0], None, record, term.record_needed, _why(term.reason))
+        return Reach(term.name, term.words[0], None, record, term.record_needed, term.reason)
     first = term.parameters[0]
     error = first.u / first.value
     needed = record if error <= plan.relative_error else _planned(plan, found, term.name)
-    return Reach(term.name, first.name, error, record, needed)
-
-
-def _why(reason: str) -> str:
-    """Return why a term was not found, in a few words."""
-    return re.split(r"[:;(]", reason, maxsplit=1)[0].strip()
+    return Reach(term.name, first.name, error, record, needed, term.reason, found.doubt)
 
 
 def _planned(plan: Plan, found: AxisNoise, name: str) -> float | None:
@@ -72,7 +77,7 @@ def _planned(plan: Plan, found: AxisNoise, name: str) -> float | None:
     run = found.records[0].run
     terms = tuple(term for term in found.fit.terms if not isinstance(term, Sinusoid))
     try:
-        length = plan_record(terms, name, plan.relative_error, run.interval, run.averaging).fit
+        length = plan_record(terms, name, plan.relative_error, run.interval, run.averaging).record
     except InertialcalError:
         return None
     return length if length < float("inf") else None
@@ -94,7 +99,11 @@ def sentence(reach: Reach, wanted: float) -> str:
         if reach.needed is None or reach.needed <= reach.record:
             return why
         return f"{why}; {duration(reach.needed)} would show it at its limit"
+    if reach.doubt:
+        return f"{name}: in doubt: {reach.doubt}"
     known = f"{name}: known to {100.0 * reach.relative_error:.2g} %"
+    if reach.reason:
+        known += f", but {reach.reason.replace('_', ' ')}"
     if reach.relative_error <= wanted:
         return known
     aim = f"for {100.0 * wanted:.3g} %"

@@ -8,56 +8,22 @@ in their place, the samples are taken as evenly spaced, which is remarked: gaps 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
-from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark, gather
 from ...core.rounding import number
-from ...signals.allan import code_remarks, on_grid
-from ...signals.allan.prefix import Quantity
-from ...signals.time_axis import TimeAxis, analyse
+from ...core.units import factor
+from ...signals.allan import on_grid
+from .at_rest import AtRest
+from .clock import Grid, averaging_of, grid_of
+from .faults import Told, without_faults
 from .plan import Plan, Readings, Run
 
-FLAG = "flag"  # where the sample interval comes from, when the user said it
-AGREES = 0.01  # relative difference of intervals that is passed over
 LARGEST = 1e60  # reading: beyond it fourth powers overflow
-NO_GAP = 1.4  # sample intervals: a longer step is a gap
-FEWEST = 2  # samples of a record
-
-
-@dataclass(frozen=True, eq=False)
-class AtRest:
-    """A recording of a sensor at rest.
-
-    Parameters
-    ----------
-    recording : Recording
-        With its channels.
-    channels : mapping of str to str
-        Which channel is which axis.
-    scale : mapping of str to float
-        SI unit a unit of the channel; 1 where not said.
-    quantity : {"rate", "increment", "angle"}
-        What its samples are.
-    name : str
-        For messages; its file where not given.
-    """
-
-    recording: Recording
-    channels: Mapping[str, str]
-    scale: Mapping[str, float] = field(default_factory=dict[str, float])
-    quantity: Quantity = "rate"
-    name: str = ""
-
-    @property
-    def place(self) -> str:
-        """Name of the recording, for messages."""
-        return self.name or self.recording.source.path or "recording"
 
 
 def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
@@ -75,8 +41,8 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
     DataError
         If there is none (``no_records``) or they differ in their axes (``wrong_column``); if one has no sample interval
         (``no_time``), stamps that are repeated (``time_repeated``) or run backwards (``time_backwards``), a channel
-        of text (``wrong_column``) or of impossible size (``wrong_value``), or nothing left after the warm-up
-        (``nothing_left``).
+        of text (``wrong_column``) or of impossible size (``wrong_value``), averages that overlap (``averaging_time``),
+        or nothing left after the warm-up (``nothing_left``).
     """
     if not recordings:
         raise DataError("no recordings of a sensor at rest", code="no_records")
@@ -97,28 +63,53 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
 
 
 def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
-    interval, places, remarks = _interval(one)
+    grid = grid_of(one)
+    averaging = averaging_of(one, grid.interval)
     values: dict[str, NDArray[Any]] = {}
     present: dict[str, NDArray[np.bool_]] = {}
     for axis, name in one.channels.items():
-        data = one.recording.channel(name).data
-        if data.dtype.kind not in "iuf":
-            raise DataError(f"column {name!r} holds no numbers", one.place, code="wrong_column")
-        _refuse_sizes(data, name, one)
-        remarks += code_remarks(data, axis)
-        values[axis], there = _placed(data, one, interval) if places else (data, None)
+        values[axis], there = _samples(one, name, grid)
         if there is not None:
             present[axis] = there
     quantity = one.quantity
     if quantity == "angle":
         values, present = _differenced(values, present)
         quantity = "increment"
-    skipped, more = _skipped(plan, one, next(iter(values.values())), interval)
-    values = {axis: data[skipped:] for axis, data in values.items()}
-    present = {axis: there[skipped:] for axis, there in present.items()}
-    scale = {axis: one.scale.get(axis, 1.0) for axis in values}
-    averaging = one.recording.averaging_time
-    return Run(values, present, scale, interval, averaging, quantity, one.place, skipped), [*remarks, *more]
+    skipped, more = _skipped(plan, one, next(iter(values.values())), grid.interval)
+    run = Run(
+        {axis: data[skipped:] for axis, data in values.items()},
+        {axis: there[skipped:] for axis, there in present.items()},
+        {axis: one.scale.get(axis, 1.0) for axis in values},
+        grid.interval,
+        averaging,
+        quantity,
+        one.place,
+        skipped,
+        None if grid.clock is None else grid.clock[len(one.recording) - len(next(iter(values.values()))) + skipped :],
+    )
+    run, bad = without_faults(plan, run, {axis: _told(one, axis, present.get(axis), skipped) for axis in values})
+    return run, [*grid.remarks, *more, *bad]
+
+
+def _samples(one: AtRest, name: str, grid: Grid) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
+    """Return the samples of a channel on the grid, and where there is one; None where there is one everywhere."""
+    data = one.recording.channel(name).data
+    if data.dtype.kind not in "iuf":
+        raise DataError(f"column {name!r} holds no numbers", one.place, code="wrong_column")
+    _refuse_sizes(data, name, one)
+    return _placed(data, one, grid.interval) if grid.placed else (data, None)
+
+
+def _told(one: AtRest, axis: str, present: NDArray[np.bool_] | None, skipped: int) -> Told:
+    """Return how samples of an axis are told: in which unit, and at which row of the file."""
+    channel, first = one.recording.channel(one.channels[axis]), one.recording.first_row
+    own, shown = channel.unit or "", one.shown or channel.unit or ""
+
+    def row(sample: int) -> int:
+        at = skipped + sample
+        return first + (at if present is None else int(np.count_nonzero(present[:at]))) if first else 0
+
+    return Told(factor(own, shown) if own and shown else 1.0, shown, row)
 
 
 def _refuse_sizes(data: NDArray[Any], name: str, one: AtRest) -> None:
@@ -127,67 +118,6 @@ def _refuse_sizes(data: NDArray[Any], name: str, one: AtRest) -> None:
     if largest > LARGEST:
         what = f"column {name!r} reaches {largest:.3g}"
         raise DataError(what, one.place, "no sensor reads so much", "Look at the file", "wrong_value")
-
-
-def _interval(one: AtRest) -> tuple[float, bool, list[Remark]]:
-    """Return the sample interval [s], whether samples are to be put on its grid by their stamps, and what to say."""
-    recording = one.recording
-    said = recording.sample_interval
-    stamps = recording.time_ns
-    if said is None or not said > 0.0:
-        do = "Say the sample rate (--sample-rate HZ), or name the column of time (--time-column)"
-        what = "nothing says how far the samples are apart"
-        raise DataError(what, one.place, "every averaging time is counted off in samples", do, "no_time")
-    if stamps is None or len(stamps) < FEWEST:
-        return said, False, []
-    mean = (int(stamps[-1]) - int(stamps[0])) / SECOND / (len(stamps) - 1)
-    if recording.interval_from != FLAG and _is_even(stamps, said):
-        return mean, False, []
-    axis = analyse(stamps)
-    if recording.interval_from == FLAG:
-        return said, False, _not_used(axis, one)
-    regular = axis.pattern == "regular" and axis.interval is not None
-    _refuse_disorder(axis, one, regular)
-    if not regular or axis.interval is None:
-        what = "stamps say when packets arrived: the samples are taken as evenly spaced, and gaps are not seen"
-        return said, False, [Remark("stamps_not_used", "warning", what, one.place)]
-    uneven = len(axis.gaps) > 0 or abs(axis.interval - said) > AGREES * said
-    return (said, True, []) if uneven else (mean, False, [])
-
-
-def _is_even(stamps: Times, interval: float) -> bool:
-    """Whether no step is backward, zero, or long enough for a gap: the quick answer for most records."""
-    steps = np.diff(stamps)
-    return bool(
-        steps.min() > 0 and steps.max() <= NO_GAP * interval * SECOND and steps.mean() > 0.9 * interval * SECOND
-    )
-
-
-def _not_used(axis: TimeAxis, one: AtRest) -> list[Remark]:
-    """Say what the stamps would have told, where a sample rate was said in their place."""
-    lost = axis.lost + len(axis.repeated) + len(axis.backward)
-    what = "the sample rate was said: the samples are taken as evenly spaced, and their stamps are not used"
-    if not lost:
-        return [Remark("stamps_not_used", "info", what, one.place)]
-    seen = f"{axis.lost} missing sample(s), {len(axis.repeated)} repeated and {len(axis.backward)} backward stamps"
-    return [Remark("stamps_not_used", "warning", f"{what}, though they show {seen}", one.place)]
-
-
-def _refuse_disorder(axis: TimeAxis, one: AtRest, regular: bool) -> None:
-    """Refuse stamps that run backwards, and repeated ones where each stamp means its own sample."""
-    why = "an averaging time is counted off in samples of one order"
-    if len(axis.backward):
-        what, at, code = f"{len(axis.backward)} stamp(s) run backwards", axis.backward, "time_backwards"
-    elif regular and len(axis.repeated):
-        what, at, code = f"{len(axis.repeated)} repeated stamp(s)", axis.repeated, "time_repeated"
-    else:
-        return
-    row = one.recording.first_row
-    place = f"{one.recording.source.path}:{row + int(at[0])}" if row else f"{one.place}: sample {int(at[0]) + 1}"
-    do = (
-        "Sort the record, drop what is twice in it, or say the sample rate (--sample-rate HZ): stamps are then not used"
-    )
-    raise DataError(what, place, why, do, code)
 
 
 def _placed(data: NDArray[Any], one: AtRest, interval: float) -> tuple[NDArray[Any], NDArray[np.bool_]]:
@@ -218,5 +148,5 @@ def _skipped(plan: Plan, one: AtRest, data: NDArray[Any], interval: float) -> tu
     if count >= len(data):
         what = f"a warm-up of {number(plan.warm_up)} s, the record is {number(len(data) * interval)} s long"
         raise DataError(what, one.place, do="Leave out less", code="nothing_left")
-    what = f"the first {number(plan.warm_up)} s of {number(len(data) * interval)} s are left out (warm_up)"
+    what = f"the first {number(plan.warm_up)} s of {number(len(data) * interval)} s are left out: the warm-up"
     return count, [Remark("warm_up_left_out", "info", what)]

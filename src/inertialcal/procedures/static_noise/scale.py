@@ -20,13 +20,27 @@ SOURCE = "scale factor of the sensor"
 
 
 def relative(standards: Standards) -> float:
-    """Return the relative standard uncertainty of the scale factor; 0 where none is stated."""
+    """Return the relative standard uncertainty of the scale factor; 0 where none is stated.
+
+    Parameters
+    ----------
+    standards : mapping of Influence
+        As stated.
+    """
     influence: Influence | None = standards.get(SCALE)
     return 0.0 if influence is None else influence.u
 
 
 def widened(row: Row, standards: Standards) -> Row:
-    """Return the row with what the scale factor adds to its uncertainty and interval."""
+    """Return the row with what the scale factor adds to its uncertainty and interval.
+
+    Parameters
+    ----------
+    row : Row
+        A size of noise.
+    standards : mapping of Influence
+        As stated.
+    """
     own = relative(standards)
     if own == 0.0 or row.value is None:
         return row
@@ -52,7 +66,15 @@ def _interval(row: Row, own: float) -> Interval | None:
 
 
 def with_scale(estimate: Estimate, standards: Standards) -> Estimate:
-    """Return the estimate with the scale factor as one more source, shared by all sizes; times do not feel it."""
+    """Return the estimate with the scale factor as one more source, shared by all sizes; times do not feel it.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        Of all axes.
+    standards : mapping of Influence
+        As stated.
+    """
     influence = standards.get(SCALE)
     if influence is None or influence.u == 0.0:
         return estimate

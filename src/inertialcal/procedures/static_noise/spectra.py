@@ -16,7 +16,7 @@ from .plan import Plan
 LONGEST = 2**17  # samples of a segment of Welch's method: lines are narrow enough, and long records cost little
 PARTS = 8  # of a record, in the length of a segment
 MOST_LINES = 6  # taken into a fit
-CONSTANT = "constant"  # which the Allan deviation tells already
+TOLD = ("constant", "gaps")  # by the Allan deviation already
 LISTED = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
 
@@ -67,7 +67,7 @@ def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str)
     remarks = [
         Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do)
         for one in spectrum.remarks
-        if one.code != CONSTANT
+        if one.code not in TOLD
     ]
     lines = find_lines(spectrum) if plan.lines else None
     agreement = compare_allan(spectrum, curve)
@@ -106,6 +106,11 @@ def _disagreement(agreement: Agreement, axis: str) -> list[Remark]:
 
 def lines_to_fit(found: Sequence[Spectral]) -> tuple[float, ...]:
     """Return the frequencies of the lines that bend an Allan deviation most, rising [Hz].
+
+    Parameters
+    ----------
+    found : sequence of Spectral
+        Spectra of the records of an axis.
 
     A line of amplitude A at f adds about A^2 to the Allan variance at 1 / (2 f), white noise of it adds f: so A^2 / f
     says how much of the curve is its.

@@ -76,7 +76,7 @@ def draw(ax: Axes, mine: Sequence[Curve], lines: Sequence[Curve], title: str = "
         name = plain(curve.get("recording", "")) if len(mine) > 1 else "measured"
         ax.plot(tau[at], deviation[at], linestyle="none", zorder=5, label=name, **DOTS[number % len(DOTS)])
     for curve in lines:
-        draw_terms(ax, numbers(curve, "tau"), curve)
+        draw_terms(ax, numbers(curve, "tau"), curve, (numbers(mine[0], "tau"), numbers(mine[0], "expected")))
     shown = np.concatenate([finite(numbers(one, name)) for one in mine for name in ("deviation", "lo", "hi")])
     log_axis(ax, "x", np.concatenate([numbers(one, "tau") for one in mine]), 1.15)
     log_axis(ax, "y", shown, ROOM)

@@ -1,4 +1,4 @@
-"""Logarithmic axes with plain labels: decades, or 1, 2 and 5 of each where few decades are shown."""
+"""Logarithmic axes with plain labels: decades, or what lies between where few decades are shown; at least two."""
 
 from __future__ import annotations
 
@@ -7,12 +7,13 @@ from typing import Literal
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
+from matplotlib.ticker import FixedLocator, FuncFormatter, MaxNLocator, NullLocator
 
 from ...core.estimate import Array
 
 MOST = 7  # labels of an axis
-FEW = 1.6  # decades, up to which there are ticks between them
+FEW = 1.6  # decades, up to which there are two ticks between them
+LEAST = 3  # decades inside, with less of which there is one tick between them
 PLAIN = (1e-3, 1e5)  # written without an exponent
 
 
@@ -52,14 +53,25 @@ def label(value: float) -> str:
     if PLAIN[0] <= value < PLAIN[1]:
         return f"{value:g}"
     decade = math.floor(math.log10(value) + 1e-9)
-    return f"{value / 10.0**decade:.0f}e{decade:d}".replace("-", "−")
+    return f"{value / 10.0**decade:.3g}e{decade:d}".replace("-", "−")
 
 
 def _ticks(low: float, high: float) -> list[float]:
-    first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
-    subs = (1.0, 2.0, 5.0) if math.log10(high / low) <= FEW else (1.0,)
-    every = [sub * 10.0**decade for decade in range(first, last + 1) for sub in subs]
-    inside = [tick for tick in every if low <= tick <= high]
-    if len(subs) == 1:
-        return inside[:: max(1, math.ceil(len(inside) / MOST))]
-    return inside
+    """Return at least two ticks inside, where there is room for two numbers of few digits."""
+    if math.log10(high / low) <= FEW:
+        found = _inside(low, high, (1.0, 2.0, 5.0))
+        return (
+            found
+            if len(found) > 1
+            else [tick for tick in MaxNLocator(4, steps=[1, 2, 5, 10]).tick_values(low, high) if low <= tick <= high]
+        )
+    found = _inside(low, high, (1.0,))
+    if len(found) < LEAST:
+        return _inside(low, high, (1.0, 3.0))
+    return found[:: math.ceil(len(found) / MOST)]
+
+
+def _inside(low: float, high: float, subs: tuple[float, ...]) -> list[float]:
+    decades = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    every = [float(f"{sub}e{decade}") for decade in decades for sub in subs]
+    return [tick for tick in every if low <= tick <= high]

@@ -1,8 +1,12 @@
-"""Looks and names of noise terms, the same in every figure: each differs in colour and in stroke."""
+"""Looks and names of noise terms, the same in every figure: each differs in colour and in stroke.
+
+The Allan deviation of a line falls to nothing at every whole period. Of lines the peaks are drawn, joined, all lines of
+an axis as one; and all terms together at the averaging times of the data, where the two are to be compared.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -10,6 +14,7 @@ from matplotlib.axes import Axes
 
 from ...core.estimate import Array
 from ...core.rounding import with_uncertainty
+from ..wording import words
 from .data import Curve, numbers
 from .style import COLOURS, plain
 
@@ -31,7 +36,9 @@ ALIKE = {  # the field's words by kind of sensor
 }
 OTHER: dict[str, Any] = {"color": COLOURS["quiet"], "linestyle": (0, (1, 2))}
 WHOLE: dict[str, Any] = {"color": COLOURS["vermilion"], "linewidth": 1.6}
-NAMED = 3  # terms in a finding
+LINE = "line at "  # begins the name of the column of a line
+LONGEST = 120  # characters of a finding: two lines
+NAMED = 2  # terms in a finding with their figures: two lines of it
 DOTS: tuple[dict[str, Any], ...] = (
     {"marker": "o", "color": COLOURS["blue"], "markersize": 3.6},
     {"marker": "s", "color": COLOURS["blue"], "markersize": 3.4, "markerfacecolor": "none"},
@@ -40,7 +47,7 @@ DOTS: tuple[dict[str, Any], ...] = (
 )  # of records
 
 
-def draw_terms(ax: Axes, at: Array, curve: Curve) -> None:
+def draw_terms(ax: Axes, at: Array, curve: Curve, compared: tuple[Array, Array] | None = None) -> None:
     """Draw each term, and all of them together.
 
     Parameters
@@ -51,15 +58,66 @@ def draw_terms(ax: Axes, at: Array, curve: Curve) -> None:
         Averaging time or frequency.
     curve : mapping
         ``allan_terms`` or ``spectrum`` of ``results.json``.
+    compared : tuple of ndarray, shape (m,), optional
+        Averaging times of the data, and what all terms give there: drawn instead where there are lines.
     """
     names = terms_of(curve)
+    lines = [name for name in names if name.startswith(LINE)]
+    whole = ALL in curve["columns"]
     for name in names:
-        stroke = STROKES.get(ALIKE.get(name, name), OTHER)
-        ax.plot(at, _positive(numbers(curve, name)), linewidth=1.1, zorder=3, label=plain(name.replace("_", " ")),
-                **stroke)  # fmt: skip
-    if ALL in curve["columns"] and names:
-        label = "all terms" if len(names) > 1 else "as fitted"
-        ax.plot(at, _positive(numbers(curve, ALL)), zorder=4, label=label, **WHOLE)
+        stroke = WHOLE if whole and len(names) == 1 else STROKES.get(ALIKE.get(name, name), OTHER)
+        if name not in lines:
+            ax.plot(at, _positive(numbers(curve, name)), label=named(name), **{"linewidth": 1.1, "zorder": 3} | stroke)
+    if lines:
+        power = np.sum([peaks_joined(at, numbers(curve, name)) ** 2 for name in lines], axis=0)
+        ax.plot(at, _positive(np.sqrt(power)), linewidth=1.1, zorder=3, label=_of_lines(lines), **OTHER)
+    if whole and len(names) > 1:
+        x, y = compared if lines and compared is not None else (at, numbers(curve, ALL))
+        ax.plot(x, _positive(y), label="all terms", **{"zorder": 4} | WHOLE)
+
+
+def named(term: str) -> str:
+    """Return the field's word of a term: ``"Gauss-Markov"``."""
+    return plain(words(term))
+
+
+def _of_lines(names: Sequence[str]) -> str:
+    """Return what the joined peaks of lines are called."""
+    return "peaks of the lines" if len(names) > 1 else f"peaks of the {plain(names[0].removeprefix(LINE))} line"
+
+
+def peaks_joined(at: Array, values: Array) -> Array:
+    """Return a ringing curve without what lies below its peaks.
+
+    Parameters
+    ----------
+    at, values : ndarray, shape (n,)
+        Rising, and the curve over it; it rises to its largest value and rings down from there.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The curve up to its largest value; from there, on logarithmic axes, its concave hull: straight over peaks that
+        fall with a power of the averaging time.
+    """
+    known = np.where(np.isfinite(values) & (values > 0.0), values, 0.0)
+    if not np.any(known):
+        return known
+    first = int(np.argmax(known))
+    at_last = np.flatnonzero(known[first:] > 0.0) + first
+    x, y = np.log(at[at_last]), np.log(known[at_last])
+    hull: list[int] = []
+    for i in range(len(x)):
+        while len(hull) > 1 and _turns_up(x, y, hull[-2], hull[-1], i):
+            hull.pop()
+        hull.append(i)
+    joined = np.exp(np.interp(np.log(at), x[hull], y[hull]))
+    return np.where(np.arange(len(known)) < first, known, joined)
+
+
+def _turns_up(x: Array, y: Array, a: int, b: int, c: int) -> bool:
+    """Whether the middle one of three points lies on or under the line between the others."""
+    return bool((y[b] - y[a]) * (x[c] - x[a]) <= (y[c] - y[a]) * (x[b] - x[a]))
 
 
 def terms_of(curve: Curve) -> list[str]:
@@ -72,15 +130,26 @@ def _positive(values: Array) -> Array:
 
 
 def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) -> str:
-    """Return the finding: the terms of an axis with their uncertainty; ``otherwise`` where none is known."""
-    parts = list(_told(results.get("results", []), test, axis))
-    return f"{plain(axis)}: {', '.join(parts[:NAMED]) or otherwise}"
+    """Return the finding: the terms of an axis with their uncertainty; ``otherwise`` where none is known.
+
+    Where the terms do not hold, that is the finding: a row says so.
+    """
+    mine = [
+        (term, row)
+        for row in results.get("results", [])
+        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated") and " alone" not in row["condition"]
+        if (term := _term(str(row["quantity"]))) in STROKES
+    ]
+    doubt = next((str(row["reason"]) for _, row in mine if row.get("reason")), "")
+    told = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
+    others = [_size(row) for _, row in mine[NAMED:]]
+    said = doubt or ", ".join([*told[:NAMED], *others]) or otherwise
+    return f"{plain(axis)}: {plain(said, LONGEST)}"
 
 
-def _told(rows: Sequence[Mapping[str, Any]], test: str, axis: str) -> Iterator[str]:
-    for row in rows:
-        mine = (row["test"], row["axis"]) == (test, axis) and row["status"] == "estimated"
-        name = str(row["quantity"])
-        term = ALIKE.get(name, name.removesuffix("_sigma"))
-        if mine and term in STROKES and " alone" not in row["condition"]:
-            yield f"{name.replace('_', ' ')} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}"
+def _term(quantity: str) -> str:
+    return ALIKE.get(quantity, quantity.removesuffix("_sigma"))
+
+
+def _size(row: Mapping[str, Any]) -> str:
+    return named(str(row["quantity"]).removesuffix("_sigma"))

@@ -111,12 +111,17 @@ def _panel(
 
 @compiled
 def fill_covariance(
-    m: Array, n: Array, reach: float, sizes: Array, ramp: float, exponentials: Array, out: Array
+    m: Array, n: Array, raised: Array, reach: float, sizes: Array, ramp: float, exponentials: Array, out: Array
 ) -> None:
-    """Fill the covariance of Allan variances at m samples, ascending, of n terms each."""
+    """Fill the covariance of Allan variances at m samples, ascending, of n terms each.
+
+    ``raised`` is what missing samples multiply the linear size, second of ``sizes``, by.
+    """
+    shared = sizes.copy()
     for i in range(len(m)):
         for j in range(i, len(m)):
-            out[i, j] = covariance_of_pair(m[i], m[j], n[i], n[j], reach, sizes, ramp, exponentials)
+            shared[1] = sizes[1] * np.sqrt(raised[i] * raised[j])
+            out[i, j] = covariance_of_pair(m[i], m[j], n[i], n[j], reach, shared, ramp, exponentials)
             out[j, i] = out[i, j]
 
 

@@ -84,19 +84,23 @@ def fit(
     if not several:
         raise DataError("no Allan deviation to fit", do="Give that of one run, or of several", code="too_short")
     samples = sample_unit(kind, unit or unit_of(several[0]))
-    runs = [run_of(curve, axis, samples) for curve in several]
-    plain = problem_of(runs, lines)
+    plain = problem_of([run_of(curve, axis, samples) for curve in several], lines)
     solution = _solved(plain, terms, kind, samples, p)
+    return _result(plain, solution, AUTO if terms == "auto" else _names(terms))
+
+
+def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseFit:
+    """Return what is told of a solution: the terms found, those that are not, and the tests."""
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
     found = estimated(solution)
-    wanted = AUTO if terms == "auto" else _names(terms)
     missed = tuple(not_identified(solution, name) for name in wanted if name not in present(problem, fitted))
     scatter = solution.sigma if problem is plain else covariance_of_runs(plain, fitted)
     residual = residual_test(plain, fitted, scatter)
     agreement = agreement_test(problem, fitted, solution.sigma)
+    runs = problem.runs
     return NoiseFit(
-        kind,
-        samples,
+        solution.kind,
+        solution.unit,
         found + missed,
         estimate_of(solution, found),
         tuple((choice.terms, choice.criterion - best.criterion) for choice in solution.table),

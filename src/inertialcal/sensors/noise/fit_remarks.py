@@ -14,6 +14,7 @@ from ...core.rounding import number
 from .found_terms import Solution
 from .goodness import SIGNIFICANT, ChiSquare
 from .likelihood import terms_of
+from .misfit import MOST
 from .terms import GaussMarkov, RandomWalk, quantity_name
 from .units import converted, parameter_unit, shown_units
 
@@ -31,27 +32,38 @@ def remarks_of(solution: Solution, residual: ChiSquare | None, agreement: ChiSqu
     residual, agreement : ChiSquare or None
         Whether the terms explain the Allan deviation, and whether runs agree.
     """
-    return (*_unexplained(solution, residual), *_runs(solution, agreement), *_white_beyond(solution))
+    agree = agreement is None or agreement.p >= SIGNIFICANT
+    return (
+        *_unexplained(solution, residual, agree),
+        *_runs(solution, agree, agreement),
+        *_white_beyond(solution),
+    )
 
 
-def _unexplained(solution: Solution, residual: ChiSquare | None) -> tuple[Remark, ...]:
+def _unexplained(solution: Solution, residual: ChiSquare | None, agree: bool) -> tuple[Remark, ...]:
     if residual is None or residual.p >= SIGNIFICANT:
         return ()
     misfit = solution.problem.misfit
     what = f"the terms do not explain the Allan deviation ({residual}): "
-    what += (
-        f"each deviation was taken as known to {50.0 * misfit:.2g} % at best, in intervals too"
-        if misfit > 0.0
-        else "intervals are too short"
-    )
+    if misfit >= MOST:
+        what += f"even if each deviation were known to {50.0 * MOST:.2g} % only; no figure of this fit holds"
+    elif misfit > 0.0:
+        what += f"each deviation was taken as known to {50.0 * misfit:.2g} % at best, in intervals too"
+    elif not agree:
+        return ()  # that runs differ is said, and each by itself may be explained
+    else:
+        what += "intervals are too short"
     do = "Look for lines, disturbances or drift (psd), and leave them out or name them"
     return (Remark("terms_do_not_explain", "warning", what, do=do),)
 
 
-def _runs(solution: Solution, agreement: ChiSquare | None) -> tuple[Remark, ...]:
-    if agreement is None or agreement.p >= SIGNIFICANT:
+def _runs(solution: Solution, agree: bool, agreement: ChiSquare | None) -> tuple[Remark, ...]:
+    if agree:
         return ()
-    what = f"the {len(solution.problem.runs)} runs do not agree on the terms ({agreement})"
+    what = (
+        f"the {len(solution.problem.runs)} runs do not agree on the terms ({agreement}): "
+        "figures of all together are a mean, and their intervals do not hold the difference"
+    )
     return (Remark("runs_disagree", "warning", what, do="Fit each run by itself, and look what differs"),)
 
 

@@ -155,7 +155,7 @@ def relative_errors(terms: tuple[Term, ...], record: float, interval: float, ave
         ``too_short`` if the record has fewer averaging times than unknowns.
     """
     n = int(record / interval + 1e-9)
-    m = _octaves(n)
+    m = octaves(n)
     slopes = np.stack(
         [_slope(term, name, m, interval, averaging) for term in terms for name in free_parameters(term)], axis=1
     )
@@ -169,8 +169,8 @@ def relative_errors(terms: tuple[Term, ...], record: float, interval: float, ave
     return sandwich_of(slopes, 0.5 * edf / mean**2, sigma).u
 
 
-def _octaves(n: int) -> Array:
-    """Averaging times 1, 2, 4, ... of a record of n samples, three of the longest fitting in."""
+def octaves(n: int) -> Array:
+    """Return averaging times 1, 2, 4, ... of a record of n samples, three of the longest fitting in [samples]."""
     return np.asarray(2.0 ** np.arange(max(1, int(np.floor(np.log2(max(n, SPANS) / SPANS))) + 1)))
 
 

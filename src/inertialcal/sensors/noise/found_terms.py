@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
@@ -15,7 +17,7 @@ from .order import NAMES, PRICE, Choice, present
 from .problem import GAUSS_MARKOV, LINEAR, Problem
 from .profile import interval_of
 from .sandwich import Sandwich
-from .terms import TERMS, Kind, Sinusoid, quantity_name
+from .terms import TERMS, Kind, Quantization, RandomWalk, Sinusoid, quantity_name
 from .units import parameter_unit
 
 
@@ -84,43 +86,64 @@ def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]
         Parameter(quantity_name(name, word, solution.kind), *value, parameter_unit(name, word, solution.unit))
         for word, value in zip(TERMS[name].parameters, values, strict=True)
     )
-    return FoundTerm(name, "estimated", parameters)
+    chosen = solution.table[0]
+    other = _rival(
+        solution.table, lambda choice: name not in choice.terms and not set(choice.terms) <= set(chosen.terms)
+    )
+    if name == Sinusoid.name or other is None:
+        return FoundTerm(name, "estimated", parameters)
+    gained = tuple(one for one in other.terms if one not in chosen.terms)
+    worse = other.criterion - chosen.criterion
+    return FoundTerm(name, "estimated", parameters, code="like_another", others=gained, worse=worse)
 
 
 def not_identified(solution: Solution, name: str) -> FoundTerm:
     """Return a term that the record does not show: the reason, an upper limit, and the record that would show it."""
     problem, fitted, first = solution.problem, solution.fitted, TERMS[name].parameters[0]
     words = tuple(quantity_name(name, word, solution.kind) for word in TERMS[name].parameters)
-    unit = parameter_unit(name, first, solution.unit)
+    found = FoundTerm(
+        name, "not_identified", (), words, unit=parameter_unit(name, first, solution.unit), record=problem.length
+    )
     if name not in solution.candidates:
-        reason = "looks like white noise, with dead time"
-        return FoundTerm(name, "not_identified", (), words, reason, unit=unit, record=problem.length)
-    reason, at = _reason(name, solution.table), problem.names.index(name) if name in NAMES else len(problem.names)
-    limit_at = None
+        return replace(found, code="like_white")
+    at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
     if name == GAUSS_MARKOV:
         fitted = replace(fitted, position=_where_it_hides(problem, fitted))
         limit_at = time_at(problem, fitted.position)
-    power, needed = limit_and_record(problem, fitted, at, solution.sigma)
-    return FoundTerm(name, "not_identified", (), words, reason, _root(power), unit, needed, problem.length, limit_at)
+    chosen = solution.table[0]
+    other = _rival(solution.table, lambda choice: name in choice.terms and not set(chosen.terms) <= set(choice.terms))
+    rival = None if other is None or name == GAUSS_MARKOV else other.fitted
+    power, needed = limit_and_record(problem, fitted, at, solution.sigma, rival)
+    added = next((choice for choice in solution.table if name in choice.terms), None)
+    worse = None if added is None else added.criterion - chosen.criterion
+    found = replace(found, upper_limit=_root(power), record_needed=needed, limit_at=limit_at, worse=worse)
+    if other is not None:
+        lost = tuple(one for one in chosen.terms if one not in other.terms)
+        return replace(found, code="like_another", others=lost, worse=other.criterion - chosen.criterion)
+    return replace(found, **_why_not(found, chosen))
+
+
+def _why_not(found: FoundTerm, chosen: Choice) -> dict[str, Any]:
+    """Return the code of the reason, and no length of a record where length is not what lacks."""
+    if found.name == Quantization.name and RandomWalk.name in chosen.terms:
+        return {"code": "hidden_by_white", "record_needed": None}
+    if found.upper_limit is None:
+        return {"code": "no_limit"}
+    if found.record_needed is None:
+        return {"code": "no_record"}
+    return {"code": "too_short" if found.record_needed > found.record else "small"}
+
+
+def _rival(table: tuple[Choice, ...], wanted: Callable[[Choice], bool]) -> Choice | None:
+    """Return the best choice of a kind, where it is nearly as good as the one that was taken."""
+    found = next((choice for choice in table[1:] if wanted(choice)), None)
+    return found if found is not None and found.criterion - table[0].criterion < PRICE else None
 
 
 def _where_it_hides(problem: Problem, fitted: Fitted) -> float:
     """Position of the correlation time at which Gauss-Markov noise beside the others fits best; else the middle."""
     best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))
     return best.position if best.powers[-1] > 0.0 else 0.5 * (len(problem.table) - 1.0)
-
-
-def _reason(name: str, table: tuple[Choice, ...]) -> str:
-    """Say why a term was not taken: another looks like it, or it makes too little difference; with the criterion."""
-    chosen = table[0]
-    for choice in table:
-        worse = choice.criterion - chosen.criterion
-        lost = [other for other in chosen.terms if other not in choice.terms]
-        if name in choice.terms and lost and worse < PRICE:
-            return f"not told from {', '.join(lost)} (+{worse:.1f})"
-        if name in choice.terms and not lost:
-            return f"record too short (+{worse:.1f})"
-    return "record too short (no trace of it)"
 
 
 def _root(power: float | None) -> float | None:

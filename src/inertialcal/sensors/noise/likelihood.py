@@ -22,7 +22,8 @@ from scipy import linalg
 from ...core.estimate import Array
 from ._kernels import at_position, scored, searched
 from .covariance_of_allan import covariance_of_allan
-from .problem import GAUSS_MARKOV, LINEAR, PER_E, Problem
+from .phase import Phase
+from .problem import COMPLETE, GAUSS_MARKOV, LINEAR, PER_E, Problem
 from .sandwich import Sandwich, sandwich_of
 from .terms import GaussMarkov, Sinusoid, Term, total_phase
 
@@ -153,7 +154,10 @@ def covariance_of_runs(problem: Problem, fitted: Fitted) -> Array:
     """
     terms, blocks = terms_of(problem, fitted), []
     for run in problem.runs:
-        blocks.append(covariance_of_allan(total_phase(terms, run.interval, run.averaging), run.m, run.n))
+        phase = total_phase(terms, run.interval, run.averaging)
+        if run.ends is not None:  # errors at gaps are independent from gap to gap, as white noise is
+            phase += Phase(linear=phase.point * float(np.max((run.ends - COMPLETE) / run.m)))
+        blocks.append(covariance_of_allan(phase, run.m, run.n, run.inflation))
     sigma = linalg.block_diag(*blocks)
     if problem.misfit > 0.0:
         left = problem.misfit * mean_of(problem, fitted)

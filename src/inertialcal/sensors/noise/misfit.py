@@ -7,6 +7,10 @@ rejects even all candidates together, each Allan variance is taken to be known n
 alike at all averaging times and independent between them: the one at which the chi-square of the residuals is as large
 as its degrees of freedom [1]_. It enters weights and covariance, and is told.
 
+Of several runs each is fitted by itself, with terms of its own, and the chi-squares are added: that runs differ from
+each other is no misfit of the terms, and has a test of its own (``goodness``). No misfit beyond `MOST` is allowed for;
+where even that explains nothing, the fit does not hold.
+
 References
 ----------
 .. [1] R. C. Paule and J. Mandel, J. Res. Natl. Bur. Stand. 87 (1982) 377: consensus values and weighting factors.
@@ -15,13 +19,14 @@ References
 from __future__ import annotations
 
 from functools import cache
+from itertools import pairwise
 
 import numpy as np
-from scipy import optimize
+from scipy import optimize, special
 
 from .goodness import SIGNIFICANT, residual_test
 from .likelihood import covariance_of_runs, estimate
-from .problem import Problem, with_misfit
+from .problem import Problem, each_run, with_misfit
 
 LEAST, MOST = 1e-4, 0.5  # relative misfits of a variance that are looked at
 STEP, PRECISION = 1.0, 0.05  # of the logarithm: as it is first looked through, and as it is found
@@ -41,17 +46,25 @@ def misfit_of(problem: Problem, candidates: tuple[str, ...]) -> float:
     @cache
     def excess(log: float) -> float:
         """Logarithm of chi-square over its degrees of freedom."""
-        trial = with_misfit(problem, float(np.exp(log)))
-        fitted = estimate(trial, candidates, looks=1)
-        found = residual_test(trial, fitted, covariance_of_runs(trial, fitted))
-        return 0.0 if found is None else float(np.log(found.statistic / found.dof))
+        statistic, dof = _left(with_misfit(problem, float(np.exp(log))), candidates)
+        return float(np.log(statistic / dof)) if dof else 0.0
 
-    fitted = estimate(problem, candidates, looks=1)
-    test = residual_test(problem, fitted, covariance_of_runs(problem, fitted))
-    if test is None or test.p >= SIGNIFICANT:
+    statistic, dof = _left(problem, candidates)
+    if not dof or special.chdtrc(dof, statistic) >= SIGNIFICANT:
         return 0.0
-    for hi in np.arange(np.log(LEAST), np.log(MOST) + STEP, STEP):
+    ends = (*np.arange(np.log(LEAST), np.log(MOST), STEP), np.log(MOST))
+    for lo, hi in pairwise((ends[0] - STEP, *ends)):
         if excess(hi) <= 0.0:
-            lo = hi - STEP
             return float(np.exp(optimize.brentq(excess, lo, hi, xtol=PRECISION) if excess(lo) > 0.0 else hi))
     return MOST
+
+
+def _left(problem: Problem, candidates: tuple[str, ...]) -> tuple[float, int]:
+    """Return chi-square of the residuals and its degrees of freedom, of all runs, each with terms of its own."""
+    statistic, dof = 0.0, 0
+    for run in each_run(problem):
+        fitted = estimate(run, candidates, looks=1)
+        found = residual_test(run, fitted, covariance_of_runs(run, fitted))
+        if found is not None:
+            statistic, dof = statistic + found.statistic, dof + found.dof
+    return statistic, dof

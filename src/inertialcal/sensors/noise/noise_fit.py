@@ -16,6 +16,19 @@ from .terms import TERMS, Kind, Term
 from .units import converted, shown_units
 
 BEST = 5  # choices of terms that are shown
+REASONS = {
+    "too_short": "record too short",
+    "like_another": "not told from {others}",
+    "like_white": "looks like white noise, with dead time",
+    "hidden_by_white": "hidden by white noise, faster samples would show it",
+    "small": "smaller than its limit, or not there",
+    "no_record": "too small for any record that can be planned",
+    "no_limit": "record too short for a limit",
+}  # why a term is not identified
+DOUBTS = {
+    "terms_do_not_explain": "the terms do not explain the Allan deviation",
+    "runs_disagree": "the runs do not agree",
+}  # codes of remarks after which no figure of a fit may be relied on, and what to say beside one
 
 
 @dataclass(frozen=True)
@@ -55,8 +68,12 @@ class FoundTerm:
         Of an estimated term.
     words : tuple of str
         The field's words of the parameters of one that is not.
-    reason : str
-        Why not.
+    code : str
+        Key of `REASONS`: why not; of an estimated term ``"like_another"`` where others could be in its place.
+    others : tuple of str
+        Terms that it is not told from.
+    worse : float or None
+        By how much the criterion is worse with it, or with the others in its place.
     upper_limit : float or None
         One-sided 95 %, of its coefficient [``unit``].
     unit : str
@@ -73,12 +90,21 @@ class FoundTerm:
     status: Literal["estimated", "not_identified"]
     parameters: tuple[Parameter, ...] = ()
     words: tuple[str, ...] = ()
-    reason: str = ""
+    code: str = ""
+    others: tuple[str, ...] = ()
+    worse: float | None = None
     upper_limit: float | None = None
     unit: str = ""
     record_needed: float | None = None
     record: float = 0.0
     limit_at: float | None = None
+
+    @property
+    def reason(self) -> str:
+        """What `code` means, in words; empty where there is nothing to say."""
+        if self.status == "estimated" and self.code:
+            return f"could as well be {', '.join(self.others)}"
+        return REASONS.get(self.code, "").format(others=", ".join(self.others))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,16 +155,20 @@ class NoiseFit:
         """Return what was found of a term; None if it was no candidate."""
         return next((term for term in self.found if term.name == name), None)
 
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Codes of remarks for which the figures are not to be relied on: keys of `DOUBTS`; empty where all is well."""
+        return tuple(code for code in DOUBTS if any(remark.code == code for remark in self.remarks))
+
     def rows(self, axis: str = "", test: str = "", condition: str = "") -> tuple[Row, ...]:
         """Return the parameters as rows of a result, inside units; limits of terms that are not identified."""
         found: list[Row] = []
+        doubt = [DOUBTS[code] for code in self.doubts]
         for term in self.found:
+            said = "; ".join([*doubt, term.reason] if term.reason else doubt)
             for one in term.parameters:
-                found.append(
-                    Row(
-                        one.name, axis, one.value, one.u, one.unit, None, one.interval, "estimated", "", test, condition
-                    )
-                )
+                values = one.name, axis, one.value, one.u, one.unit, None, one.interval
+                found.append(Row(*values, "estimated", said, test, condition))
             if term.status == "not_identified":
                 found += _missing_rows(term, axis, test, condition)
         return tuple(found)
@@ -232,14 +262,14 @@ def _missing(missing: list[FoundTerm], kind: Kind | None) -> Grid:
         if term.record_needed is not None and term.record_needed > term.record:
             needed = duration(term.record_needed)
         name = term.words[0] if term.limit_at is None else f"{term.name}, {duration(term.limit_at)}"
-        rows.append((name, limit, unit if limit != "-" else "", needed, term.reason))
+        reason = term.reason if term.worse is None else f"{term.reason} (+{term.worse:.1f})"
+        rows.append((name, limit, unit if limit != "-" else "", needed, reason))
     heads = ("not identified", "95 % limit", "unit", "record needed", "reason (criterion)")
     return Grid(heads, rows, "Not identified; record needed to show a term that is at its limit", (1, 3))
 
 
 def duration(seconds: float) -> str:
     """Return a length of time in words: ``"2.5 h"``."""
-    for size, word in ((86400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2.0 * size:
-            return f"{seconds / size:.2g} {word}" if seconds < 100.0 * size else f"{seconds / size:.0f} {word}"
-    return f"{seconds:.2g} s"
+    units = ((86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
+    size, word = next((one for one in units if seconds >= 2.0 * one[0]), units[-1])
+    return f"{seconds / size:.2g} {word}" if seconds < 99.5 * size else f"{seconds / size:.0f} {word}"

@@ -1,11 +1,13 @@
 """How long to record for a noise term to be known to a relative error.
 
-Three answers, from coarse to fine:
+Four answers, from coarse to fine:
 
 - the standard's rule [1]_, eq. (C.22): an Allan deviation at tau has the relative error
   ``1 / sqrt(2 (T / tau - 1))`` in a record of T;
 - the same from the exact equivalent degrees of freedom of the overlapping Allan variance, ``1 / sqrt(2 edf)``;
-- what a fit of all terms together will give (``forecast``): the one to plan by.
+- what a fit of all terms together will give (``forecast``), if it is told which terms there are;
+- the same, but long enough for the choice of terms to name the term in 95 % of records as well (``separation``): the
+  one to plan by, for who does not know the terms beforehand.
 
 A term that gives the share s of the Allan variance at tau is known from that one deviation to ``error / s``: the first
 two rules are applied to the averaging time that asks for the shortest record.
@@ -31,10 +33,13 @@ from ...signals.allan.edf import degrees_of_freedom
 from .allan_of_terms import variance_of_phase
 from .covariance_of_allan import covariance_of_allan, model_edf
 from .forecast import SPANS, check_terms, free_parameters, relative_errors
+from .separation import can_be_chosen, separation
 from .terms import Term, total_phase
 
 LONGEST = 2.0**34  # samples of a record that is still planned
 PRECISION = 1e-3  # of a record length
+ROUGH = 0.02  # of one in which a term is named
+LEAST = 24  # samples of a record from which terms are chosen
 
 
 def standard_error(record: float, tau: float) -> float:
@@ -109,6 +114,9 @@ class RecordPlan:
         That is wanted of its size.
     fit : float
         Record for a fit of all terms together [s]; infinite where no record that can be planned is enough.
+    record : float
+        Record in which the term is also named in 95 % of cases, among all that there are to choose from: `fit` or
+        longer [s].
     standard, standard_tau : float
         Record by IEEE 952 (C.22), and the averaging time at which it reads the term [s].
     exact, exact_tau : float
@@ -118,6 +126,7 @@ class RecordPlan:
     term: str
     relative_error: float
     fit: float
+    record: float
     standard: float
     standard_tau: float
     exact: float
@@ -126,7 +135,8 @@ class RecordPlan:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: a row a rule."""
         rows = [
-            ("fit of all terms", number(self.fit, 4), number(self.fit / 3600.0, 3), "-"),
+            ("known, and named among all terms", number(self.record, 4), number(self.record / 3600.0, 3), "-"),
+            ("fit of all terms, given", number(self.fit, 4), number(self.fit / 3600.0, 3), "-"),
             ("IEEE 952 (C.22)", number(self.standard, 4), number(self.standard / 3600.0, 3),
              number(self.standard_tau, 4)),
             ("exact degrees of freedom", number(self.exact, 4), number(self.exact / 3600.0, 3),
@@ -185,7 +195,19 @@ def plan_record(
     shortest = interval * SPANS * 2.0 ** (1 + sum(len(free_parameters(one)) for one in terms))
     fit = _shortest(fitted, relative_error, shortest, LONGEST * interval)
     standard, exact = _single(terms, at, relative_error, interval, averaging)
-    return RecordPlan(term, relative_error, fit, *standard, *exact)
+    record = _named(terms, term, fit, interval, averaging)
+    return RecordPlan(term, relative_error, fit, record, *standard, *exact)
+
+
+def _named(terms: tuple[Term, ...], term: str, fit: float, interval: float, averaging: float | None) -> float:
+    """Return the record in which a term is named in 95 % of cases, not less than one that gives the error wanted."""
+    if not np.isfinite(fit) or not can_be_chosen(terms, term):
+        return fit
+
+    def lacking(record: float) -> float:
+        return -separation(terms, term, record, interval, averaging)
+
+    return _shortest(lacking, 0.0, max(fit, LEAST * interval), LONGEST * interval, ROUGH)
 
 
 def _single(
@@ -215,7 +237,9 @@ def _single(
     return standard, exact
 
 
-def _shortest(error: Callable[[float], float], wanted: float, shortest: float, longest: float) -> float:
+def _shortest(
+    error: Callable[[float], float], wanted: float, shortest: float, longest: float, precision: float = PRECISION
+) -> float:
     """Return the shortest record with at most the error that is wanted, between two bounds; infinite beyond."""
     if error(shortest) <= wanted:
         return shortest
@@ -224,7 +248,7 @@ def _shortest(error: Callable[[float], float], wanted: float, shortest: float, l
         low, high = high, 4.0 * high
         if high > longest:
             return np.inf
-    while high > (1.0 + PRECISION) * low:
+    while high > (1.0 + precision) * low:
         middle = float(np.sqrt(low * high))
         low, high = (low, middle) if error(middle) <= wanted else (middle, high)
     return high

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 
 import numpy as np
 
@@ -28,6 +29,7 @@ from .terms import (
 LINEAR: tuple[type[LinearTerm], ...] = (Quantization, RandomWalk, BiasInstability, RateRandomWalk, RateRamp)
 GAUSS_MARKOV = GaussMarkov.name
 PER_E = 8.0  # rows of the table of correlation times, a factor e
+COMPLETE = 3.0  # `ends` of a complete record
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,6 +95,22 @@ def problem_of(runs: Sequence[Run], lines: Sequence[float] = ()) -> Problem:
     return Problem(tuple(runs), names, columns, table, times, tuple(lines), variance, weight)
 
 
+def each_run(problem: Problem) -> tuple[Problem, ...]:
+    """Return each run by itself, with the correlation times of all."""
+    ends = np.cumsum([0, *(len(run.m) for run in problem.runs)])
+    return tuple(
+        replace(
+            problem,
+            runs=(run,),
+            columns=problem.columns[a:b],
+            table=np.ascontiguousarray(problem.table[:, a:b]),
+            variance=problem.variance[a:b],
+            weight=problem.weight[a:b],
+        )
+        for run, (a, b) in zip(problem.runs, pairwise(ends), strict=True)
+    )
+
+
 def with_misfit(problem: Problem, misfit: float) -> Problem:
     """Return the same runs, each Allan variance known no better than to a relative misfit.
 
@@ -109,10 +127,12 @@ def with_misfit(problem: Problem, misfit: float) -> Problem:
 def expected(term: Term, run: Run) -> Array:
     """Return the Allan variance that a term gives at the averaging times of a run, shape (k,).
 
-    Where samples are missing, what is independent from sample to sample grows as windows have fewer of them.
+    Where samples are missing, what is independent from sample to sample grows as windows have fewer of them, and errors
+    of the running sum, which cancel inside of a window, do not at its gaps.
     """
     phase = total_phase((term,), run.interval, run.averaging)
-    return variance_of_phase(phase, run.m) + phase.linear / run.m * (run.inflation - 1.0)
+    found = variance_of_phase(phase, run.m) + phase.linear / run.m * (run.inflation - 1.0)
+    return found if run.ends is None else found + phase.point / run.m**2 * (run.ends - COMPLETE)
 
 
 def exponentials_of(times: Array, run: Run) -> Array:

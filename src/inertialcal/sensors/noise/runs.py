@@ -66,6 +66,8 @@ class Run:
         Time from sample to sample, and that of one mean [s].
     inflation : ndarray, shape (k,)
         By how much missing samples raise the variance of white noise; 1 without gaps.
+    ends : ndarray, shape (k,), optional
+        Squared weights of errors of the integrated signal over 2 / m^2; default: 3, without gaps.
     """
 
     m: Array
@@ -75,6 +77,7 @@ class Run:
     interval: float
     averaging: float
     inflation: Array
+    ends: Array | None = None
 
     @property
     def tau(self) -> Array:
@@ -128,6 +131,7 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
         inflation = _column(np.asarray(raised, dtype=float), axis)
         power = _column(np.asarray(getattr(curve, "power", inflation), dtype=float), axis)
         variance = np.where(power >= 0.0, variance * inflation, variance)
+    ends = getattr(curve, "ends", None)
     run = Run(
         np.asarray(curve.m, dtype=float),
         variance,
@@ -136,6 +140,7 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
         float(curve.interval),
         float(curve.interval if averaging is None else averaging),
         inflation,
+        None if ends is None else _column(np.asarray(ends, dtype=float), axis),
     )
     return _usable(run)
 
@@ -184,6 +189,7 @@ def _usable(run: Run) -> Run:
             code="too_short",
         )
     at = np.array(kept)
+    ends = None if run.ends is None else run.ends[at]
     return Run(
-        run.m[at], run.variance[at], run.n[at], run.edf[at], run.interval, run.averaging, run.inflation[at]
+        run.m[at], run.variance[at], run.n[at], run.edf[at], run.interval, run.averaging, run.inflation[at], ends
     )  # fmt: skip

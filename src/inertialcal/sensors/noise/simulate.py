@@ -34,7 +34,7 @@ from .terms import (
     RateRandomWalk,
     Sinusoid,
     Term,
-    check_times,
+    averaged_over,
 )
 
 
@@ -63,8 +63,7 @@ def simulate(
     DataError
         If there are fewer than two samples, or the averaging time is not positive or longer than the interval.
     """
-    averaging = interval if averaging is None else averaging
-    check_times(interval, averaging)
+    averaging = averaged_over(interval, averaging)
     if n < 2:
         raise DataError(f"{n} sample(s) asked for, need 2 or more", code="too_short")
     total = np.zeros(n)

@@ -42,6 +42,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...signals.allan.dead_time import check_averaging
 from .phase import Phase
 
 Kind = Literal["gyro", "accelerometer"]
@@ -219,29 +220,29 @@ def total_phase(terms: tuple[Term, ...], interval: float, averaging: float | Non
     DataError
         If the averaging time is not positive, or longer than the interval.
     """
-    averaging = interval if averaging is None else averaging
-    check_times(interval, averaging)
+    averaging = averaged_over(interval, averaging)
     total = Phase()
     for term in terms:
         total = total + term.phase(interval, averaging)
     return total
 
 
-def check_times(interval: float, averaging: float) -> None:
-    """Refuse times that no record can have.
+def averaged_over(interval: float, averaging: float | None) -> float:
+    """Return the averaging time of a sample [s]: the interval where it is absent, or differs by less than clocks do.
+
+    Parameters
+    ----------
+    interval, averaging : float
+        Time from sample to sample, and that of one mean [s].
 
     Raises
     ------
     DataError
         As `total_phase`.
     """
-    if not 0.0 < averaging <= interval < np.inf:
-        raise DataError(
-            f"an averaging time of {averaging:g} s every {interval:g} s",
-            why="windows of samples may not overlap, and last some time",
-            do="Give 0 < averaging <= interval",
-            code="averaging_time",
-        )
+    averaging = interval if averaging is None else averaging
+    check_averaging(interval, averaging)
+    return min(averaging, interval)
 
 
 def quantity_name(term: str, parameter: str, kind: Kind | None) -> str:

@@ -23,10 +23,10 @@ from numpy.typing import ArrayLike, NDArray
 from .channel import code_remarks, of_channel
 from .checks import checked_kind, checked_names, checked_present, checked_samples
 from .curve import Allan
-from .dead_time import check_averaging, dead_time_remark
+from .dead_time import check_averaging
 from .deviations import Deviation
-from .edf import interval as interval_of
-from .gaps import missing_remark, on_grid
+from .gaps import on_grid
+from .joined import joined
 from .prefix import Quantity
 from .taus import Factors, Taus, factors_of
 
@@ -77,54 +77,21 @@ def allan(
         Probability of the intervals.
     noise : "auto" or int
         Exponent of the noise, which the degrees of freedom follow from; found at each averaging time by default.
-    names : tuple of str, optional
-        Of the channels.
-    unit : str
-        Of the result, for what is printed.
+    names, unit : tuple of str, str
+        Of the channels, and of the result, for what is printed.
 
     Raises
     ------
-    DataError
-        If the samples are not numbers, of another shape, too few, or all missing; if the interval or averaging time
-        is not possible.
-    PlanError
-        If the quantity, deviation, averaging times, noise or probability are not among the possible ones.
+    DataError, PlanError
+        If samples are no numbers, of another shape, too few or all missing, or a time or word is not possible.
     """
-    kind = checked_kind(quantity, deviation, p, noise)
-    samples = checked_samples(x, interval, scale)
+    kind, samples = checked_kind(quantity, deviation, p, noise), checked_samples(x, interval, scale)
     check_averaging(interval, averaging)
-    there = checked_present(present, samples)
     n, axes = samples.shape
-    labels = checked_names(names, axes)
-    wanted, remarks = factors_of(kind, n if quantity == "angle" else n + 1, interval, taus, factors)
+    there, names = checked_present(present, samples), checked_names(names, axes)
+    m, told = factors_of(kind, n + (quantity != "angle"), interval, taus, factors)
     columns = [
-        of_channel(samples[:, i], None if there is None else there[:, i], quantity, kind, wanted, noise, labels[i])
+        of_channel(samples[:, i], None if there is None else there[:, i], quantity, kind, m, noise, names[i])
         for i in range(axes)
     ]
-    edf = np.array([one.edf for one in columns]).T
-    to_rate = scale if quantity == "rate" else scale / interval
-    found = to_rate * np.array([one.deviation for one in columns]).T
-    lo, hi = interval_of(found, edf, p)
-    missing = np.array([one.missing for one in columns], dtype=np.int64)
-    remarks += dead_time_remark(interval, averaging) + missing_remark(missing, n, labels)
-    return Allan(
-        tau=wanted.astype(np.float64) * interval,
-        m=wanted,
-        n=np.array([one.terms for one in columns]).T,
-        deviation=found,
-        lo=lo,
-        hi=hi,
-        edf=edf,
-        power=np.array([one.power for one in columns]).T,
-        inflation=np.array([one.inflation for one in columns]).T,
-        p=p,
-        interval=interval,
-        averaging=averaging,
-        samples=n,
-        missing=missing,
-        kind=deviation,
-        quantity=quantity,
-        names=labels,
-        unit=unit,
-        remarks=remarks + tuple(remark for one in columns for remark in one.remarks),
-    )
+    return joined(columns, m, n, interval, averaging, deviation, quantity, names, unit, scale=scale, p=p, remarks=told)

@@ -18,7 +18,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ._kernels_lanes import STEP, squares
 
 Whole = NDArray[np.int64]
 BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
@@ -27,6 +26,7 @@ SHORT = (32, 512)  # largest averaging factors whose modified deviations are sum
 LOCAL = 16  # ... each so many times as long
 
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+summing = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 # The integrated signal
 
@@ -34,7 +34,7 @@ compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 @compiled
 def integrate(x: NDArray[Any], level: Any, phase: NDArray[Any]) -> None:
     """Fill ``phase``, one longer than ``x``, with the sums of all samples before each, less a level a sample."""
-    total = phase[0] * 0
+    total = phase.dtype.type(0)  # not phase[0] * 0: fresh memory may hold NaN
     phase[0] = total
     fours = len(x) // 4
     for k in range(fours):  # a sum waits for the one before it: four at a time wait once
@@ -56,7 +56,7 @@ def integrate_present(
     x: NDArray[Any], present: NDArray[np.bool_], level: Any, phase: NDArray[Any], count: NDArray[np.int32]
 ) -> None:
     """Fill ``phase`` and ``count`` with the sums and numbers of the samples that are present."""
-    total, n = phase[0] * 0, 0
+    total, n = phase.dtype.type(0), 0
     phase[0], count[0] = total, 0
     for i in range(len(x)):
         if present[i]:
@@ -68,7 +68,7 @@ def integrate_present(
 @compiled
 def integrate_again(phase: NDArray[Any]) -> Any:
     """Replace each P by the sum of all before it; return the sum of all, which stands for the point after the last."""
-    total = phase[0] * 0
+    total = phase.dtype.type(0)
     for i in range(len(phase)):
         here = phase[i]
         phase[i] = total
@@ -79,24 +79,53 @@ def integrate_again(phase: NDArray[Any]) -> Any:
 # Sums of squares
 
 
-_one_second = squares((0, 1, 2), ((1, -2, 1),))
-_two_seconds = squares((0, 1, 2, 4), ((1, -2, 1, 0), (1, 0, -2, 1)))
-_four_seconds = squares(
-    (0, 1, 2, 4, 8, 16),
-    ((1, -2, 1, 0, 0, 0), (1, 0, -2, 1, 0, 0), (1, 0, 0, -2, 1, 0), (1, 0, 0, 0, -2, 1)),
-)
-_one_third = squares((0, 1, 2, 3), ((-1, 3, -3, 1),))
-
-
-@compiled
-def _rest(p: NDArray[Any], start: int, stop: int, m: int, order: int) -> float:
-    """Return the sum for the few starting points that fill no lanes."""
+@summing
+def _one_second(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any]) -> float:
+    """Return the sum of squares of (c - b) - (b - a), of three streams of P that start m apart."""
     total = 0.0
-    for j in range(start, stop):
-        d = p[j] - 2 * p[j + m] + p[j + 2 * m]
-        if order == 3:
-            d = p[j + 3 * m] - 2 * p[j + 2 * m] + p[j + m] - d
-        total += np.float64(d) * np.float64(d)
+    for i in range(len(c)):
+        d = np.float64(a[i] - 2 * b[i] + c[i])
+        total += d * d
+    return total
+
+
+@summing
+def _two_seconds(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any]) -> tuple[float, float]:
+    """Return the same for m and 2 m, of streams that start 0, 1, 2 and 4 m apart."""
+    one, two = 0.0, 0.0
+    for i in range(len(e)):
+        d = np.float64(a[i] - 2 * b[i] + c[i])
+        one += d * d
+        d = np.float64(a[i] - 2 * c[i] + e[i])
+        two += d * d
+    return one, two
+
+
+@summing
+def _four_seconds(
+    a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any], g: NDArray[Any], h: NDArray[Any]
+) -> tuple[float, float, float, float]:
+    """Return the same for m, 2 m, 4 m and 8 m, of streams that start 0, 1, 2, 4, 8 and 16 m apart."""
+    one, two, three, four = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(h)):
+        d = np.float64(a[i] - 2 * b[i] + c[i])
+        one += d * d
+        d = np.float64(a[i] - 2 * c[i] + e[i])
+        two += d * d
+        d = np.float64(a[i] - 2 * e[i] + g[i])
+        three += d * d
+        d = np.float64(a[i] - 2 * g[i] + h[i])
+        four += d * d
+    return one, two, three, four
+
+
+@summing
+def _one_third(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any]) -> float:
+    """Return the sum of squares of third differences, of four streams that start m apart."""
+    total = 0.0
+    for i in range(len(e)):
+        d = np.float64(e[i] - a[i] + 3 * (b[i] - c[i]))
+        total += d * d
     return total
 
 
@@ -110,25 +139,31 @@ def _add_seconds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Ar
         e = min(stop, n - 2 * m)
         if e <= start:
             break
-        count = (e - start) // STEP * STEP
         doubling = _doubling(factors, k)
         many = 1
         if doubling >= 4 and e + 16 * m <= n:
             many = 4
-            s, t, u, v = _four_seconds(p, start, m, count)
+            s, t, u, v = _four_seconds(
+                p[start:e],
+                p[start + m : e + m],
+                p[start + 2 * m : e + 2 * m],
+                p[start + 4 * m : e + 4 * m],
+                p[start + 8 * m : e + 8 * m],
+                p[start + 16 * m : e + 16 * m],
+            )
             out[k] += s
             out[k + 1] += t
             out[k + 2] += u
             out[k + 3] += v
         elif doubling >= 2 and e + 4 * m <= n:
             many = 2
-            s, t = _two_seconds(p, start, m, count)
+            s, t = _two_seconds(
+                p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 4 * m : e + 4 * m]
+            )
             out[k] += s
             out[k + 1] += t
         else:
-            out[k] += _one_second(p, start, m, count)[0]
-        for i in range(k, k + many):
-            out[i] += _rest(p, start + count, e, factors[i], 2)
+            out[k] += _one_second(p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m])
         k += many
 
 
@@ -149,8 +184,9 @@ def _add_thirds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Arr
         e = min(stop, len(p) - 3 * m)
         if e <= start:
             break
-        count = (e - start) // STEP * STEP
-        out[k] += _one_third(p, start, m, count)[0] + _rest(p, start + count, e, m, 3)
+        out[k] += _one_third(
+            p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 3 * m : e + 3 * m]
+        )
 
 
 @compiled
@@ -192,7 +228,7 @@ def sum_local_thirds(p: NDArray[Any], factors: Whole, block: int, spare: NDArray
     longest, slope = factors[-1], np.empty(1, dtype=p.dtype)  # an array: of whole numbers, a whole one
     for j in range(0, n + 1 - 3 * factors[0], block):
         size = min(block + 3 * longest, n + 1 - j)
-        total = p[0] * 0
+        total = p.dtype.type(0)
         slope[0] = (p[j + size - 2] - p[j]) / max(1, size - 2)
         for i in range(size - 1):
             spare[i] = total
@@ -203,8 +239,7 @@ def sum_local_thirds(p: NDArray[Any], factors: Whole, block: int, spare: NDArray
             e = min(block, n + 1 - 3 * m - j)
             if e <= 0:
                 break
-            count = e // STEP * STEP
-            out[k] += _one_third(spare, 0, m, count)[0] + _rest(spare, count, e, m, 3)
+            out[k] += _one_third(spare[:e], spare[m : e + m], spare[2 * m : e + 2 * m], spare[3 * m : e + 3 * m])
 
 
 @compiled

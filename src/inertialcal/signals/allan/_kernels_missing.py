@@ -78,6 +78,39 @@ def sum_present(
 
 
 @compiled
+def weights_of_ends(count: NDArray[np.int32], factors: Whole, overlapping: bool, ends: Array) -> None:
+    """Fill m^2 / 2 of the mean of the squared weights that errors of the running sum have in a term of order 2.
+
+    Samples on end add up to the difference of two points of that sum, so that a window weighs the error of each end of
+    each of its stretches by one over its number of samples; where both windows meet in a stretch, the weights add.
+    """
+    starts = np.zeros(len(count), dtype=np.int32)  # stretches that begin before each point
+    for i in range(len(count) - 1):
+        begins = count[i + 1] > count[i] and (i == 0 or count[i] == count[i - 1])
+        starts[i + 1] = starts[i] + (1 if begins else 0)
+    for k in range(len(factors)):
+        m = factors[k]
+        added, n = 0.0, 0
+        for j in range(0, len(count) - 2 * m, 1 if overlapping else m):
+            a, b = count[j + m] - count[j], count[j + 2 * m] - count[j + m]
+            if a * FILL < m or b * FILL < m:
+                continue
+            u, v = 1.0 / a, 1.0 / b
+            added += 2.0 * (_stretches(count, starts, j, m) * u * u + _stretches(count, starts, j + m, m) * v * v)
+            if count[j + m + 1] > count[j + m] and count[j + m] > count[j + m - 1]:
+                added += 2.0 * u * v
+            n += 1
+        ends[k] = 0.5 * m * m * added / n if n > 0 else 3.0
+
+
+@compiled
+def _stretches(count: NDArray[np.int32], starts: NDArray[np.int32], j: int, m: int) -> int:
+    """Stretches on end in the window of m samples at j."""
+    open_at_start = j > 0 and count[j + 1] > count[j] and count[j] > count[j - 1]
+    return int(starts[j + m] - starts[j]) + (1 if open_at_start else 0)
+
+
+@compiled
 def sum_present_modified(
     p: NDArray[Any],
     count: NDArray[np.int32],

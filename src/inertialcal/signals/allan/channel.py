@@ -28,6 +28,7 @@ class Channel:
     inflation: Array
     edf: Array
     power: Array
+    ends: Array
     missing: int
     remarks: tuple[Remark, ...]
 
@@ -76,7 +77,7 @@ def of_channel(
     remarks = _remarks(flat, found.terms, told, len(factors), name)
     if flat:
         power, edf = np.full((2, len(factors)), np.nan)
-    return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, phase.missing, remarks)
+    return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, phase.missing, remarks)
 
 
 def _remarks(flat: bool, terms: NDArray[np.int64], told: int, k: int, name: str) -> tuple[Remark, ...]:

@@ -43,6 +43,9 @@ class Allan:
         Exponent of the noise around each averaging time: 2 quantisation, 0 white, -1 flicker, -2 random walk.
     inflation : ndarray, shape (k, axes)
         By how much missing samples raise the variance of white noise; divided out where ``power`` is 0 or more.
+    ends : ndarray, shape (k, axes)
+        Sum of the squared weights that errors of the integrated signal have in a term, over 2 / m^2: 3 of a complete
+        record, more where gaps leave ends of stretches inside of windows. Of the Allan deviations; else 3.
     p : float
         Probability of the intervals.
     interval : float
@@ -74,6 +77,7 @@ class Allan:
     edf: Array
     power: Array
     inflation: Array
+    ends: Array
     p: float
     interval: float
     averaging: float | None

@@ -37,6 +37,8 @@ from .prefix import Phase
 
 Deviation = Literal["overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"]
 SAFE = 2.0**62  # whole numbers of int64 that sums of four may reach
+COMPLETE = 3.0  # squared weights of the three errors of the running sum in a term, over 2 / m^2: 1 + 4 + 1
+ALLAN = 2  # order
 
 
 @dataclass(frozen=True)
@@ -85,11 +87,14 @@ class Variances:
         Number of terms.
     inflation : ndarray, shape (k,)
         By how much missing samples raise white noise; not yet divided out.
+    ends : ndarray, shape (k,)
+        Squared weights of errors of the running sum, as `curve.Allan` has them.
     """
 
     variance: Array
     terms: NDArray[np.int64]
     inflation: Array
+    ends: Array
 
 
 def terms_of(kind: Kind, points: int, factors: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -103,6 +108,7 @@ def terms_of(kind: Kind, points: int, factors: NDArray[np.int64]) -> NDArray[np.
 def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances:
     """Return the variances at rising averaging factors, each small enough for a term; the phase may be used up."""
     sums, inflation = np.empty(len(factors)), np.ones(len(factors))
+    ends = np.full(len(factors), COMPLETE)
     terms = terms_of(kind, len(phase.values), factors)
     if phase.complete:
         _sum_complete(phase.values, kind, factors, sums)
@@ -113,9 +119,11 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
             missing.sum_present_modified(*shared, sums, terms, inflation)
         else:
             missing.sum_present(*shared, kind.order, kind.overlapping, sums, terms, inflation)
+            if kind.order == ALLAN and not phase.pointwise:
+                missing.weights_of_ends(phase.count, factors, kind.overlapping, ends)
     size = factors.astype(np.float64) ** (4 if kind.modified else 2)
     with np.errstate(invalid="ignore", divide="ignore"):
-        return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation)
+        return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation, ends)
 
 
 def _sum_complete(p: NDArray[Any], kind: Kind, factors: NDArray[np.int64], sums: Array) -> None:
