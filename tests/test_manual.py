@@ -154,7 +154,13 @@ def shows(shown: list[str], printed: list[str]) -> bool:
     return len(parts) > 1 or at == len(printed)
 
 
-@pytest.mark.parametrize("path", PAGES, ids=name_of)
+LONG = ("commands/demo.md",)  # half a minute
+PLAYED = [
+    pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("path", PLAYED, ids=lambda path: name_of(path))
 def test_what_a_page_shows_is_what_happens(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")

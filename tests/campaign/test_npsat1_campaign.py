@@ -154,7 +154,10 @@ def verdicts(outcome: Outcome, requirement: str, test: str) -> set[str]:
     return {one["verdict"] for one in found}
 
 
-@pytest.mark.parametrize("seed", [1, 2, 3])
+MORE = [pytest.param(seed, marks=pytest.mark.slow) for seed in range(2, 21)]
+
+
+@pytest.mark.parametrize("seed", [1, *MORE])
 def test_five_percent_from_a_tenth_of_a_degree_needs_a_reading_at_rest(seed: int, tmp_path: Path) -> None:
     """Means over 60 s: with a zero reference PASS at every rate; without one never at 0.1 deg/s.
 
@@ -172,7 +175,11 @@ def test_five_percent_from_a_tenth_of_a_degree_needs_a_reading_at_rest(seed: int
         assert set(low) <= {"FAIL", "INCONCLUSIVE"}
 
 
-@pytest.mark.parametrize("fault", FAULTS)
+QUICK = ("missing_reference", "only_cooling", "wide_requirement")
+MISTAKES = [pytest.param(fault, marks=[pytest.mark.slow] * (fault not in QUICK)) for fault in FAULTS]
+
+
+@pytest.mark.parametrize("fault", MISTAKES)
 def test_each_mistake_has_its_own_message(fault: str, tmp_path: Path) -> None:
     fewer = {"chamber_runs": 3, "chamber_fit_runs": 2, "table_runs": 3, "table_fit_runs": 2}
     parts = ("rate_table",) if fault == "no_zero_reference" else ("thermal", "rate_table")

@@ -93,6 +93,7 @@ def test_a_refused_run_leaves_the_old_results(capsys: pytest.CaptureFixture[str]
     assert not [path for path in folder.iterdir() if path.name.startswith(".out")]
 
 
+@pytest.mark.slow  # half a minute
 def test_same_bytes_whatever_the_threads(example: Path) -> None:
     hashes = []
     for number in ("1", "2"):

@@ -113,7 +113,7 @@ def read(folder: Path) -> Files:
     )
 
 
-@pytest.fixture(scope="module", params=["published", "simulated", "still"])
+@pytest.fixture(scope="module", params=["published", "still", pytest.param("simulated", marks=pytest.mark.slow)])
 def made(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> tuple[Files, str]:
     folder = tmp_path_factory.mktemp("page") / request.param
     if request.param == "published":
