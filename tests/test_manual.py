@@ -155,12 +155,10 @@ def shows(shown: list[str], printed: list[str]) -> bool:
 
 
 LONG = ("commands/demo.md",)  # half a minute
-PLAYED = [
-    pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES
-]  # fmt: skip
+PLAYED = [pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES]
 
 
-@pytest.mark.parametrize("path", PLAYED, ids=lambda path: name_of(path))
+@pytest.mark.parametrize("path", PLAYED, ids=name_of)
 def test_what_a_page_shows_is_what_happens(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
