@@ -331,6 +331,8 @@ def of_model(model: Any | None, loop: Any) -> Finding:
     """Say whether there is a model, and whether recordings held out have judged it."""
     if model is None:
         return ("No model is delivered",)
+    if loop["verdict"] == "INCONCLUSIVE":
+        return ("A model of which readings held out cannot tell whether it improves them",)
     if not model["judged"]:
         return ("A model that no readings held out have judged",)
     return ("A model judged on readings held out: ", loop["verdict"])
