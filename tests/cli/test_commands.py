@@ -12,20 +12,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from inertialcal.cli.__main__ import main
+from typed_commands import call
 
 Write = Callable[..., Path]
 EXAMPLE = Path(__file__).resolve().parents[2] / "src/inertialcal/examples/npsat2011"
 ENVELOPE = {"command", "version", "inputs", "results", "curves", "remarks", "verdicts", "errors", "exit"}
-
-
-def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as left:
-        main(list(words))
-    out, err = capsys.readouterr()
-    assert "Traceback" not in out + err
-    return int(left.value.code or 0), out, err
 
 
 def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from typed_commands import call_json
 
 from inertialcal.cli.__main__ import main
 from inertialcal.core.units import factor
@@ -31,13 +31,6 @@ def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str
     assert "Traceback" not in out + err
     assert "internal error" not in out + err
     return int(left.value.code or 0), out, err
-
-
-def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    status, out, _ = call(capsys, *words, "--json")
-    content: dict[str, Any] = json.loads(out)
-    assert content["exit"] == status
-    return content
 
 
 def rates(seed: int = 1) -> NDArray[np.float64]:

@@ -2,33 +2,15 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
-
-from inertialcal.cli.__main__ import main
+from typed_commands import call, call_json
 
 BIAS = 0.01  # at 20 degC [deg/s]
 GAP = 0.002  # warming less cooling [deg/s]
 BEGIN = 1.7e9
-
-
-def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as left:
-        main(list(words))
-    out, err = capsys.readouterr()
-    assert "Traceback" not in out + err
-    return int(left.value.code or 0), out, err
-
-
-def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    status, out, _ = call(capsys, *words, "--json")
-    content: dict[str, Any] = json.loads(out)
-    assert content["exit"] == status
-    return content
 
 
 def write(path: Path, run: int, head: str = "unix_s,temperature [degC],gyro_x [deg/s]", swing: float = 1.0) -> Path:

@@ -133,7 +133,7 @@ def _unknowns(bias: Bias, levels: Sequence[Mapping[str, float]]) -> dict[str, Ta
     """Return what is not known of the bias that was taken off, a dwell a recording, by source."""
     result, n = bias.result, len(levels)
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
-    standards.setdefault(PATH, Influence(0.0, "rad/s"))  # one path alone was seen: a remark says so
+    standards.setdefault(PATH, Influence(0.0, "rad/s"))  # one path alone was seen: the thermal test remarks it
     plan = replace(result.plan, standards=standards)
     laws = {axis: one.law for axis, one in result.sensors.items()}
     asked = {}

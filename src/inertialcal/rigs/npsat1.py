@@ -12,11 +12,9 @@ References
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import replace
 
 import numpy as np
 
-from ..core.errors import UsageError
 from ..core.recording import Recording
 from .npsat1_campaign import campaign_text
 from .npsat1_faults import FAULTS
@@ -26,7 +24,7 @@ from .npsat1_setup import AIR, Bench
 from .npsat1_truth import drawn_of, true_values
 from .npsat1_unit import Unit, draw_unit
 from .npsat1_world import World, draw_world
-from .twin import Twin
+from .twin import Twin, with_fault
 
 TITLE = "a three-axis rate-sensor suite: thermal ramps in air and vacuum, rate table, noise"
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "twin"]
@@ -42,10 +40,7 @@ def twin(seed: int, fault: str = "") -> Twin:
     UsageError
         If there is no mistake of that name.
     """
-    if fault and fault not in FAULTS:
-        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(FAULTS)}", code="unknown_name")
-    bench = replace(Bench(), **FAULTS[fault].change) if fault else Bench()
-    return replace(build(bench, seed), fault=fault)
+    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int, unit: Unit | None = None) -> Twin:

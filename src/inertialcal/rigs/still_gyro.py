@@ -12,12 +12,11 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from ..core.errors import UsageError
 from ..core.estimate import Array
 from ..core.influence import Influence
 from ..core.recording import SECOND, Channel, Recording
@@ -25,7 +24,7 @@ from ..core.units import factor
 from ..sensors.noise.simulate import simulate
 from ..sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, Term, quantity_name
 from .still_gyro_campaign import campaign_text, recording_file
-from .twin import Drawn, Fault, TrueValue, Twin, drawn_error
+from .twin import Drawn, Fault, TrueValue, Twin, drawn_error, with_fault
 
 TITLE = "a three-axis rate gyro that stands still, averages of 1 s saved every 2 s"
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "twin"]
@@ -98,10 +97,7 @@ def twin(seed: int, fault: str = "") -> Twin:
     UsageError
         If there is no mistake of that name.
     """
-    if fault and fault not in FAULTS:
-        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(FAULTS)}", code="unknown_name")
-    bench = replace(Bench(), **FAULTS[fault].change) if fault else Bench()
-    return replace(build(bench, seed), fault=fault)
+    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int) -> Twin:
