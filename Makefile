@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 
 .PHONY: demo test slow check bench docs pins clean
 
-demo: $(READY)  ## the published campaign of three rate gyros, end to end
+demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
 
 test: $(READY)  ## the default suite

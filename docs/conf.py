@@ -25,6 +25,7 @@ html_theme = "alabaster"
 html_title = f"inertialcal {version}"
 html_copy_source = False
 html_show_copyright = False
+html_static_path = ["style"]  # custom.css, which the theme takes by itself
 html_theme_options = {
     "description": "From raw counts to a calibration that can be trusted",
     "fixed_sidebar": True,

@@ -131,7 +131,7 @@ def campaign_ran(request: pytest.FixtureRequest) -> Ran:
     return found
 
 
-# A browser, and the reports that it looks at: of the published campaign, and of a simulated one with recordings
+# A browser, and the reports that it looks at: of the published campaign, and of two simulated ones with recordings
 
 
 @pytest.fixture(scope="session")
@@ -152,6 +152,7 @@ def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     folder = tmp_path_factory.mktemp("reports")
     copy_example("npsat2011", folder / "published")
     simulate("rate_table", folder / "simulated", seed=1)
-    for name in ("published", "simulated"):
+    simulate("still_gyro", folder / "still", seed=1)
+    for name in ("published", "simulated", "still"):
         run(folder / name)
-    return {name: folder / name / "out" / "report.html" for name in ("published", "simulated")}
+    return {name: folder / name / "out" / "report.html" for name in ("published", "simulated", "still")}

@@ -154,7 +154,11 @@ def shows(shown: list[str], printed: list[str]) -> bool:
     return len(parts) > 1 or at == len(printed)
 
 
-@pytest.mark.parametrize("path", PAGES, ids=name_of)
+LONG = ("commands/demo.md",)  # half a minute
+PLAYED = [pytest.param(path, marks=[pytest.mark.slow] * path.as_posix().endswith(LONG)) for path in PAGES]
+
+
+@pytest.mark.parametrize("path", PLAYED, ids=name_of)
 def test_what_a_page_shows_is_what_happens(path: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "80")
@@ -338,6 +342,20 @@ def test_every_quantity_condition_and_curve_of_a_flip_is_documented(tmp_path: Pa
         for curve in found["curves"]:
             columns = rows_after(curves, "A curve has")[curve["name"]][2]
             assert all(f"`{name}`" in columns for name in curve["columns"]), curve["name"]
+
+
+def test_every_quantity_condition_and_curve_of_noise_is_documented(tmp_path: Path) -> None:
+    page = (DOCS / "procedures" / "static_noise.md").read_text(encoding="utf-8")
+    words, curves = ((DOCS / name).read_text(encoding="utf-8") for name in ("words.md", "results.md"))
+    found = ic.run(build("still_gyro", tmp_path / "still"), write=False).results
+    for row in found["results"]:
+        told = re.sub("run .* alone", "run NAME alone", row["condition"])
+        assert f"`{row['quantity']}`" in page, row["quantity"]
+        assert not told or f"`{told}`" in words, row["condition"]
+    for curve in found["curves"]:
+        columns = rows_after(curves, "A curve has")[curve["name"]][2]
+        terms = {name for name in curve["columns"] if f"`{name}`" in page}
+        assert all(f"`{name}`" in columns for name in set(curve["columns"]) - terms), curve["name"]
 
 
 def test_every_remark_of_a_procedure_is_documented() -> None:

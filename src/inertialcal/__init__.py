@@ -21,6 +21,9 @@ if TYPE_CHECKING:
     from .campaign.score import score
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
+    from .campaign.single_noise import allan
+    from .campaign.single_spectrum import psd
+    from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
     from .files import read
     from .files.survey import survey as info
@@ -29,6 +32,7 @@ if TYPE_CHECKING:
     from .report.plot import plot
 
 __all__ = [
+    "allan",
     "check",
     "compare",
     "compensate",
@@ -36,20 +40,25 @@ __all__ = [
     "info",
     "load_model",
     "plot",
+    "psd",
     "rate_table",
     "read",
     "read_table",
     "run",
     "score",
     "simulate",
+    "thermal",
     "write",
 ]
 
 _HOMES = {
+    "allan": ("campaign.single_noise", "allan"),
+    "psd": ("campaign.single_spectrum", "psd"),
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),
     "flip": ("campaign.single_flip", "flip"),
+    "thermal": ("campaign.single_thermal", "thermal"),
     "load_model": ("campaign.models", "load_model"),
     "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),

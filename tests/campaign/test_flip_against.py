@@ -69,8 +69,8 @@ def test_a_prediction_has_the_unit_of_its_head(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ({"against": "nobody"}, "against = 'nobody' is no other flip of this campaign"),
-        ({"against": "new"}, "against = 'new' is no other flip of this campaign"),
+        ({"against": "nobody"}, "against = 'nobody' is no other flip test of this campaign"),
+        ({"against": "new"}, "against = 'new' is no other flip test of this campaign"),
         ({"corrected": "false"}, "old has the bias in its readings"),
         ({"axis": "y"}, "turned about y, old about x"),
     ],

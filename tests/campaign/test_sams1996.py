@@ -131,7 +131,12 @@ def test_the_flips_are_pooled_with_the_scatter_between_them(rows: Rows) -> None:
 
 
 def test_no_model_is_made_and_nothing_is_judged_that_cannot_be(results: dict[str, Any], folder: Path) -> None:
-    assert results["closed_loop"] == {"verdict": "not run", "reason": "no model is made of a flip", "axes": []}
+    assert results["closed_loop"] == {
+        "verdict": "not run",
+        "reason": "no model is made of a flip",
+        "axes": [],
+        "over_temperature": [],
+    }
     assert not (folder / "out" / "model.json").exists()
     assert results["verdict"] == "INCONCLUSIVE"
     assert "the closed loop was not run" in (folder / "out" / "report.html").read_text(encoding="utf-8").lower()

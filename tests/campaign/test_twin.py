@@ -91,7 +91,7 @@ def test_in_memory_and_from_files_the_figures_are_the_same(folder: Path) -> None
 def test_the_truth_is_told_in_the_words_of_the_results(folder: Path) -> None:
     truth = read_truth(folder)
     named = {(row["quantity"], row["axis"]) for row in run(folder, write=False).results["results"]}
-    assert set(truth.values) <= named
+    assert {(one.quantity, one.axis) for one in truth.values} <= named
     assert (truth.rig, truth.seed, truth.fault) == ("rate_table", 3, "")
     drawn = json.loads((folder / TRUTH).read_text())["drawn"]
     assert {"table_rate_error", "converter_reference_error", "tilt", "mounting_x_turned"} <= set(drawn)

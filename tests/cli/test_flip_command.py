@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
-from typing import Any
 
 import pytest
-
-from inertialcal.cli.__main__ import main
+from typed_commands import call, call_json
 
 TABLE = """\
 axis,time,orientation,mean [ug]
@@ -20,21 +17,6 @@ x,2,forward,-1264.74
 x,2,reverse,-1264.98
 """
 POSITIONS = ("--position", "forward=0 deg", "--position", "reverse=180 deg")
-
-
-def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as left:
-        main(list(words))
-    out, err = capsys.readouterr()
-    assert "Traceback" not in out + err
-    return int(left.value.code or 0), out, err
-
-
-def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    status, out, _ = call(capsys, *words, "--json")
-    content: dict[str, Any] = json.loads(out)
-    assert content["exit"] == status
-    return content
 
 
 @pytest.fixture

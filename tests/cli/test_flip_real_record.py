@@ -7,8 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-
-from inertialcal.cli.__main__ import main
+from typed_commands import call
 
 RECORD = "2014_10_22_09_36_36.324-2014_10_22_09_37_35.317.121f03006"
 WINDOWS = (
@@ -16,14 +15,6 @@ WINDOWS = (
     "--window", "2014-10-22T09:37:05Z..2014-10-22T09:37:34Z=180 deg",
 )  # fmt: skip
 TRAPS = {"stop_differs", "stamps_made", "as_archived", "bias_not_applied"}
-
-
-def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as left:
-        main(list(words))
-    out, err = capsys.readouterr()
-    assert "Traceback" not in out + err
-    return int(left.value.code or 0), out, err
 
 
 def test_info_tells_the_traps_and_what_to_type_next(capsys: pytest.CaptureFixture[str], shared: Path) -> None:

@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import json
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
-from typing import Any
 
 import pytest
+from typed_commands import call, call_json
 
-from inertialcal.cli.__main__ import main
 from inertialcal.rigs import RIGS, rate_table
 from inertialcal.rigs.rate_table_setup import Bench
 from inertialcal.rigs.twin import Twin
@@ -28,21 +26,6 @@ def small(monkeypatch: pytest.MonkeyPatch) -> None:
 
     monkeypatch.setitem(RIGS, "small", SimpleNamespace(twin=lambda seed, fault="": rate_table.build(SHORT, seed)))
     monkeypatch.setitem(RIGS, "liar", SimpleNamespace(twin=lying))
-
-
-def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
-    with pytest.raises(SystemExit) as left:
-        main(list(words))
-    out, err = capsys.readouterr()
-    assert "Traceback" not in out + err
-    return int(left.value.code or 0), out, err
-
-
-def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    status, out, _ = call(capsys, *words, "--json")
-    content: dict[str, Any] = json.loads(out)
-    assert content["exit"] == status
-    return content
 
 
 def test_simulate_run_score(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

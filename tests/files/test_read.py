@@ -42,7 +42,7 @@ def test_missing_values_are_nan_counted_and_placed(file: Path) -> None:
     np.testing.assert_array_equal(recording.channel("gyro_y").data, [2.0, np.nan, 3.0])
     assert [str(remark) for remark in recording.remarks] == [
         f"info: {file}:3: empty cell in 'gyro_y': missing",
-        f"warning: {file}:4: literal NaN in 'acc_x': taken as missing",
+        f"warning: {file}:4: no finite number (NaN, inf) in 'acc_x': taken as missing",
     ]
 
 

@@ -94,6 +94,18 @@ def test_what_a_flip_takes_leads_to_it(tmp_path: Path) -> None:
     assert survey(ground, commands=["info", "flip"]).next is None
 
 
+def test_a_swing_of_the_temperature_leads_to_thermal(tmp_path: Path) -> None:
+    def led(name: str, swing: float, **columns: np.ndarray) -> str | None:
+        time = {"t_s": np.arange(N) * 10.0, "temperature [degC]": np.linspace(20.0, 20.0 + swing, N)}
+        return survey(write(tmp_path / name, **time, **columns), commands=["info", "thermal"]).next
+
+    rates = {"gyro_x [deg/s]": RNG.normal(0.0, 1e-3, N)}
+    assert led("swing.csv", -40.0, **rates) == f"inertialcal thermal {tmp_path / 'swing.csv'}"
+    assert led("room.csv", 3.0, **rates) is None
+    assert led("counts.csv", -40.0, **{"gyro_x [count]": RNG.normal(0.0, 9.0, N)}) is None
+    assert led("alone.csv", -40.0, **{"pressure [Pa]": RNG.normal(0.0, 9.0, N)}) is None
+
+
 def test_numbers_beyond_all_squares_are_shown_without_a_word_of_rest(file: Path) -> None:
     columns = rest()
     columns["gyro_x"][5] = 1e300

@@ -21,7 +21,10 @@ LARGEST_PAGE = 2_000_000  # bytes
 LARGEST_PDF = 5_000_000  # bytes
 
 
-@pytest.fixture(scope="module", params=["published", "simulated"])
+RECORDED = [pytest.param(name, marks=pytest.mark.slow) for name in ("simulated", "still")]  # each takes half a minute
+
+
+@pytest.fixture(scope="module", params=["published", *RECORDED])
 def report(request: pytest.FixtureRequest, reports: dict[str, Path]) -> Path:
     return reports[request.param]
 

@@ -12,7 +12,7 @@ import pytest
 from browsing import DESKTOP, PHONE, Visit, visit
 from playwright.sync_api import Browser, Locator, Page
 
-NAMES = ("published", "simulated")
+NAMES = ("published", pytest.param("simulated", marks=pytest.mark.slow))
 COPY = ".coefficients button.copy[data-copy]"
 
 # Whether the top of an element is to be seen: inside the window, and not under what sticks to its edge.

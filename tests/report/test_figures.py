@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 import re
 from collections.abc import Callable
 from typing import Any
@@ -16,6 +17,12 @@ from matplotlib.collections import LineCollection
 from matplotlib.figure import Figure
 from test_figure_flip import dwells as flip_dwells
 from test_figure_flip import quiet as flip_quiet
+from test_figure_noise import allan as noise_allan
+from test_figure_noise import allan_terms as noise_terms
+from test_figure_noise import spectrum as noise_spectrum
+from test_figure_thermal import CURVES as THERMAL_CURVES
+from test_figure_thermal import ROWS as THERMAL_ROWS
+from test_figure_thermal import SEQUENCE as THERMAL_SEQUENCE
 
 from inertialcal.core.errors import DataError
 from inertialcal.report.figures import FIGURES, budget, data, matrix, on_new_figure, prefix, rate_error, to_svg
@@ -146,8 +153,10 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
-                   flip_quiet("y")],
-        "sequence": SEQUENCE, "verdicts": VERDICTS, "results": [*ROWS, *BESIDE], "budgets": SHARES, "closed_loop": LOOP,
+                   flip_quiet("y"), *copy.deepcopy(THERMAL_CURVES), noise_allan("z"), noise_terms("z"),
+                   noise_spectrum("z")],
+        "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": VERDICTS, "results": [*ROWS, *BESIDE, *THERMAL_ROWS],
+        "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip
 
 
@@ -463,13 +472,13 @@ def poisoned(text: str) -> dict[str, Any]:
     """Results with a text in every place that a campaign can name."""
     content = results()
     for one in content["curves"]:
-        one |= {"test": text, "recording": text}
+        one |= {"test": text, "recording": text, "of": text}
         for name, c in one["columns"].items():
             if name in {"reason", "run", "group", "place"}:
                 c["values"] = [text] * len(c["values"])
             elif c["unit"]:
                 c["unit"] = text
-    content["results"] = [*ROWS, *(one | {"test": text, "unit": text} for one in BESIDE)]
+    content["results"] = [*ROWS, *(one | {"test": text, "unit": text} for one in [*BESIDE, *THERMAL_ROWS])]
     content["sequence"] = [{"test": text, "against": text}]
     content["verdicts"] = [one | {"test": text, "requirement": text} for one in VERDICTS]
     content["budgets"] = [one | {"source": text, "quantity": text} for one in SHARES]

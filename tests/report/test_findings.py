@@ -201,3 +201,15 @@ def test_counts_are_words() -> None:
     assert wording.counted(1, "warning") == "one warning"
     assert wording.severities(["info", "error", "info"]) == "one error and two notes"
     assert wording.count(100) == "a hundred"
+
+
+@pytest.mark.parametrize(
+    ("judged", "verdict", "words"),
+    [
+        (True, "PASS", "A model judged on readings held out: PASS"),
+        (False, "INCONCLUSIVE", "A model of which readings held out cannot tell whether it improves them"),
+        (False, "not run", "A model that no readings held out have judged"),
+    ],
+)
+def test_what_readings_held_out_say_of_a_model(judged: bool, verdict: str, words: str) -> None:
+    assert "".join(map(str, findings.of_model({"judged": judged}, {"verdict": verdict}))) == words

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numpy.typing import ArrayLike
 
-from inertialcal.signals.codes import Rail, is_stuck, levels_of, longest_run, rails, resolution
+from inertialcal.signals.codes import Rail, coarse_steps, is_stuck, levels_of, longest_run, rails, resolution
 
 
 def _step(values: ArrayLike) -> float | None:
@@ -101,3 +101,25 @@ def test_a_rate_that_is_set_in_steps_is_not_clipped() -> None:
     ramps = np.linspace(-4.0, 4.0, 23)
     assert _rails(np.concatenate([levels, ramps])) == ()
     assert len(_rails(np.clip(np.random.default_rng(1).normal(0.0, 3.0, 2000), -4.5, 4.5))) == 2
+
+
+def test_noise_far_below_the_step_is_not_stuck_though_one_code_lasts_long() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(50):
+        assert not is_stuck(np.rint(0.3 * rng.normal(size=20_000) + 0.2))
+
+
+@pytest.mark.parametrize(("scatter", "told"), [(0.48, "% too large"), (0.15, "cannot be told"), (0.6, ""), (5.0, "")])
+def test_coarse_steps_are_told_with_what_they_do_to_white_noise(scatter: float, told: str) -> None:
+    """Scatter before rounding, in steps; the size that is read is compared with it."""
+    x = 0.37 + scatter * np.random.default_rng(1).normal(size=50_000)
+    x[100:200] = np.nan
+    remarks = coarse_steps(0.0025 * np.rint(x), "x")
+    assert bool(remarks) == bool(told)
+    for one in remarks:
+        assert one.code == "coarse_codes"
+        assert told in one.what
+    if told.startswith("%"):
+        read = np.nanstd(np.rint(x)) / scatter
+        assert float(remarks[0].what.split("about ")[1].split()[0]) == pytest.approx(100.0 * (read - 1.0), abs=3.0)
+    assert coarse_steps(x, "x") == coarse_steps(np.ones(9), "x") == ()

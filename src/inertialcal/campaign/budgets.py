@@ -20,6 +20,7 @@ from ..core.results import finite
 from ..core.units import divide, factor
 from ..procedures.flip.rows import MODEL_BIAS
 from ..procedures.rate_table.rows import RESIDUAL
+from ..procedures.thermal.quantities import AT
 from .curves import ten_digits
 from .display import display_unit, stated_unit
 
@@ -68,6 +69,8 @@ def _figures(estimate: Estimate, plan: Any) -> Iterator[_Figure]:
     """Return the figures of the rows that an estimate gives, by the names that they have there."""
     ideal: Mapping[str, float] = getattr(plan, "scale_factor", None) or {}
     for i, name in enumerate(estimate.names):
+        if AT in name:  # the same sources as the coefficients that it is made of
+            continue
         quantity, _, axis = name.rpartition("_")
         if quantity == "bias" and getattr(plan, "zero_reference", False):
             quantity = RESIDUAL

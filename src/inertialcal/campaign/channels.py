@@ -23,12 +23,13 @@ from .origins import Origin
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 
 AXES = ("x", "y", "z")
-TEMPERATURE, GAIN = "temperature", "gain"
+TEMPERATURE, GAIN, PRESSURE = "temperature", "gain", "pressure"
+NO_CHAIN = (APPLIED, PRESSURE)  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
 
 def prepare_recording(
-    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False
+    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False, complete: bool = True
 ) -> Recording:
     """Return the readings of a recording in body axes, SI, time in the middle of each average.
 
@@ -42,6 +43,8 @@ def prepare_recording(
         Whose chain, ground model and mounting apply.
     keep_bias : bool
         Whether the bias that a ground model predicts stays in.
+    complete : bool
+        Whether a literal NaN in a channel of an axis is refused; else it is a missing sample.
 
     Returns
     -------
@@ -54,18 +57,29 @@ def prepare_recording(
     DataError
         If the file or a column cannot be read, or as the chain says.
     """
-    channels = entry.channels or {}
-    recording = read(
-        folder / entry.file,
-        time_column=(entry.clock or Clock()).column,
-        frame=entry.frame,
-        required=[channels[axis].column for axis in channels if axis in AXES],
-    )
+    recording = raw_recording(folder, entry, complete)
     model = chain_model(sensor, folder)
     if model is not None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
         what, why = f"recordings.{name}: its axes are not those of the sensor", "the ground model is for those"
         raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
     return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor), model, keep_bias)
+
+
+def raw_recording(folder: Path, entry: RecordingEntry, complete: bool = True) -> Recording:
+    """Return the recording of an entry as its file has it; `complete` as `prepare_recording` has it.
+
+    Raises
+    ------
+    DataError
+        If the file or a column of an axis cannot be read.
+    """
+    channels = entry.channels or {}
+    return read(
+        folder / entry.file,
+        time_column=(entry.clock or Clock()).column,
+        frame=entry.frame,
+        required=[channels[axis].column for axis in channels if axis in AXES and complete],
+    )
 
 
 def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
@@ -105,10 +119,12 @@ def in_body_axes(
     if chain is None:
         recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
     else:
-        used = {k: v for k, v in columns.items() if k != APPLIED and k not in warm and not k.startswith(GAIN)}
+        used = {k: v for k, v in columns.items() if k not in NO_CHAIN and k not in warm and not k.startswith(GAIN)}
         recording = apply_chain(chain, recording, used, _gains(recording, chain))
     if APPLIED in columns:
         recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
+    if PRESSURE in columns:
+        recording = _in_si(recording, {PRESSURE: columns[PRESSURE]}, "Pa")
     if warm:
         recording = _in_si(recording, warm, "degC")
     if model is not None:
@@ -119,7 +135,7 @@ def in_body_axes(
 def _declared(recording: Recording, columns: dict[str, str]) -> Recording:
     """Leave out columns that the campaign does not name but whose names would be taken for temperature or gain."""
     taken = {name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))}
-    taken |= {PREDICTED + axis for axis in AXES}
+    taken |= {PREDICTED + axis for axis in AXES} | {PRESSURE}
     unsaid = taken - set(columns.values())
     return replace(recording, channels=tuple(c for c in recording.channels if c.name not in unsaid))
 
@@ -202,7 +218,7 @@ def turned_recording(
         If nothing says which axis was turned, or at which rates; or as `prepare_recording`.
     """
     whole = prepare_recording(folder, name, entry, sensor)
-    recording = _windowed(whole, test)
+    recording = windowed(whole, test)
     origin = Origin(name, entry.file, whole.source.sha256, "recording", len(whole), len(recording))
     hashes = {entry.file: recording.source.sha256}
     recording = replace(recording, source=replace(recording.source, path=entry.file))
@@ -257,8 +273,14 @@ def _instant(cell: str, utc: bool, where: str) -> int:
         raise DataError(str(error), where, code="wrong_time") from None
 
 
-def _windowed(recording: Recording, test: Test) -> Recording:
-    """Keep the samples inside the windows of the test."""
+def windowed(recording: Recording, test: Test) -> Recording:
+    """Return the samples inside the windows of a test; all where it has none.
+
+    Raises
+    ------
+    DataError
+        If the recording has no time in UTC (``no_time``), or no sample lies in them (``nothing_left``).
+    """
     if not test.windows:
         return recording
     if recording.time_ns is None or recording.epoch != "utc":

@@ -21,7 +21,7 @@ from ..core.errors import DataError
 from ..core.units import kind, parse_quantity, si_unit
 
 LONGEST = 400  # characters
-NAMES = {"rate": "angular_rate"}  # what may be compared, and which kind of quantity it is
+NAMES = {"rate": "angular_rate", "temperature": "temperature"}  # what may be compared, and which kind of quantity it is
 OPERATORS: dict[str, Callable[[float, float], bool]] = {
     ">=": operator.ge,
     ">": operator.gt,

@@ -10,6 +10,8 @@ from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor
+from ..procedures import static_noise
+from ..procedures.static_noise.scale import SCALE
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows
 from .cross_checks import MODELLED
@@ -25,6 +27,8 @@ from .schema import Test
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
+from .thermal_exclusions import thermal_exclusions
+from .thermal_loop import loop_rows
 
 
 def results_content(
@@ -54,15 +58,17 @@ def results_content(
     ]
     if modelled is not None:
         rows += [displayed(replace(row, test="model"), modelled_sensor(campaign).unit) for row in _model_rows(modelled)]
-    verdicts: list[Verdict] = []
+    judged: list[tuple[Verdict, str]] = []
+    units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     for requirement in campaign.file.requirements:
         found, more = judge(requirement, tested)
-        verdicts += found
+        judged += [(verdict, requirement.quantity) for verdict in found]
         known = {(row.test, row.quantity, row.axis, row.condition) for row in rows}
         new = [row for row in more if (row.test, row.quantity, row.axis, row.condition) not in known]
         rows += [displayed(row, unit) for row in new]
-    left_out = exclusion_rows(campaign, prepared)
+    verdicts = [verdict for verdict, _ in judged]
+    left_out = [*exclusion_rows(campaign, prepared, tested), *thermal_exclusions(tested)]
     results = {
         "schema": 1,
         "campaign": campaign.file.campaign.model_dump(),
@@ -78,7 +84,7 @@ def results_content(
         "curves": curves_content(campaign, tested, modelled),
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": RULE,
-        "verdicts": [_verdict_row(verdict, unit) for verdict in verdicts],
+        "verdicts": [_verdict_row(verdict, units.get(verdict.test, unit), asked) for verdict, asked in judged],
         "closed_loop": _closed_loop(campaign, modelled, unit),
         "verification": _verification(campaign, verdicts, modelled),
     }
@@ -94,6 +100,8 @@ def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | 
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
     for one in tested:
+        if isinstance(one.result, static_noise.Result) and not one.result.plan.standards.get(SCALE):
+            continue  # the scatter of the noise is all there is
         unit = sensor_of(campaign, one.test).unit
         found += budget_rows(one.test.id, one.result.estimate, unit, one.result.plan)
     if modelled is not None:
@@ -113,16 +121,17 @@ def _covariance(one: Tested) -> dict[str, Any] | None:
     }
 
 
-def _verdict_row(verdict: Verdict, sensor_unit: str) -> dict[str, Any]:
+def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str, Any]:
     relative = verdict.unit == "1"
-    unit = "%" if relative else display_unit("", verdict.unit, sensor_unit) if verdict.unit else ""
+    unit = "%" if relative else display_unit(quantity, verdict.unit, sensor_unit) if verdict.unit else ""
     scale = factor(verdict.unit, unit) if verdict.unit else 1.0
     interval = scaled_interval(verdict.interval, scale)
     lower, upper = scaled(verdict.lower, scale), scaled(verdict.upper, scale)
-    at = None if verdict.at is None else ten_digits(float(convert([verdict.at], "rad/s", sensor_unit)[0]))
+    shown = sensor_unit if verdict.at_unit == "rad/s" else verdict.at_unit
+    at = None if verdict.at is None else ten_digits(float(convert([verdict.at], verdict.at_unit, shown)[0]))
     return {
         "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
-        "at": at, "at_unit": sensor_unit if at is not None else "", "of": verdict.of,
+        "at": at, "at_unit": shown if at is not None else "", "of": verdict.of,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else
         {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
@@ -153,13 +162,15 @@ def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
         return "no test is held out"
     procedures = dict.fromkeys(test.procedure for test in campaign.file.tests)
     made = [one for one in procedures if one in MODELLED]
-    return "no model" if made else f"no model is made of a {' or a '.join(procedures).replace('_', ' ')}"
+    named = (f"{one} test" if one == "thermal" else one.replace("_", " ") for one in procedures)
+    return "no model" if made else f"no model is made of a {' or a '.join(named)}"
 
 
 def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> dict[str, Any]:
     """Say what the closed loop gave, in the unit of the sensor."""
     if modelled is None or not modelled.loops:
-        return {"verdict": "not run", "reason": _not_run(campaign, modelled), "axes": []}
+        reason = _not_run(campaign, modelled)
+        return {"verdict": "not run", "reason": reason, "axes": [], "over_temperature": []}
     scale = factor("rad/s", unit)
     axes = [
         {
@@ -170,7 +181,8 @@ def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> di
         }
         for one in modelled.loops
     ]  # fmt: skip
-    return {"verdict": modelled.verdict, "reason": "", "axes": axes}
+    warm = loop_rows(modelled.thermal_loops, scale, unit)
+    return {"verdict": modelled.verdict, "reason": "", "axes": axes, "over_temperature": warm}
 
 
 def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Modelled | None) -> list[dict[str, Any]]:

@@ -7,9 +7,10 @@ from difflib import get_close_matches
 from pathlib import Path
 
 from ..core.errors import DataError, InertialcalError, Problem
-from ..core.units import kind, normalise, parse_quantity
+from ..core.units import kind, normalise, parse_quantity, same_dimension
 from ..files.pad_pairs import pairs_of
 from ..procedures import PROCEDURES
+from . import noise_units as noise
 from .chains import build_chain, scale_factors
 from .conditions import parse_condition
 from .ground_checks import ground_checks
@@ -42,9 +43,33 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "corrected_bias": RATE,
     "model_bias_error_change": RATE,
     "model_bias_error_reduction": RATE,
+    "path_difference": RATE,
+    "hysteresis": RATE,
+    "vacuum_offset": RATE,
+    "residual_bias": RATE,
+    "warm_up_change": RATE,
+    "warm_up_time": ("time",),
+    "warm_up_time_constant": ("time",),
+    "thermal_lag": ("time",),
+    "reference_voltage": ("voltage",),
+    "temperature_reference_voltage": ("voltage",),
 }
-SENSORS = {"rate_table": ("gyro", "gyros"), "flip": ("accelerometer", "accelerometers")}  # that a procedure tests
+NOISE = {sensor: noise.data_sheet_units(sensor) for sensor in noise.SENSORS}  # quantities of noise, and their units
+SENSORS: dict[str, tuple[str, ...]] = {  # that a procedure tests
+    "rate_table": ("gyro",),
+    "flip": ("accelerometer",),
+    "thermal": ("gyro",),
+    "static_noise": ("gyro", "accelerometer"),
+}
 TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+WITHOUT_GROUPS = {  # how a part of a recording is chosen
+    "rate_table": "Choose by windows, or give rows.group",
+    "flip": "Choose by positions",
+}
+AFTER, CORRECTED = "thermal", ("rate_table",)  # whose bias is taken off, and of what
+AGAINST = ("flip", "thermal")  # procedures whose tests are set beside each other
+HELD_OUT = ("rate_table", "thermal")  # procedures whose tests judge what another one found
+WHERE = {"rate_error": "rate", "bias": "temperature"}  # quantities over a range, and what the range is of
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 MODELLED = ("rate_table",)  # procedures whose results become a model
 
@@ -66,6 +91,7 @@ def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
         *(p for name, entry in file.recordings.items() for p in _recording(folder, file, name, entry, at)),
         *(p for number, test in enumerate(file.tests) for p in _test(file, number, test, at)),
         *(p for number, test in enumerate(file.tests) for p in _against(file, number, test, at)),
+        *(p for number, test in enumerate(file.tests) for p in _after(file, number, test, at)),
         *_duplicates("tests", [test.id for test in file.tests], at),
         *_reserved(file, at),
         *_duplicates("requirements", [one.id for one in file.requirements], at),
@@ -163,8 +189,8 @@ def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> 
 def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
     """Return the kinds of unit that a channel may have; none where it is not used."""
     counted = sensor.chain.kind != "none"
-    if channel == "temperature":
-        return ("temperature",)
+    if channel in ("temperature", "pressure"):
+        return (channel,)
     if channel.startswith("temperature"):
         return ("temperature", "count") if counted else ("temperature",)
     if channel.startswith("gain"):
@@ -198,7 +224,7 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
         do = f"There are: {', '.join(PROCEDURES)}"
         yield Problem(f"test {test.id!r}: no procedure {test.procedure!r}", where, do=do, code="unknown_name")
         return
-    if test.use == "hold_out" and test.procedure not in MODELLED:
+    if test.use == "hold_out" and test.procedure not in HELD_OUT:
         what = f'test {test.id!r}: use = "hold_out", but no model is made of a {test.procedure} and none judged on it'
         do = 'Give it use = "report_only", or leave use out'
         yield Problem(what, at("tests", number, "use"), "it would have no effect", do, "wrong_value")
@@ -229,10 +255,10 @@ def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
     where = at("tests", number, "procedure")
     kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
              and file.recordings[n].sensor in file.sensors}  # fmt: skip
-    wanted, plural = SENSORS[test.procedure]
-    others = kinds - {wanted}
+    others = kinds - {*SENSORS[test.procedure]}
     if others:
-        what = f"test {test.id!r}: {test.procedure} tests {plural}, the sensor is of kind {others.pop()!r}"
+        tested = f"{SENSORS[test.procedure][0]}s"
+        what = f"test {test.id!r}: {test.procedure} tests {tested}, the sensor is of kind {others.pop()!r}"
         yield Problem(what, where, code="wrong_value")
 
 
@@ -251,10 +277,11 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
         entry = file.recordings.get(name)
         if entry is None:
             continue
-        own_key, other_keys = TABLES[test.procedure], [key for key in TABLES.values() if key != TABLES[test.procedure]]
-        for key in other_keys:
-            if getattr(entry, key) is not None:
-                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {own_key} or channels"
+        own_key = TABLES.get(test.procedure, "")
+        needs = f"{own_key} or channels" if own_key else "channels"
+        for key in TABLES.values():
+            if key != own_key and getattr(entry, key) is not None:
+                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {needs}"
                 yield Problem(what, at("recordings", name, key), code="wrong_value")
         if test.procedure == "flip" and entry.channels is not None and entry.positions is None:
             what = f"recordings.{name}: nothing says how the head was turned, and when"
@@ -262,7 +289,7 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
             yield Problem(what, at("recordings", name), do=do, code="missing_key")
         if test.groups is not None and (entry.rows is None or entry.rows.group is None) and entry.means is None:
             what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
-            do = "Choose by positions" if test.procedure == "flip" else "Choose by windows, or give rows.group"
+            do = WITHOUT_GROUPS.get(test.procedure, "Choose by windows")
             yield Problem(what, at("tests", number, "groups"), do=do, code="wrong_value")
         own = test.plan.get("axis")
         if own and entry.axis not in (None, own):
@@ -275,13 +302,31 @@ def _against(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Pr
     if test.against is None:
         return
     where = at("tests", number, "against")
-    others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == "flip"}
-    if test.procedure != "flip":
-        what = f"test {test.id!r}: against, but only flips are set side by side"
+    others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == test.procedure}
+    if test.procedure not in AGAINST:
+        what = f"test {test.id!r}: against, but only {' and '.join(AGAINST)} tests are set side by side"
         yield Problem(what, where, do="Leave it out, or compare two campaigns: compare A B", code="wrong_value")
     elif test.against not in others:
-        what = f"test {test.id!r}: against = {test.against!r} is no other flip of this campaign"
+        what = f"test {test.id!r}: against = {test.against!r} is no other {test.procedure} test of this campaign"
         yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+
+
+def _after(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a test that comes after none, after itself, or after one that finds no bias over temperature."""
+    where = at("tests", number, "after")
+    others = [one.id for one in file.tests if one.id != test.id and one.procedure == AFTER and one.use == "fit"]
+    for name in test.after:
+        if test.procedure not in CORRECTED:
+            what = f"test {test.id!r}: after, but only a {' or '.join(CORRECTED)} has a bias taken off its readings"
+            yield Problem(what, where, "it would have no effect", "Leave it out", "wrong_value")
+        elif name not in others:
+            what = f'test {test.id!r}: after = {name!r} is no {AFTER} test of this campaign with use = "fit"'
+            yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+        for recording in test.recordings:
+            entry = file.recordings.get(recording)
+            if entry is not None and entry.rows is not None:
+                what = f"test {test.id!r}: after = {name!r}, but recording {recording!r} is a table without temperature"
+                yield Problem(what, where, do="Leave after out, or give the recording itself", code="wrong_value")
 
 
 def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
@@ -302,10 +347,10 @@ def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
 def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:
     """Find readings that the model is fitted on twice, or fitted on and judged by."""
     do = "Give them different recordings, groups or windows"
-    modelled = [test for test in file.tests if test.procedure in MODELLED]
+    modelled = [test for test in file.tests if test.procedure in HELD_OUT]
     for one in modelled:
         number = file.tests.index(one)
-        for other in modelled[: modelled.index(one)]:
+        for other in (test for test in modelled[: modelled.index(one)] if test.procedure == one.procedure):
             uses = {one.use, other.use}
             if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
                 continue
@@ -358,11 +403,22 @@ def _requirements(file: CampaignFile, at: At) -> Iterator[Problem]:
             if text is not None:
                 yield from _limit(one, text, at("requirements", number, key))
         yield from _spelling(one, at("requirements", number, "quantity"))
-        try:
-            parse_condition(one.where)
-        except DataError as error:
-            yield Problem(f"requirement {one.id!r}: {error.problems[0].what}", at("requirements", number, "where"),
-                          do=error.problems[0].do, code="wrong_value")  # fmt: skip
+        yield from _where(one, at("requirements", number, "where"))
+
+
+def _where(one: Requirement, where: str) -> Iterator[Problem]:
+    """Find a condition that cannot be read, or that is about something else than the quantity is told over."""
+    try:
+        condition = parse_condition(one.where)
+    except DataError as error:
+        what = f"requirement {one.id!r}: {error.problems[0].what}"
+        yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
+        return
+    over = WHERE.get(one.quantity)
+    others = {part.name for every in condition.alternatives for part in every} - {over}
+    if over is not None and others:
+        what = f"requirement {one.id!r}: where names {' and '.join(sorted(others))}, {one.quantity} is over {over}"
+        yield Problem(what, where, "it would have no effect", f"Write it in terms of {over}", "wrong_value")
 
 
 def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
@@ -374,18 +430,23 @@ def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
     if text == one.limit and parse_quantity(text).value <= 0.0:
         what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
         yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
+    what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
     needed = QUANTITIES.get(one.quantity)
     if needed is not None and kind(unit) not in needed:
-        what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
         yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
+    shown = [units[one.quantity] for units in NOISE.values() if one.quantity in units]
+    if shown and not any(same_dimension(unit, other) for other in shown):
+        yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
 
 
 def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
     """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
-    near = get_close_matches(one.quantity, list(QUANTITIES), n=1, cutoff=0.8)
-    if one.quantity not in QUANTITIES and near:
+    known = [*QUANTITIES, *(name for units in NOISE.values() for name in units)]
+    near = get_close_matches(one.quantity, known, n=1, cutoff=0.8)
+    if one.quantity not in known and near:
         what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
         yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
-    if one.where and one.quantity != "rate_error":
-        what = f"requirement {one.id!r}: where is about rate_error, not {one.quantity}"
+    about = WHERE.get(one.quantity)
+    if one.where and about is None:
+        what = f"requirement {one.id!r}: where is about {' or '.join(WHERE)}, not {one.quantity}"
         yield Problem(what, where, "it would have no effect", code="wrong_value")

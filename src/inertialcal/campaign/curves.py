@@ -13,10 +13,11 @@ from typing import Any
 import numpy as np
 
 from ..core.curve import Column, Curve
-from ..core.units import factor, kind
+from ..core.units import divide, factor, kind, power, same_dimension
 from ..procedures.rate_table.closed_loop import HeldOut
 from .load import Campaign
 from .modelling import Modelled
+from .overlays import overlays
 from .prepare import modelled_sensor, sensor_of
 from .requirements import Tested
 
@@ -39,6 +40,8 @@ def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Model
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
         found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.result.curves()]
+    units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
+    found += [displayed_curve(curve, units[test]).to_dict(test) for test, curve in overlays(campaign, tested)]
     if modelled is not None:
         unit = modelled_sensor(campaign).unit
         found += [displayed_curve(compensated(one), unit).to_dict("model") for one in modelled.errors]
@@ -70,13 +73,22 @@ def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
         As the campaign has it: ``"deg/s"``.
     """
     columns = {name: _displayed(column, sensor_unit) for name, column in curve.columns.items()}
+    if curve.name == "record_length":
+        columns |= {name: _in_hours(column) for name, column in columns.items() if column.unit == "s"}
     short = [name for name in columns if name in TEN_DIGITS or curve.name == "trace"]
     return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
+
+
+def _in_hours(column: Column) -> Column:
+    """Return lengths of records as people plan them."""
+    return Column([None if value is None else value * factor("s", "h") for value in column.values], "h")
 
 
 def _displayed(column: Column, sensor_unit: str) -> Column:
     unit = column.unit
     shown = "%" if unit == "1" else sensor_unit if unit and kind(unit) == kind(sensor_unit) else unit
+    density = divide(power(sensor_unit, 2), "Hz")
+    shown = density if unit and same_dimension(unit, density) else shown
     if shown == unit:
         return column
     return Column(np.array(column.values, dtype=float) * factor(unit, shown), shown)

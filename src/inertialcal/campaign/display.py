@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from ..core.results import Interval, Row
-from ..core.units import factor, kind, si_unit
+from ..core.units import factor, kind, normalise, same_dimension, si_unit
+from .noise_units import noise_unit
 
 PERCENT = ("scale_factor_error", "scale_factor_asymmetry", "cross_axis_sensitivity")
 
@@ -24,9 +25,23 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     """
     if quantity in PERCENT and unit == "1":
         return "%"
+    noise = noise_unit(quantity, sensor_unit)
+    if noise and same_dimension(noise, unit):
+        return noise
     if kind(unit) == kind(sensor_unit):
         return sensor_unit
-    return f"V/({sensor_unit})" if unit in {"V/(rad/s)", "V/(m/s^2)"} else unit
+    if unit in {"V/(rad/s)", "V/(m/s^2)"}:
+        return f"V/({sensor_unit})"
+    return _coefficient_unit(unit, sensor_unit)
+
+
+def _coefficient_unit(unit: str, sensor_unit: str) -> str:
+    """Return the unit of a coefficient of a polynomial, or of a square, with that of the sensor in place of SI."""
+    own = si_unit(sensor_unit)
+    for rest in (*(f"/{by}" for by in ("degC", "V")), *(f"/{by}^{j}" for by in ("degC", "V") for j in range(2, 13))):
+        if unit == normalise(f"({own}){rest}") or unit == f"{own}{rest}":
+            return normalise(f"({sensor_unit}){rest}")
+    return normalise(f"({sensor_unit})^2") if unit == normalise(f"({own})^2") else unit
 
 
 def stated_unit(unit: str, sensor_unit: str) -> str:

@@ -19,19 +19,21 @@ def examples() -> list[str]:
     return sorted(entry.name for entry in root.iterdir() if (entry / FILE).is_file())
 
 
-DEMONSTRATED = ("npsat2011", "rate_table")  # what `demo` shows where nothing is named
+DEMONSTRATED = "npsat1"  # what `demo` shows where nothing is named
+PLAIN = "npsat2011"  # goes to the folder that is named; the others get their name behind it
 SEED = 1996  # of the simulated ones
+SEEDS = {"npsat1": 2011}  # the year of the document behind it; as SEED, not chosen for its looks
 
 
 def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
-    """Return which examples to show, each with the folder it goes to: `target`, or `target` and its name.
+    """Return which examples to show, each with the folder it goes to: `target` and its name, or `target` alone.
 
     Parameters
     ----------
     name : str
-        Of an example or a rig; empty for the first of each.
+        Of an example or a rig; empty for the rate-sensor suite.
     target : path
-        Folder of the first.
+        Folder of the published rate table.
 
     Raises
     ------
@@ -41,8 +43,13 @@ def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
     known = [*examples(), *RIGS]
     if name and name not in known:
         raise UsageError(f"no example {name!r}", do=f"There are: {', '.join(known)}. A folder is given by -o")
-    wanted = (name,) if name else DEMONSTRATED
-    return [(one, target if one == DEMONSTRATED[0] else target.with_name(f"{target.name}-{one}")) for one in wanted]
+    one = name or DEMONSTRATED
+    return [(one, target if one == PLAIN else target.with_name(f"{target.name}-{one}"))]
+
+
+def seed_of(rig: str) -> int:
+    """Return the seed that a rig is demonstrated with."""
+    return SEEDS.get(rig, SEED)
 
 
 def build(name: str, target: Path) -> Path:
@@ -57,7 +64,7 @@ def build(name: str, target: Path) -> Path:
         return copy_example(name, target)
     if (target / FILE).is_file():
         return target
-    return simulate(name, target, SEED).folder
+    return simulate(name, target, seed_of(name)).folder
 
 
 def has_truth(folder: Path) -> bool:
@@ -68,7 +75,7 @@ def has_truth(folder: Path) -> bool:
 def title(name: str) -> str:
     """Return one line on an example, as its campaign file has it."""
     if name in RIGS:
-        return f"a simulated campaign of the rig {name}, seed {SEED}"
+        return f"a simulated campaign of the rig {name}, seed {seed_of(name)}"
     with as_file(files("inertialcal") / "examples" / name) as source:
         campaign = load(source).file.campaign
     return f"{campaign.title} ({campaign.source})"

@@ -14,12 +14,13 @@ import numpy as np
 
 from ..core.remarks import Remark
 from ..core.units import convert
-from ..procedures import flip, rate_table
+from ..procedures import flip, rate_table, static_noise
 from ..procedures.rate_table.exclusions import Mask
 from .curves import ten_digits
 from .load import Campaign
 from .modelling import Prepared
 from .prepare import sensor_of
+from .requirements import Tested
 from .schema import Chain
 
 # Rules on a dwell, by the code of their remark: the key of the plan that decided, and why.
@@ -35,10 +36,14 @@ RULES = {
 SAMPLES = {"test_low": "validity_minimum", "rail": "counts"}
 # Of a flip, by the code of their remark: what decided, and what its count counts; then why an axis is not read.
 FLIP_RULES = {"settling": ("settle", "window"), "no_reading": ("no_reading", "sample")}
+# Of a test of noise, by the code of a fault: why samples are no readings.
+NO_READINGS = {"stuck": "one value repeated for too long", "saturated": "at the end of the range"}
 UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}
 
 
-def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dict[str, Any]]:
+def exclusion_rows(
+    campaign: Campaign, prepared: Sequence[Prepared], tested: Sequence[Tested] = ()
+) -> list[dict[str, Any]]:
     """Return what each test left out, in the order run.
 
     Parameters
@@ -47,6 +52,8 @@ def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dic
         As read.
     prepared : sequence of Prepared
         Every test.
+    tested : sequence of Tested
+        Every test as it was run: what a reduction itself leaves out.
 
     Returns
     -------
@@ -61,7 +68,37 @@ def exclusion_rows(campaign: Campaign, prepared: Sequence[Prepared]) -> list[dic
             found += [*_samples(one, sensor.chain), *_dwells(one, sensor.unit)]
         elif isinstance(one.readings, flip.Readings):
             found += _of_flip(one, sensor.chain)
+        elif isinstance(one.readings, static_noise.Readings):
+            result = next((other.result for other in tested if other.test is one.test), None)
+            found += _of_noise(one, result, sensor.chain)
+        else:
+            said = one.readings.remarks
+            found += [_by_chain(one, remark, sensor.chain) for remark in said if remark.code in SAMPLES]
     return found
+
+
+def _of_noise(one: Prepared, result: static_noise.Result | None, chain: Chain) -> Iterator[dict[str, Any]]:
+    """Yield what a test of noise did not use: the warm-up, disturbances, and samples that the chain left out."""
+    for remark in one.readings.remarks:
+        if remark.code in SAMPLES:
+            yield _by_chain(one, remark, chain)
+    for record in one.readings.records:
+        if record.warm_up:
+            decided = f"campaign: warm_up = {one.plan.warm_up:g} s"
+            yield _row(one, "warm_up", decided, "the warm-up", record.name, count=record.warm_up, counts="sample")
+        for fault in record.faults:
+            if fault.left_out:
+                decided = f"rule: disturbed = {one.plan.disturbed}"
+                reason = NO_READINGS[fault.code]
+                yield _row(one, fault.code, decided, reason, record.name, fault.axis, count=fault.count,
+                           counts="sample")  # fmt: skip
+    for axis in result.axes if result is not None else ():
+        for found in axis.records:
+            if found.looked.left_out:
+                decided = f"rule: disturbed = {one.plan.disturbed}"
+                count = found.looked.left_out
+                reason = f"disturbances at {len(found.looked.bad)} place(s)"
+                yield _row(one, "disturbed", decided, reason, found.run.name, axis.axis, count=count, counts="sample")
 
 
 def _dwells(one: Prepared, unit: str) -> Iterator[dict[str, Any]]:

@@ -10,7 +10,7 @@ from .ground import chain_model, has_model
 from .schema import CampaignFile, Sensor
 
 At = Callable[..., str]
-WITH_MODEL = ("flip",)  # procedures that take readings after a ground model
+WITH_MODEL = ("flip", "static_noise")  # procedures that take readings after a ground model
 
 
 def ground_checks(folder: Path, file: CampaignFile, at: At) -> Iterator[Problem]:

@@ -19,16 +19,21 @@ from ..core.estimate import Array, Component, Estimate
 from ..core.remarks import Remark
 from ..procedures import rate_table
 from ..procedures.rate_table.closed_loop import AxisLoop, Find, HeldOut, closed_loop, held_out_errors, overall
+from ..procedures.thermal.closed_loop import Left
 from ..sensors.assemble import model_from
 from ..sensors.compensate import compensate
 from ..sensors.model import Item, Provenance, SensorModel
+from .after import Bias
 from .chains import body_scale_factors
 from .load import Campaign
 from .origins import Origin
 from .schema import Sensor, Test
 from .tables import together
+from .temperature_terms import with_temperature
+from .thermal_loop import ThermalLoop, judged_loops
 
 MATRIX = ("scale_factor", "misalignment", "asymmetry")
+OVER_TEMPERATURE = "bias_temperature_"
 TERM = {
     "bias": "bias",
     "scale_factor_error": "scale_factor",
@@ -66,6 +71,8 @@ class Modelled:
         Findings.
     errors : tuple of HeldOut
         Of each axis in ``loops``: the dwells behind it, before and after compensation.
+    thermal_loops : tuple of ThermalLoop
+        Of thermal tests held out.
     """
 
     model: SensorModel
@@ -74,10 +81,30 @@ class Modelled:
     verdict: str
     remarks: tuple[Remark, ...]
     errors: tuple[HeldOut, ...] = ()
+    thermal_loops: tuple[ThermalLoop, ...] = ()
 
 
-def make_model(campaign: Campaign, prepared: Sequence[Prepared], sensor: Sensor) -> Modelled | None:
+def make_model(
+    campaign: Campaign,
+    prepared: Sequence[Prepared],
+    sensor: Sensor,
+    biases: Mapping[str, Bias] | None = None,
+    left: Mapping[str, tuple[str, tuple[Left, ...]]] | None = None,
+) -> Modelled | None:
     """Make and judge the model of one sensor; None where no test is for a fit or nothing could be estimated.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    prepared : sequence of Prepared
+        Rate-table tests of the sensor.
+    sensor : Sensor
+        Which.
+    biases : mapping of str to Bias, optional
+        Of thermal tests, by name: what rate-table tests come after.
+    left : mapping, optional
+        What thermal tests leave on power-ups held out, as ``thermal_loop.left_over`` gives it.
 
     Raises
     ------
@@ -91,23 +118,46 @@ def make_model(campaign: Campaign, prepared: Sequence[Prepared], sensor: Sensor)
         return None
     matrix = _chosen(campaign, fitted, MATRIX)
     bias = _chosen(campaign, fitted, ("bias",))
-    result = joint(matrix)
+    result = of_bias = joint(matrix)
     estimate = result.estimate
     if {one.test.id for one in bias} != {one.test.id for one in matrix}:
-        estimate = _merged(estimate, joint(bias).estimate if bias else None)
+        of_bias = joint(bias) if bias else result
+        estimate = _merged(estimate, of_bias.estimate if bias else None)
     if estimate is None:
         return None
-    model = _model(campaign, sensor, result, estimate, {"matrix": matrix, "bias": bias})
     held = [one for one in prepared if one.test.use == "hold_out"]
+    law = _taken_off([*matrix, *bias, *held], biases or {})
+    tests = {"matrix": matrix, "bias": bias}
+    model = whole = _model(campaign, sensor, result, estimate, tests)
+    if law is not None and bias:
+        axes = tuple(axis for axis in sensor.axes if axis in result.lines)
+        whole = _model(campaign, sensor, result, with_temperature(estimate, result, of_bias, law, axes), tests, law)
     if any(one.plan.zero_reference != fitted[0].plan.zero_reference for one in [*fitted, *held]):
         what = "tests of a fit and those held out differ in zero_reference: their biases mean different things"
         raise PlanError(what, do="Give them the same zero_reference", code="plans_differ")
     if not held:
-        return Modelled(model, result, (), "not run", ())
-    loops, remarks = _judge(model, result, [*matrix, *bias], held)
+        return Modelled(whole, result, (), "not run", ())
+    over_temperature = judged_loops(left or {}, 0.5)
+    loops, remarks = _judge(model, result, [*matrix, *bias], held, 0.5 if over_temperature else 1.0)
     errors = held_out_errors(result.lines, held_out(held), partial(compensated_dwells, model))
-    verdict = overall(loops)
-    return Modelled(replace(model, judged=verdict == "PASS"), result, loops, verdict, remarks, errors)
+    verdict = overall((*loops, *(one.loop for one in over_temperature)))
+    whole = replace(whole, judged=verdict == "PASS")
+    return Modelled(whole, result, loops, verdict, remarks, errors, over_temperature)
+
+
+def _taken_off(tests: Sequence[Prepared], biases: Mapping[str, Bias]) -> Bias | None:
+    """Return the bias over temperature that was taken off all of these tests; None where none was.
+
+    Raises
+    ------
+    PlanError
+        If it was not the same in all: their biases mean different things.
+    """
+    names = {"".join(one.test.after) for one in tests}
+    if len(names) > 1:
+        what = "tests that make one model, or judge it, differ in after: their biases mean different things"
+        raise PlanError(what, do="Give them the same after", code="plans_differ")
+    return biases.get(names.pop()) if names else None
 
 
 def _chosen(campaign: Campaign, fitted: Sequence[Prepared], terms: Sequence[str]) -> list[Prepared]:
@@ -170,12 +220,14 @@ def _model(
     result: rate_table.Result,
     estimate: Estimate,
     tests: Mapping[str, list[Prepared]],
+    law: Bias | None = None,
 ) -> SensorModel:
     axes = tuple(axis for axis in sensor.axes if axis in result.lines)
     referenced = all(one.plan.zero_reference for one in tests["bias"])
     names = [
         name for name in estimate.names
-        if name.rpartition("_")[0] in TERM and set(name.rpartition("_")[2]) <= set(axes)
+        if (name.rpartition("_")[0] in TERM or name.startswith(OVER_TEMPERATURE))
+        and set(name.rpartition("_")[2]) <= set(axes)
         and not (name.startswith("bias") and referenced)
     ]  # fmt: skip
     volts = None if sensor.mounting is not None else body_scale_factors(sensor)
@@ -191,16 +243,27 @@ def _model(
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
         not_estimated=_reasons(result),
-        provenance={name: _provenance(name, tests) for name in names},
+        provenance={name: _provenance(name, tests, law) for name in names},
+        **({} if law is None else _temperatures(law)),
     )
 
 
-def _provenance(name: str, tests: Mapping[str, list[Prepared]]) -> Provenance:
-    """Return where a term comes from: the tests in which its sensor was read."""
+def _temperatures(law: Bias) -> dict[str, Any]:
+    """Return the temperatures that the terms of a bias over temperature refer to, and hold for."""
+    return {"reference_temperature": law.result.plan.reference_temperature, "temperature_range": law.range}
+
+
+def _provenance(name: str, tests: Mapping[str, list[Prepared]], law: Bias | None = None) -> Provenance:
+    """Return where a term comes from: the tests in which its sensor was read, and the bias that was taken off."""
+    if law is not None and name.startswith(OVER_TEMPERATURE):
+        return Provenance(law.test, tuple(sweep.name for sweep in law.result.readings.sweeps))
     sensor = name.rpartition("_")[2][0]
     family = tests["bias" if name.startswith("bias") else "matrix"]
     which = [one for one in family if np.isfinite(one.readings.outputs.get(sensor, np.nan)).any()]
     recordings = tuple(dict.fromkeys(r for one in which for r in one.test.recordings))
+    if law is not None and name.startswith("bias"):
+        own = tuple(sweep.name for sweep in law.result.readings.sweeps)
+        return Provenance(", ".join([law.test, *(one.test.id for one in which)]), (*own, *recordings))
     return Provenance(", ".join(one.test.id for one in which), recordings)
 
 
@@ -231,10 +294,10 @@ def _run_to_run(result: rate_table.Result, axes: tuple[str, ...]) -> Array | Non
 
 
 def _judge(
-    model: SensorModel, result: rate_table.Result, fitted: Sequence[Prepared], held: Sequence[Prepared]
+    model: SensorModel, result: rate_table.Result, fitted: Sequence[Prepared], held: Sequence[Prepared], share: float
 ) -> tuple[tuple[AxisLoop, ...], tuple[Remark, ...]]:
     readings = held_out(held)
-    loops = closed_loop(result.lines, readings, partial(compensated_dwells, model), mixed_up(model))
+    loops = closed_loop(result.lines, readings, partial(compensated_dwells, model), mixed_up(model), share)
     remarks = []
     shared = _runs(fitted) & _runs(held)
     if shared:

@@ -74,4 +74,11 @@ def _closed_loop(loop: Mapping[str, Any]) -> tuple[Part, ...]:
         (one["axis"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"], one["verdict"])
         for one in loop["axes"]
     ]
-    return (Grid(("axis", "rms error", "compensated", "unit", "verdict"), rows, said, (1, 2)),)
+    heads = ("rms error", "compensated", "unit", "verdict")
+    warm = [
+        (one["test"], one["axis"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+         one["verdict"])
+        for one in loop.get("over_temperature", ())
+    ]  # fmt: skip
+    over = Grid(("test", "axis", *heads), warm, "bias over temperature, on power-ups held out", (2, 3))
+    return (Grid(("axis", *heads), rows, said, (1, 2)), *((over,) if warm else ()))

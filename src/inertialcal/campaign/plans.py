@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
 from functools import cache
-from typing import Any, get_args, get_type_hints
+from typing import Any, get_args, get_origin, get_type_hints
 
 from pydantic import ConfigDict, Field, ValidationError, create_model
 
@@ -74,8 +74,10 @@ def plan_settings(plan: Any) -> dict[str, tuple[Any, Any]]:
 
 
 def _annotation(hint: Any, metadata: dict[str, Any]) -> Any:
-    if "unit" in metadata:
-        one = quantity(metadata["unit"])
+    if "unit" in metadata or "difference" in metadata:
+        one = quantity(metadata.get("unit") or metadata["difference"], "difference" in metadata)
+        if any(get_origin(part) is list for part in (hint, *get_args(hint))):
+            return list[one] | None if type(None) in get_args(hint) else list[one]  # type: ignore[valid-type]
         return one | None if type(None) in get_args(hint) else one
     inner = _inner(hint)
     return hint if inner is None else _model(inner) | None

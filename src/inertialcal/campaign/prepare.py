@@ -2,30 +2,51 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
+from typing import Any
 
 from ..core.errors import InertialcalError, Problem
 from ..core.remarks import Remark
+from .after import Bias
 from .cross_checks import MODELLED
 from .flip_inputs import prepared_flip
 from .load import Campaign
 from .modelling import Prepared
+from .noise_inputs import prepared_static_noise
 from .rate_table_inputs import prepared_rate_table
 from .schema import Sensor, Test
+from .thermal_inputs import prepared_thermal
 
 WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "rate_table": prepared_rate_table,
     "flip": prepared_flip,
+    "thermal": prepared_thermal,
+    "static_noise": prepared_static_noise,
 }
 
 
-def prepare(campaign: Campaign, number: int) -> Prepared:
-    """Return readings and plan of one test; problems get the place of the test where they have none."""
+def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = None) -> Prepared:
+    """Return readings and plan of one test; problems get the place of the test where they have none.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    number : int
+        Of the test.
+    found : mapping of str to Result, optional
+        Of tests that were reduced before, by name: what a test comes after is taken off. Without them nothing is.
+    """
     test = campaign.file.tests[number]
     try:
         sensor = sensor_of(campaign, test)
-        prepared = WAYS[test.procedure](campaign, test, sensor)
+        bias = next((Bias(name, found[name]) for name in test.after if found is not None), None)
+        prepared = (
+            WAYS[test.procedure](campaign, test, sensor)
+            if bias is None
+            else prepared_rate_table(campaign, test, sensor, bias)
+        )
         inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
         return replace(prepared, readings=replace(prepared.readings, remarks=inside))
     except InertialcalError as error:

@@ -10,20 +10,22 @@ from ..core.errors import DataError
 from ..core.units import normalise, parse_quantity
 
 
-def quantity(si_unit: str) -> Any:
+def quantity(si_unit: str, difference: bool = False) -> Any:
     """Return a pydantic type: text like ``"-36.4 deg"``, read into a float in ``si_unit``.
 
     Parameters
     ----------
     si_unit : str
         Unit inside; anything that converts to it is accepted.
+    difference : bool
+        It is a difference of temperatures, and 1 K is 1 degC.
     """
 
     def read(given: object) -> float:
         if isinstance(given, bool) or not isinstance(given, str):
             raise ValueError(f'{given!r} is not a quantity: write "number unit", like "1 {si_unit}", in quotes')
         try:
-            return parse_quantity(given).to(si_unit)
+            return parse_quantity(given).to(si_unit, difference=difference)
         except DataError as error:
             raise ValueError(_text(error)) from None
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from ..core.errors import PlanError
@@ -10,6 +12,7 @@ from ..core.units import parse_quantity, si_unit
 from ..files.table import Table
 from ..procedures import rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
+from .after import Bias, without_bias
 from .chains import body_scale_factors
 from .channels import turned_recording
 from .load import Campaign
@@ -18,9 +21,10 @@ from .origins import Origin
 from .plans import plan_values
 from .schema import CampaignFile, RecordingEntry, Sensor, Test
 from .tables import rate_table_readings, together
+from .thermal_inputs import felt_in_body
 
 
-def prepared_rate_table(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:
+def prepared_rate_table(campaign: Campaign, test: Test, sensor: Sensor, bias: Bias | None = None) -> Prepared:
     """Return a rate-table test ready to be reduced.
 
     Raises
@@ -29,14 +33,17 @@ def prepared_rate_table(campaign: Campaign, test: Test, sensor: Sensor) -> Prepa
         If a recording cannot be read, or the plan.
     """
     plan = rate_table_plan(campaign.file, campaign.standards, test, sensor)
-    readings, inputs, origins = test_readings(campaign, test, sensor, plan)
+    readings, inputs, origins = test_readings(campaign, test, sensor, plan, bias)
     return Prepared(test, plan, readings, inputs, origins)
 
 
 def test_readings(
-    campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan
+    campaign: Campaign, test: Test, sensor: Sensor, plan: rate_table.Plan, bias: Bias | None
 ) -> tuple[rate_table.Readings, dict[str, str], tuple[Origin, ...]]:
-    """Return the readings of all recordings of a test, SHA-256 of their files by path, and the recordings."""
+    """Return the readings of all recordings of a test, SHA-256 of their files by path, and the recordings.
+
+    `bias` is what is taken off recordings first.
+    """
     parts: list[rate_table.Readings] = []
     turned: list[Turned] = []
     inputs: dict[str, str] = {}
@@ -45,6 +52,8 @@ def test_readings(
         entry = campaign.file.recordings[name]
         if entry.rows is None:
             one, hashes, origin = turned_recording(campaign.folder, name, entry, sensor, test)
+            if bias is not None:
+                one = replace(one, recording=felt_in_body(one.recording, entry, sensor))
             turned.append(one)
             origins.append(origin)
             inputs |= hashes
@@ -54,7 +63,7 @@ def test_readings(
             inputs[entry.file] = table.source.sha256
             origins.append(_of_table(name, entry, table, len(readings)))
     if turned:
-        parts.append(readings_from(plan, turned))
+        parts.append(readings_from(plan, turned if bias is None else without_bias(turned, bias)))
     return together(parts), inputs, tuple(origins)
 
 

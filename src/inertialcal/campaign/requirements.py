@@ -1,7 +1,8 @@
 """Requirements: which result each one asks about, and what the decision rule says.
 
 The rule (JCGM 106, and DESIGN): PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else
-INCONCLUSIVE. A requirement on ``rate_error`` is judged at every rate that its condition takes in, with a band that
+INCONCLUSIVE. A requirement on the bias over a range of temperatures is judged as ``over_temperature`` says.
+A requirement on ``rate_error`` is judged at every rate that its condition takes in, with a band that
 holds 95 % for all of these rates together (Sidak): k rates get intervals of 0.95^(1/k) each. So a unit that is right
 at all k rates FAILs at any of them with at most 5 %, and a PASS at all means the whole range. A requirement that no
 test speaks to is OPEN and counts as INCONCLUSIVE.
@@ -23,9 +24,11 @@ import numpy as np
 from ..core.errors import DataError
 from ..core.results import Interval, Row, not_estimated
 from ..core.units import parse_quantity
-from ..procedures import rate_table
-from ..statistics.decision import decide
+from ..procedures import rate_table, static_noise, thermal
+from ..statistics.decision import Verdict as Decision
+from ..statistics.decision import decide, decide_by
 from .conditions import Condition, parse_condition
+from .over_temperature import judged_over
 from .schema import Requirement, Test
 
 LEVEL = 0.95
@@ -34,6 +37,7 @@ RULE = (
     " over several rates the 95 % hold for all together"
 )
 OPEN = "OPEN"
+BELOW = "not found; its 95 % upper limit lies inside the limit"
 
 
 @dataclass(frozen=True)
@@ -45,7 +49,7 @@ class Verdict:
     requirement, test, axis : str
         Which.
     at : float or None
-        Rate [rad/s] that it is judged at; None where it is about a single figure.
+        Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure.
     of : str
         What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure.
     value, u : float or None
@@ -71,6 +75,7 @@ class Verdict:
     upper: float | None
     verdict: str
     reason: str = ""
+    at_unit: str = "rad/s"
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +100,8 @@ def judge(requirement: Requirement, tested: Sequence[Tested]) -> tuple[list[Verd
     about = [one for one in tested if _is_about(requirement, one)]
     if requirement.quantity == "rate_error":
         verdicts, rows = _rate_errors(requirement, about)
+    elif requirement.where:
+        verdicts, rows = list(_over_temperature(requirement, about)), []
     else:
         verdicts, rows = list(_figures(requirement, about)), []
     return (verdicts or [_open(requirement)]), rows
@@ -136,10 +143,11 @@ def _open(requirement: Requirement) -> Verdict:
     )
 
 
-def _limits(requirement: Requirement, unit: str) -> tuple[float | None, float | None]:
+def _limits(requirement: Requirement, unit: str, of_size: bool = False) -> tuple[float | None, float | None]:
+    """Return the limits in a unit; a limit on either side is one above for a size, which is never negative."""
     if requirement.limit is not None:
         size = abs(parse_quantity(requirement.limit).to(unit, difference=True))
-        return -size, size
+        return (None if of_size else -size), size
     lower = None if requirement.lower is None else parse_quantity(requirement.lower).to(unit)
     upper = None if requirement.upper is None else parse_quantity(requirement.upper).to(unit)
     return lower, upper
@@ -244,30 +252,69 @@ def _resolution_row(found: rate_table.Resolution, sensor: str, condition: str, r
     return Row("resolution", sensor, found.value, found.u, "rad/s", None, interval, reason=text, condition=condition)
 
 
+def _over_temperature(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:
+    """Yield the verdicts on the bias at temperatures that the condition takes in, with a band that holds for all."""
+    condition = parse_condition(requirement.where)
+    for one in about:
+        if not isinstance(one.result, thermal.Result) or requirement.quantity != "bias":
+            continue
+        unit = one.result.readings.unit
+        try:
+            lower, upper = _limits(requirement, unit)
+        except DataError:  # a limit of another kind, which the checks of the campaign file name
+            continue
+        for axis, sensor in one.result.sensors.items():
+            if requirement.axis in (None, axis):
+                for place in judged_over(one.result.plan, sensor.law, axis, unit, condition, lower, upper):
+                    yield Verdict(
+                        requirement.id, one.test.id, axis, place.at, "expected", place.value, place.u, unit,
+                        place.interval, lower, upper, place.status, place.reason, "degC",
+                    )  # fmt: skip
+
+
 def _figures(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:
     for one in about:
         for row in one.rows:
             if row.quantity != requirement.quantity or row.condition or requirement.axis not in (None, row.axis):
                 continue
-            yield _figure(requirement, one.test.id, row)
+            yield _figure(requirement, one, row)
 
 
-def _figure(requirement: Requirement, test: str, row: Row) -> Verdict:
+def _decided(one: Tested, row: Row, lower: float | None, upper: float | None) -> Decision:
+    """Compare a figure by its own interval where that is no t-interval about the value, as of a term of noise."""
+    if isinstance(one.result, static_noise.Result):
+        p = LEVEL if lower is not None and upper is not None else round(2.0 * LEVEL - 1.0, 12)
+        return decide_by(one.result.interval_at(row, p), row.value, row.u, lower, upper)
+    return decide(_nan(row.value), _nan(row.u), np.inf if row.dof is None else row.dof, lower, upper)
+
+
+def _figure(requirement: Requirement, one: Tested, row: Row) -> Verdict:
+    test = one.test.id
     try:
-        lower, upper = _limits(requirement, row.unit)
+        lower, upper = _limits(requirement, row.unit, isinstance(one.result, static_noise.Result))
     except DataError as error:
         reason = error.problems[0].what
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, None, None,
                        "INCONCLUSIVE", reason)  # fmt: skip
+    doubt = one.result.doubt(row.axis) if isinstance(one.result, static_noise.Result) else ""
     below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
     if below and (lower is None or lower <= 0.0):
+        reason = BELOW if isinstance(one.result, static_noise.Result) else row.reason
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
-                       "PASS", row.reason)  # fmt: skip
+                       *_doubted("PASS", reason, doubt))  # fmt: skip
     if row.status != "estimated":
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
                        "INCONCLUSIVE", row.reason)  # fmt: skip
-    found = decide(_nan(row.value), _nan(row.u), np.inf if row.dof is None else row.dof, lower, upper)
+    found = _decided(one, row, lower, upper)
     return Verdict(
         requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, found.interval, lower, upper,
-        found.status, found.reason,
+        *_doubted(found.status, found.reason, doubt),
     )  # fmt: skip
+
+
+def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:
+    """Return verdict and reason: no PASS by a figure that may not hold."""
+    if not doubt:
+        return status, reason
+    said = f"in doubt: {doubt}"
+    return ("INCONCLUSIVE", said) if status == "PASS" else (status, f"{reason}; {said}" if reason else said)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -16,8 +16,9 @@ from ..core.tables import Grid, Part, html, text
 from ..files.model_json import dump_model
 from ..procedures import PROCEDURES
 from ..report.page import report_html
+from .after import Bias
 from .contents import results_content
-from .cross_checks import MODELLED
+from .cross_checks import AFTER, MODELLED
 from .load import Campaign, load
 from .modelling import Modelled, Prepared, make_model
 from .outcome_tables import outcome_parts
@@ -26,6 +27,7 @@ from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
 from .side_by_side import beside_others
+from .thermal_left import LeftOver, left_over
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
@@ -180,7 +182,9 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     prepared, tested, remarks = _reduce_all(campaign, tell)
     inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
     tell(len(tested), len(tested), "model and requirements")
-    modelled = _modelled(campaign, prepared)
+    tested, left = left_over(campaign, tested)
+    biases = {one.test.id: Bias(one.test.id, one.result) for one in tested if one.test.procedure == AFTER}
+    modelled = _modelled(campaign, prepared, biases, left)
     if modelled is not None:
         remarks += [remark.at("closed loop") for remark in modelled.remarks]
     results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
@@ -195,7 +199,9 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     return Outcome(campaign, results, inputs, verdict, changes(before, results))
 
 
-def _modelled(campaign: Campaign, prepared: Sequence[Prepared]) -> Modelled | None:
+def _modelled(
+    campaign: Campaign, prepared: Sequence[Prepared], biases: Mapping[str, Bias], left: LeftOver
+) -> Modelled | None:
     """Make the model of the sensor that was fitted; problems get the place of the first such test."""
     prepared = [one for one in prepared if one.test.procedure in MODELLED]
     fitted = [one for one in prepared if one.test.use == "fit"]
@@ -210,31 +216,34 @@ def _modelled(campaign: Campaign, prepared: Sequence[Prepared]) -> Modelled | No
     mine = [one for one in prepared if sensor_of(campaign, one.test) is sensor]
     number = campaign.file.tests.index(fitted[0].test)
     try:
-        return make_model(campaign, mine, sensor)
+        return make_model(campaign, mine, sensor, biases, left)
     except InertialcalError as error:
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
 
 
 def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[Tested], list[Remark]]:
     tests = campaign.file.tests
-    ready: list[Prepared] = []
-    tested: list[Tested] = []
-    remarks: list[Remark] = []
-    problems: list[Problem] = []
-    for number, test in enumerate(tests):
-        tell(number, len(tests), test.id)
+    ready: dict[int, Prepared] = {}
+    results: dict[str, Any] = {}
+    problems: dict[int, tuple[Problem, ...]] = {}
+    for done, number in enumerate(sorted(range(len(tests)), key=lambda at: bool(tests[at].after))):
+        test = tests[number]
+        tell(done, len(tests), test.id)
+        if any(name not in results for name in test.after):
+            continue  # what it comes after was refused, which says why
         try:
-            prepared = prepare(campaign, number)
-            result = PROCEDURES[test.procedure].reduce(prepared.plan, prepared.readings)
+            ready[number] = prepare(campaign, number, results)
+            results[test.id] = PROCEDURES[test.procedure].reduce(ready[number].plan, ready[number].readings)
         except InertialcalError as error:
-            problems += [placed(problem, campaign, number) for problem in error.problems]
-            continue
-        ready.append(prepared)
-        tested.append(Tested(test, result, [replace(row, test=test.id) for row in result.rows()]))
-        remarks += [remark.at(test.id) for remark in result.remarks]
+            problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
     if problems:
-        raise DataError(list(dict.fromkeys(problems)))
-    return ready, beside_others(campaign, tested), remarks
+        raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
+    tested = [
+        Tested(test, results[test.id], [replace(row, test=test.id) for row in results[test.id].rows()])
+        for test in tests
+    ]
+    remarks = [remark.at(test.id) for test in tests for remark in results[test.id].remarks]
+    return [ready[number] for number in range(len(tests))], beside_others(campaign, tested), remarks
 
 
 def _files(

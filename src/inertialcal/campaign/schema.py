@@ -30,7 +30,8 @@ STANDARDS: dict[str, dict[str, str]] = {
     "rate_table": {"rate": "1", "mounting": "rad"},
     "turn": {"angle": "rad", "axis": "rad"},
     "converter": {"reference": "1", "zero": "m/s^2"},
-    "sensor": {"scale_factor": "1"},
+    "sensor": {"scale_factor": "1", "hysteresis": "rad/s"},
+    "thermometer": {"temperature": "degC"},
     "site": {"latitude": "rad"},
 }
 
@@ -276,7 +277,11 @@ class Schedule(Strict):
 
 
 ChannelName = Annotated[
-    str, Field(pattern=r"^(applied|reference|temperature|gain|((reference|temperature|validity|gain)_)?[xyz])$")
+    str,
+    Field(
+        pattern=r"^(applied|pressure|reference|temperature|temperature_reference|gain"
+        r"|((reference|temperature|temperature_reference|validity|gain)_)?[xyz])$"
+    ),
 ]
 
 Step = Literal["bias", "scale_factor", "misalignment"]  # of a ground model
@@ -327,6 +332,7 @@ class Test(Strict):
     condition: Text = ""
     source: Text = ""
     against: Name | None = None
+    after: list[Name] = Field(default=[], max_length=1)
     plan: dict[str, Any] = {}
 
     @field_validator("windows", mode="before")

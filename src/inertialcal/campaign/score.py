@@ -6,22 +6,22 @@ binomial interval of its hit rate overlaps 93 to 97 %.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
-from ..core.results import is_beside
+from ..core.results import Interval, is_beside
 from ..core.rounding import number, with_uncertainty
 from ..core.tables import Grid, Part, html, text
 from ..core.units import convert
 from ..procedures import flip
-from ..rigs.twin import Twin
+from ..rigs.twin import TrueValue, Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
-from .in_memory import Result, fit_results
+from .in_memory import Fitted, Result, fitted_tests
 from .publish import OUT, previous
-from .twin import Truth, read_truth, rig_named
+from .twin import Key, Truth, known_truth, read_truth, rig_named, truth_by_key
 
 RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
 P = 0.999
@@ -97,6 +97,8 @@ class Coverage:
         Intervals that held it, and intervals.
     missing : int
         Campaigns that gave none.
+    test, condition : str
+        Of which test, where there are several that give it, and under which condition.
     """
 
     quantity: str
@@ -104,6 +106,8 @@ class Coverage:
     hits: int
     n: int
     missing: int
+    test: str = ""
+    condition: str = ""
 
     @property
     def rate(self) -> float | None:
@@ -124,7 +128,8 @@ class Coverage:
         """Return the row as ``--json`` prints it."""
         interval = self.interval
         return {
-            "quantity": self.quantity, "axis": self.axis, "hits": self.hits, "n": self.n, "missing": self.missing,
+            "quantity": self.quantity, "axis": self.axis, "test": self.test, "condition": self.condition,
+            "hits": self.hits, "n": self.n, "missing": self.missing,
             "rate": self.rate, "interval": interval and {"lo": interval[0], "hi": interval[1], "p": P},
             "verdict": self.verdict,
         }  # fmt: skip
@@ -150,13 +155,20 @@ def score(folder: str | Path) -> Score:
         why = "they were made before the campaign was"
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
                         "stale_results")  # fmt: skip
+    conditions = {step["test"]: step["condition"] for step in results["sequence"]}
     rows = [row for row in results["results"] if not is_beside(row["condition"])]
-    return Score(truth, tuple(_scored(row, truth) for row in rows if (row["quantity"], row["axis"]) in truth.values))
+    pairs = [(row, truth.of(_key(row, conditions))) for row in rows]
+    return Score(truth, tuple(_scored(row, true) for row, true in pairs if true is not None))
 
 
-def _scored(row: Mapping[str, Any], truth: Truth) -> dict[str, Any]:
+def _key(row: Mapping[str, Any], conditions: Mapping[str, str]) -> Key:
+    """Return what a row is: a condition that is that of its whole test is none of its own."""
+    own = row["condition"] if row["condition"] != conditions.get(row["test"], "") else ""
+    return row["quantity"], row["axis"], row["test"], own
+
+
+def _scored(row: Mapping[str, Any], true: TrueValue) -> dict[str, Any]:
     """Return a row with the truth in its unit, and whether the interval holds it."""
-    true = truth.values[row["quantity"], row["axis"]]
     value = float(convert([true.value], true.unit, row["unit"])[0])
     interval = row["interval"]
     inside = None if interval is None else bool(interval["lo"] <= value <= interval["hi"])
@@ -203,7 +215,7 @@ def coverage(
         As in `score_rig`.
     """
     tell = progress or (lambda done, total, what: None)
-    held: dict[tuple[str, str], list[bool]] = {}
+    held: dict[Key, list[bool]] = {}
     for seed in range(first, first + n):
         if (seed - first) % max(n // STEPS, 1) == 0:
             tell(seed - first, n, f"seed {seed}")
@@ -211,24 +223,36 @@ def coverage(
             held.setdefault(name, []).append(inside)
     tell(n, n, "done")
     return tuple(
-        Coverage(quantity, axis, sum(found), len(found), n - len(found)) for (quantity, axis), found in held.items()
+        Coverage(quantity, axis, sum(found), len(found), n - len(found), test, condition)
+        for (quantity, axis, test, condition), found in held.items()
     )
 
 
-def _held(twin: Twin) -> dict[tuple[str, str], bool]:
-    """Whether the interval of each quantity whose truth is known holds it."""
+def _held(twin: Twin) -> dict[Key, bool]:
+    """Whether the interval of each quantity whose truth is known holds it; of one test where the truth is of one."""
     found = {}
-    values = {(one.quantity, one.axis): one.value for one in twin.truth}
-    for result in fit_results(twin):
-        estimate = result.estimate
-        if estimate is None:
-            continue
-        for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
-            quantity, _, axis = _called(result, name).rpartition("_")
-            if (quantity, axis) in values:
-                interval = t_interval(float(value), float(u), float(dof))
-                found[quantity, axis] = contains(interval, values[quantity, axis])
+    values = truth_by_key(twin.truth)
+    for one in fitted_tests(twin):
+        for key, interval in _intervals(one):
+            true = known_truth(values, key)
+            if true is not None:
+                found[true.quantity, true.axis, true.test, true.condition] = contains(interval, true.value)
     return found
+
+
+def _intervals(one: Fitted) -> Iterator[tuple[Key, Interval]]:
+    """Yield the intervals of a test, SI."""
+    if one.rows is not None:
+        for row in one.rows:
+            if row.interval is not None and not is_beside(row.condition):
+                yield (row.quantity, row.axis, one.test, row.condition), row.interval
+        return
+    estimate = one.result.estimate
+    if estimate is None:
+        return
+    for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
+        quantity, _, axis = _called(one.result, name).rpartition("_")
+        yield (quantity, axis, one.test, ""), t_interval(float(value), float(u), float(dof))
 
 
 def _called(result: Result, name: str) -> str:

@@ -30,9 +30,11 @@ def _row(one: Prepared, exclusions: Sequence[dict[str, Any]]) -> dict[str, Any]:
     windows = [[instant_text(start), instant_text(stop)] for start, stop in test.windows or []]
     return {
         "test": test.id, "procedure": test.procedure, "use": test.use, "condition": test.condition,
-        "source": test.source, "against": test.against, "groups": test.groups, "windows": windows or None,
+        "source": test.source, "against": test.against, "after": list(test.after),
+        "groups": test.groups, "windows": windows or None,
         "recordings": [_recording(origin) for origin in one.origins],
-        "dwells": len(one.readings), "runs": getattr(one.readings, "runs", None), "left_out": len(out),
+        "dwells": None if test.procedure == "thermal" else len(one.readings),
+        "runs": getattr(one.readings, "runs", None), "left_out": len(out),
     }  # fmt: skip
 
 

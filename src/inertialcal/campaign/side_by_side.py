@@ -1,4 +1,4 @@
-"""Flips of one campaign set side by side: the readings after one ground model against those after another."""
+"""Tests of one campaign set side by side: flips after one ground model and another, bias in air and in vacuum."""
 
 from __future__ import annotations
 
@@ -6,7 +6,9 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..core.errors import InertialcalError
+from ..core.results import Row
 from ..procedures.flip.side_by_side import side_by_side
+from ..procedures.thermal.against import offset_rows, quantity_of
 from .load import Campaign
 from .prepare import placed
 from .requirements import Tested
@@ -26,8 +28,14 @@ def beside_others(campaign: Campaign, tested: Sequence[Tested]) -> list[Tested]:
 
 def _beside(campaign: Campaign, one: Tested, other: Tested) -> Tested:
     try:
-        rows = side_by_side(one.result, other.result, other.test.id)
+        rows = _rows(one, other)
     except InertialcalError as error:
         number = campaign.file.tests.index(one.test)
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
     return replace(one, rows=[*one.rows, *(replace(row, test=one.test.id) for row in rows)])
+
+
+def _rows(one: Tested, other: Tested) -> list[Row]:
+    if one.test.procedure == "thermal":
+        return offset_rows(one.result, other.result, other.test.id, quantity_of(one.test.condition))
+    return side_by_side(one.result, other.result, other.test.id)

@@ -7,15 +7,15 @@ from typing import Any
 
 from ..core.influence import Influence
 from ..core.results import finite
-from ..procedures import flip
-from ..procedures.rate_table import INFLUENCES, Plan, Result
+from ..procedures import flip, rate_table, static_noise, thermal
 from ..procedures.rate_table.rows import applies
 from .load import Campaign
 from .requirements import Tested
 from .schema import STANDARDS
 
 LATITUDE = "site.latitude"
-EFFECTS = INFLUENCES | flip.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
+EFFECTS = rate_table.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
+EVERY = thermal.INFLUENCES | static_noise.INFLUENCES | EFFECTS | flip.INFLUENCES
 
 
 def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
@@ -30,28 +30,49 @@ def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[st
     """
     names = [f"{standard}.{influence}" for standard, inner in STANDARDS.items() for influence in inner]
     stated = [(name, campaign.standards.get(name)) for name in names]
-    return [_row(name, one) for name, one in stated if one is not None or any(_needs(name, t) for t in tested)]
+    return [
+        _row(name, one, _effect(name, tested))
+        for name, one in stated
+        if one is not None or any(_needs(name, t) for t in tested)
+    ]
+
+
+def _effect(name: str, tested: Sequence[Tested]) -> str:
+    """Say what an influence changes in the tests that were run; of none of them, what it changes at all."""
+    effects = {
+        rate_table.Result: EFFECTS,
+        flip.Result: flip.INFLUENCES,
+        thermal.Result: thermal.INFLUENCES | {LATITUDE: "earth rate along the axes"},
+        static_noise.Result: static_noise.INFLUENCES,
+    }
+    found = [effects[type(one.result)].get(name, "") for one in tested if type(one.result) in effects]
+    return "; ".join(dict.fromkeys(effect for effect in found if effect)) or EVERY.get(name, "")
 
 
 def _needs(name: str, one: Tested) -> bool:
     result = one.result
     if isinstance(result, flip.Result):
         return name in flip.INFLUENCES
-    if not isinstance(result, Result):
+    if isinstance(result, thermal.Result):
+        known = result.plan.attitude is not None and result.plan.latitude is not None
+        return (name in thermal.needed(result.plan)) or (name == LATITUDE and known)
+    if isinstance(result, static_noise.Result):
+        return name in static_noise.INFLUENCES
+    if not isinstance(result, rate_table.Result):
         return False
     if name == LATITUDE:
         return _earth_rate_is_known(result.plan)
-    return name in INFLUENCES and applies(name, result.plan, result.readings)
+    return name in rate_table.INFLUENCES and applies(name, result.plan, result.readings)
 
 
-def _earth_rate_is_known(plan: Plan) -> bool:
+def _earth_rate_is_known(plan: rate_table.Plan) -> bool:
     """Whether earth rate along the table axis is taken from the latitude; with a zero reference it drops out."""
     return plan.attitude is not None and plan.latitude is not None and not plan.zero_reference
 
 
-def _row(name: str, influence: Influence | None) -> dict[str, Any]:
+def _row(name: str, influence: Influence | None, effect: str) -> dict[str, Any]:
     standard, _, quantity = name.partition(".")
-    head = {"standard": standard, "influence": quantity, "effect": EFFECTS.get(name, "")}
+    head = {"standard": standard, "influence": quantity, "effect": effect}
     if influence is None:
         return head | {
             "u": None, "unit": "", "dof": None, "distribution": "", "certificate": "", "stated": False,

@@ -6,8 +6,10 @@ import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
+import numpy as np
+
 from ..core.errors import InertialcalError, PlanError, StoreError, UsageError
-from ..core.recording import Channel, Recording
+from ..core.recording import Recording
 from ..core.remarks import Remark
 from ..core.units import kind
 from ..files import read
@@ -15,9 +17,11 @@ from ..files.table import Table, read_table
 from .flip_source import CLOCK_COLUMN, FlipSource
 from .load import FILE, MARK
 from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table
+from .starter_still import REQUIREMENT as STILL_REQUIREMENT
+from .starter_still import gyros, is_still, of_one_level, still_parts
 from .table_columns import Guess, guess
 
-ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz")
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files
 LONGEST_TABLE = 10_000  # rows; a longer file is no table of dwells
 REQUIREMENT = (
@@ -29,6 +33,11 @@ FLIP_REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error
 
 def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     """Write campaign.toml for the tables and recordings of a folder.
+
+    Parameters
+    ----------
+    folder : path
+        With the files; the campaign file is written into it.
 
     Returns
     -------
@@ -49,10 +58,11 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
     found, remarks = _files(root)
-    if not any((found.tables, found.raw, found.flips)):
+    if not any((found.tables, found.raw, found.flips, found.still)):
         do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels; for a "
         do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels"
-        raise PlanError(f"no recording of a rate table or a flip in {root}", do=do, code="nothing_found")
+        what = f"no recording of a rate table or a flip, nor of gyros at rest, in {root}"
+        raise PlanError(what, do=do, code="nothing_found")
     text = starter_text(root.resolve().name, found)
     try:
         with path.open("x", encoding="utf-8") as handle:
@@ -73,11 +83,14 @@ class Found:
         Of a rate table: reduced tables and recordings.
     flips : dict
         Of flips: tables of means and recordings of a head.
+    still : dict
+        Recordings of sensors at rest.
     """
 
     tables: dict[str, Guess] = field(default_factory=dict)
     raw: dict[str, Recording] = field(default_factory=dict)
     flips: dict[str, FlipSource] = field(default_factory=dict)
+    still: dict[str, Recording] = field(default_factory=dict)
 
 
 def _files(root: Path) -> tuple[Found, list[Remark]]:
@@ -92,6 +105,9 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
             remarks += _take(found, path, name)
         except InertialcalError as error:
             remarks.append(Remark("not_read", "warning", error.problems[0].what, name))
+    if found.raw or not of_one_level(found.still.values()):  # dwells of a rate table
+        found.raw.update(found.still)
+        found.still.clear()
     return found, remarks
 
 
@@ -102,24 +118,32 @@ def _take(found: Found, path: Path, name: str) -> list[Remark]:
     if means is not None:
         found.flips[name] = means
         return []
-    if rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE:
+    if _is_table(table, rates):
         found.tables[name] = rates
         return []
     recording = read(path)
-    if recording.time_ns is not None and _gyros(recording):
-        found.raw[name] = recording
+    if recording.time_ns is not None and gyros(recording):
+        (found.still if is_still(recording) and not rates.applied else found.raw)[name] = recording
         return []
     if recording.time_ns is not None and accelerometers(recording):
         found.flips[name], remarks = head_source(recording)
         return [one.at(name) for one in remarks]
+    if recording.time_ns is not None and is_still(recording):
+        found.still[name] = recording
+        return []
     what = "neither columns of rate and reading, nor gyro or accelerometer channels with time"
     what = f"{what} ({_names(table)})"
     return [Remark("not_taken", "info", what, name)]
 
 
-def _gyros(recording: Recording) -> dict[str, Channel]:
-    """Return the gyro channels by axis."""
-    return {c.axis: c for c in recording.channels if c.quantity == "gyro" and c.axis in {"x", "y", "z"}}
+def _is_table(table: Table, rates: Guess) -> bool:
+    """Whether a file is a reduced table: short, with numbers in the columns whose names say rate and reading."""
+    if not (rates.applied and rates.readings and table.rows.size <= LONGEST_TABLE):
+        return False
+    try:
+        return all(np.isfinite(table.numbers(name)).any() for name in (rates.applied, *rates.readings))
+    except InertialcalError:  # text
+        return False
 
 
 def _names(table: Table) -> str:
@@ -144,14 +168,15 @@ def starter_text(name: str, found: Found) -> str:
         f'[item]\nmaker = ""  {MARK}\npart = ""  {MARK}\nserial = ""  {MARK}\n',
         *(_rate_table_parts(found.tables, found.raw) if found.tables or found.raw else ()),
         *flip_parts(found.flips),
-        REQUIREMENT if found.tables or found.raw else FLIP_REQUIREMENT,
+        *still_parts(found.still),
+        REQUIREMENT if found.tables or found.raw else FLIP_REQUIREMENT if found.flips else STILL_REQUIREMENT,
     ]
     return "\n".join(part for part in parts if part)
 
 
 def _rate_table_parts(tables: dict[str, Guess], raw: dict[str, Recording]) -> list[str]:
     said = [one.unit for one in tables.values()]
-    said += [c.unit for one in raw.values() for c in _gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
+    said += [c.unit for one in raw.values() for c in gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
     unit = next((one for one in said if one), None)
     unit_line = f"unit = {_text(unit)}" if unit else f'unit = "?"  {MARK}'
     return [
@@ -192,7 +217,7 @@ def _raw_entry(number: int, file: str, one: Recording) -> str:
     clock += ['stamp = "middle"', 'interval = "? s"', 'averaging = "? s"']
     channels = ['applied = { column = "?", unit = "?" }']
     channels += [
-        f"{axis} = {{ column = {_text(c.name)}, unit = {_text(c.unit or '?')} }}" for axis, c in _gyros(one).items()
+        f"{axis} = {{ column = {_text(c.name)}, unit = {_text(c.unit or '?')} }}" for axis, c in gyros(one).items()
     ]
     return (
         f'[recordings.rec{number}]\nsensor = "suite"\nfile = {_text(file)}\n'

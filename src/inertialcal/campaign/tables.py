@@ -21,6 +21,7 @@ from ..core.units import convert, factor, kind, si_unit
 from ..files.table import Table, read_table
 from ..procedures.rate_table import Readings
 from ..procedures.rate_table.earth_input import gathered
+from ..procedures.rate_table.taken_off import joined
 from ..sensors.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors
 from .schema import Columns, RecordingEntry, Rows, Sensor, Test
@@ -271,6 +272,7 @@ def together(parts: list[Readings]) -> Readings:
         sensors=parts[0].sensors,
         earth=earth,
         earth_sources=sources,
+        taken_off=joined([part.taken_off for part in parts], [len(part) for part in parts]),
         remarks=tuple(remark for part in parts for remark in part.remarks),
         incomplete=None if all(part.incomplete is None for part in parts) else np.concatenate(
             [np.zeros(len(part), dtype=bool) if part.incomplete is None else part.incomplete for part in parts]

@@ -10,8 +10,9 @@ import hashlib
 import json
 import shutil
 import tempfile
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
+from functools import cached_property
 from pathlib import Path
 from types import ModuleType
 
@@ -24,6 +25,7 @@ from .load import FILE, load
 from .publish import json_text
 
 TRUTH = ".truth/truth.json"
+Key = tuple[str, str, str, str]  # quantity, axis, test, condition
 
 
 @dataclass(frozen=True)
@@ -55,13 +57,32 @@ class Written:
 
 @dataclass(frozen=True)
 class Truth:
-    """The truth behind a campaign, SI, by quantity and axis; and where it comes from."""
+    """The truth behind a campaign, SI, and where it comes from."""
 
-    values: Mapping[tuple[str, str], TrueValue]
+    values: tuple[TrueValue, ...]
     rig: str
     seed: int
     fault: str
     seal: str
+
+    @cached_property
+    def _by_key(self) -> dict[Key, TrueValue]:
+        return truth_by_key(self.values)
+
+    def of(self, key: Key) -> TrueValue | None:
+        """Return the true value of a figure: of its test, else of all tests; None where it is not known."""
+        return known_truth(self._by_key, key)
+
+
+def truth_by_key(values: Iterable[TrueValue]) -> dict[Key, TrueValue]:
+    """Return true values by what they are: quantity, axis, test, condition."""
+    return {(one.quantity, one.axis, one.test, one.condition): one for one in values}
+
+
+def known_truth(values: Mapping[Key, TrueValue], key: Key) -> TrueValue | None:
+    """Return the true value of a figure: of its test, else of all tests; None where it is not known."""
+    quantity, axis, _, condition = key
+    return values.get(key) or values.get((quantity, axis, "", condition))
 
 
 def rig_named(name: str) -> ModuleType:
@@ -157,8 +178,7 @@ def read_truth(folder: str | Path) -> Truth:
     try:
         content = json.loads(raw)
         values = [TrueValue(**one) for one in content["values"]]
-        by_name = {(one.quantity, one.axis): one for one in values}
-        return Truth(by_name, str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
+        return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
     except (ValueError, KeyError, TypeError) as error:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
 

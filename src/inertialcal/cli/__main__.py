@@ -61,7 +61,7 @@ def _run(given: list[str]) -> int:
     except SystemExit as left:  # the parser's own way out of a pipe that the reader has closed
         return FOUND[0] if left.code == 1 else int(left.code or 0)
     except InertialcalError as error:
-        return errors_out(given, list(error.problems), error.exit_status, as_json)
+        return errors_out(given, list(error.problems), error.exit_status, as_json, error.inputs)
     except BrokenPipeError:
         return FOUND[0]
     except KeyboardInterrupt:

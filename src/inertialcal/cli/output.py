@@ -53,11 +53,18 @@ def found(status: int) -> int:
     return status
 
 
-def errors_out(given: Sequence[str], problems: Sequence[Problem], status: int, as_json: bool) -> int:
+def errors_out(
+    given: Sequence[str],
+    problems: Sequence[Problem],
+    status: int,
+    as_json: bool,
+    inputs: Sequence[tuple[str, str]] = (),
+) -> int:
     """Print what is wrong, as text or as the JSON object; return the exit status."""
     command = next((word for word in given if not word.startswith("-")), "")
     if as_json:
-        json_out(command, {"errors": [problem.to_dict() for problem in problems]}, status)
+        listed = [{"path": path, "sha256": digest} for path, digest in inputs]
+        json_out(command, {"inputs": listed, "errors": [problem.to_dict() for problem in problems]}, status)
         return status
     for problem in problems:
         print(problem_text(problem), file=sys.stderr)

@@ -40,7 +40,7 @@ def info(
     if output is not None and len(files) != 1:
         raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
     said: dict[str, Any] = {
-        "units": _units(unit), "sample_rate": sample_rate, "time_column": time_column,
+        "units": units_of(unit), "sample_rate": sample_rate, "time_column": time_column,
         "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
     }  # fmt: skip
     found, errors = [], []
@@ -70,7 +70,14 @@ def info(
     return 0
 
 
-def _units(given: list[str]) -> dict[str, str]:
+def units_of(given: list[str]) -> dict[str, str]:
+    """Return the units by column or group, as ``--unit`` says them.
+
+    Raises
+    ------
+    UsageError
+        If a text does not have the form.
+    """
     from ..core.errors import UsageError
 
     units = {}

@@ -12,6 +12,8 @@ from ..core.rounding import number
 from ..core.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
 from .output import table, wrapped
 
+DOUBT = "in doubt"  # beginning of the reason of a figure that may not hold
+
 
 def results_text(results: Mapping[str, Any]) -> str:
     """Return the figures of a campaign, test by test, each result with what stands beside it."""
@@ -21,7 +23,7 @@ def results_text(results: Mapping[str, Any]) -> str:
     for test in tests:
         rows = [row for row in results["results"] if row["test"] == test]
         blocks.append(f"{test}\n{_estimated(own_rows(rows))}")
-        missing = _not_estimated(rows)
+        missing = "\n".join(part for part in (_in_doubt(rows), _not_estimated(rows)) if part)
         if missing:
             blocks[-1] += f"\n{missing}"
         beside = _side_by_side(rows, test, str(against.get(test) or "the other"))
@@ -50,6 +52,15 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
 
 def _name(quantity: str, condition: str) -> str:
     return f"{quantity} ({condition})" if condition else quantity
+
+
+def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return a line a reason why figures of axes may not hold."""
+    axes: dict[str, dict[str, None]] = {}
+    for row in own_rows(rows):
+        if row["status"] == "estimated" and row["reason"].startswith(DOUBT):
+            axes.setdefault(row["reason"], {})[row["axis"]] = None
+    return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
 
 
 def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
@@ -93,10 +104,12 @@ def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
 
 
 def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
-    rates = sorted((one["at"] for one in verdicts), key=lambda rate: (abs(rate), rate))
     unit = verdicts[0]["at_unit"]
+    rates = sorted((one["at"] for one in verdicts), key=lambda rate: (0.0 if unit == "degC" else abs(rate), rate))
     if len(rates) <= 6:
         return f"{', '.join(f'{rate:+g}' for rate in rates)} {unit}"
+    if unit == "degC":
+        return f"{len(rates)} temperatures, {min(rates):g} to {max(rates):g} {unit}"
     return f"{len(rates)} rates, |rate| {abs(rates[0]):g} to {abs(rates[-1]):g} {unit}"
 
 
@@ -113,7 +126,22 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
         for one in loop["axes"]
     ]  # fmt: skip
     heads = ["  axis", "rms error", "compensated", "unit", "dwells", "runs", "verdict", ""]
-    return f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
+    said = f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
+    return "\n".join([said, *_over_temperature_text(loop.get("over_temperature", ()))])
+
+
+def _over_temperature_text(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield one line an axis of each thermal test held out: bias before and after its polynomial is taken off."""
+    cells = [
+        [
+            f"  {one['axis']}", one["test"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+            f"{one['runs']}", one["verdict"], one["reason"],
+        ]
+        for one in rows
+    ]  # fmt: skip
+    if cells:
+        yield "  bias over temperature, on power-ups held out"
+        yield table(cells, ["  axis", "test", "rms bias", "compensated", "unit", "runs", "verdict", ""])
 
 
 def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:

@@ -15,7 +15,9 @@ from .progress import progress
 
 
 def simulate(
-    rig: Annotated[str, typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model.", show_default=False)],
+    rig: Annotated[
+        str, typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model, still_gyro.", show_default=False)
+    ],
     output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,
     fault: Annotated[str, typer.Option(help="A mistake to put in, like wrong_sign.", show_default=False)] = "",
@@ -100,7 +102,8 @@ def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
         json_out("score", {"results": rows, "verdicts": verdicts} | seeds, status)
     elif not quiet:
         cells = [_coverage_cells(one.to_dict()) for one in found]
-        print(table(cells, ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"], right=(2, 3)))
+        heads = ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"]
+        print(table(cells, heads, right=(2, 3)))
         print(f"\nseeds {first} to {first + n - 1}; PASS where {RULE}")
     return status
 
@@ -110,4 +113,6 @@ def _coverage_cells(row: Mapping[str, Any]) -> list[str]:
     ends = "-" if interval is None else f"{interval['lo']:.1%} .. {interval['hi']:.1%}"
     rate = "-" if row["rate"] is None else f"{row['rate']:.1%}"
     missing = f" ({row['missing']} without an interval)" if row["missing"] else ""
-    return [row["quantity"], row["axis"], f"{row['hits']} of {row['n']}", rate, ends, row["verdict"] + missing]
+    where = ", ".join(word for word in (row["test"], row["condition"]) if word)
+    quantity = f"{row['quantity']} ({where})" if where else row["quantity"]
+    return [quantity, row["axis"], f"{row['hits']} of {row['n']}", rate, ends, row["verdict"] + missing]

@@ -20,14 +20,23 @@ Key = tuple[str, str, str, str]  # quantity, condition of its own, axis, unit
 def lines_of(rows: Iterable[Row]) -> dict[Key, dict[str, Row]]:
     """Return what is shown, a line a figure: its rows by the condition that they stand beside under, "" the result."""
     every = list(rows)
-    open_ones = {_figure(row) for row in every if not is_beside(row["condition"]) and _is_open(row)}
+    results = [row for row in every if not is_beside(row["condition"])]
+    open_ones = {_figure(row) for row in results if _is_open(row)}
+    whole = _of_the_test([str(row["condition"]) for row in results])
     found: dict[Key, dict[str, Row]] = {}
     for row in every:
         if _is_shown(row, open_ones):
             way = row["condition"] if is_beside(row["condition"]) else ""
-            own = "" if way else row["condition"]
+            own = whole if way else row["condition"]
             found.setdefault((row["quantity"], own, row["axis"], row["unit"]), {})[way] = row
     return found
+
+
+def _of_the_test(conditions: Sequence[str]) -> str:
+    """Return the condition of the whole test, which its rows have where they have none of their own; "" is none."""
+    if not conditions or "" in conditions:
+        return ""
+    return max(conditions, key=conditions.count)
 
 
 def columns_of(lines: Mapping[Key, Mapping[str, Row]]) -> tuple[list[str], list[str]]:

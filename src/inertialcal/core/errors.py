@@ -48,6 +48,7 @@ class InertialcalError(Exception):
     """Base of every error that a user can act on; carries one or more problems."""
 
     exit_status = 3
+    inputs: tuple[tuple[str, str], ...] = ()  # path and SHA-256 of the files that it is about, where they are known
 
     def __init__(
         self,

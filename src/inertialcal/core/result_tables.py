@@ -15,6 +15,7 @@ from .rounding import PLAIN, near, number, with_uncertainty
 from .tables import Folded, Grid, Part
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
+FEW = 3  # digits of an upper limit
 WHOLE = 1e3  # values from here on are told with more than three digits
 HEADS = ("quantity", "axis", "value ± u", "unit", "95 % interval", "dof")
 RIGHT = (2, 4, 5)
@@ -24,6 +25,8 @@ def figure(row: Mapping[str, Any] | None) -> str:
     """Return value and standard uncertainty; an upper limit is marked as one."""
     if row is None:
         return ""
+    if row["status"] == "upper_limit" and row["u"] is None:
+        return f"< {number(row['value'], FEW)}"
     return ("< " if row["status"] == "upper_limit" else "") + with_uncertainty(row["value"], row["u"])
 
 
@@ -84,7 +87,8 @@ def _told(row: Mapping[str, Any]) -> str:
         return str(row["condition"]).replace("_", " ")
     value = row["value"]
     known = "" if value is None else f" ({number(value, 3 if abs(value) < WHOLE else PLAIN)} {row['unit']})"
-    return f"{row['quantity']} {row['axis']}".strip() + known
+    condition = "" if is_beside(row["condition"]) else row["condition"]
+    return f"{_name({**row, 'condition': condition})} {row['axis']}".strip() + known
 
 
 def _name(row: Mapping[str, Any]) -> str:

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 from typing import Any, Literal
 
 WAYS = ("all_readings", "median", "low_pass", "as_published")  # conditions: other ways of reducing the same readings
-FLIP = re.compile(r"(as_published, )?flip .+", re.DOTALL)  # conditions: one flip of several, each by its own
+# conditions: one flip, or one record, of several, each by its own
+FLIP = re.compile(r"(as_published, )?flip .+|run .+ alone", re.DOTALL)
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
 

@@ -145,6 +145,8 @@ def _chosen(described: Sequence[Described], key: str) -> list[int]:
     named = _named(described, key)
     group = GROUPS.get(key.lower())
     chosen = named or [i for i, d in enumerate(described) if group and d.quantity == group]
+    if not named and len(chosen) > 1 and chosen[0] == 0 and _runs_like_time(described[0].column):
+        chosen = chosen[1:]  # a matrix is called after its sensor, and its first column is the clock
     if not chosen:
         names = ", ".join(d.name for d in described)
         groups = sorted({d.quantity for d in described if d.quantity in KINDS})
@@ -154,6 +156,14 @@ def _chosen(described: Sequence[Described], key: str) -> list[int]:
             code="wrong_column",
         )
     return chosen
+
+
+def _runs_like_time(column: Column) -> bool:
+    """Whether a column without a name of its own can be the time of the others: it always increases, in fractions."""
+    if column.named or not column.is_number or not column.is_complete or len(column.values) < COUNTED_FROM:
+        return False
+    values = column.values.astype(np.float64)
+    return bool(np.all(np.diff(values) > 0.0) and not np.all(values == np.rint(values)))
 
 
 def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]) -> Described:

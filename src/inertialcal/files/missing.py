@@ -26,7 +26,7 @@ def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], st
         what = f"empty cell in {name!r}: missing"
         remarks.append(Remark("missing_cells", "info", what, where(int(empty[0])), len(empty)))
     if len(nan):
-        what = f"literal NaN in {name!r}: taken as missing"
+        what = f"no finite number (NaN, inf) in {name!r}: taken as missing"
         remarks.append(Remark("nan_literal", "warning", what, where(int(nan[0])), len(nan)))
     return tuple(remarks)
 

@@ -24,6 +24,7 @@ POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
 FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
 ARCHIVED = "PAD"  # triaxial heads in orbit
 SHORT = 1_000  # samples below which a noise analysis says little
+SWING = 10.0  # change of the temperature that nobody makes by accident [K]
 
 
 def next_command(
@@ -54,6 +55,8 @@ def next_command(
     options = _missing_options(recording, hints, remarks)
     if options and alone:
         return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
+    if not options and alone and "thermal" in commands and _is_over_temperature(recording):
+        return f"inertialcal thermal {path}"
     word = None if options else _test_of(recording, remarks, commands)  # a campaign says its units itself
     return _campaign(recording, commands) if word is None else f"inertialcal {word} {path}"
 
@@ -68,6 +71,13 @@ def _test_of(recording: Recording, remarks: Sequence[Remark], commands: Collecti
     if not moving and len(recording) < SHORT:
         wanted = []
     return next((word for word in wanted if word in commands), None)
+
+
+def _is_over_temperature(recording: Recording) -> bool:
+    """Whether sensors with a unit were read while their temperature was made to change."""
+    warm = [one for one in recording.channels if one.unit is not None and kind(one.unit) == "temperature"]
+    read = [one for one in recording.channels if one.axis and one.quantity in ("gyro", "acc") and one.unit]
+    return any(float(np.ptp(one.data)) > SWING for one in warm) and any(one.unit != "count" for one in read)
 
 
 def is_reduced_table(recording: Recording) -> bool:

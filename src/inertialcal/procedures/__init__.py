@@ -7,6 +7,11 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import flip, rate_table
+from . import flip, rate_table, static_noise, thermal
 
-PROCEDURES: dict[str, ModuleType] = {"rate_table": rate_table, "flip": flip}
+PROCEDURES: dict[str, ModuleType] = {
+    "rate_table": rate_table,
+    "flip": flip,
+    "thermal": thermal,
+    "static_noise": static_noise,
+}

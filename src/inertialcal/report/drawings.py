@@ -18,6 +18,7 @@ RECORDINGS_SHOWN = 1  # traces of a test, of each axis that was turned: the othe
 Results = Mapping[str, Any]
 
 
+NOISE = {"allan": ("allan", "allan_terms"), "spectrum": ("spectrum",)}  # curves of the figures of noise
 STILL = 0.01  # of the largest input: next to none
 
 
@@ -83,6 +84,20 @@ PLAIN: dict[str, Finding] = {
         "What two ground models leave of the bias in orbit, and their difference, with 95 % intervals; strokes are"
         " single flips.",
     ),
+    "thermal_order": ("Error on what was held out, order by order: R2 of the fit itself would always grow.",),
+    "start_up": ("What the reading does after power-up, and what is left out for it (hollow).",),
+    "reference_voltage": ("Reference voltages of the converter over temperature, each less its mean.",),
+    "overlay": ("Bias on power-ups that no polynomial was fitted to: as read, and after what was found is taken off.",),
+    "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
+}
+CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
+
+
+OF_AXIS = {  # before and after the name of the axis
+    "thermal": ("Bias of ", " over temperature with its polynomial, and what is left: the gap between the paths."),
+    "input_output": ("Reading of ", " against the applied input, and what the fitted line leaves."),
+    "allan": ("Deviation of ", " over averaging time with 95 % intervals, and the terms fitted to it."),
+    "spectrum": ("Density of ", " with 95 % intervals, and the terms that were fitted to its Allan deviation."),
 }
 
 
@@ -90,9 +105,10 @@ def _caption(results: Results, picture: Picture) -> Finding:
     axis = Text(picture.axis)
     if picture.name in PLAIN:
         return PLAIN[picture.name]
+    if picture.name in OF_AXIS:
+        before, after = OF_AXIS[picture.name]
+        return (before, axis, after)
     match picture.name:
-        case "input_output":
-            return ("Reading of ", axis, " against the applied input, and what the fitted line leaves.")
         case "rate_error":
             return ("Error of ", axis, " against the applied rate", *_judged(results, picture), ".")
         case "dwells":
@@ -143,21 +159,41 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     name, test, axis = picture.name, picture.test, picture.axis
     if name in ("matrix", "budget", "side_by_side"):
         return [(words(name), rows_csv(_rows(results, name, test)))]
+    own = [one for one in results["curves"] if one["test"] == test]
+    if name in CURVES or name in ("overlay", "thermal_order", "start_up", "reference_voltage"):
+        shown = [one for one in own if one["name"] in CURVES.get(name, (name,)) and axis in ("", one["axis"])]
+        return [(_of_thermal(one), curve_csv(one)) for one in shown]
     if name == "flip":
         of = "quiet" if picture.recorded else "flip_dwells"
-        own = [one for one in results["curves"] if (one["name"], one["test"]) == (of, test)]
-        return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own]
-    mine = [one for one in results["curves"] if one["name"] == name and one["test"] == test]
+        return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own if one["name"] == of]
+    if name in NOISE:
+        shown = [one for one in own if one["axis"] == axis and one["name"] in NOISE[name]]
+        records = [one for one in shown if one["name"] == name]
+        return [(_entitled(one, records), curve_csv(one)) for one in shown]
+    mine = [one for one in own if one["name"] == name]
     if name == "compensated":
         return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]
-    mine = [one for one in mine if one["axis"] == axis]
+    return _of_axis(results, name, [one for one in mine if one["axis"] == axis], number)
+
+
+def _of_axis(results: Results, name: str, mine: Sequence[Mapping[str, Any]], number: int) -> list[tuple[str, str]]:
+    """Return the curve behind a figure of one axis; of dwells with the trace that they were found on."""
     if name != "dwells":
-        return [(f"{name} {clean(axis)}", curve_csv(mine[number]))]
-    pairs = [(one, trace) for one in mine for trace in _traces(results, one)]
-    return [
-        (f"dwells {clean(axis)}", curve_csv(pairs[number][0])),
-        (f"trace {clean(axis)}", curve_csv(pairs[number][1])),
-    ]
+        return [(f"{name} {clean(mine[number]['axis'])}", curve_csv(mine[number]))]
+    shown, trace = [(one, trace) for one in mine for trace in _traces(results, one)][number]
+    return [(f"{one['name']} {clean(one['axis'])}", curve_csv(one)) for one in (shown, trace)]
+
+
+def _of_thermal(curve: Mapping[str, Any]) -> str:
+    """Return the title of a curve of a thermal test."""
+    return " ".join(part for part in (words(curve["name"]), clean(curve["axis"]), words(curve.get("of", ""))) if part)
+
+
+def _entitled(curve: Mapping[str, Any], records: Sequence[Mapping[str, Any]]) -> str:
+    """Return the title of a curve: of several records with their number, in words."""
+    title = clean(f"{curve['name']} {curve['axis']}")
+    several = len(records) > 1 and curve in records
+    return f"{title} record {count(records.index(curve) + 1)}" if several else title
 
 
 def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:

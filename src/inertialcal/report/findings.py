@@ -12,8 +12,8 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
-from .numbers import Number, Text, both, clean, digits
-from .wording import count, counted, listed, severities
+from .numbers import Number, Text, both, clean, digits, time
+from .wording import count, counted, listed, severities, words
 
 LOOP = "closed loop"  # row of the verification matrix that is no requirement
 ORDER = ("FAIL", "INCONCLUSIVE", "OPEN", "PASS")  # the worst first
@@ -32,7 +32,18 @@ class Figure:
         return Markup("{}{}{}").format(shown, " " if self.unit else "", self.unit)
 
 
-Finding = tuple[str | Figure, ...]
+@dataclass(frozen=True)
+class Length:
+    """A length of time of the files, in the unit that people would say it in."""
+
+    value: Number
+    unit: str
+
+    def __html__(self) -> Markup:
+        return Markup(time(self.value, self.unit))  # noqa: S704 - made of a number and a unit
+
+
+Finding = tuple[str | Figure | Length, ...]
 
 
 def html(finding: Finding) -> Markup:
@@ -62,11 +73,18 @@ def largest(rows: Sequence[Any]) -> Any | None:
     return max(rows, key=lambda row: abs(row["value"].raw), default=None)
 
 
+WALKS = ("angle_random_walk", "velocity_random_walk")
+NOISE = (*WALKS, "bias_instability", "gauss_markov_sigma", "rate_random_walk", "acceleration_random_walk")
 BIASES = ("bias", "model_bias_error", "residual_bias")
+OFFSETS = ("vacuum_offset", "bias_shift")
 
 
 def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     """Say the scale factor error, the largest of several axes, or the bias; and what the requirements made of it."""
+    if any(row["quantity"] == "path_difference" for row in rows):
+        return (*of_thermal(rows), *_made_of(verdicts))
+    if any(row["quantity"] in WALKS for row in rows):
+        return (*_noise(rows), *_made_of(verdicts))
     biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
     if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
         row = largest(biases)
@@ -81,6 +99,56 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     else:
         parts = ("Scale factor error of ", found["axis"], " ", of_row(found))
     return (*parts, *_made_of(verdicts))
+
+
+def of_thermal(rows: Sequence[Any]) -> Finding:
+    """Say over which temperatures the bias is known, what power-ups scatter by, and which axes show hysteresis."""
+    low, high = (
+        max((row for row in rows if row["quantity"] == name and row["value"] is not None), key=key, default=None)
+        for name, key in (("temperature_lowest", _value), ("temperature_highest", lambda row: -_value(row)))
+    )
+    if low is None or high is None:
+        return ("No bias over temperature could be told",)
+    said: Finding = ("Bias over ", Figure(low["value"]), " to ", Figure(high["value"], None, _unit(high["unit"])))
+    offset = largest([row for name in OFFSETS for row in estimated(rows, name, None)])
+    if offset is not None:
+        said = (*said, "; ", offset["quantity"].replace("_", " "), " up to ", of_row(offset), ", on ", offset["axis"])
+    scatter = largest(estimated(rows, "scatter_run", None))
+    if scatter is not None:
+        said = (*said, "; power-ups scatter by up to ", of_row(scatter), ", on ", scatter["axis"])
+    seen = [row["axis"] for row in rows if row["quantity"] == "hysteresis" and str(row["reason"]).startswith("yes")]
+    words: Finding = ("hysteresis seen on ", *_with_commas(seen)) if seen else ("no hysteresis is shown",)
+    return (*said, "; ", *words)
+
+
+def _value(row: Any) -> float:
+    return float(row["value"].raw)
+
+
+def _with_commas(names: Sequence[Any]) -> Finding:
+    return tuple(part for i, name in enumerate(names) for part in ((", ", name) if i else (name,)))
+
+
+def _noise(rows: Sequence[Any]) -> Finding:
+    """Say the largest of the first two terms that were found, white noise and bias instability before others."""
+    shown = [row for quantity in NOISE if (row := largest(estimated(rows, quantity))) is not None][:2]
+    if not shown:
+        return ("No noise term could be estimated",)
+    said: Finding = ()
+    for row in shown:
+        said = (
+            *said,
+            "; largest " if said else "Largest ",
+            words(row["quantity"]),
+            " ",
+            of_row(row),
+            ", on ",
+            row["axis"],
+        )
+    doubt = next((row["reason"] for row in shown if row["reason"]), "")
+    if doubt:
+        return (*said, "; ", doubt)
+    return said if estimated(rows, "bias_instability") else (*said, "; no bias instability found")
 
 
 def _bias(row: Any, rows: Sequence[Any]) -> Finding:
@@ -105,6 +173,42 @@ def worst(verdicts: Iterable[Any]) -> str:
     """Return the gravest verdict of some."""
     found = {str(one["verdict"]) for one in verdicts}
     return next((word for word in ORDER if word in found), "")
+
+
+def of_noise(reaches: Sequence[Any]) -> Finding:
+    """Say which term is known worst for what was asked, and how many were not found."""
+    found = [one for one in reaches if one.known is not None]
+    missing = len(reaches) - len(found)
+    lost = f"; {count(missing)} of {counted(len(reaches), 'term')} {'was' if missing == 1 else 'were'} not found"
+    if not found:
+        return (f"None of {counted(len(reaches), 'term')} was found",)
+    poor = [one for one in found if not one.enough and not one.reason]
+    if not poor and any(one.reason for one in found):
+        first = next(one for one in found if one.reason)
+        return (
+            words(first.term).capitalize(),
+            " of ",
+            *_where(first, reaches),
+            ": ",
+            first.reason,
+            lost if missing else "",
+        )
+    if not poor:
+        start = f"{counted(len(found), 'term').capitalize()} {'is' if len(found) == 1 else 'are'} known to "
+        return (start, Figure(found[0].wanted, None, found[0].unit), " or better", lost if missing else "")
+    worst_one = max(poor, key=lambda one: one.known.raw)
+    said: Finding = (words(worst_one.term).capitalize(), " of ", *_where(worst_one, reaches), " is known to ",
+                     Figure(worst_one.known, None, worst_one.unit))  # fmt: skip
+    if worst_one.longer:
+        said = (*said, "; a record of ", Length(worst_one.needed, worst_one.time), " would give ",
+                Figure(worst_one.wanted, None, worst_one.unit))  # fmt: skip
+    return (*said, lost if missing else "")
+
+
+def _where(reach: Any, reaches: Sequence[Any]) -> Finding:
+    """Say of which axis, and of which test where there are several."""
+    several = len({str(one.test) for one in reaches}) > 1
+    return (reach.axis, " in ", reach.test) if several else (reach.axis,)
 
 
 def of_closed_loop(loop: Any) -> Finding:
@@ -227,6 +331,8 @@ def of_model(model: Any | None, loop: Any) -> Finding:
     """Say whether there is a model, and whether recordings held out have judged it."""
     if model is None:
         return ("No model is delivered",)
+    if loop["verdict"] == "INCONCLUSIVE":
+        return ("A model of which readings held out cannot tell whether it improves them",)
     if not model["judged"]:
         return ("A model that no readings held out have judged",)
     return ("A model judged on readings held out: ", loop["verdict"])

@@ -12,7 +12,8 @@ from .findings import Figure, Finding, estimated, largest, of_row, worst_axis
 from .numbers import clean
 
 ERRORS = ("scale_factor_error", "misalignment")
-FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell")
+FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell",
+             "angle_random_walk", "velocity_random_walk", "bias_instability")  # fmt: skip
 
 
 @dataclass(frozen=True)

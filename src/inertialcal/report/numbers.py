@@ -21,6 +21,8 @@ from typing import Any
 from markupsafe import Markup
 
 from ..core.rounding import DIGITS, number, with_uncertainty
+from ..core.units import factor
+from ..sensors.noise.noise_fit import duration
 
 FEW = 3  # digits of a figure whose uncertainty does not stand beside it
 PAIR = re.compile(r"\(?(?P<value>[^ )]+) ± (?P<u>[^ )]+)\)?(?P<decade>e[+-]\d+)?")
@@ -139,6 +141,11 @@ def plain(value: Number) -> str:
 def digits(value: Number | None, places: int = FEW) -> Markup | str:
     """Return a number with few significant digits, or a dash where it is absent."""
     return DASH if value is None else value.tag(number(value.raw, places))
+
+
+def time(value: Number | None, unit: str) -> Markup | str:
+    """Return a length of time in the unit that people would say it in: ``8 min``; a dash where it is absent."""
+    return DASH if value is None else value.tag(duration(value.raw * factor(unit, "s")))
 
 
 def rounded(value: Number | None, u: Number | None) -> Markup | str:

@@ -18,6 +18,7 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
+from ..core import output_table
 from ..core.side_by_side import verdict_of
 from . import drawings, findings, numbers, sections, wording
 from .coefficients import delivered
@@ -28,8 +29,20 @@ from .highlights import highlights
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
-AT_TOP = ("compensated", "rate_error", "input_output", "flip")  # the first of these that there is
-OF_TESTS = ("input_output", "rate_error", "dwells", "flip", "side_by_side")
+BESIDE = {"allan": "spectrum"}  # at the top, of the same axis: side by side they are one picture of a noise
+AT_TOP = ("compensated", "rate_error", "input_output", "flip", "thermal", "allan")  # the first of these that there is
+OF_ALL_AXES = ("overlay", "conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
+OF_TESTS = (
+    "input_output",
+    "rate_error",
+    "dwells",
+    "flip",
+    "side_by_side",
+    "thermal",
+    "allan",
+    "spectrum",
+    *OF_ALL_AXES,
+)
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
@@ -40,6 +53,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "told": findings.html,
     "bare": numbers.clean,
     "words": wording.words,
+    "time": numbers.time,
     "by_severity": sections.by_severity,
 }
 
@@ -90,6 +104,8 @@ def _content(
         "sections": sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"]),
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
+        "output": output_table.output_rows(lists["results"], results["sequence"]),
+        "reaches": sections.reaches(r["curves"], lists["results"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
         "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
@@ -112,18 +128,27 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     top = next((one for name in AT_TOP for one in found if _is(one, name)), None)
     matrix = next((one for one in found if _is(one, "matrix") and one.picture.test == sections.MODEL), None)
     of_tests: dict[str, list[Drawing]] = {}
+    beside = None if top is None else _beside(top, found)
     for one in found:
-        if one.picture.name in OF_TESTS and one is not top:
+        if one.picture.name in OF_TESTS and one not in (top, beside):
             of_tests.setdefault(one.picture.test, []).append(one)
     for drawn in of_tests.values():
-        drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.axis))
+        drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.name in OF_ALL_AXES, one.picture.axis))
     budgets = {one.picture.test: one for one in found if _is(one, "budget")}
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
     steps = sorted(results["sequence"], key=lambda step: (step["test"] not in judged, USES.index(step["use"])))
-    wanted = [top, matrix, *budgets.values(), *(one for step in steps for one in of_tests.get(step["test"], []))]
+    overlays = [one for one in found if _is(one, "overlay") and one is not top]
+    others = [one for step in steps for one in of_tests.get(step["test"], []) if one not in overlays]
+    wanted = [top, beside, *overlays, matrix, *budgets.values(), *others]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
-    return {"top": top, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
+    return {"top": top, "beside": beside, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
+
+
+def _beside(top: Drawing, found: Iterable[Drawing]) -> Drawing | None:
+    """Return the figure that stands with the one at the top, if it is one of two."""
+    name, own = BESIDE.get(top.picture.name), (top.picture.test, top.picture.axis)
+    return next((one for one in found if _is(one, name or "") and (one.picture.test, one.picture.axis) == own), None)
 
 
 def _is(drawing: Drawing, name: str) -> bool:
@@ -135,11 +160,12 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     top, *others = page["pictures"]["drawn"] or [None]
     yield from _drawn([top] if top else [], room)
     for section in page["sections"]:
-        yield f"lines-{section.anchor}", _block("lines", page, lines=section.lines, ways=section.ways)
+        yield from _quantities(section, page)
         if section.pairs:
             names = {"test": section.test, "other": section.step["against"] if section.step else ""}
             pairs = _block("pairs", page, pairs=section.pairs, verdict_of=verdict_of, **names)
             yield f"pairs-{section.anchor}", pairs
+    yield from _of_all_tests(page)
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", page, rows=rows)
     for name, _, rows in page["budgets"]:
@@ -152,6 +178,23 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for one in page["pictures"]["drawn"]:
         if room.left > NO_ROOM:
             yield f"data-{one.key}", _block("data", page, key=one.key, tables=one.data())
+
+
+def _of_all_tests(page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
+    """Yield the tables that are made from several tests."""
+    if page["output"]:
+        yield "output", _block("output", page, output=page["output"], note=output_table.note)
+    if page["reaches"]:
+        yield "noise", _block("noise", page, tests=sections.by_test(page["reaches"]))
+
+
+def _quantities(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
+    """Yield the table of a test, and that of each of its records alone."""
+    own = {"lines": section.lines, "ways": section.ways, "elsewhere": sections.told_in(page["reaches"])}
+    yield f"lines-{section.anchor}", _block("lines", page, **own)
+    if section.alone:
+        beside = [line for line in section.lines if any(way in line.beside for way, _ in section.alone)]
+        yield f"alone-{section.anchor}", _block("alone", page, lines=beside, names=section.alone)
 
 
 def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]]:

@@ -39,14 +39,15 @@ def plot(
 
     Parameters
     ----------
-    result : Outcome, RateTableFile, Recording, SensorModel, Estimate or dict
-        Of ``run``, ``rate_table``, ``read``, ``load_model``; the ``estimate`` of a result; or the content of a
-        ``results.json``.
+    result : Outcome, RateTableFile, NoiseFile, SpectrumFile, Recording, SensorModel, Estimate or dict
+        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``read``, ``load_model``; the ``estimate`` of a result; or the
+        content of a ``results.json``.
     ax : Axes, or sequence of Axes, optional
         Where; as many as the figure has panels, or one, which is then divided. By default a new figure, which a
         notebook shows; elsewhere save it: ``plot(result).figure.savefig("figure.png")``.
     figure : str, optional
-        Which: ``"compensated"``, ``"input_output"``, ``"rate_error"``, ``"dwells"``, ``"matrix"``, ``"budget"``;
+        Which: ``"compensated"``, ``"input_output"``, ``"rate_error"``, ``"dwells"``, ``"side_by_side"``, ``"flip"``,
+        ``"allan"``, ``"spectrum"``, ``"matrix"``, ``"budget"``;
         by default the first of these that the result has data for.
     test, axis : str, optional
         Of which test and axis of a campaign; by default the first.
@@ -116,10 +117,16 @@ def _content(result: Any) -> Mapping[str, Any]:
     content = result if isinstance(result, Mapping) else getattr(result, "results", None)
     if isinstance(content, Mapping) and ("curves" in content or "results" in content):
         return content
+    if hasattr(result, "content") and hasattr(result, "sensors"):  # noise, or spectra, of files
+        return result.content()  # type: ignore[no-any-return]
     if hasattr(getattr(result, "result", None), "lines"):  # of a rate-table file, with the unit of the file
         return _of_rate_table(result.result, result.unit)
-    if hasattr(getattr(result, "result", None), "flips"):  # of files of a flip
-        return {"curves": [_in_unit(one.to_dict() | {"test": "flip"}, result.unit) for one in result.result.curves()]}
+    for own, test in (("flips", "flip"), ("sensors", "thermal")):  # of files of a flip, of a thermal test
+        if hasattr(getattr(result, "result", None), own):
+            return {
+                "curves": [_in_unit(one.to_dict() | {"test": test}, result.unit) for one in result.result.curves()],
+                "results": [row.to_dict() for row in result.rows],
+            }
     if hasattr(result, "lines") and hasattr(result, "readings"):
         return _of_rate_table(result, None)
     raise UsageError(

@@ -10,9 +10,11 @@ from typing import Any
 from ..core.beside import columns_of, lines_of, missing_of
 from ..core.side_by_side import own_rows, pairs_of
 from .findings import Finding, of_test
+from .numbers import Text
 from .wording import SEVERITIES
 
 MODEL = "model"
+ALONE = re.compile("run (?P<name>.+) alone", re.DOTALL)  # condition of one of several records
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 
@@ -46,6 +48,8 @@ class Section:
         Estimated quantities.
     ways : list of str
         Which conditions stand beside the result: other ways of reduction, single flips.
+    alone : sequence of (str, str)
+        Conditions under which single records were reduced, in a table of their own; and the names of the records.
     missing : list of (reason, rows)
         Quantities that the data could not carry, by reason.
     remarks : list
@@ -60,9 +64,83 @@ class Section:
     finding: Finding
     lines: list[Line]
     ways: list[str]
+    alone: Sequence[tuple[str, str]]
     missing: list[tuple[str, list[Any]]]
     remarks: list[Any]
     pairs: dict[tuple[str, str], dict[str, Any]]
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What the records of a test of noise tell of one term of one axis, and how long one would have to be.
+
+    Parameters
+    ----------
+    test, axis, term : str
+        Which.
+    known : Number or None
+        Relative error; None for a term that was not found.
+    wanted : Number or None
+        Relative error that was asked for.
+    unit : str
+        Of both.
+    record, needed : Number or None
+        Length of the longest record, and of one that is enough; None where there is none.
+    time : str
+        Unit of these two.
+    reason : str
+        Why the term was not found, or is not to be relied on.
+    """
+
+    test: str
+    axis: str
+    term: str
+    known: Any | None
+    wanted: Any | None
+    unit: str
+    record: Any
+    needed: Any | None
+    time: str
+    reason: str
+
+    @property
+    def enough(self) -> bool:
+        """Whether these records know the term as well as was asked for."""
+        return self.known is not None and self.known.raw <= self.wanted.raw if self.wanted is not None else False
+
+    @property
+    def longer(self) -> bool:
+        """Whether a longer record is known that would be enough."""
+        return not self.enough and self.needed is not None and self.needed.raw > self.record.raw
+
+
+def reaches(curves: Iterable[Any], rows: Iterable[Any]) -> list[Reach]:
+    """Return what the records of all tests of noise tell of each term, with the reasons of their rows."""
+    found = []
+    reasons = {(row["test"], row["axis"], row["quantity"]): row["reason"] for row in rows if not row["condition"]}
+    for curve in curves:
+        if curve["name"] != "record_length":
+            continue
+        columns = curve["columns"]
+        keys = ("term", "relative_error", "wanted", "record", "needed")
+        for term, known, wanted, record, needed in zip(*(columns[key]["values"] for key in keys), strict=True):
+            unit, time = (str(columns[key]["unit"]) for key in ("relative_error", "record"))
+            reason = reasons.get((curve["test"], curve["axis"], term), "")
+            found.append(Reach(curve["test"], curve["axis"], term, known, wanted, unit, record, needed, time, reason))
+    return found
+
+
+def by_test(reaches: Iterable[Reach]) -> list[list[Reach]]:
+    """Return what is told of terms by test, in order of first appearance."""
+    found: dict[str, list[Reach]] = {}
+    for one in reaches:
+        found.setdefault(one.test, []).append(one)
+    return list(found.values())
+
+
+def told_in(reaches: Iterable[Reach]) -> set[tuple[str, str, str]]:
+    """Return of which test, axis and quantity the section of noise tells the reason."""
+    return {(one.test, one.axis, one.term) for one in reaches}
 
 
 def anchor(kind: str, name: str, number: int) -> str:
@@ -85,10 +163,12 @@ def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[An
     for number, test in enumerate(tests):
         mine = [row for row in rows if row["test"] == test]
         judged = [one for one in verdicts if one["test"] == test]
-        lines, ways = table(own_rows(mine))
+        lines, every = table(own_rows(mine))
+        alone = [(way, Text(one["name"])) for way in every if (one := ALONE.fullmatch(way))]
+        ways = [way for way in every if not ALONE.fullmatch(way)]
         found.append(
             Section(
-                test, anchor("test", test, number), steps.get(test), of_test(mine, judged), lines, ways,
+                test, anchor("test", test, number), steps.get(test), of_test(mine, judged), lines, ways, alone,
                 missing(mine), placed(remarks, test), pairs_of(mine),
             )
         )  # fmt: skip

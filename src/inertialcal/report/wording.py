@@ -13,6 +13,7 @@ SMALL = (
 )  # fmt: skip
 TENS = ("", "", "twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
 PLURAL = {"axis": "axes", "entry": "entries", "quantity": "quantities"}
+NAMES = {"gauss_markov_sigma": "Gauss-Markov size", "gauss_markov": "Gauss-Markov"}  # of people
 SEVERITIES = ("error", "warning", "info")
 SEVERITY_NAMES = {"error": "error", "warning": "warning", "info": "note"}
 
@@ -59,4 +60,6 @@ def severities(severity_of: Sequence[str]) -> str:
 
 def words(name: str) -> str:
     """Return the field's word for people: ``scale_factor_error`` is ``scale factor error``."""
+    for written, said in NAMES.items():
+        name = name.replace(written, said)
     return name.replace("_", " ")

@@ -9,6 +9,12 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import rate_table, sams_tsh, sams_tsh_model
+from . import npsat1, rate_table, sams_tsh, sams_tsh_model, still_gyro
 
-RIGS: dict[str, ModuleType] = {"rate_table": rate_table, "sams_tsh": sams_tsh, "sams_tsh_model": sams_tsh_model}
+RIGS: dict[str, ModuleType] = {
+    "rate_table": rate_table,
+    "sams_tsh": sams_tsh,
+    "sams_tsh_model": sams_tsh_model,
+    "npsat1": npsat1,
+    "still_gyro": still_gyro,
+}

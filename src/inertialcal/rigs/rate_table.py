@@ -16,12 +16,11 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import UsageError
 from ..core.estimate import Array
 from ..core.recording import SECOND, Channel, Recording
 from ..physics.earth import level_to_table
@@ -31,7 +30,7 @@ from .rate_table_campaign import APPLIED, campaign_text, recording_file, referen
 from .rate_table_faults import FAULTS
 from .rate_table_setup import AXES, REFERENCE, STEP, Bench, chain, draw_gyro
 from .stepped_table import Motion, motion
-from .twin import Drawn, TrueValue, Twin, drawn_error
+from .twin import Drawn, TrueValue, Twin, drawn_error, with_fault
 
 TITLE = "a three-axis rate gyro on a stepped rate table, five power-ups to fit and three held out"
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "true_values", "twin"]
@@ -76,10 +75,7 @@ def twin(seed: int, fault: str = "") -> Twin:
     UsageError
         If there is no mistake of that name.
     """
-    if fault and fault not in FAULTS:
-        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(FAULTS)}", code="unknown_name")
-    bench = replace(Bench(), **FAULTS[fault].change) if fault else Bench()
-    return replace(build(bench, seed), fault=fault)
+    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:

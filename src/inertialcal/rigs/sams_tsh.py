@@ -11,13 +11,11 @@ References
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ..core.errors import UsageError
 from ..core.estimate import Array
 from ..core.recording import SECOND, Channel, Recording
 from ..sensors.to_counts import to_counts, to_temperature_counts
@@ -26,7 +24,7 @@ from .sams_tsh_faults import FAULTS
 from .sams_tsh_ground import draw_model, true_values
 from .sams_tsh_record import Record, record
 from .sams_tsh_setup import AXES, Bench, G, Head, chain, draw_head
-from .twin import Drawn, TrueValue, Twin
+from .twin import Drawn, TrueValue, Twin, with_fault
 
 TITLE = "a triaxial accelerometer head turned by half a turn, and back, in orbit"
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "saved", "twin"]
@@ -42,10 +40,7 @@ def twin(seed: int, fault: str = "") -> Twin:
     UsageError
         If there is no mistake of that name.
     """
-    if fault and fault not in FAULTS:
-        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(FAULTS)}", code="unknown_name")
-    bench = replace(Bench(), **FAULTS[fault].change) if fault else Bench()
-    return replace(build(bench, seed), fault=fault)
+    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int) -> Twin:

@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from ..core.errors import UsageError
 from .sams_tsh import build
 from .sams_tsh_faults import FAULTS
 from .sams_tsh_setup import Bench
-from .twin import Twin
+from .twin import Twin, with_fault
 
 TITLE = "a triaxial accelerometer head with its ground model, turned by half a turn, and back, in orbit"
 __all__ = ["FAULTS", "TITLE", "twin"]
@@ -26,7 +25,4 @@ def twin(seed: int, fault: str = "") -> Twin:
     UsageError
         If there is no mistake of that name.
     """
-    if fault and fault not in FAULTS:
-        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(FAULTS)}", code="unknown_name")
-    change = FAULTS[fault].change if fault else {}
-    return replace(build(replace(Bench(), ground="jointly", **change), seed), rig="sams_tsh_model", fault=fault)
+    return replace(with_fault(build, Bench(ground="jointly"), FAULTS, seed, fault), rig="sams_tsh_model")

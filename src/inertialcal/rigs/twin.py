@@ -7,28 +7,36 @@ can be told from all others.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, TypeVar
 
 import numpy as np
 
+from ..core.errors import UsageError
 from ..core.influence import Influence
 from ..core.recording import Recording
 
 SEED, SEAL = "@SEED@", "@SEAL@"
+
+Bench = TypeVar("Bench")
 
 Drawn = Mapping[str, float | list[float] | list[list[float]]]
 
 
 @dataclass(frozen=True)
 class TrueValue:
-    """True value of a quantity, named as the rows of the results name it, in an SI unit."""
+    """True value of a quantity, named as the rows of the results name it, in an SI unit.
+
+    Of one test and one condition where they are given; of all tests where no test is given.
+    """
 
     quantity: str
     axis: str
     value: float
     unit: str
+    test: str = ""
+    condition: str = ""
 
 
 @dataclass(frozen=True)
@@ -89,3 +97,32 @@ def drawn_error(influence: Influence | None, rng: np.random.Generator) -> float:
         half = influence.u * np.sqrt(3.0)
         return float(rng.uniform(-half, half))
     return float(rng.normal(0.0, influence.u))
+
+
+def with_fault(
+    build: Callable[[Bench, int], Twin], bench: Bench, faults: Mapping[str, Fault], seed: int, fault: str
+) -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Parameters
+    ----------
+    build : callable
+        Bench and seed -> twin.
+    bench : dataclass
+        As it is without a mistake.
+    faults : mapping
+        Mistakes that the rig knows.
+    seed : int
+        Of all draws.
+    fault : str
+        Name of the mistake; empty: none.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    if fault and fault not in faults:
+        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(faults)}", code="unknown_name")
+    changed = replace(bench, **faults[fault].change) if fault else bench  # type: ignore[type-var]
+    return replace(build(changed, seed), fault=fault)

@@ -60,6 +60,7 @@ def convert(
     *,
     reference: ArrayLike | None = None,
     temperature: ArrayLike | None = None,
+    temperature_reference: ArrayLike | None = None,
     validity: ArrayLike | None = None,
     gain: ArrayLike | None = None,
     place: Place = sample,
@@ -72,6 +73,8 @@ def convert(
         Codes, or means of codes; NaN where missing.
     reference, temperature, validity : array_like, shape (n,) or (n, k), optional
         Codes of the reference voltage, of the temperature channel and of the built-in test.
+    temperature_reference : array_like, shape (n,) or (n, k), optional
+        Codes of the reference voltage of the temperature channel, where it has one of its own.
     gain : array_like, shape (n,) or (n, k), optional
         Over time; instead of the chain's.
     place : callable
@@ -87,7 +90,12 @@ def convert(
     """
     k = len(chain.axes)
     signal = wide("counts", counts, k)
-    beside = {"reference": reference, "temperature": temperature, "validity": validity}
+    beside = {
+        "reference": reference,
+        "temperature": temperature,
+        "temperature_reference": temperature_reference,
+        "validity": validity,
+    }
     channels = {name: wide(name, codes, k, len(signal)) for name, codes in beside.items() if codes is not None}
     channels["counts"] = signal
     _check_channels(chain, channels)
@@ -95,7 +103,7 @@ def convert(
     above = volts.get("reference", np.asarray(0.0 if chain.reference == "channel" else chain.reference))
     degrees = None
     if chain.thermometer is not None and "temperature" in volts:
-        degrees = chain.thermometer.degrees(volts["temperature"] - above)
+        degrees = chain.thermometer.degrees(volts["temperature"] - volts.get("temperature_reference", above))
     over_time = None if gain is None else nonzero("gain", wide("gain", gain, k, len(signal)), k)
     amplified = chain.gain if over_time is None else over_time
     output = (volts["counts"] - above - zero_at_gains(chain, degrees, over_time)) / amplified
@@ -110,7 +118,7 @@ def convert(
 def _volts(chain: Chain, channels: Mapping[str, Array], place: Place) -> tuple[dict[str, Array], list[Remark]]:
     """Volts of each channel, NaN where its code cannot be used, and why."""
     volts, remarks = {}, []
-    for name in ("counts", "reference", "temperature", "validity"):
+    for name in ("counts", "reference", "temperature", "temperature_reference", "validity"):
         if name in channels:
             names = [axis if name == "counts" else f"{name} of {axis}" for axis in chain.axes]
             check_inside(names, channels[name], chain.codes, place)

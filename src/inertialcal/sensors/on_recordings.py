@@ -1,7 +1,8 @@
 """Chain and model applied to recordings: columns in, channels out; time, gaps and other channels stay.
 
 Columns are named by what they are: an axis (``"x"``), or ``"reference_x"``, ``"temperature_x"``,
-``"validity_x"``; ``"reference"`` without an axis serves all.
+``"temperature_reference_x"`` (where the temperature channel has a reference of its own), ``"validity_x"``;
+``"reference"`` without an axis serves all.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from .from_counts import convert
 from .model import SensorModel, check_item, to_readings
 
 QUANTITY = {"rad/s": "gyro", "m/s^2": "acc"}
+BESIDE = ("reference", "temperature", "temperature_reference", "validity")  # channels that a chain takes beside an axis
 
 
 def apply_chain(
@@ -54,7 +56,7 @@ def apply_chain(
         ``from_counts.convert``.
     """
     counts = _counts(recording, [_column(columns, axis) for axis in chain.axes])
-    beside = {kind: _beside(chain, recording, columns, kind) for kind in ("reference", "temperature", "validity")}
+    beside = {kind: _beside(chain, recording, columns, kind) for kind in BESIDE}
     converted = convert(chain, counts, **beside, gain=gain, place=lambda index: _place(recording, index))
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:

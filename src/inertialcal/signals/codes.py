@@ -1,4 +1,4 @@
-"""Codes of a channel: its resolution step, values that pile up at a rail, values that are stuck.
+"""Codes of a channel: its resolution step, values that pile up at a rail, values that are stuck, steps that are coarse.
 
 All judgements are against what the channel itself does elsewhere; no converter is assumed.
 """
@@ -11,6 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.estimate import Array
+from ..core.remarks import Remark
+from ..core.rounding import number
 
 REPEATS = 2.0  # a step is looked for where values occur at least this often on average
 LEVELS = 2**24  # most levels that a converter has
@@ -27,6 +29,9 @@ RAIL_CODES = frozenset(
 STUCK_CHANCE = 1e-6  # chance of a run so long, were neighbours independent
 STUCK_RUN = 10  # shortest run that is called stuck ...
 STUCK_RATIO = 5.0  # ... and how much longer than the run that a sample elsewhere lies in, on average
+ALIKE = 10  # runs of the same value from which their own share of equal neighbours is known
+COARSE = 2.0  # steps over the scatter before rounding, from which rounding matters (N reads 15 % too large)
+BLIND = 3.3  # the same, from which nobody can tell how much: it hangs on where the level lies between two codes
 CONSTANT_IN_COUNTS = 2  # a rail of a known converter shows from so many samples
 
 
@@ -127,6 +132,41 @@ def _goes_in_steps(counts: NDArray[np.int64]) -> bool:
     return int(np.count_nonzero((inside >= PILE) & (inside > PILE_RATIO * beside))) >= STEPS
 
 
+def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
+    """Return the remark on steps that are coarse against the scatter, with what they do to the size of white noise.
+
+    Rounding to steps D adds D^2 / 12 to the variance of samples that scatter by more than about a third of a step
+    (Sheppard); where they scatter less, it may add anything, and what is slow is rounded with the rest.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Samples, in any unit; those that are not finite are left out.
+    name : str
+        Of the channel.
+
+    References
+    ----------
+    B. Widrow, I. Kollar and M.-C. Liu, IEEE Trans. Instrum. Meas. 45 (1996) 353: statistical theory of quantization.
+    """
+    difference = np.diff(values[np.isfinite(values)])
+    sizes = np.abs(difference[difference != 0.0])
+    if not len(sizes):
+        return ()
+    step, read = float(sizes.min()), float(np.mean(difference**2)) / 2.0
+    before = read - step**2 / 12.0
+    if read >= step**2 * (1.0 / COARSE**2 + 1.0 / 12.0):
+        return ()
+    what = f"{name}: steps of the readings are {number(step / float(np.sqrt(read)), 2)} times their scatter: "
+    if before < (step / BLIND) ** 2:
+        what += "what they hide, and by how much the random walk is read wrong, cannot be told"
+    else:
+        more = 100.0 * (float(np.sqrt(read / before)) - 1.0)
+        what += f"rounding adds to it, and the random walk reads about {number(more, 2)} % too large"
+    do = "Set a finer range or more bits, or take the size of the random walk as a bound from above"
+    return (Remark("coarse_codes", "warning", what, do=do),)
+
+
 def longest_run(values: NDArray[np.generic]) -> Run:
     """Return the longest stretch of equal neighbouring values.
 
@@ -143,21 +183,27 @@ def longest_run(values: NDArray[np.generic]) -> Run:
 def is_stuck(values: NDArray[np.generic]) -> bool:
     """Whether the longest run of equal values is far longer than the channel's other runs explain.
 
-    With p the share of equal neighbours outside that run, n samples hold about n p**(k-1) runs of k; the
-    run is stuck where this is below 1e-6, and it is also five times longer than the run that a sample
-    elsewhere lies in, on average (slow channels repeat their codes).
+    With p the share of equal neighbours outside that run (of all samples, or of those with its value where that is
+    larger), n samples hold about n p**(k-1) runs of k; the run is stuck where this is below 1e-6, and it is also five
+    times longer than the run that a sample elsewhere lies in, on average (slow channels repeat their codes).
 
     Parameters
     ----------
     values : ndarray, shape (n,), n >= 1
         In any unit. A constant channel is stuck.
     """
-    _, lengths = _runs(values)
-    longest = int(lengths.max())
+    starts, lengths = _runs(values)
+    at = int(np.argmax(lengths))
+    longest = int(lengths[at])
     if longest == len(values):
         return longest >= STUCK_RUN
-    others = np.delete(lengths, int(np.argmax(lengths)))
+    others = np.delete(lengths, at)
+    same = values[starts] == values[starts[at]]
+    same[at] = False
+    alike = lengths[same]
     equal = (others - 1).sum() / max(others.sum() - 1, 1)
+    if len(alike) >= ALIKE:
+        equal = max(equal, (alike - 1).sum() / alike.sum())
     log_chance = np.log(len(values)) + (longest - 1) * np.log(max(equal, 1.0 / len(values)))
     usual = float((others.astype(np.float64) ** 2).sum() / others.sum())
     long = longest >= max(STUCK_RUN, STUCK_RATIO * usual)

@@ -34,10 +34,14 @@ class Disturbance:
 
 @dataclass(frozen=True)
 class Stillness:
-    """Whether a channel is at rest at all, and where it is disturbed."""
+    """Whether a channel is at rest at all, and where it is disturbed.
+
+    ``widening`` is by how much more than white noise the means of its widest windows scatter.
+    """
 
     at_rest: bool
     disturbances: tuple[Disturbance, ...]
+    widening: float = 1.0
 
 
 def judge(values: Array, floor: float = 0.0) -> Stillness | None:
@@ -59,8 +63,11 @@ def judge(values: Array, floor: float = 0.0) -> Stillness | None:
     hidden = bool(found.noise.step[0] > 0.0 and not found.noise.live[0])
     if sigma == 0.0 or (hidden and floor == 0.0):
         return None
+    widening = float(found.widening[0])
     if not len(still):
-        return Stillness(False, ())
+        return Stillness(False, (), widening)
+    # Noise that is not white scatters more over a long stretch than over the few samples that its scale is told from.
+    sigma = max(sigma, float(np.sqrt(np.average(found.scatter[still, 0] ** 2, weights=length[still]))))
     level = np.interp(np.arange(len(found)), still, found.level[still, 0])
     disturbances = []
     for i in np.setdiff1d(np.arange(len(found)), still):
@@ -69,4 +76,4 @@ def judge(values: Array, floor: float = 0.0) -> Stillness | None:
             disturbances.append(Disturbance(int(found.start[i]), int(found.stop[i]) - 1, float(far.max()) / sigma))
     steps = int(np.sum(np.abs(np.diff(found.level[still, 0])) > SIGMAS * sigma))
     share = float(np.sum(length[still])) / len(values)
-    return Stillness(share >= STILL_SHARE and steps <= MOST_STEPS, tuple(disturbances))
+    return Stillness(share >= STILL_SHARE and steps <= MOST_STEPS, tuple(disturbances), widening)

@@ -118,6 +118,41 @@ def decide(
     return Verdict(status, value, u, dof, interval, lower, upper, rule, reason)
 
 
+def decide_by(
+    interval: Interval | None,
+    value: float | None,
+    u: float | None,
+    lower: float | None = None,
+    upper: float | None = None,
+    p: float = 0.95,
+) -> Verdict:
+    """Return the verdict by an interval that is no t-interval about the value, such as that of a profile.
+
+    Parameters
+    ----------
+    interval : Interval or None
+        Two-sided of probability ``p``; with one limit, of ``2 p - 1``, so that each end is a one-sided bound of ``p``.
+        None where there is none.
+    value, u : float or None
+        What was measured, for the record.
+    lower, upper : float or None
+        Limits, in the same unit.
+    p : float
+        Probability of the rule.
+
+    Raises
+    ------
+    PlanError
+        If there is no limit, or they are not numbers in order.
+    """
+    _check_limits(lower, upper)
+    rule = _rule(p, lower is not None and upper is not None)
+    if interval is None:
+        return Verdict("INCONCLUSIVE", value, u, None, None, lower, upper, rule, "no interval is estimated")
+    status, reason = _compared(interval, lower, upper)
+    return Verdict(status, value, u, None, interval, lower, upper, rule, reason)
+
+
 def no_change(
     difference: float | None, u: float | None, dof: float | None, allowed: float | None, p: float = 0.95
 ) -> Verdict:

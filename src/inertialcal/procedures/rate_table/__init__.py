@@ -38,6 +38,7 @@ from .rate_error import RateError, Resolution, rate_errors, resolution
 from .regression import Line, can_tell_asymmetry, line
 from .rows import applies, rows
 from .simulation import Truth, simulate
+from .taken_off import TakenOff
 
 __all__ = [
     "INFLUENCES",
@@ -47,6 +48,7 @@ __all__ = [
     "Readings",
     "Resolution",
     "Result",
+    "TakenOff",
     "Truth",
     "curves",
     "exclusions",

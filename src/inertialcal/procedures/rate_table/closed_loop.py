@@ -25,7 +25,7 @@ Errors of the table that are the same in fit and judgement cancel: the loop says
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -130,7 +130,7 @@ def _before_after(view: _View) -> HeldOut:
 
 
 def closed_loop(
-    lines: Mapping[str, Line], held: Readings, model: Find, rivals: Mapping[str, Find]
+    lines: Mapping[str, Line], held: Readings, model: Find, rivals: Mapping[str, Find], share: float = 1.0
 ) -> tuple[AxisLoop, ...]:
     """Judge compensated readings of dwells held out, axis by axis.
 
@@ -144,6 +144,8 @@ def closed_loop(
         From dwells to the inputs that the model finds, by axis [rad/s], shape (n,); NaN where it finds none.
     rivals : mapping of str to callable
         The same for each mixed-up form of the model.
+    share : float
+        Of the risk of a wrong verdict that is left to this loop; the rest belongs to another one of the campaign.
 
     Returns
     -------
@@ -152,13 +154,35 @@ def closed_loop(
     """
     compensated = model(held)
     views = {axis: _view(lines[axis], held, model, axis) for axis in compensated if axis in lines}
-    judged = [_axis(view) for view in views.values() if len(view.dwells)]
-    worse = holm([_p_worse(one) for one in judged], RISK / 2.0)
-    better = holm([_p_better(one) for one in judged], RISK)
-    beaten = _beaten([view for view in views.values() if len(view.dwells)], rivals)
+    loops = [_axis(view) for view in views.values() if len(view.dwells)]
+    beaten = _beaten([view for view in views.values() if len(view.dwells)], rivals, share)
+    return judged(loops, 0.5 * share, share, beaten)
+
+
+def judged(
+    loops: Sequence[AxisLoop],
+    worse_share: float,
+    better_share: float | None = None,
+    beaten: Mapping[str, str] | None = None,
+) -> tuple[AxisLoop, ...]:
+    """Return the axes with their verdicts, Holm over all of them.
+
+    Parameters
+    ----------
+    loops : sequence of AxisLoop
+        Without verdicts.
+    worse_share, better_share : float
+        Of the risk to call one worse that is not, and better; alike where not said.
+    beaten : mapping of str to str, optional
+        Mixed-up form that is shown to do better, by axis.
+    """
+    if not loops:
+        return ()
+    worse = holm([_p_worse(one) for one in loops], RISK * worse_share)
+    better = holm([_p_better(one) for one in loops], RISK * (worse_share if better_share is None else better_share))
+    rivals = beaten or {}
     return tuple(
-        _judged(one, bool(w), bool(b), beaten.get(one.axis, ""))
-        for one, w, b in zip(judged, worse, better, strict=True)
+        _judged(one, bool(w), bool(b), rivals.get(one.axis, "")) for one, w, b in zip(loops, worse, better, strict=True)
     )
 
 
@@ -267,12 +291,12 @@ def _rows(one: Line, dwells: Readings) -> Array:
     return np.column_stack(columns)
 
 
-def _beaten(views: list[_View], rivals: Mapping[str, Find]) -> dict[str, str]:
+def _beaten(views: list[_View], rivals: Mapping[str, Find], share: float) -> dict[str, str]:
     """Return the mixed-up form that does better than the model, by axis, where one is shown to."""
     tests = [(view.axis, name, _p_rival(view, find)) for name, find in rivals.items() for view in views]
     if not tests:
         return {}
-    shown = holm([p for _, _, p in tests], RISK / 2.0)
+    shown = holm([p for _, _, p in tests], RISK * share / 2.0)
     best: dict[str, tuple[float, str]] = {}
     for (axis, name, p), significant in zip(tests, shown, strict=True):
         if significant and p <= best.get(axis, (1.0, ""))[0]:

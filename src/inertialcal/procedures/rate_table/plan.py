@@ -14,6 +14,7 @@ from ...core.estimate import Array
 from ...core.influence import Influence, Standards
 from ...core.remarks import Remark
 from ...signals.dwells import Tally
+from .taken_off import TakenOff
 from .traces import Trace
 
 Labels = NDArray[Any]
@@ -131,6 +132,8 @@ class Readings:
         Earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the table's rate.
     earth_sources : mapping of str to ndarray, shape (s, n, 3)
         What is not known of it: per source, s independent patterns, each one standard uncertainty [rad/s].
+    taken_off : mapping of str to TakenOff
+        What was taken off the readings before, and what is not known of it, by source.
     remarks : tuple of Remark
         What reading them brought up.
     incomplete : ndarray of bool, shape (n,), optional
@@ -152,6 +155,7 @@ class Readings:
     sensors: tuple[str, ...] = ()
     earth: Array | None = None
     earth_sources: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    taken_off: Mapping[str, TakenOff] = field(default_factory=dict[str, TakenOff])
     remarks: tuple[Remark, ...] = ()
     incomplete: NDArray[np.bool_] | None = None
     tallies: tuple[Tally, ...] = ()
@@ -174,6 +178,7 @@ class Readings:
             run=None if self.run is None else self.run[keep],
             earth=None if self.earth is None else self.earth[keep],
             earth_sources={name: patterns[:, keep] for name, patterns in self.earth_sources.items()},
+            taken_off={name: one.take(keep) for name, one in self.taken_off.items()},
             where=tuple(self.where[i] for i in np.flatnonzero(keep)) if self.where else (),
             incomplete=None if self.incomplete is None else self.incomplete[keep],
             traces=(),

@@ -19,6 +19,7 @@ converter reference
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -52,6 +53,7 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
         _type_a(plan, parts, usable, len(names)),
         *_type_b(plan, names, values, parts, usable),
         *_earth(plan, parts, usable),
+        *_taken_off(names, parts, usable),
     ]
     return Estimate(names, values, units, tuple(components))
 
@@ -210,6 +212,48 @@ def _earth_change(part: Part, one: Line, source: str) -> Array:
     row = np.array([matrix_entry(one, axis) for axis in AXES])
     readings = one.readings.earth_sources[source] @ row  # (s, n): what the sensor reads of each pattern
     changes: Array = -part[2] @ (np.linalg.pinv(one.fit.design) @ readings.T)
+    return changes
+
+
+def _taken_off(names: tuple[str, ...], parts: list[Part], lines: list[Line]) -> list[Component]:
+    """Components of what is not known of a bias that was taken off before."""
+    found = []
+    known = {source: off for one in lines for source, off in one.readings.taken_off.items()}
+    for source, off in known.items():
+        changes = np.vstack([taken_off_change(part[2], one, source) for part, one in zip(parts, lines, strict=True)])
+        covariance = changes @ changes.T
+        dof = np.array([off.dof[AXES.index(name.rpartition("_")[2][0])] for name in names])
+        covariance = 0.5 * (covariance + covariance.T)
+        found.append(Component(source, off.kind, covariance, dof, off.distribution, off.stated))
+    return found
+
+
+def taken_off_changes(lines: Mapping[str, Line], source: str) -> dict[str, Array]:
+    """Return the change of every quantity for each unknown of what was taken off before, by name, shape (s,)."""
+    found: dict[str, Array] = {}
+    for one in lines.values():
+        if one.covariance is not None:
+            names, _, jacobian, _ = _quantities(one)
+            found |= dict(zip(names, taken_off_change(jacobian, one, source), strict=True))
+    return found
+
+
+def taken_off_change(jacobian: Array, one: Line, source: str) -> Array:
+    """Change of quantities of a sensor for each unknown of what was taken off before, shape (names, s).
+
+    Parameters
+    ----------
+    jacobian : ndarray, shape (names, p)
+        Of the quantities with the coefficients of the line.
+    one : Line
+        Of the sensor.
+    source : str
+        Of what was taken off.
+    """
+    off = one.readings.taken_off.get(source)
+    if off is None:
+        return np.zeros((len(jacobian), 0))
+    changes: Array = -jacobian @ (np.linalg.pinv(one.fit.design) @ off.of_sensor(one.sensor).T)
     return changes
 
 

@@ -10,8 +10,8 @@ subtracted from each dwell of the same recording: drift slower than the rests dr
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -24,6 +24,7 @@ from ...signals.dwells import Dwell, Tally, tally
 from ...signals.schedule import dwells_by_reference, dwells_by_windows
 from .earth_input import earth_in_dwells, gathered
 from .plan import AXES, Plan, Readings
+from .taken_off import TakenOff, joined
 from .traces import Cut, Trace, trace
 
 APPLIED = "applied"
@@ -47,6 +48,8 @@ class Turned:
         Rate in each window [rad/s].
     name : str
         Of the recording, for figures; its file where not given.
+    taken_off : mapping of str to TakenOff
+        What was taken off its readings before: patterns of one dwell, the same in all, by source.
     """
 
     recording: Recording
@@ -55,6 +58,7 @@ class Turned:
     windows: tuple[tuple[int, int], ...] = ()
     rates: Array | None = None
     name: str = ""
+    taken_off: Mapping[str, TakenOff] = field(default_factory=dict[str, TakenOff])
 
 
 def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
@@ -93,11 +97,21 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         sensors=tuple(sensors),
         earth=earth,
         earth_sources=sources,
+        taken_off=_taken_off(plan, parts, turned),
         remarks=(*(remark for part in parts for remark in part.remarks), _counted(parts)),
         incomplete=np.concatenate([part.incomplete for part in parts]),
         tallies=tuple(part.tally for part in parts),
         traces=tuple(part.trace.shifted(int(rows)) for part, rows in zip(parts, before[:-1], strict=True)),
     )  # fmt: skip
+
+
+def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[Turned]) -> dict[str, TakenOff]:
+    """Return what was taken off each dwell; what is the same in a recording drops out with its reading at rest."""
+    if plan.zero_reference:
+        return {}
+    lengths = [len(part.applied) for part in parts]
+    each = [{name: off.over(n) for name, off in one.taken_off.items()} for one, n in zip(turned, lengths, strict=True)]
+    return joined(each, lengths)
 
 
 def _counted(parts: Sequence[_Part]) -> Remark:

@@ -11,7 +11,24 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
 
-from . import budget, compensated, dwells, flip, input_output, matrix, rate_error, side_by_side
+from . import (
+    allan,
+    budget,
+    compensated,
+    conditions,
+    dwells,
+    flip,
+    input_output,
+    matrix,
+    overlay,
+    rate_error,
+    reference_voltage,
+    side_by_side,
+    spectrum,
+    start_up,
+    thermal,
+    thermal_order,
+)
 from .picture import Picture, on_new_figure
 from .style import variables
 from .svg import to_svg
@@ -69,7 +86,24 @@ def prefix(picture: Picture, number: int = 0) -> str:
 
 FIGURES: dict[str, Kind] = {
     module.NAME: Kind(module.NAME, module.pictures)
-    for module in (compensated, input_output, rate_error, dwells, side_by_side, flip, matrix, budget)
+    for module in (
+        compensated,
+        input_output,
+        rate_error,
+        dwells,
+        side_by_side,
+        flip,
+        conditions,
+        overlay,
+        thermal,
+        thermal_order,
+        start_up,
+        reference_voltage,
+        allan,
+        spectrum,
+        matrix,
+        budget,
+    )
 }
 
 __all__ = ["FIGURES", "Kind", "Picture", "on_new_figure", "prefix", "to_svg", "variables"]

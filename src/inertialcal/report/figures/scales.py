@@ -53,6 +53,19 @@ def signed_log(ax: Axes, which: Literal["x", "y"], values: Array, start: float |
     return True
 
 
+def decades(ax: Axes, values: Array) -> None:
+    """Set the y axis over decades, for values of one sign that are all above zero, with one, two or five a label."""
+    low, high = float(np.min(values)), float(np.max(values))
+    steps = (1.0, 2.0, 5.0) if high < 100.0 * low else (1.0,)
+    range_of = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    ticks = [step * 10.0**decade for decade in range_of for step in steps]
+    ax.set_yscale("log")
+    ax.set_ylim(low / 1.3, high * 1.3)
+    ax.yaxis.set_major_locator(FixedLocator([tick for tick in ticks if low / 1.3 <= tick <= high * 1.3]))
+    ax.yaxis.set_minor_locator(NullLocator())
+    ax.yaxis.set_major_formatter(FuncFormatter(lambda value, _: f"{value:g}"))
+
+
 def _ticks(first: float, last: float, below: bool, above: bool, at_start: bool) -> list[float]:
     lowest = math.ceil(math.log10(first * (NEAR if at_start else 1.0)) - 1e-9)
     decades = list(range(lowest, math.floor(math.log10(last) + 1e-9) + 1))

@@ -1,0 +1,194 @@
+"""Readings after another test: the bias over temperature that it found is taken off, sample by sample.
+
+The temperature is that of the sensor's own channel, in both tests: an error of the thermometer is in both alike, and
+drops out; so does one of the converter's reference, in proportion. What is left of the uncertainty is the scatter of
+the thermal test and what is not known of the rate of the earth in its chamber. It is carried as unknowns of the
+recording, at the mean temperature of it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.estimate import Array, Component, Estimate
+from ..core.influence import Influence
+from ..core.recording import Recording
+from ..core.remarks import Remark
+from ..procedures import thermal
+from ..procedures.rate_table.recordings import Turned
+from ..procedures.rate_table.taken_off import TakenOff
+from ..procedures.thermal.quantities import Asked, estimate, power_unit
+from ..sensors.thermal import powers_of
+from .channels import AXES, TEMPERATURE
+
+CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
+PATH = "sensor.hysteresis"
+TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
+
+
+@dataclass(frozen=True, eq=False)
+class Bias:
+    """The bias over temperature that a thermal test found, to be taken off.
+
+    Parameters
+    ----------
+    test : str
+        Its name.
+    result : thermal.Result
+        Of it.
+    """
+
+    test: str
+    result: thermal.Result
+
+    @property
+    def range(self) -> tuple[float, float]:
+        """Temperatures that the law of every sensor holds for [degC]."""
+        domains = [one.law.domain for one in self.result.sensors.values()]
+        return max(low for low, _ in domains), min(high for _, high in domains)
+
+
+def without_bias(turned: Sequence[Turned], bias: Bias) -> list[Turned]:
+    """Return recordings of a rate table with the bias over temperature taken off.
+
+    Parameters
+    ----------
+    turned : sequence of Turned
+        Channels named by axis [rad/s], and their temperatures [degC].
+    bias : Bias
+        To be taken off.
+
+    Raises
+    ------
+    DataError
+        ``no_temperature`` if a recording has none; ``no_law`` if the thermal test found no bias of a sensor;
+        ``outside`` if a recording lies outside the temperatures of the law.
+    """
+    corrected, levels = [], []
+    for one in turned:
+        recording, level = _without(one, bias)
+        corrected.append(replace(one, recording=recording))
+        levels.append(level)
+    unknown = _unknowns(bias, levels)
+    return [
+        replace(one, taken_off={name: off.take(np.array([i])) for name, off in unknown.items()})
+        for i, one in enumerate(corrected)
+    ]
+
+
+def _without(one: Turned, bias: Bias) -> tuple[Recording, dict[str, float]]:
+    """Return a recording without the bias, and the mean temperature of each of its sensors [degC]."""
+    recording, level, channels, outside = one.recording, {}, [], 0
+    place = recording.source.path or one.name
+    for channel in recording.channels:
+        if channel.name not in AXES:
+            channels.append(channel)
+            continue
+        law = _law(bias, channel.name, place)
+        warmth = _temperature(recording, channel.name, place)
+        inside = (warmth >= law.domain[0]) & (warmth <= law.domain[1])
+        if not inside.any():
+            raise _nowhere(law.domain, warmth, channel.name, place, bias.test)
+        outside = max(outside, int(np.count_nonzero(np.isfinite(warmth) & ~inside)))
+        level[channel.name] = float(np.mean(warmth[inside]))
+        off = np.where(inside, law.basis(np.where(inside, warmth, law.domain[0])) @ law.coefficients, np.nan)
+        earth = thermal.earth_along(bias.result.plan)[0][AXES.index(channel.name)]
+        channels.append(replace(channel, data=np.asarray(channel.data, dtype=float) - (off - earth)))
+    remarks = recording.remarks
+    if outside:
+        what = f"{bias.test} knows no bias at the temperature of the sample: left out"
+        remarks = (*remarks, Remark("outside", "warning", what, place, outside))
+    return replace(recording, channels=tuple(channels), remarks=remarks), level
+
+
+def _law(bias: Bias, axis: str, place: str) -> thermal.Law:
+    found = bias.result.sensors.get(axis)
+    if found is None:
+        what = f"after = {bias.test!r}, but that found no bias over temperature of {axis}"
+        raise DataError(what, place, bias.result.reasons.get(axis, "it was not read there"), code="no_law")
+    return found.law
+
+
+def _temperature(recording: Recording, axis: str, place: str) -> Array:
+    for name in (f"{TEMPERATURE}_{axis}", TEMPERATURE):
+        if name in recording.names:
+            found: Array = np.asarray(recording.channel(name).data, dtype=float)
+            if np.isfinite(found).any():
+                return found
+    what = f"no temperature of the {axis} sensor, whose bias over temperature is to be taken off"
+    raise DataError(what, place, do=f"Give channels.temperature_{axis}, or leave out after", code="no_temperature")
+
+
+def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, test: str) -> DataError:
+    seen = f"{np.nanmin(warmth):.4g} to {np.nanmax(warmth):.4g} degC"
+    what = f"{axis} was at {seen}, {test} knows its bias from {domain[0]:.4g} to {domain[1]:.4g} degC"
+    return DataError(what, place, do="Leave out after, or ramp further", code="outside")
+
+
+def _unknowns(bias: Bias, levels: Sequence[Mapping[str, float]]) -> dict[str, TakenOff]:
+    """Return what is not known of the bias that was taken off, a dwell a recording, by source."""
+    result, n = bias.result, len(levels)
+    standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
+    standards.setdefault(PATH, Influence(0.0, "rad/s"))  # one path alone was seen: the thermal test remarks it
+    plan = replace(result.plan, standards=standards)
+    laws = {axis: one.law for axis, one in result.sensors.items()}
+    asked = {}
+    for axis, law in laws.items():
+        warmth = [level.get(axis, law.domain[0]) for level in levels]
+        powers = powers_of(law.order, law.domain, result.plan.reference_temperature)
+        keys = [("dwell", axis, f"{i}") for i in range(n)] + [(name, axis, "") for name in law_names(law.order)]
+        units = ("rad/s",) * len(keys)
+        asked[axis] = [Asked(tuple(keys), units, np.vstack([law.basis(warmth), powers]), by_temperature=False)]
+    found = estimate(plan, laws, asked, "rad/s")
+    if found is None:
+        return {}
+    named = {f"{bias.test}: {one.source}": _taken_off(found, one, n) for one in found.components if np.any(one.u)}
+    return named
+
+
+def law_of(bias: Bias) -> dict[str, tuple[float, str]]:
+    """Return value and unit of each coefficient of the bias over temperature, by name: ``bias_x``, ..., SI."""
+    found = {}
+    earth = thermal.earth_along(bias.result.plan)[0]
+    for axis, one in bias.result.sensors.items():
+        powers = powers_of(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
+        values = powers @ one.law.coefficients
+        values[0] -= earth[AXES.index(axis)]
+        for power, (name, value) in enumerate(zip(law_names(one.law.order), values, strict=True)):
+            found[f"{name}_{axis}"] = float(value), power_unit("rad/s", "degC", power)
+    return found
+
+
+def law_names(order: int) -> list[str]:
+    """Return the names of the coefficients of a bias over temperature."""
+    return ["bias", *(f"bias_temperature_{j}" for j in range(1, order + 1))]
+
+
+def _taken_off(found: Estimate, component: Component, n: int) -> TakenOff:
+    """Return a source as independent unknowns."""
+    sizes, vectors = np.linalg.eigh(_scaled(component))
+    keep = sizes > TINY * sizes[-1]
+    scale = np.maximum(component.u, np.finfo(float).tiny)
+    changes = (vectors[:, keep] * np.sqrt(sizes[keep])).T * scale  # (s, names)
+    dof = np.broadcast_to(np.asarray(component.dof, dtype=float), len(found.names))
+    patterns, of_sensor = np.zeros((len(changes), n, 3)), np.full(3, np.inf)
+    for at, name in enumerate(found.names):
+        stem, _, condition = name.partition(" at ")
+        quantity, _, axis = stem.rpartition("_")
+        if quantity == "dwell":
+            patterns[:, int(condition), AXES.index(axis)] = changes[:, at]
+            of_sensor[AXES.index(axis)] = dof[at]
+    law = [at for at, name in enumerate(found.names) if not name.startswith("dwell")]
+    names = tuple(found.names[at] for at in law)
+    kind, shape = component.kind, component.distribution
+    return TakenOff(patterns, names, changes[:, law], kind, of_sensor, shape, component.stated)
+
+
+def _scaled(component: Component) -> Array:
+    """Return the correlations, whose entries are of one size: of powers of temperature the variances are not."""
+    u = np.where(component.u > 0.0, component.u, 1.0)
+    return np.asarray(component.covariance / np.outer(u, u))

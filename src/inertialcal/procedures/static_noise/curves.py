@@ -1,0 +1,173 @@
+"""Curves of a test of noise, SI or in the unit of the file: what its figures show.
+
+``allan``
+    Deviation of one record of an axis at each averaging time, with its interval, and what the terms give there.
+``allan_terms``
+    Of an axis, on a fine grid of averaging times: the deviation of each term, and of all together.
+``spectrum``
+    Means over bands of the density of one record of an axis, with intervals; each term, and all together.
+``record_length``
+    Of an axis, a row a term: how well the records tell it, and how long one would have to be.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from itertools import pairwise
+from typing import TYPE_CHECKING
+
+import numpy as np
+from scipy import special
+
+from ...core.curve import Column, Curve
+from ...core.estimate import Array
+from ...core.units import divide, power
+from ...sensors.noise.allan_of_terms import Deviation, expected_variance
+from ...sensors.noise.noise_fit import NoiseFit
+from ...sensors.noise.spectrum_of_terms import sampled_spectrum
+from ...sensors.noise.terms import RateRamp, Sinusoid, Term
+from ...sensors.noise.units import sample_unit
+from ...signals.spectrum import Spectrum
+from .axis_noise import AxisNoise, Recorded
+from .deviations import INTERVAL
+from .record_length import reaches
+from .rows import FILE_UNIT
+
+if TYPE_CHECKING:
+    from . import Result
+
+PER_OCTAVE, WITH_LINES = 4, 24  # averaging times of the drawn terms; with lines, which ring
+PER_DECADE = 40  # bands of the drawn spectrum
+WAYS: Mapping[str, Deviation] = {
+    "overlapping": "allan", "non_overlapping": "allan", "modified": "modified", "hadamard": "hadamard",
+    "overlapping_hadamard": "hadamard",
+}  # fmt: skip
+
+
+def curves(result: Result) -> list[Curve]:
+    """Return the curves of all axes and records.
+
+    Parameters
+    ----------
+    result : Result
+        Of the test.
+    """
+    found: list[Curve] = []
+    for one in result.axes:
+        found += [_allan(result, one, record) for record in one.records]
+        if one.fit is not None:
+            found.append(_terms(result, one, one.fit))
+        found += [
+            _spectrum(result, one, record, record.spectral.spectrum)
+            for record in one.records
+            if record.spectral.spectrum is not None
+        ]
+        if one.fit is not None:
+            found.append(_record_length(result, one))
+    return found
+
+
+def _unit(result: Result) -> str:
+    return sample_unit(result.plan.kind, result.plan.unit) or FILE_UNIT
+
+
+def density_unit(unit: str) -> str:
+    """Return the unit of a density of samples in a unit.
+
+    Parameters
+    ----------
+    unit : str
+        Of samples.
+    """
+    return f"({FILE_UNIT})^2/Hz" if unit == FILE_UNIT else divide(power(unit, 2), "Hz")
+
+
+def _allan(result: Result, one: AxisNoise, record: Recorded) -> Curve:
+    curve, unit = record.shown, _unit(result)
+    expected = np.full(len(curve), np.nan)
+    if one.fit is not None:
+        expected = _deviation(result, one.fit.terms, curve.m.astype(np.float64), record)
+    columns = {
+        "tau": Column(curve.tau, "s"),
+        "deviation": Column(curve.deviation[:, 0], unit),
+        "lo": Column(curve.lo[:, 0], unit),
+        "hi": Column(curve.hi[:, 0], unit),
+        "edf": Column(curve.edf[:, 0]),
+        "noise": Column(curve.power[:, 0]),
+        "expected": Column(expected, unit),
+    }
+    return Curve("allan", one.axis, columns, of=result.plan.deviation, recording=record.run.name)
+
+
+def _deviation(result: Result, terms: tuple[Term, ...], m: Array, record: Recorded) -> Array:
+    way = WAYS[result.plan.deviation]
+    if not terms:
+        return np.full(len(m), np.nan)
+    variance = expected_variance(terms, m, record.run.interval, record.run.averaging, way)
+    return np.sqrt(np.maximum(variance, 0.0))  # rounding, where a line has a node
+
+
+def _terms(result: Result, one: AxisNoise, fit: NoiseFit) -> Curve:
+    record, unit = one.records[0], _unit(result)
+    first, last = float(record.shown.m[0]), float(record.shown.m[-1])
+    density = WITH_LINES if any(isinstance(term, Sinusoid) for term in fit.terms) else PER_OCTAVE
+    count = max(2, int(np.ceil(density * np.log2(last / first))) + 1)
+    m = np.unique(np.rint(np.geomspace(first, last, count)))
+    columns = {"tau": Column(m * record.run.interval, "s")}
+    for term in fit.terms:
+        columns[_called(term, fit)] = Column(_deviation(result, (term,), m, record), unit)
+    columns["all"] = Column(_deviation(result, fit.terms, m, record), unit)
+    return Curve("allan_terms", one.axis, columns, of=result.plan.deviation)
+
+
+def _called(term: Term, fit: NoiseFit) -> str:
+    """Return the field's word of a term: lines with their frequency."""
+    if isinstance(term, Sinusoid):
+        return f"line at {term.frequency:.4g} Hz"
+    found = fit.term(term.name)
+    name = found.parameters[0].name if found is not None and found.parameters else term.name
+    return name.removesuffix("_sigma")
+
+
+def _spectrum(result: Result, one: AxisNoise, record: Recorded, spectrum: Spectrum) -> Curve:
+    unit = density_unit(_unit(result))
+    frequency, density, edf = spectrum.smoothed(PER_DECADE)
+    tail = 0.5 * (1.0 - INTERVAL)
+    columns = {
+        "frequency": Column(frequency, "Hz"),
+        "density": Column(density[:, 0], unit),
+        "lo": Column(density[:, 0] * edf / special.chdtri(edf, tail), unit),
+        "hi": Column(density[:, 0] * edf / special.chdtri(edf, 1.0 - tail), unit),
+        "line": Column(_in_lines(record, spectrum, frequency)),
+    }
+    terms = () if one.fit is None else tuple(t for t in one.fit.terms if not isinstance(t, Sinusoid | RateRamp))
+    if one.fit is not None and terms:
+        run = record.run
+        for term in terms:
+            columns[_called(term, one.fit)] = Column(
+                sampled_spectrum((term,), frequency, run.interval, run.averaging), unit
+            )
+        columns["all"] = Column(sampled_spectrum(terms, frequency, run.interval, run.averaging), unit)
+    return Curve("spectrum", one.axis, columns, of=result.plan.spectrum, recording=record.run.name)
+
+
+def _in_lines(record: Recorded, spectrum: Spectrum, frequency: Array) -> list[bool]:
+    """Return which bands hold a part of a line."""
+    lines = record.spectral.lines
+    if lines is None or not lines.marked.any():
+        return [False] * len(frequency)
+    marked = spectrum.frequency[lines.marked[:, 0]]
+    edges = np.concatenate([[0.0], 0.5 * (frequency[1:] + frequency[:-1]), [np.inf]])
+    return [bool(np.any((marked > a) & (marked <= b))) for a, b in pairwise(edges)]
+
+
+def _record_length(result: Result, one: AxisNoise) -> Curve:
+    found = reaches(result.plan, one)
+    columns = {
+        "term": Column([reach.quantity for reach in found]),
+        "relative_error": Column([reach.relative_error for reach in found], "1"),
+        "wanted": Column([result.plan.relative_error if r.relative_error is not None else None for r in found], "1"),
+        "record": Column([reach.record for reach in found], "s"),
+        "needed": Column([reach.needed for reach in found], "s"),
+    }
+    return Curve("record_length", one.axis, columns)

@@ -1,0 +1,112 @@
+"""How long to record: for each term what these records tell of it, and what a record for a wanted error would take.
+
+A term that was found has the relative error of this fit; the record that brings it to the wanted one is that of the
+planner (``sensors.noise.planner``), which takes all found terms as they are and as fitted together, and is long enough
+for the term to be named again. A term that was not found has the record that would show it, were it at its upper limit.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from ...core.errors import InertialcalError
+from ...sensors.noise.noise_fit import FoundTerm, duration
+from ...sensors.noise.planner import plan_record
+from ...sensors.noise.terms import Sinusoid
+from .axis_noise import AxisNoise
+from .plan import Plan
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What the records tell of one term, and how long one would have to be.
+
+    Parameters
+    ----------
+    term, quantity : str
+        Its word in ``sensors.noise``, and the field's word of its size.
+    relative_error : float or None
+        Standard uncertainty over value; None for a term that was not found.
+    record : float
+        Length of the longest record [s].
+    needed : float or None
+        Length that gives the wanted error, or shows the term [s]; at most ``record`` where these records do it
+        already; None where no record that can be planned does.
+    reason : str
+        Why a term was not found, or what one that was could be as well.
+    doubt : str
+        Why the figures of the axis may not hold.
+    """
+
+    term: str
+    quantity: str
+    relative_error: float | None
+    record: float
+    needed: float | None
+    reason: str = ""
+    doubt: str = ""
+
+
+def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:
+    """Return what the records tell of each term of an axis; nothing where there are no terms.
+
+    Parameters
+    ----------
+    plan : Plan
+        Its ``relative_error`` is what is wanted.
+    found : AxisNoise
+        The axis.
+    """
+    if found.fit is None:
+        return ()
+    record = max(one.run.length for one in found.records)
+    return tuple(_reach(plan, found, term, record) for term in found.fit.found if term.name != Sinusoid.name)
+
+
+def _reach(plan: Plan, found: AxisNoise, term: FoundTerm, record: float) -> Reach:
+    if term.status != "estimated":
+        return Reach(term.name, term.words[0], None, record, term.record_needed, term.reason)
+    first = term.parameters[0]
+    error = first.u / first.value
+    needed = record if error <= plan.relative_error else _planned(plan, found, term.name)
+    return Reach(term.name, first.name, error, record, needed, term.reason, found.doubt)
+
+
+def _planned(plan: Plan, found: AxisNoise, name: str) -> float | None:
+    assert found.fit is not None  # noqa: S101 - asked before
+    run = found.records[0].run
+    terms = tuple(term for term in found.fit.terms if not isinstance(term, Sinusoid))
+    try:
+        length = plan_record(terms, name, plan.relative_error, run.interval, run.averaging).record
+    except InertialcalError:
+        return None
+    return length if length < float("inf") else None
+
+
+def sentence(reach: Reach, wanted: float) -> str:
+    """Return what to say of one term: how well it is known, and how long to record.
+
+    Parameters
+    ----------
+    reach : Reach
+        Of the term.
+    wanted : float
+        Relative error that was asked for (1).
+    """
+    name = reach.quantity.replace("_", " ")
+    if reach.relative_error is None:
+        why = f"{name}: not found, {reach.reason}"
+        if reach.needed is None or reach.needed <= reach.record:
+            return why
+        return f"{why}; {duration(reach.needed)} would show it at its limit"
+    if reach.doubt:
+        return f"{name}: in doubt: {reach.doubt}"
+    known = f"{name}: known to {100.0 * reach.relative_error:.2g} %"
+    if reach.reason:
+        known += f", but {reach.reason.replace('_', ' ')}"
+    if reach.relative_error <= wanted:
+        return known
+    aim = f"for {100.0 * wanted:.3g} %"
+    if reach.needed is None:
+        return f"{known}; no record that can be planned is enough {aim}"
+    return f"{known}; record {duration(max(reach.needed, reach.record))} {aim}"

@@ -1,0 +1,164 @@
+"""Bias over temperature on power-ups that it was not fitted to: what is left of it, and whether it helps.
+
+Per power-up that was held out, with reading y (earth rate taken off) and polynomial P, mean over the cells::
+
+    residual = mean(y - P)              gain = mean(y^2 - (y - P)^2) = mean(P (2 y - P))
+
+Bins that were seen on both paths count on each alike, so hysteresis drops out of the residual. Power-ups are what was
+repeated: the scatter of both is that of the power-ups of the fit, and nothing is assumed of those held out but that
+they differ as these do. The polynomial of a finite test is off by its own (Type A) uncertainty even where it is right:
+in the residual it counts as uncertainty, in the gain that much is allowed. Errors that are the same in both tests
+(thermometer, attitude, converter) cancel and are not judged. The polynomial is known on temperatures that it was fitted
+to: cells beyond are left out.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.results import Row, not_estimated
+from ...statistics.intervals import t_interval
+from . import Result
+from .cells import Cells
+from .earth import earth_along
+from .law import Law
+from .plan import AXES
+
+RESIDUAL = "residual_bias"
+ONE_RUN = "the fit rests on one power-up: how another one differs was not observed"
+
+
+@dataclass(frozen=True)
+class Left:
+    """What the polynomial leaves of one axis on power-ups held out.
+
+    Parameters
+    ----------
+    axis : str
+        Of the sensor.
+    cells, runs : int
+        Judged.
+    raw, compensated : float
+        Root mean square of the bias before and after [rad/s].
+    residual, u : float
+        Mean left, and its standard uncertainty [rad/s]; NaN where the scatter of power-ups was not observed.
+    gain, u_gain : float
+        Of the mean square, and its standard uncertainty [(rad/s)^2].
+    allowed : float
+        Mean square uncertainty of the polynomial [(rad/s)^2].
+    dof : float
+        Degrees of freedom of both.
+    """
+
+    axis: str
+    cells: int
+    runs: int
+    raw: float
+    compensated: float
+    residual: float
+    u: float
+    gain: float
+    u_gain: float
+    allowed: float
+    dof: float
+
+
+def held_out(fitted: Result, held: Result) -> tuple[Left, ...]:
+    """Return what the polynomials of one test leave of another, axis by axis.
+
+    Parameters
+    ----------
+    fitted : Result
+        Whose polynomials.
+    held : Result
+        Of the power-ups held out.
+
+    Raises
+    ------
+    DataError
+        ``outside`` if no cell held out lies at temperatures of the polynomial.
+    """
+    earth = earth_along(fitted.plan)[0] if fitted.readings.unit == "rad/s" else np.zeros(3)
+    return tuple(
+        _left(axis, fitted.sensors[axis].law, one.law.cells, float(earth[AXES.index(axis)]))
+        for axis, one in held.sensors.items()
+        if axis in fitted.sensors
+    )
+
+
+def _left(axis: str, law: Law, cells: Cells, earth: float) -> Left:
+    low, high = law.domain
+    inside = (cells.temperature >= low) & (cells.temperature <= high)
+    if not inside.any():
+        what = f"{axis}: no temperature held out lies between {low:.4g} and {high:.4g} degC, those of the fit"
+        raise DataError(what, do="Hold out ramps over the same temperatures", code="outside")
+    weight, runs = cells.weight[inside], cells.run[inside]
+    rows = law.basis(cells.temperature[inside])
+    off, error = rows @ law.coefficients - earth, cells.reading[inside] - rows @ law.coefficients
+    labels = np.unique(runs)
+    mean = np.array([_mean(rows, weight, runs == one) for one in labels]).mean(axis=0)
+    leaned = np.array([_mean(rows * off[:, None], weight, runs == one) for one in labels]).mean(axis=0)
+    both, dof = law.contrasts(np.vstack([mean, leaned]))
+    spread, spread_gain, freedom = _between_power_ups(law, earth)
+    m = len(labels)
+    residual = float(np.mean([_mean(error, weight, runs == one) for one in labels]))
+    gain = float(np.mean([_mean(off * (2.0 * error + off), weight, runs == one) for one in labels]))
+    fit_rows, _ = law.contrasts(rows)
+    return Left(
+        axis,
+        int(inside.sum()),
+        m,
+        float(np.sqrt(np.average((off + error) ** 2, weights=weight))),
+        float(np.sqrt(np.average(error**2, weights=weight))),
+        residual,
+        float(np.sqrt(spread / m + both[0, 0])),
+        gain,
+        float(2.0 * np.sqrt(spread_gain / m + both[1, 1])),
+        float(np.average(np.diag(fit_rows), weights=weight)),
+        float(min(freedom, dof.min())) if freedom > 0.0 else 0.0,
+    )
+
+
+def _mean(values: Array, weight: Array, chosen: Array) -> Array:
+    return np.asarray(np.average(values[chosen], weights=weight[chosen], axis=0))
+
+
+def _between_power_ups(law: Law, earth: float) -> tuple[float, float, float]:
+    """Variance of the residual and of the mean product with the correction between power-ups of the fit, and dof."""
+    cells = law.cells
+    labels = np.unique(cells.run)
+    if len(labels) < 2:
+        return np.nan, np.nan, 0.0
+    raw = law.basis(cells.temperature) @ law.coefficients
+    error, off = cells.reading - raw, raw - earth
+    means = [_mean(error, cells.weight, cells.run == one) for one in labels]
+    products = [_mean(error * off, cells.weight, cells.run == one) for one in labels]
+    return float(np.var(means, ddof=1)), float(np.var(products, ddof=1)), float(len(labels) - 1)
+
+
+def residual_rows(left: Mapping[str, Left], unit: str, against: str) -> list[Row]:
+    """Return the rows of what is left on power-ups held out, SI.
+
+    Parameters
+    ----------
+    left : mapping of str to Left
+        By axis.
+    unit : str
+        Of the readings.
+    against : str
+        Test that the polynomial is of.
+    """
+    found = []
+    for axis, one in left.items():
+        if not one.dof > 0.0:
+            found.append(not_estimated(RESIDUAL, axis, unit, ONE_RUN))
+            continue
+        reason = f"after the polynomial of {against}, mean over {one.runs} power-up(s) held out"
+        interval = t_interval(one.residual, one.u, one.dof)
+        found.append(Row(RESIDUAL, axis, one.residual, one.u, unit, one.dof, interval, reason=reason))
+    return found

@@ -1,0 +1,182 @@
+"""Recordings of a unit at rest over temperature, as sweeps on the clock of their power-up.
+
+Recordings with one run label are of one power-up; the first sample of the earliest of them is taken for the power-up
+itself. Without labels every recording is a run of its own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Recording
+from ...core.remarks import Remark
+from .plan import AXES, Readings, Sweep
+
+TEMPERATURE, PRESSURE = "temperature", "pressure"
+REFERENCES = ("reference_voltage", "temperature_reference_voltage")  # channels of reference voltages, with their axis
+FASTEST = 1.0  # [degC/s]: temperature-cycling chambers reach a quarter of it
+SMALLEST_SWING = 5.0  # [degC], below which a fast change may be noise
+STRETCHES = 200  # whose means a fast change is looked for in
+
+
+@dataclass(frozen=True, eq=False)
+class Warmed:
+    """A recording of a unit at rest while its temperature changed.
+
+    Parameters
+    ----------
+    recording : Recording
+        Channels named by axis [SI]; ``temperature`` or ``temperature_x``, ... [degC]; ``reference_voltage_x``, ... [V],
+        ``pressure`` [Pa] where there are any.
+    run : str
+        Power-up; empty where not given.
+    name : str
+        Of the recording, for messages and figures.
+    """
+
+    recording: Recording
+    run: str = ""
+    name: str = ""
+
+
+def readings_from(warmed: Sequence[Warmed], unit: str = "rad/s") -> Readings:
+    """Return the sweeps of the recordings of a test.
+
+    Parameters
+    ----------
+    warmed : sequence of Warmed
+        In any order.
+    unit : {"rad/s", "m/s^2"}
+        Of the readings.
+
+    Raises
+    ------
+    DataError
+        ``no_recordings``; ``duplicate_recording`` if two have the same samples; ``overlap`` if two are at the same
+        time, which one unit cannot be.
+    """
+    if not warmed:
+        raise DataError("no recordings", code="no_recordings")
+    if any(one.run for one in warmed) and not all(one.run for one in warmed):
+        without = next(one for one in warmed if not one.run)
+        what = f"{_place(without)} does not name its run, others do"
+        raise DataError(what, why="power-ups could not be told apart", do="Name the run of all", code="mixed_runs")
+    _check_different(warmed)
+    _check_apart(warmed)
+    remarks = [remark for one in warmed for remark in one.recording.remarks]
+    untimed = [one for one in warmed if not _is_timed(one.recording)]
+    remarks += [_untimed(one) for one in untimed]
+    ordered = sorted(warmed, key=lambda one: (_first(one), one.name))
+    labels = [one.run or _place(one) for one in ordered]
+    begin: dict[str, int] = {}
+    for label, one in zip(labels, ordered, strict=True):
+        begin.setdefault(label, _first(one))
+    sweeps = [_sweep(one, label, begin[label]) for label, one in zip(labels, ordered, strict=True)]
+    return Readings(tuple(sweeps), unit, tuple(remarks))
+
+
+def _sweep(one: Warmed, label: str, power_up: int) -> Sweep:
+    recording = one.recording
+    outputs = {axis: _floats(recording, axis) for axis in AXES if axis in recording.names}
+    temperature = {axis: found for axis in outputs if (found := _temperature(recording, axis)) is not None}
+    references = {name: _by_axis(recording, name, outputs) for name in REFERENCES}
+    time = None
+    if _is_timed(recording) and recording.time_ns is not None:
+        time = (recording.time_ns - power_up).astype(np.float64) / SECOND
+    pressure = _floats(recording, PRESSURE) if PRESSURE in recording.names else None
+    kept = {name: by_axis for name, by_axis in references.items() if by_axis}
+    return Sweep(one.name or _place(one), label, _place(one), time, temperature, outputs, kept, pressure)
+
+
+def _temperature(recording: Recording, axis: str) -> Array | None:
+    """Temperature of one sensor: its own channel, else the one for all."""
+    for name in (f"{TEMPERATURE}_{axis}", TEMPERATURE):
+        if name in recording.names:
+            return _floats(recording, name)
+    return None
+
+
+def _by_axis(recording: Recording, name: str, outputs: Mapping[str, Array]) -> dict[str, Array]:
+    return {axis: _floats(recording, f"{name}_{axis}") for axis in outputs if f"{name}_{axis}" in recording.names}
+
+
+def _floats(recording: Recording, name: str) -> Array:
+    return np.asarray(recording.channel(name).data, dtype=np.float64)
+
+
+def _place(one: Warmed) -> str:
+    return one.recording.source.path or one.name or "recording"
+
+
+def _first(one: Warmed) -> int:
+    times = one.recording.time_ns
+    return int(times[0]) if times is not None and len(times) else 0
+
+
+def _is_timed(recording: Recording) -> bool:
+    """Whether a recording has a time axis that its temperature can have followed."""
+    seconds = recording.seconds
+    if seconds is None:
+        return False
+    return all(_swing_rate(_floats(recording, c.name), seconds) <= FASTEST for c in recording.channels
+               if c.name.startswith(TEMPERATURE) and c.data.dtype.kind in "fiu" and c.unit == "degC")  # fmt: skip
+
+
+def _swing_rate(temperature: Array, seconds: Array) -> float:
+    """Largest change over the time that it took [degC/s]; 0 for a small one."""
+    size = max(1, len(seconds) // STRETCHES)
+    count = len(seconds) // size
+    level = temperature[: count * size].reshape(count, size).mean(axis=1)
+    at = seconds[: count * size].reshape(count, size).mean(axis=1)
+    good = np.isfinite(level)
+    if np.count_nonzero(good) < 2:
+        return 0.0
+    level, at = level[good], at[good]
+    cold, warm = int(np.argmin(level)), int(np.argmax(level))
+    swing, between = float(level[warm] - level[cold]), abs(float(at[warm] - at[cold]))
+    if swing < SMALLEST_SWING:
+        return 0.0
+    return swing / between if between > 0.0 else np.inf
+
+
+def _untimed(one: Warmed) -> Remark:
+    if one.recording.seconds is None:
+        what = "no time: samples are taken in order; rates of the ramps, lag and start-up are not known"
+        return Remark("no_time", "warning", what, _place(one), do="Name the time column, or give the sample rate")
+    what = "the time axis is impossible: the temperature would change by more than 1 degC/s; it is not used"
+    return Remark("time_axis_impossible", "warning", what, _place(one), do="Find out the true sample rate")
+
+
+def _check_different(warmed: Sequence[Warmed]) -> None:
+    """Refuse a recording that is there twice: its samples would count twice, and its runs agree by nothing."""
+    known: dict[bytes, Warmed] = {}
+    for one in warmed:
+        axes = [_floats(one.recording, axis) for axis in AXES if axis in one.recording.names]
+        print_of = b"".join(np.ascontiguousarray(values).tobytes() for values in axes)
+        other = known.setdefault(print_of, one)
+        if other is not one and print_of:
+            what = f"{_name(other)} and {_name(one)} hold the same samples"
+            why, do = "a copy is no second run", "Leave one of them out"
+            raise DataError(what, _place(one), why, do, "duplicate_recording")
+
+
+def _check_apart(warmed: Sequence[Warmed]) -> None:
+    """Refuse two recordings of one unit at the same time."""
+    timed = [one for one in warmed if one.recording.epoch == "utc" and one.recording.time_ns is not None]
+    spans = sorted(((_first(one), int(one.recording.time_ns[-1]), one) for one in timed  # type: ignore[index]
+                    if len(one.recording)), key=lambda span: span[:2])  # fmt: skip
+    for (_, stop, one), (start, _, other) in pairwise(spans):
+        if start < stop:
+            what = f"{_name(one)} and {_name(other)} overlap in time by {(stop - start) / SECOND:.6g} s"
+            why = "one unit cannot be in two recordings at once"
+            raise DataError(what, _place(other), why, "Mend the stamps, or leave one out", "overlap")
+
+
+def _name(one: Warmed) -> str:
+    return one.name or _place(one)

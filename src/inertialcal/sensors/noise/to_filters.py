@@ -1,0 +1,280 @@
+"""Noise terms into the settings of navigation filters: Kalibr, PX4 EKF2, GTSAM, KF-GINS.
+
+The direction is one: terms found here, in SI, to the words and units of the filter. Each block tells for every value
+where it comes from, what the filter has no word for, and what was not there to be written: such a line is left out as
+a comment, never filled with a guess.
+
+All these filters hold white noise and one slow bias an axis. The bias is given its driving noise q [unit/sqrt(s)]: of
+a random walk of the rate its K; of Gauss-Markov noise ``sigma sqrt(2 / t_c)``, exact for times well below t_c and too
+large beyond it in filters that have no correlation time. Bias instability, quantisation, ramps and lines fit into none.
+
+Where the record shows bias instability and no walk, a filter still wants a number. A ``horizon`` gives one, and says
+what it is: the time over which the filter must carry the bias, from one correction by other sensors to the next. All
+that wanders (B, K, Gauss-Markov) is then a walk with ``q = sqrt(3 avar(horizon) / horizon)``, which has the same Allan
+deviation there.
+
+What each takes
+---------------
+Kalibr [1]_
+    One value for the three axes (here the largest), densities as in the coefficients N and K.
+PX4 EKF2 [2]_
+    Standard deviations a prediction step of dt, not densities: the filter squares them and multiplies by dt^2, so
+    ``EKF2_GYR_NOISE = N / sqrt(dt)`` and ``EKF2_GYR_B_NOISE = K / sqrt(dt)``. One value for the three axes. Newer
+    versions stop adding to a bias whose variance has reached that of the white noise.
+GTSAM [3]_
+    Covariances of continuous noise, N^2 and K^2, an axis each, of PreintegrationCombinedParams.
+KF-GINS [4]_
+    Gauss-Markov bias, standard deviation an axis, one correlation time for all; random walks in deg/sqrt(h) and
+    m/s/sqrt(h).
+
+References
+----------
+.. [1] Kalibr wiki (github.com/ethz-asl/kalibr), "IMU Noise Model" and "Yaml formats".
+.. [2] PX4-Autopilot, src/modules/ekf2: EKF/covariance.cpp (predictCovariance), and the parameters' units and ranges in
+   params_gyro_bias.yaml, params_accel_bias.yaml, ekf2_params.c (EKF2_PREDICT_US, 10 ms).
+.. [3] GTSAM, gtsam/navigation/PreintegrationCombinedParams.h.
+.. [4] KF-GINS, dataset/kf-gins.yaml, section imunoise; src/kf-gins/gi_engine.cpp: a bias is driven by
+   ``2 sigma^2 / t_c``.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.errors import PlanError
+from ...core.units import factor
+from .filter_block import Axes, FilterBlock, SensorNoise, Setting, filter_block, sensor_noise
+
+PX4_STEP = 0.01  # prediction step of EKF2 by default [s]
+PX4_RANGES = {  # least and largest value that the parameters may have [2]_
+    "EKF2_GYR_NOISE": (1e-4, 0.1),
+    "EKF2_ACC_NOISE": (0.01, 1.0),
+    "EKF2_GYR_B_NOISE": (0.0, 0.01),
+    "EKF2_ACC_B_NOISE": (0.0, 0.01),
+}
+
+
+def to_kalibr(
+    gyro: Axes, accelerometer: Axes, sample_rate: float, topic: str = "/imu0", *, horizon: float | None = None
+) -> FilterBlock:
+    """Return the imu.yaml of Kalibr.
+
+    Parameters
+    ----------
+    gyro, accelerometer : sequence of sequences of Term
+        Terms of each axis [SI]; one axis stands for all.
+    sample_rate : float
+        Of the messages [Hz].
+    topic : str
+        Of the messages.
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+
+    Raises
+    ------
+    PlanError
+        If there is no axis, an axis has a term twice, or the sample rate or the horizon is not positive.
+    """
+    _check_positive(sample_rate, "a sample rate", "Hz")
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
+    wanted = (
+        ("accelerometer_noise_density", acc.white, "m/s^2/sqrt(Hz)", "largest N of the axes"),
+        ("accelerometer_random_walk", acc.drive, "m/s^3/sqrt(Hz)", f"largest driving noise: {acc.source}"),
+        ("gyroscope_noise_density", rate.white, "rad/s/sqrt(Hz)", "largest N of the axes"),
+        ("gyroscope_random_walk", rate.drive, "rad/s^2/sqrt(Hz)", f"largest driving noise: {rate.source}"),
+    )
+    settings = [Setting(key, _largest(values), unit, source) for key, values, unit, source in wanted]
+    lines = [_yaml(one, one.values[0] if one.values else None) for one in settings]
+    lines += [f'rostopic: "{_quoted(topic)}"', f"update_rate: {_figure(sample_rate)}  # Hz"]
+    held = (*_worst_only(rate, acc), *_times_not_held(rate, acc))
+    return filter_block("kalibr", lines, settings, rate, acc, held)
+
+
+def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP, *, horizon: float | None = None) -> FilterBlock:
+    """Return the parameters of PX4's EKF2, as lines of a parameter file.
+
+    Parameters
+    ----------
+    gyro, accelerometer : sequence of sequences of Term
+        Terms of each axis [SI]; one axis stands for all.
+    step : float
+        Prediction step of the filter (EKF2_PREDICT_US) [s].
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+
+    Raises
+    ------
+    PlanError
+        As `to_kalibr`; or if the step is not positive.
+    """
+    _check_positive(step, "a prediction step", "s")
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
+    wanted = (
+        ("EKF2_GYR_NOISE", rate.white, "rad/s", "largest N / sqrt(step)"),
+        ("EKF2_ACC_NOISE", acc.white, "m/s^2", "largest N / sqrt(step)"),
+        ("EKF2_GYR_B_NOISE", rate.drive, "rad/s^2", f"largest driving noise / sqrt(step): {rate.source}"),
+        ("EKF2_ACC_B_NOISE", acc.drive, "m/s^3", f"largest driving noise / sqrt(step): {acc.source}"),
+    )
+    settings = [
+        Setting(key, tuple(v / float(np.sqrt(step)) for v in _largest(values)), unit, source)
+        for key, values, unit, source in wanted
+    ]
+    lines = [f"# for EKF2_PREDICT_US {round(step * 1e6)}: another step asks for other values"]
+    outside = []
+    for one in settings:
+        if not one.values:
+            lines.append(f"# {one.key}: not told by the terms")
+            continue
+        lines += [f"# {one.unit}; {one.source}", f"param set {one.key} {_figure(one.values[0])}"]
+        low, high = PX4_RANGES[one.key]
+        if not low <= one.values[0] <= high:
+            outside.append(f"{one.key} {one.values[0]:.3g}: the parameter takes {low:g} to {high:g}")
+    held = (*outside, *_worst_only(rate, acc), *_times_not_held(rate, acc))
+    return filter_block("px4", lines, settings, rate, acc, held)
+
+
+def to_gtsam(
+    gyro: Axes, accelerometer: Axes, gravity: float, up: bool = True, *, horizon: float | None = None
+) -> FilterBlock:
+    """Return Python lines that make GTSAM's PreintegrationCombinedParams.
+
+    Parameters
+    ----------
+    gyro, accelerometer : sequence of sequences of Term
+        Terms of each axis [SI]; one axis stands for all.
+    gravity : float
+        Of the site, positive [m/s^2].
+    up : bool
+        Whether z of the navigation frame points up (``MakeSharedU``) or down (``MakeSharedD``).
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+
+    Raises
+    ------
+    PlanError
+        As `to_kalibr`; or if gravity is not positive.
+    """
+    _check_positive(gravity, "a gravity", "m/s^2")
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
+    wanted = (
+        ("setAccelerometerCovariance", acc.white, "m^2/s^4/Hz", "N^2 of each axis"),
+        ("setGyroscopeCovariance", rate.white, "rad^2/s^2/Hz", "N^2 of each axis"),
+        ("setBiasAccCovariance", acc.drive, "m^2/s^6/Hz", f"squared driving noise: {acc.source}"),
+        ("setBiasOmegaCovariance", rate.drive, "rad^2/s^4/Hz", f"squared driving noise: {rate.source}"),
+    )
+    settings = [Setting(key, tuple(v**2 for v in _three(values)), unit, source) for key, values, unit, source in wanted]
+    named = "MakeSharedU" if up else "MakeSharedD"
+    lines = ["import gtsam", "import numpy as np", ""]
+    lines += [f"params = gtsam.PreintegrationCombinedParams.{named}({_figure(gravity)})"]
+    for one in settings:
+        listed = ", ".join(_figure(v) for v in one.values)
+        told = f"params.{one.key}(np.diag([{listed}]))  # {one.unit}"
+        lines.append(told if one.values else f"# params.{one.key}: not told by the terms")
+    missing = ("setIntegrationCovariance and the first covariance of the bias: no noise terms, yours to set",)
+    return filter_block("gtsam", lines, settings, rate, acc, _times_not_held(rate, acc), missing)
+
+
+def to_kf_gins(
+    gyro: Axes, accelerometer: Axes, correlation_time: float | None = None, *, horizon: float | None = None
+) -> FilterBlock:
+    """Return the section ``imunoise`` of a KF-GINS file.
+
+    Parameters
+    ----------
+    gyro, accelerometer : sequence of sequences of Term
+        Terms of each axis [SI]; one axis stands for all.
+    correlation_time : float, optional
+        Of all biases [s]; by default the geometric mean of the Gauss-Markov terms found. The driving noise of each
+        bias is kept: ``sigma = q sqrt(t_c / 2)``.
+    horizon : float, optional
+        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+
+    Raises
+    ------
+    PlanError
+        As `to_kalibr`; or if the correlation time is not positive.
+    """
+    acc, rate = sensor_noise("accelerometer", accelerometer, horizon), sensor_noise("gyro", gyro, horizon)
+    if correlation_time is not None:
+        _check_positive(correlation_time, "a correlation time", "s")
+    found = [t for sensor in (rate, acc) for t in sensor.times if np.isfinite(t)]
+    time = correlation_time or (float(np.exp(np.mean(np.log(found)))) if found else None)
+    spread = float(np.sqrt(0.5 * time)) if time else np.nan
+    wanted = (
+        ("arw", rate.white, 1.0, "rad/s/sqrt(Hz)", "deg/sqrt(h)", "N of each axis"),
+        ("vrw", acc.white, 1.0, "m/s^2/sqrt(Hz)", "m/s/sqrt(h)", "N of each axis"),
+        ("gbstd", rate.drive, spread, "rad/s", "deg/h", f"q sqrt(t_c / 2): {rate.source}"),
+        ("abstd", acc.drive, spread, "m/s^2", "mGal", f"q sqrt(t_c / 2): {acc.source}"),
+    )
+    settings = [
+        Setting(key, _three(tuple(v * scale * factor(si, unit) for v in values)), unit, source)
+        for key, values, scale, si, unit, source in wanted
+    ]
+    lines = ["imunoise:"]
+    for one in settings:
+        listed = ", ".join(_figure(v) for v in one.values)
+        told = f"  {one.key}: [{listed}]  # [{one.unit}] {one.source}"
+        lines.append(told if one.values else f"  # {one.key}: not told by the terms")
+    settings.append(Setting("corrtime", (time * factor("s", "h"),) if time else (), "h", "one for all biases"))
+    told = f"  corrtime: {_figure(settings[-1].values[0])}  # [h]" if time else "  # corrtime: not told by the terms"
+    missing = ("gsstd and asstd [ppm]: scale factors are no noise terms, take them from a calibration",)
+    return filter_block("kf_gins", [*lines, told], settings, rate, acc, _other_times(time, rate, acc), missing)
+
+
+def _largest(values: tuple[float, ...]) -> tuple[float, ...]:
+    return (max(values),) if np.all(np.isfinite(values)) else ()
+
+
+def _three(values: tuple[float, ...]) -> tuple[float, ...]:
+    return values * (3 // len(values)) if np.all(np.isfinite(values)) else ()
+
+
+def _worst_only(*sensors: SensorNoise) -> tuple[str, ...]:
+    return tuple(
+        f"{one.kind}: differences between the axes, the largest value stands for all"
+        for one in sensors
+        if len(set(one.white)) > 1 or len(set(one.drive)) > 1
+    )
+
+
+def _times_not_held(*sensors: SensorNoise) -> tuple[str, ...]:
+    return tuple(
+        f"{one.kind}: correlation time {', '.join(f'{t:.3g}' for t in one.times if np.isfinite(t))} s: the bias "
+        "wanders without end, too far after that time"
+        for one in sensors
+        if np.any(np.isfinite(one.times))
+    )
+
+
+def _other_times(time: float | None, *sensors: SensorNoise) -> tuple[str, ...]:
+    found = []
+    for one in sensors:
+        for axis, own in enumerate(one.times):
+            if time is not None and np.isfinite(own) and not np.isclose(own, time, rtol=1e-9):
+                found.append(f"{one.kind} axis {axis}: its own correlation time {own:.4g} s; its driving noise is kept")
+        if time is not None and any(not np.isfinite(t) for t in one.times) and np.any(np.isfinite(one.drive)):
+            found.append(f"{one.kind}: a bias that wanders without end; the filter's returns to zero over {time:.4g} s")
+    return tuple(found)
+
+
+def _yaml(setting: Setting, value: float | None) -> str:
+    if value is None:
+        return f"# {setting.key}: not told by the terms"
+    return f"{setting.key}: {_figure(value)}  # {setting.unit}; {setting.source}"
+
+
+def _figure(value: float) -> str:
+    """Digits that a filter needs, with a decimal point so that YAML reads a number."""
+    text = f"{value:.6g}"
+    return text if "." in text or "e" not in text else text.replace("e", ".0e")
+
+
+def _quoted(name: str) -> str:
+    """Return a name inside double quotes of YAML: anybody's text, on one line."""
+    plain = "".join(c if c.isprintable() else "?" for c in name)
+    return plain.replace("\\", "\\\\").replace('"', '\\"')
+
+
+def _check_positive(value: float, what: str, unit: str) -> None:
+    if not (np.isfinite(value) and value > 0.0):
+        raise PlanError(f"{what} of {value} {unit}", do="It must be positive")

@@ -1,0 +1,138 @@
+"""Start-up transient of a sensor: how much its reading moves after power-up, how fast, and when it has settled.
+
+::
+
+    y = level of its run + A exp(-t / tau) + noise        t: since power-up
+
+A and tau are common to all power-ups, the level is each one's own. Least squares, tau by a search over its logarithm.
+With two power-ups or more the covariance of A and tau is what the power-ups disagree about (CR2 on the fit made linear
+at its best tau); with one it is that of stretches of the record, a tenth each, and drift slower than a stretch is not
+in it.
+
+Settled: what is left of the transient, ``|A| exp(-t / tau)``, is below a stated tolerance.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+from ..statistics.clustered import clustered_contrasts
+from ..statistics.least_squares import Fit, fit
+
+FEWEST = 12  # readings of a power-up that three unknowns need
+SEARCHED = (0.01, 1.0)  # of the length of the record: time constants that are looked for
+GRID = 25  # of them that are tried first
+STRETCHES = 10  # of a single power-up
+SEEN = 3.0  # standard uncertainties that a transient must stand out by
+
+
+@dataclass(frozen=True, eq=False)
+class WarmUp:
+    """A start-up transient.
+
+    Parameters
+    ----------
+    change : float
+        A: reading at power-up less the settled one [unit of the readings].
+    time_constant : float
+        tau [s].
+    covariance : ndarray, shape (2, 2)
+        Of both.
+    dof : ndarray, shape (2,)
+        Degrees of freedom of each; 0 where not known.
+    level : {"run", "stretch"}
+        What the covariance is made of.
+    """
+
+    change: float
+    time_constant: float
+    covariance: Array
+    dof: Array
+    level: str
+
+    @property
+    def seen(self) -> bool:
+        """Whether the transient stands out of the noise."""
+        return abs(self.change) > SEEN * math.sqrt(self.covariance[0, 0])
+
+    def settled_after(self, tolerance: float) -> float:
+        """Time after power-up from which less than the tolerance is left [s]; 0 where no transient is seen."""
+        if not self.seen or abs(self.change) <= tolerance:
+            return 0.0
+        return self.time_constant * math.log(abs(self.change) / tolerance)
+
+    def u_settled_after(self, tolerance: float) -> tuple[float, float]:
+        """Return the standard uncertainty of `settled_after` [s], and its degrees of freedom: the fewer of the two."""
+        by_change = self.time_constant / self.change
+        by_time = math.log(abs(self.change) / tolerance)
+        row = np.array([by_change, by_time])
+        return math.sqrt(max(float(row @ self.covariance @ row), 0.0)), float(self.dof.min())
+
+
+def find_warm_up(time: Array, readings: Array, runs: NDArray[Any]) -> WarmUp:
+    """Return the start-up transient of readings at a steady temperature.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Since power-up [s].
+    readings : ndarray, shape (n,)
+        Means of equally long stretches, in one unit.
+    runs : ndarray, shape (n,)
+        Power-up of each.
+
+    Raises
+    ------
+    DataError
+        ``too_few_readings`` if a power-up has fewer than twelve.
+    """
+    numbers, counts = np.unique(runs, return_inverse=True, return_counts=True)[1:]
+    if not len(counts) or counts.min() < FEWEST:
+        what = f"{int(counts.min()) if len(counts) else 0} readings after a power-up, need {FEWEST}"
+        raise DataError(what, why="a start-up cannot be told", do="Record longer", code="too_few_readings")
+    length = float(time.max() - time.min())
+    lowest, highest = (math.log(share * length) for share in SEARCHED)
+    grid = np.linspace(lowest, highest, GRID)
+    left = _without_levels(readings[:, None], numbers, counts)[:, 0]
+
+    def cost(log_tau: Array) -> Array:
+        shapes = _without_levels(np.exp(-time[:, None] / np.exp(log_tau)), numbers, counts)
+        along, size = left @ shapes, np.sum(shapes**2, axis=0)
+        return np.asarray(left @ left - np.divide(along**2, size, out=np.zeros_like(size), where=size > 0.0))
+
+    best = int(np.argmin(cost(grid)))
+    bounds = (grid[max(best - 1, 0)], grid[min(best + 1, GRID - 1)])
+    found = optimize.minimize_scalar(lambda q: float(cost(np.array([q]))[0]), bounds=bounds, method="bounded")
+    return _judged(float(math.exp(found.x)), time, readings, numbers, np.eye(len(counts))[numbers])
+
+
+def _without_levels(columns: Array, numbers: NDArray[np.intp], counts: NDArray[np.intp]) -> Array:
+    """Columns less their mean in each power-up."""
+    means = np.column_stack([np.bincount(numbers, column) for column in columns.T]) / counts[:, None]
+    return np.asarray(columns - means[numbers])
+
+
+def _transient(tau: float, time: Array, readings: Array, levels: Array) -> Fit:
+    return fit(np.column_stack([np.exp(-time / tau), levels]), readings)
+
+
+def _judged(tau: float, time: Array, readings: Array, numbers: NDArray[np.intp], levels: Array) -> WarmUp:
+    """Covariance of A and tau from the fit made linear at its best tau."""
+    shape = np.exp(-time / tau)
+    change = float(_transient(tau, time, readings, levels).coefficients[0])
+    many = levels.shape[1] >= 2
+    slope = change * time / tau**2 * shape
+    columns = np.column_stack([shape, slope if np.ptp(slope) > 0.0 else time, levels])
+    found = fit(columns, readings)
+    clusters = numbers if many else np.minimum((np.argsort(np.argsort(time)) * STRETCHES) // len(time), STRETCHES - 1)
+    rows = np.eye(2, columns.shape[1])
+    covariance, dof = clustered_contrasts(found, clusters, rows)
+    return WarmUp(change, tau, covariance, dof, "run" if many else "stretch")

@@ -1,0 +1,257 @@
+"""Compiled loops over the integrated signal: arrays in, preallocated arrays out, no checks.
+
+Sums are of squared differences of the integrated signal ("phase") P, whose difference P[j + m] - P[j] is the sum of
+the samples of one window. Where P holds int64, differences are exact, and only the squares are rounded.
+
+Averaging factors go in rising order. All are taken over one block of starting points before the next: streams m apart
+are then read from memory once and not once a factor. For long windows, blocks follow each other one window apart, not
+side by side: where factors double, they share these blocks, and few of them are needed at a time. Two or four
+factors that double share their streams even in registers.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numba
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+
+Whole = NDArray[np.int64]
+BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
+NEAR = 32_768  # largest factor of blocks side by side: twice as many points lie in the nearest cache but one
+SHORT = (32, 512)  # largest averaging factors whose modified deviations are summed from block to block anew ...
+LOCAL = 16  # ... each so many times as long
+
+compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+summing = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+
+# The integrated signal
+
+
+@compiled
+def integrate(x: NDArray[Any], level: Any, phase: NDArray[Any]) -> None:
+    """Fill ``phase``, one longer than ``x``, with the sums of all samples before each, less a level a sample."""
+    total = phase.dtype.type(0)  # not phase[0] * 0: fresh memory may hold NaN
+    phase[0] = total
+    fours = len(x) // 4
+    for k in range(fours):  # a sum waits for the one before it: four at a time wait once
+        i = 4 * k
+        a, b = x[i] - level, x[i + 2] - level
+        ab, cd = a + (x[i + 1] - level), b + (x[i + 3] - level)
+        phase[i + 1] = total + a
+        phase[i + 2] = total + ab
+        phase[i + 3] = total + (ab + b)
+        total += ab + cd
+        phase[i + 4] = total
+    for i in range(4 * fours, len(x)):
+        total += x[i] - level
+        phase[i + 1] = total
+
+
+@compiled
+def integrate_present(
+    x: NDArray[Any], present: NDArray[np.bool_], level: Any, phase: NDArray[Any], count: NDArray[np.int32]
+) -> None:
+    """Fill ``phase`` and ``count`` with the sums and numbers of the samples that are present."""
+    total, n = phase.dtype.type(0), 0
+    phase[0], count[0] = total, 0
+    for i in range(len(x)):
+        if present[i]:
+            total += x[i] - level
+            n += 1
+        phase[i + 1], count[i + 1] = total, n
+
+
+@compiled
+def integrate_again(phase: NDArray[Any]) -> Any:
+    """Replace each P by the sum of all before it; return the sum of all, which stands for the point after the last."""
+    total = phase.dtype.type(0)
+    for i in range(len(phase)):
+        here = phase[i]
+        phase[i] = total
+        total += here
+    return total
+
+
+# Sums of squares
+
+
+@summing
+def _one_second(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any]) -> float:
+    """Return the sum of squares of (c - b) - (b - a), of three streams of P that start m apart."""
+    total = 0.0
+    for i in range(len(c)):
+        d = np.float64(a[i] - 2 * b[i] + c[i])
+        total += d * d
+    return total
+
+
+@summing
+def _two_seconds(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any]) -> tuple[float, float]:
+    """Return the same for m and 2 m, of streams that start 0, 1, 2 and 4 m apart."""
+    one, two = 0.0, 0.0
+    for i in range(len(e)):
+        d = np.float64(a[i] - 2 * b[i] + c[i])
+        one += d * d
+        d = np.float64(a[i] - 2 * c[i] + e[i])
+        two += d * d
+    return one, two
+
+
+@summing
+def _four_seconds(
+    a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any], g: NDArray[Any], h: NDArray[Any]
+) -> tuple[float, float, float, float]:
+    """Return the same for m, 2 m, 4 m and 8 m, of streams that start 0, 1, 2, 4, 8 and 16 m apart."""
+    one, two, three, four = 0.0, 0.0, 0.0, 0.0
+    for i in range(len(h)):
+        d = np.float64(a[i] - 2 * b[i] + c[i])
+        one += d * d
+        d = np.float64(a[i] - 2 * c[i] + e[i])
+        two += d * d
+        d = np.float64(a[i] - 2 * e[i] + g[i])
+        three += d * d
+        d = np.float64(a[i] - 2 * g[i] + h[i])
+        four += d * d
+    return one, two, three, four
+
+
+@summing
+def _one_third(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any]) -> float:
+    """Return the sum of squares of third differences, of four streams that start m apart."""
+    total = 0.0
+    for i in range(len(e)):
+        d = np.float64(e[i] - a[i] + 3 * (b[i] - c[i]))
+        total += d * d
+    return total
+
+
+@compiled
+def _add_seconds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Array) -> None:
+    """Add (P[j + 2m] - 2 P[j + m] + P[j])^2 for j from ``start`` to before ``stop``."""
+    n = len(p)
+    k = 0
+    while k < len(factors):
+        m = factors[k]
+        e = min(stop, n - 2 * m)
+        if e <= start:
+            break
+        doubling = _doubling(factors, k)
+        many = 1
+        if doubling >= 4 and e + 16 * m <= n:
+            many = 4
+            s, t, u, v = _four_seconds(
+                p[start:e],
+                p[start + m : e + m],
+                p[start + 2 * m : e + 2 * m],
+                p[start + 4 * m : e + 4 * m],
+                p[start + 8 * m : e + 8 * m],
+                p[start + 16 * m : e + 16 * m],
+            )
+            out[k] += s
+            out[k + 1] += t
+            out[k + 2] += u
+            out[k + 3] += v
+        elif doubling >= 2 and e + 4 * m <= n:
+            many = 2
+            s, t = _two_seconds(
+                p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 4 * m : e + 4 * m]
+            )
+            out[k] += s
+            out[k + 1] += t
+        else:
+            out[k] += _one_second(p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m])
+        k += many
+
+
+@compiled
+def _doubling(factors: Whole, k: int) -> int:
+    """Return how many factors from the k-th on, up to 4, are each twice the one before."""
+    many = 1
+    while many < 4 and k + many < len(factors) and factors[k + many] == 2 * factors[k + many - 1]:
+        many += 1
+    return many
+
+
+@compiled
+def _add_thirds(p: NDArray[Any], start: int, stop: int, factors: Whole, out: Array) -> None:
+    """Add (P[j + 3m] - 3 P[j + 2m] + 3 P[j + m] - P[j])^2 for j from ``start`` to before ``stop``."""
+    for k in range(len(factors)):
+        m = factors[k]
+        e = min(stop, len(p) - 3 * m)
+        if e <= start:
+            break
+        out[k] += _one_third(
+            p[start:e], p[start + m : e + m], p[start + 2 * m : e + 2 * m], p[start + 3 * m : e + 3 * m]
+        )
+
+
+@compiled
+def sum_overlapping(p: NDArray[Any], factors: Whole, order: int, out: Array) -> None:
+    """Fill ``out`` with the sums of squared differences of an order, 2 or 3, over all starting points."""
+    out[:] = 0.0
+    near = np.searchsorted(factors, NEAR + 1)
+    if near > 0:
+        for start in range(0, len(p) - order * factors[0], BLOCK):
+            _add(p, start, start + BLOCK, factors[:near], order, out[:near])
+    if near < len(factors):
+        step = factors[near]
+        block = max(BLOCK // 16, min(BLOCK, 2 * NEAR * step // len(p)))
+        for first in range(0, step, block):
+            for start in range(first, len(p) - order * step, step):
+                stop = start + min(block, step - first)
+                _add(p, start, stop, factors[near:], order, out[near:])
+
+
+@compiled
+def _add(p: NDArray[Any], start: int, stop: int, factors: Whole, order: int, out: Array) -> None:
+    if order == 2:
+        _add_seconds(p, start, stop, factors, out)
+    else:
+        _add_thirds(p, start, stop, factors, out)
+
+
+@compiled
+def sum_local_thirds(p: NDArray[Any], factors: Whole, block: int, spare: NDArray[Any], out: Array) -> None:
+    """Fill ``out`` with the sums of the squared third differences of the integral of P, from block to block anew.
+
+    An integral over the whole record grows so large that it would have no digits left for short windows. A line taken
+    off P changes no third difference of the integral, and leaves less to grow.
+    """
+    n = len(p)
+    out[:] = 0.0
+    if len(factors) == 0:
+        return
+    longest, slope = factors[-1], np.empty(1, dtype=p.dtype)  # an array: of whole numbers, a whole one
+    for j in range(0, n + 1 - 3 * factors[0], block):
+        size = min(block + 3 * longest, n + 1 - j)
+        total = p.dtype.type(0)
+        slope[0] = (p[j + size - 2] - p[j]) / max(1, size - 2)
+        for i in range(size - 1):
+            spare[i] = total
+            total += p[j + i] - p[j] - slope[0] * i
+        spare[size - 1] = total
+        for k in range(len(factors)):
+            m = factors[k]
+            e = min(block, n + 1 - 3 * m - j)
+            if e <= 0:
+                break
+            out[k] += _one_third(spare[:e], spare[m : e + m], spare[2 * m : e + 2 * m], spare[3 * m : e + 3 * m])
+
+
+@compiled
+def sum_strides(p: NDArray[Any], factors: Whole, order: int, out: Array) -> None:
+    """Fill ``out`` with the sums of squared differences of an order, 2 or 3, over windows that do not overlap."""
+    n = len(p)
+    for k in range(len(factors)):
+        m = factors[k]
+        total = 0.0
+        for j in range(0, n - order * m, m):
+            d = p[j + 2 * m] - 2 * p[j + m] + p[j]
+            if order == 3:
+                d = p[j + 3 * m] - 2 * p[j + 2 * m] + p[j + m] - d
+            total += np.float64(d) * np.float64(d)
+        out[k] = total

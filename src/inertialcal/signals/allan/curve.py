@@ -1,0 +1,144 @@
+"""Allan: deviations over averaging time with their intervals, and what should be known of them."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.frames import frame
+from ...core.remarks import Remark
+from ...core.result_tables import dof, told
+from ...core.rounding import number
+from ...core.tables import Grid, Part, html, short, text
+from .deviations import KINDS, Deviation
+from .prefix import Quantity
+
+NAMES = {2: "quantisation", 1: "flicker of angle", 0: "white", -1: "flicker", -2: "random walk", -3: "flicker walk"}
+NAMES |= {-4: "random run"}
+MOST_ROWS = 40  # printed
+
+
+@dataclass(frozen=True, eq=False)
+class Allan:
+    """Deviations of one or several channels.
+
+    Parameters
+    ----------
+    tau : ndarray, shape (k,)
+        Averaging time [s]: averaging factor times sample interval.
+    m : ndarray of int64, shape (k,)
+        Averaging factor [samples].
+    n : ndarray of int64, shape (k, axes)
+        Terms behind each deviation.
+    deviation, lo, hi : ndarray, shape (k, axes)
+        Deviation of the rate, and the ends of its interval, in ``unit``; NaN where no term is there, ends also
+        where a channel is constant.
+    edf : ndarray, shape (k, axes)
+        Equivalent degrees of freedom.
+    power : ndarray, shape (k, axes)
+        Exponent of the noise around each averaging time: 2 quantisation, 0 white, -1 flicker, -2 random walk.
+    inflation : ndarray, shape (k, axes)
+        By how much missing samples raise the variance of white noise; divided out where ``power`` is 0 or more.
+    ends : ndarray, shape (k, axes)
+        Sum of the squared weights that errors of the integrated signal have in a term, over 2 / m^2: 3 of a complete
+        record, more where gaps leave ends of stretches inside of windows. Of the Allan deviations; else 3.
+    p : float
+        Probability of the intervals.
+    interval : float
+        From sample to sample [s].
+    averaging : float or None
+        What each sample is the mean of [s]; None when nobody said.
+    samples : int
+        Length of the record.
+    missing : ndarray of int64, shape (axes,)
+        Samples that are not there.
+    kind : {"overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"}
+        Which deviation.
+    quantity : {"rate", "increment", "angle"}
+        What the samples were.
+    names : tuple of str
+        One a channel.
+    unit : str
+        Of the deviation; empty when nobody said.
+    remarks : tuple of Remark
+        What is suspicious.
+    """
+
+    tau: Array
+    m: NDArray[np.int64]
+    n: NDArray[np.int64]
+    deviation: Array
+    lo: Array
+    hi: Array
+    edf: Array
+    power: Array
+    inflation: Array
+    ends: Array
+    p: float
+    interval: float
+    averaging: float | None
+    samples: int
+    missing: NDArray[np.int64]
+    kind: Deviation
+    quantity: Quantity
+    names: tuple[str, ...]
+    unit: str = ""
+    remarks: tuple[Remark, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.tau)
+
+    @property
+    def variance(self) -> Array:
+        """Square of the deviation, shape (k, axes)."""
+        return self.deviation**2
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame: a row an averaging time of a channel."""
+        k, axes = self.deviation.shape
+        shown = {name: getattr(self, name).T.ravel() for name in ("n", "deviation", "lo", "hi", "edf", "power")}
+        axis = [name for name in self.names for _ in range(k)]
+        return frame({"axis": axis, "tau": np.tile(self.tau, axes), "m": np.tile(self.m, axes), **shown})
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row an averaging time, a deviation with its interval a channel."""
+        unit = f" [{self.unit}]" if self.unit else ""
+        words = KINDS[self.kind].words
+        seconds = number(self.samples * self.interval)
+        caption = f"{words}{unit} of {seconds} s at {number(1.0 / self.interval)} Hz; intervals hold with {self.p:.4g}"
+        one = len(self.names) == 1
+        heads = ["tau [s]", *(short(name) for name in self.names), *(("edf", "noise") if one else ())]
+        shown = _spread(len(self), MOST_ROWS)
+        rows = [[number(float(self.tau[k]), 5), *self._cells(k)] for k in shown]
+        left = (f"{len(shown)} of {len(self)} averaging times shown",) if len(shown) < len(self) else ()
+        right = tuple(range(len(self.names) + 1 + one))
+        return (Grid(heads, rows, caption, right), *left, *told(self.remarks))
+
+    def _cells(self, k: int) -> list[str]:
+        every = zip(self.deviation[k], self.lo[k], self.hi[k], strict=True)
+        cells = [f"{number(d, 4)} ({number(lo, 4)} .. {number(hi, 4)})" for d, lo, hi in every]
+        if len(cells) > 1:
+            return cells
+        power = self.power[k, 0]
+        return [*cells, dof(float(self.edf[k, 0])), NAMES[int(power)] if np.isfinite(power) else "-"]
+
+    def __str__(self) -> str:
+        """Return a table with a row an averaging time."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())
+
+
+def _spread(n: int, most: int) -> list[int]:
+    """Return up to ``most`` indices of n, evenly over their logarithm."""
+    if n <= most:
+        return list(range(n))
+    return sorted({round(value) - 1 for value in np.geomspace(1.0, n, most)})

@@ -1,0 +1,155 @@
+"""Deviations of a signal at averaging factors: differences of neighbouring averages, squared and averaged.
+
+With P[j] the sum of all samples before j ("phase"), ybar_j = (P[j + m] - P[j]) / m the mean of m samples from j on,
+and n the number of terms, the variances at tau = m times the sample interval are [1]_::
+
+    Allan      sum (ybar_{j+m} - ybar_j)^2 / (2 n)
+    modified   sum (mean over m neighbouring j of (ybar_{j+m} - ybar_j))^2 / (2 n)
+    Hadamard   sum (ybar_{j+2m} - 2 ybar_{j+m} + ybar_j)^2 / (6 n)
+
+with j = 0, 1, 2, ... where windows overlap, and 0, m, 2m, ... where not.
+
+An integrated signal (angle, velocity) is P itself.
+
+Missing samples: a window takes part if at least half of its samples are there, and stands for their mean; a term
+takes part if all its windows do; half the second differences behind a term of the modified deviation must be there.
+The mean of fewer samples scatters more: with c_i of m samples there, white noise is raised by the mean of
+``m (1/c_1 + 1/c_2) / 2`` over the terms (Hadamard: ``m (1/c_1 + 4/c_2 + 1/c_3) / 6``), the ``inflation``, which is
+divided out where the noise is white or bluer. Redder noise hardly changes over a window, and is left as it is.
+
+References
+----------
+.. [1] Riley, Handbook of frequency stability analysis, NIST SP 1065, 2008, section 5.2, eq. (6) to (20).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from . import _kernels as kernels
+from . import _kernels_missing as missing
+from .prefix import Phase
+
+Deviation = Literal["overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"]
+SAFE = 2.0**62  # whole numbers of int64 that sums of four may reach
+COMPLETE = 3.0  # squared weights of the three errors of the running sum in a term, over 2 / m^2: 1 + 4 + 1
+ALLAN = 2  # order
+
+
+@dataclass(frozen=True)
+class Kind:
+    """What a deviation does: order of its differences, whether they overlap and are averaged, its name in words."""
+
+    order: int
+    overlapping: bool
+    modified: bool
+    words: str
+
+    @property
+    def windows(self) -> int:
+        """Windows that one term spans."""
+        return self.order + self.modified
+
+    @property
+    def divisor(self) -> float:
+        """Mean square of the difference of independent averages of variance 1, but for the order 2 or 6."""
+        return 2.0 if self.order == 2 else 6.0
+
+    @property
+    def reddest(self) -> int:
+        """Exponent of the reddest noise that the deviation converges for."""
+        return -2 if self.order == 2 else -4
+
+
+KINDS: dict[str, Kind] = {
+    "overlapping": Kind(2, True, False, "overlapping Allan deviation"),
+    "non_overlapping": Kind(2, False, False, "Allan deviation"),
+    "modified": Kind(2, True, True, "modified Allan deviation"),
+    "hadamard": Kind(3, False, False, "Hadamard deviation"),
+    "overlapping_hadamard": Kind(3, True, False, "overlapping Hadamard deviation"),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class Variances:
+    """Variances of one channel, in squares of the unit of the samples.
+
+    Parameters
+    ----------
+    variance : ndarray, shape (k,)
+        NaN where no term is there.
+    terms : ndarray of int64, shape (k,)
+        Number of terms.
+    inflation : ndarray, shape (k,)
+        By how much missing samples raise white noise; not yet divided out.
+    ends : ndarray, shape (k,)
+        Squared weights of errors of the running sum, as `curve.Allan` has them.
+    """
+
+    variance: Array
+    terms: NDArray[np.int64]
+    inflation: Array
+    ends: Array
+
+
+def terms_of(kind: Kind, points: int, factors: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Return how many terms a complete record of ``points`` phase points has, shape (k,)."""
+    if kind.modified:
+        return np.asarray(points + 1 - 3 * factors)
+    left = points - 1 - kind.order * factors
+    return np.asarray(left + 1 if kind.overlapping else left // factors + 1)
+
+
+def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances:
+    """Return the variances at rising averaging factors, each small enough for a term; the phase may be used up."""
+    sums, inflation = np.empty(len(factors)), np.ones(len(factors))
+    ends = np.full(len(factors), COMPLETE)
+    terms = terms_of(kind, len(phase.values), factors)
+    if phase.complete:
+        _sum_complete(phase.values, kind, factors, sums)
+    else:
+        terms = np.empty(len(factors), dtype=np.int64)
+        shared = (phase.values, phase.count, phase.pointwise, factors)
+        if kind.modified:
+            missing.sum_present_modified(*shared, sums, terms, inflation)
+        else:
+            missing.sum_present(*shared, kind.order, kind.overlapping, sums, terms, inflation)
+            if kind.order == ALLAN and not phase.pointwise:
+                missing.weights_of_ends(phase.count, factors, kind.overlapping, ends)
+    size = factors.astype(np.float64) ** (4 if kind.modified else 2)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation, ends)
+
+
+def _sum_complete(p: NDArray[Any], kind: Kind, factors: NDArray[np.int64], sums: Array) -> None:
+    if kind.modified:
+        _sum_modified(p, factors, sums)
+    elif not kind.overlapping:
+        kernels.sum_strides(p, factors, kind.order, sums)
+    else:
+        kernels.sum_overlapping(p, factors, kind.order, sums)
+
+
+def _sum_modified(p: NDArray[Any], factors: NDArray[np.int64], sums: Array) -> None:
+    """Averages of m second differences of P are third differences of the sums of P."""
+    few = 0
+    for longest in kernels.SHORT:
+        more = int(np.searchsorted(factors, longest, side="right"))
+        spare = np.empty((kernels.LOCAL + 3) * longest, dtype=p.dtype)
+        kernels.sum_local_thirds(p, factors[few:more], kernels.LOCAL * longest, spare, sums[few:more])
+        few = more
+    if few == len(factors):
+        return
+    if p.dtype == np.int64 and float(max(p.max(), -p.min())) * len(p) > SAFE / 8.0:
+        p = p.astype(np.float64)
+    last = kernels.integrate_again(p)
+    kernels.sum_overlapping(p, factors[few:], 3, sums[few:])
+    for k in range(few, len(factors)):  # the one term that ends on the point after the last
+        m = int(factors[k])
+        n = len(p)
+        sums[k] += float(last - p[n - 3 * m] + 3 * (p[n - 2 * m] - p[n - m])) ** 2

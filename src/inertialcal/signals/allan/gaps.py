@@ -1,0 +1,94 @@
+"""Missing samples: the regular grid that a record with gaps lies on, and what is said of it.
+
+Windows of an Allan deviation are counted in time, so samples must stand where they were taken. A record with gaps is
+put on the grid of its sample interval, with nothing where no sample came. A sample is moved by at most half an
+interval, and never interpolated; stamps that are not a grid at all are refused.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError
+from ...core.recording import SECOND, Times
+from ...core.remarks import Remark
+
+MOST_EMPTY = 100.0  # places on the grid, a sample, above which a record is no record with gaps
+
+
+def on_grid(x: NDArray[Any], time_ns: Times, interval: float) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+    """Return samples on the regular grid of their interval, and which places hold one.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,) or (n, axes)
+        Samples of any type, which they keep.
+    time_ns : ndarray of int64, shape (n,)
+        Their stamps [ns].
+    interval : float
+        From sample to sample [s].
+
+    Returns
+    -------
+    values : ndarray, shape (places,) or (places, axes)
+        0 where no sample came.
+    present : ndarray of bool, shape (places,)
+        Whether one came.
+
+    Raises
+    ------
+    DataError
+        If stamps are repeated or run backwards, two samples fall on one place, or nearly all places are empty.
+    """
+    if time_ns.shape != (len(x),):
+        raise DataError(f"{len(x)} samples, time of shape {time_ns.shape}", code="wrong_shape")
+    steps = np.diff(time_ns)
+    if np.any(steps <= 0):
+        first, repeated = int(np.argmax(steps <= 0)) + 1, int(np.count_nonzero(steps == 0))
+        raise DataError(
+            f"{repeated} repeated stamp(s), {np.count_nonzero(steps < 0)} that run backwards",
+            where=f"sample {first}",
+            why="an averaging time is counted off in samples of one order",
+            do="Sort the record, and drop or correct repeated rows",
+            code="time_backwards" if repeated < np.count_nonzero(steps <= 0) else "time_repeated",
+        )
+    # From step to step: an interval that is known to 1e-5 would drift off the grid over a long record.
+    places = np.concatenate([[0], np.cumsum(np.rint(steps / (interval * SECOND)).astype(np.int64))])
+    _check_places(places, len(x), interval)
+    present = np.zeros(int(places[-1]) + 1, dtype=bool)
+    present[places] = True
+    values = np.zeros((len(present), *x.shape[1:]), dtype=x.dtype)
+    values[places] = x
+    return values, present
+
+
+def _check_places(places: NDArray[np.int64], n: int, interval: float) -> None:
+    same = np.diff(places) == 0
+    if same.any():
+        raise DataError(
+            f"{np.count_nonzero(same)} sample(s) come within half a sample interval of {interval:g} s",
+            where=f"sample {int(np.argmax(same)) + 1}",
+            why="they do not lie on the grid of that interval",
+            do="Give the right interval, or leave out the time where it says when packets arrived",
+            code="off_grid",
+        )
+    if places[-1] + 1 > MOST_EMPTY * n:
+        raise DataError(
+            f"{n} samples over {places[-1] + 1} intervals of {interval:g} s",
+            why="nearly all samples would be missing",
+            do="Give the right sample interval, or cut the record",
+            code="all_missing",
+        )
+
+
+def missing_remark(missing: NDArray[np.int64], n: int, names: tuple[str, ...]) -> tuple[Remark, ...]:
+    """Return what is said of missing samples, in one line a channel."""
+    do = "Windows that are half filled take part; look at why samples are missing"
+    return tuple(
+        Remark("gaps", "warning", f"{name}: {lost} of {n} samples are missing ({lost / n:.2%})", do=do)
+        for name, lost in zip(names, missing.tolist(), strict=True)
+        if lost
+    )

@@ -1,0 +1,161 @@
+"""Drift of a record at rest beyond its slow noise.
+
+Tested on block means: a smooth curve (a cubic) whose rise from the first to the last block is larger than the noise of
+the same record explains, by Student's t. Of noise there are two models, white with 1/f noise and white with a random
+walk. How much of it is slow is told by contrasts that no polynomial of degree 4 enters (restricted likelihood [1]_),
+and told badly: the rise must be too large for every share that these contrasts leave possible at 70 %, in both models
+(the largest chance over a confidence set, after [2]_). So a random walk of the rate is no drift: only what is smoother
+than it, as warm-up and temperature are. False alarms are one in a hundred at most, in the worst random walk
+(simulated), and fewer elsewhere. Where more than half of the rise falls in the first third, warm-up is likely.
+
+References
+----------
+.. [1] D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320 (restricted maximum likelihood).
+.. [2] R. L. Berger and D. D. Boos, J. Am. Stat. Assoc. 89 (1994) 1012 (P values over a confidence set).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy import special
+
+from ..core.estimate import Array
+from ..core.remarks import Remark
+from ..core.rounding import number
+from ..statistics.slow_noise import flicker_covariance
+
+DEGREE = 3  # of the curve
+SMOOTH = 4  # of what is too smooth to tell of noise
+LEAST = 16  # contrasts beyond, from which noise is told
+ROUNDING = 1e-15  # of a contrast of equal means, relative to their size and number
+SHARES = np.geomspace(1e-3, 1e9, 121)  # of slow noise, in its largest contrast, over that of white noise
+POSSIBLE = 0.5 * float(special.chdtri(1.0, 0.3))  # rise of the cost within which a share is possible
+BLOCKS = 64  # of which drift is told
+FILLED = 0.5  # part of a block that must have values
+EARLY = 0.5  # of the rise, in the first third, from which warm-up is named
+FALSE_ALARM = 0.01  # of drift, an axis
+
+
+@dataclass(frozen=True)
+class Drift:
+    """A smooth curve through one axis.
+
+    Parameters
+    ----------
+    axis : int
+        Which.
+    rise, u : float
+        From the first to the last block, and its standard uncertainty from noise, rather too large than too small
+        [unit].
+    chance : float
+        Probability that noise shows such a rise.
+    early : float
+        Part of the rise that falls in the first third.
+    """
+
+    axis: int
+    rise: float
+    u: float
+    chance: float
+    early: float
+
+    @property
+    def found(self) -> bool:
+        """Whether it is more than noise."""
+        return self.chance < FALSE_ALARM
+
+    @property
+    def warms(self) -> bool:
+        """Whether most of it falls early."""
+        return self.early > EARLY
+
+    def remark(self, name: str, times: float = 1.0, unit: str = "", early: str = "the start") -> Remark:
+        """Return what is said of it.
+
+        Parameters
+        ----------
+        name : str
+            Of the axis.
+        times, unit : float, str
+            Unit in which the rise is said, and how many there are in one of the samples.
+        early : str
+            How much to leave out of a warm-up.
+        """
+        rise = f"{number(float(number(self.rise * times, 3)))} {unit}".rstrip()  # -1430, not -1.43e+03
+        what = f"{name}: drifts by {rise} over the record, more than its slow noise explains"
+        if self.warms:
+            do = f"Leave the warm-up out, say {early}, and compare"
+            return Remark("warm_up", "warning", f"{what}, most of it early: the sensor warms up", do=do)
+        do = "Slow terms may be drift: look at temperature, or read them off a Hadamard deviation"
+        return Remark("drift", "warning", what, do=do)
+
+
+def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
+    """Return the curve through the block means of one axis; nothing where there are too few, or they do not scatter.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,)
+        Evenly spaced, NaN where a sample is missing.
+    axis : int
+        Which.
+    interval : float
+        From sample to sample [s].
+    """
+    size = len(x) // BLOCKS
+    if size < 1:
+        return ()
+    cut = x[: size * BLOCKS].reshape(BLOCKS, size)
+    good = np.isfinite(cut)
+    kept = good.sum(axis=1) >= FILLED * size
+    means = np.where(good, cut, 0.0).sum(axis=1)[kept] / good.sum(axis=1)[kept]
+    place = (np.arange(BLOCKS)[kept] + 0.5) / BLOCKS
+    smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
+    design = smooth[:, : DEGREE + 1]
+    if len(means) - SMOOTH - 1 < LEAST:
+        return ()
+    level = np.linalg.qr(smooth, mode="complete")[0][:, SMOOTH + 1 :].T @ means
+    if not np.sum(level**2) > (ROUNDING * len(means)) ** 2 * np.sum(means**2):
+        return ()
+    third = int(np.argmin(np.abs(place - 1.0 / 3.0)))
+    curve = design @ np.linalg.pinv(design)  # means to the curve through them
+    weights = curve[-1] - curve[0]
+    rise, models = float(weights @ means), (flicker_covariance(place, 1.0 / BLOCKS), _of_walk(place, 1.0 / BLOCKS))
+    found = [_explained(rise, weights, means, smooth, model) for model in models]
+    u, chance = min(found)[1], max(one[2] for one in found)
+    early = float((curve[third] - curve[0]) @ means) / rise if rise else 0.0
+    return (Drift(axis, rise, u, chance, early),)
+
+
+def _of_walk(times: Array, length: float) -> Array:
+    """Return the generalised covariance of means over blocks of a random walk, -|t| / 2, shape (n, n)."""
+    lag = np.abs(np.subtract.outer(times, times))
+    ends = np.abs(lag + length) ** 3 + np.abs(lag - length) ** 3
+    return np.asarray((2.0 * lag**3 - ends) / (12.0 * length**2))
+
+
+def _explained(rise: float, weights: Array, means: Array, smooth: Array, model: Array) -> tuple[float, float, float]:
+    """Return how well white noise with slow noise of a model explains the means, and the rise.
+
+    Returns
+    -------
+    cost : float
+        Less is better.
+    u : float
+        Standard uncertainty of the rise, of the share of slow noise that explains the means best.
+    chance : float
+        Largest of such a rise, over all shares that explain them.
+    """
+    rest = np.linalg.qr(smooth, mode="complete")[0][:, smooth.shape[1] :]
+    sizes, axes = np.linalg.eigh(rest.T @ model @ rest)
+    share = np.concatenate([[0.0], SHARES]) / sizes.max()
+    shape = 1.0 + share[:, None] * np.maximum(sizes, 0.0)
+    squares = (axes.T @ rest.T @ means) ** 2
+    level = np.mean(squares / shape, axis=1)
+    cost = 0.5 * (np.sum(np.log(shape), axis=1) + len(squares) * np.log(level))
+    u = np.sqrt(level * (weights @ weights + share * max(float(weights @ model @ weights), 0.0)))
+    best = int(np.argmin(cost))
+    there = u[cost <= cost[best] + POSSIBLE]
+    return float(cost[best]), float(u[best]), 2.0 * float(special.stdtr(len(squares), -abs(rise) / there.max()))

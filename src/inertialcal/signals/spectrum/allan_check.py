@@ -1,0 +1,247 @@
+"""Allan variance from a spectrum, and whether a measured one agrees with it.
+
+Means over m samples next to each other have the Allan variance [1]_::
+
+    avar(m) = integral from 0 to 1/(2 dt) of S(f) 2 sin^4(pi f m dt) / (m sin(pi f dt))^2 df
+
+exactly, for the one-sided density S of the samples as they are, whatever their averaging time. Below the lowest
+frequency of the spectrum the density is continued with the slope that its lowest values have; where that part is more
+than a tenth the spectrum cannot tell, and the time is not compared.
+
+The test. Both variances are about chi-square over their degrees of freedom, so their ratio is compared with Fisher's F,
+at the false-alarm probability divided by the number of times (Bonferroni). Both come from one record and share its
+noise: the test is then on the safe side, false alarms are rarer than stated. An allowance covers what the smoothing by
+the window does to a steep spectrum.
+
+References
+----------
+.. [1] J. A. Barnes et al., IEEE Trans. Instrum. Meas. IM-20 (1971) 105-120, eq. (23) for means of samples.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...core.rounding import number
+from ...core.tables import Grid, Part, html, text
+from .density import Spectrum
+
+MOST_CONTINUED = 0.1  # of the variance, from below the lowest frequency
+SLOPE = (-2.5, 1.0)  # that a continued spectrum may have
+LOWEST = 16  # values that give the slope
+ALLOWED = 0.05  # relative difference of the variances that is no disagreement
+
+
+class AllanCurve(Protocol):
+    """What a measured Allan deviation must tell: times [s], deviations and degrees of freedom (k, axes)."""
+
+    @property
+    def tau(self) -> Array:
+        """Averaging times [s], shape (k,)."""
+
+    @property
+    def deviation(self) -> Array:
+        """Allan deviations, shape (k, axes)."""
+
+    @property
+    def edf(self) -> Array:
+        """Equivalent degrees of freedom of the variances, shape (k, axes)."""
+
+
+@dataclass(frozen=True, eq=False)
+class SpectralAllan:
+    """Allan deviation that a spectrum means.
+
+    Parameters
+    ----------
+    tau : ndarray, shape (k,)
+        Averaging times [s].
+    deviation, edf : ndarray, shape (k, axes)
+        Deviation [unit], and equivalent degrees of freedom of its square.
+    continued : ndarray, shape (k, axes)
+        Part of the variance from below the lowest frequency of the spectrum.
+    """
+
+    tau: Array
+    deviation: Array
+    edf: Array
+    continued: Array
+
+
+def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
+    """Return the Allan deviation that a spectrum means.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of rates or accelerations, lines included.
+    tau : ndarray, shape (k,)
+        Averaging times, whole multiples of the sample interval [s].
+
+    Raises
+    ------
+    DataError
+        If a time is no whole multiple of the sample interval.
+    """
+    times = np.asarray(tau, dtype=np.float64)
+    m = np.round(times / spectrum.interval)
+    if np.any(m < 1) or np.any(np.abs(m * spectrum.interval - times) > 1e-6 * times):
+        raise DataError(
+            f"averaging times {times} s are not all whole multiples of {spectrum.interval:g} s",
+            do="Give multiples of the sample interval",
+            code="bad_taus",
+        )
+    below = _continued(spectrum)
+    variance, edf, share = (np.empty((len(m), spectrum.density.shape[1])) for _ in range(3))
+    for i, size in enumerate(m):
+        inside, edf[i] = spectrum.summed(_response(spectrum, float(size)) * spectrum.spacing)
+        outside = below * (size * spectrum.interval) ** 2
+        variance[i] = inside + outside
+        with np.errstate(invalid="ignore"):
+            share[i] = outside / variance[i]
+    return SpectralAllan(times, np.sqrt(variance), edf, share)
+
+
+def _response(spectrum: Spectrum, m: float) -> Array:
+    """Allan variance at m samples of a unit density at each frequency."""
+    angle = np.pi * spectrum.frequency * spectrum.interval
+    return np.asarray(2.0 * np.sin(m * angle) ** 4 / (m * np.sin(angle)) ** 2)
+
+
+def _continued(spectrum: Spectrum) -> Array:
+    """Variance from below the lowest frequency, for an averaging time of 1 s, shape (axes,)."""
+    few = min(LOWEST, len(spectrum.frequency))
+    place = np.log(spectrum.frequency[:few])
+    edge = float(spectrum.frequency[0]) - 0.5 * spectrum.spacing
+    found = np.zeros(spectrum.density.shape[1])
+    for axis in range(len(found)):
+        density = spectrum.density[:few, axis]
+        if np.all(density > 0.0):
+            slope = float(np.clip(np.polyfit(place, np.log(density), 1)[0], *SLOPE))
+            there = float(np.exp(np.mean(np.log(density)) + slope * (np.log(edge) - np.mean(place))))
+            found[axis] = 2.0 * np.pi**2 * there * edge**3 / (3.0 + slope)
+    return found
+
+
+@dataclass(frozen=True, eq=False)
+class Agreement:
+    """A measured Allan deviation beside the one that the spectrum means.
+
+    Parameters
+    ----------
+    tau : ndarray, shape (k,)
+        Times compared [s].
+    ratio : ndarray, shape (k, axes)
+        Measured deviation over that of the spectrum; NaN where not compared.
+    chance : ndarray, shape (k, axes)
+        Probability of a variance ratio so far from 1, beyond the allowance; NaN where not compared.
+    agree : ndarray of bool, shape (axes,)
+        False where any time disagrees.
+    compared : int
+        Time and axis pairs compared.
+    false_alarm : float
+        Largest probability, an axis, of a disagreement between consistent figures.
+    """
+
+    tau: Array
+    ratio: Array
+    chance: Array
+    agree: NDArray[np.bool_]
+    compared: int
+    false_alarm: float
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """One remark an axis that disagrees, or one if nothing could be compared."""
+        if not self.compared:
+            what = "no averaging time is short enough to compare Allan deviation and spectrum"
+            return (Remark("allan_not_compared", "info", what, do="Give longer segments of the spectrum"),)
+        found = []
+        for axis in np.flatnonzero(~self.agree):
+            worst = int(np.nanargmin(self.chance[:, axis]))
+            what = (
+                f"axis {axis}: the Allan deviation at {number(float(self.tau[worst]), 4)} s is "
+                f"{number(float(self.ratio[worst, axis]), 4)} times what the spectrum means"
+            )
+            do = "Look for gaps, a wrong sample interval, a disturbance or drift in the record"
+            found.append(Remark("allan_spectrum_disagree", "warning", what, do=do))
+        return tuple(found)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a time."""
+        heads = ("tau [s]", *(f"ratio {axis}" for axis in range(len(self.agree))))
+        rows = [
+            (number(float(t), 4), *(number(float(r), 4) for r in row))
+            for t, row in zip(self.tau, self.ratio, strict=True)
+            if np.isfinite(row).any()
+        ]
+        words = ", ".join(f"axis {axis}: {'agree' if ok else 'DISAGREE'}" for axis, ok in enumerate(self.agree))
+        caption = (
+            f"Allan deviation over that of the spectrum: {words} "
+            f"({self.compared} compared, F test with false-alarm probability {self.false_alarm:g} an axis)"
+        )
+        return (Grid(heads, rows, caption, tuple(range(len(heads)))),)
+
+    def __str__(self) -> str:
+        """Return a table with a row a time."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())
+
+
+def compare_allan(spectrum: Spectrum, curve: AllanCurve, false_alarm: float = 0.01) -> Agreement:
+    """Test whether a measured Allan deviation agrees with the spectrum.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        Of the same record, of rates or accelerations.
+    curve : AllanCurve
+        Measured, overlapping or not.
+    false_alarm : float
+        Probability, an axis, that consistent figures are said to disagree: at most this much.
+
+    Returns
+    -------
+    Agreement
+        Of every time at which the spectrum can tell.
+
+    Raises
+    ------
+    DataError
+        If the axes differ in number, or a time is no whole multiple of the sample interval.
+    PlanError
+        If the probability is not between 0 and 1.
+    """
+    if not 0.0 < false_alarm < 1.0:
+        raise PlanError(f"false_alarm {false_alarm:g}, need a probability between 0 and 1")
+    if np.shape(curve.deviation)[1:] != spectrum.density.shape[1:]:
+        shapes = f"{np.shape(curve.deviation)[1:]} and {spectrum.density.shape[1:]}"
+        raise DataError(f"Allan deviation and spectrum have different axes: {shapes}")
+    meant = allan_of_spectrum(spectrum, curve.tau)
+    usable = (meant.continued < MOST_CONTINUED) & np.isfinite(curve.deviation) & (curve.edf > 0.0)
+    usable &= (meant.deviation > 0.0) & np.isfinite(meant.edf)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        ratio = np.where(usable, curve.deviation / meant.deviation, np.nan)
+        nearer = np.clip(ratio**2, 1.0 - ALLOWED, 1.0 + ALLOWED)
+        scaled = ratio**2 / nearer
+        chance = 2.0 * np.minimum(
+            special.fdtrc(curve.edf, meant.edf, scaled), special.fdtr(curve.edf, meant.edf, scaled)
+        )
+    inside = usable & (nearer == ratio**2)
+    chance = np.where(usable, np.where(inside, 1.0, np.minimum(chance, 1.0)), np.nan)
+    tested = np.maximum(usable.sum(axis=0), 1)
+    agree = ~np.any(chance < false_alarm / tested, axis=0)
+    return Agreement(meant.tau, ratio, chance, agree, int(usable.sum()), false_alarm)

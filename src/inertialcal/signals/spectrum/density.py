@@ -1,0 +1,209 @@
+"""Spectrum: a one-sided spectral density with its equivalent degrees of freedom, intervals and remarks."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.frames import frame
+from ...core.remarks import Remark
+from ...core.result_tables import dof, told
+from ...core.rounding import number
+from ...core.tables import Grid, Part, html, text
+
+Method = Literal["welch", "multitaper"]
+
+PER_DECADE = 3  # rows shown of a decade
+
+
+@dataclass(frozen=True, eq=False)
+class Spectrum:
+    """One-sided spectral density of one or several axes.
+
+    Parameters
+    ----------
+    frequency : ndarray, shape (k,)
+        Ascending and equally spaced, above 0 and below half of the sampling frequency [Hz].
+    density : ndarray, shape (k, axes)
+        One-sided, of the samples as they are [unit^2/Hz].
+    edf : float
+        Equivalent degrees of freedom of each value: it is distributed about as chi-square of so many, over them.
+    neighbours : ndarray, shape (j,)
+        Correlation of two values that lie 0, 1, ... spacings apart, in noise of a level spectrum.
+    lobe : int
+        Half width, in spacings, of the peak that a line makes.
+    enbw : float
+        Equivalent noise bandwidth of the window [Hz].
+    interval : float
+        From sample to sample [s].
+    segment : int
+        Samples of each segment.
+    segments : int
+        Segments averaged.
+    used, missing : int
+        Samples that lie in a segment; samples without a value in at least one axis.
+    method : {"welch", "multitaper"}
+        Of estimation.
+    p : float
+        Probability of the intervals ``lo`` to ``hi``.
+    remarks : tuple of Remark
+        What was left out, and axes that do not vary.
+    """
+
+    frequency: Array
+    density: Array
+    edf: float
+    neighbours: Array
+    lobe: int
+    enbw: float
+    interval: float
+    segment: int
+    segments: int
+    used: int
+    missing: int
+    method: Method
+    p: float = 0.6827
+    remarks: tuple[Remark, ...] = ()
+
+    @property
+    def spacing(self) -> float:
+        """From one frequency to the next [Hz]."""
+        return 1.0 / (self.segment * self.interval)
+
+    @property
+    def lo(self) -> Array:
+        """Lower ends of the intervals, shape (k, axes)."""
+        return self.interval_of(self.p)[0]
+
+    @property
+    def hi(self) -> Array:
+        """Upper ends of the intervals, shape (k, axes)."""
+        return self.interval_of(self.p)[1]
+
+    def interval_of(self, p: float) -> tuple[Array, Array]:
+        """Return both ends of the interval of probability ``p`` of each value, equal tails.
+
+        Raises
+        ------
+        PlanError
+            If ``p`` is not between 0 and 1.
+        """
+        if not 0.0 < p < 1.0:
+            raise PlanError(f"probability {p}", do="Need more than 0 and less than 1, such as 0.95")
+        tail = 0.5 * (1.0 - p)
+        largest, smallest = special.chdtri(self.edf, tail), special.chdtri(self.edf, 1.0 - tail)
+        return self.density * (self.edf / largest), self.density * (self.edf / smallest)
+
+    def smoothed(self, per_decade: int = 20) -> tuple[Array, Array, Array]:
+        """Return means over bands of equal width on a logarithmic axis, as a figure shows them.
+
+        Parameters
+        ----------
+        per_decade : int
+            Bands in a decade; a band holds one value at least.
+
+        Returns
+        -------
+        frequency : ndarray, shape (b,)
+            Mean frequency of each band [Hz].
+        density : ndarray, shape (b, axes)
+            Mean density.
+        edf : ndarray, shape (b,)
+            Equivalent degrees of freedom of the mean, where the spectrum is level across the band.
+
+        Raises
+        ------
+        PlanError
+            If fewer than one band is asked for.
+        """
+        if per_decade < 1:
+            raise PlanError(f"{per_decade} bands a decade, need 1 or more")
+        band = np.floor(np.log10(self.frequency / self.frequency[0]) * per_decade + 1e-9)
+        start = np.flatnonzero(np.diff(band, prepend=-1.0))
+        size = np.diff(np.append(start, len(band)))
+        mean = np.add.reduceat(self.density, start, axis=0) / size[:, None]
+        edf = self.edf * size**2 / np.array([self._pairs(n) for n in size])
+        return np.add.reduceat(self.frequency, start) / size, mean, edf
+
+    def _pairs(self, n: int) -> float:
+        """Sum of the correlations of n neighbouring values, each with each."""
+        lag = np.arange(1, min(n, len(self.neighbours)))
+        return float(n + 2.0 * np.sum((n - lag) * self.neighbours[lag]))
+
+    def summed(self, weights: Array) -> tuple[Array, Array]:
+        """Return weighted sums over frequency and their equivalent degrees of freedom, both shape (axes,).
+
+        Parameters
+        ----------
+        weights : ndarray, shape (k,)
+            Not negative.
+        """
+        parts = weights[:, None] * self.density
+        spread = np.sum(parts**2, axis=0)
+        for lag in range(1, min(len(self.neighbours), len(parts))):
+            spread += 2.0 * self.neighbours[lag] * np.sum(parts[lag:] * parts[:-lag], axis=0)
+        total = parts.sum(axis=0)
+        with np.errstate(invalid="ignore"):
+            return total, np.asarray(self.edf * total**2 / spread)
+
+    def without(self, lines: NDArray[np.bool_]) -> Spectrum:
+        """Return the spectrum with some values taken out of one axis and bridged, for a fit of the noise alone.
+
+        Parameters
+        ----------
+        lines : ndarray of bool, shape (k, axes)
+            Values that are no noise; each is replaced by the straight line between its neighbours, on logarithmic axes.
+
+        Raises
+        ------
+        DataError
+            If the marks have another shape, or nothing is left of an axis.
+        """
+        if lines.shape != self.density.shape or np.any(lines.all(axis=0)):
+            raise DataError(f"marks of shape {lines.shape} for values of shape {self.density.shape}, or all marked")
+        density, place = self.density.copy(), np.log(self.frequency)
+        for axis in range(density.shape[1]):
+            out = lines[:, axis]
+            if out.any() and np.all(density[~out, axis] > 0.0):
+                level = np.log(density[~out, axis])
+                density[out, axis] = np.exp(np.interp(place[out], place[~out], level))
+        return replace(self, density=density)
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame: a row a frequency, columns ``density_0``, ``lo_0``, ``hi_0``, ... an axis."""
+        columns: dict[str, Any] = {"frequency": self.frequency}
+        lo, hi = self.lo, self.hi
+        for axis in range(self.density.shape[1]):
+            columns |= {f"density_{axis}": self.density[:, axis], f"lo_{axis}": lo[:, axis], f"hi_{axis}": hi[:, axis]}
+        return frame(columns)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: bands of a third of a decade, an axis a column."""
+        frequency, density, edf = self.smoothed(PER_DECADE)
+        axes = range(density.shape[1])
+        heads = ("f [Hz]", *(f"density {axis} [unit^2/Hz]" for axis in axes), "edf")
+        rows = [
+            (number(f, 4), *(number(float(value), 4) for value in row), dof(float(e)))
+            for f, row, e in zip(frequency, density, edf, strict=True)
+        ]
+        caption = (
+            f"spectrum ({self.method}): {self.segments} segment(s) of {self.segment * self.interval:.6g} s, "
+            f"{number(self.edf, 3)} degrees of freedom a value, every {self.spacing:.3g} Hz; means over bands"
+        )
+        return (Grid(heads, rows, caption, tuple(range(len(heads)))), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return a table of bands."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())

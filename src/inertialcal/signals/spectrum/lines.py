@@ -1,0 +1,274 @@
+"""Lines of a spectrum: what stands out of the noise around it, by a test with a stated false-alarm probability.
+
+Each value is compared with the level of the noise around it: under noise alone the ratio follows Fisher's F, with the
+degrees of freedom of the value and of the level. It is tested at the false-alarm probability divided by the number of
+values tested (Bonferroni), so that a record of noise alone shows any line at all with no more than that probability.
+Values that stand out are marked, the level is taken again without them, until nothing changes. Marked values next to
+each other are one finding: a *line* if nearly all of its power lies in a peak as wide as a line makes, else *broad*: a
+resonance, or a line that wanders.
+
+Assumed: noise whose spectrum is smooth over a few dozen values. What it cannot do: find a line below the lowest tested
+frequency (stated), tell two lines closer than the width of a peak apart, or a line from a spectrum steeper than the
+window's side lobes fall.
+
+References
+----------
+.. [1] D. B. Percival and A. T. Walden, Spectral Analysis for Physical Applications, Cambridge, 1993, chapter 10.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from ...core.errors import PlanError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...core.rounding import number, with_uncertainty
+from ...core.tables import Grid, Part, html, text
+from .background import Background, background_of
+from .density import Spectrum
+
+Flags = NDArray[np.bool_]
+
+ROUNDS = 20
+IN_PEAK = 0.9  # of the power of a finding, that a line has in its peak
+MOST_HARMONIC = 50
+
+
+@dataclass(frozen=True)
+class Line:
+    """One finding.
+
+    Parameters
+    ----------
+    name : str
+        ``"9.97 Hz"``, or ``"3 x 9.97 Hz"`` for a multiple of a lower one.
+    axis : int
+        In which axis.
+    kind : {"line", "broad"}
+        Whether it is as narrow as a line.
+    frequency, u_frequency : float
+        Centre of its power, and the standard uncertainty of that [Hz].
+    width : float
+        From its first to its last value that stands out [Hz].
+    amplitude, u_amplitude : float
+        Of the sine of the same power [unit].
+    ratio : float
+        Largest density over the level of the noise.
+    chance : float
+        Probability that noise alone shows such a ratio anywhere in the spectrum (at most 1).
+    """
+
+    name: str
+    axis: int
+    kind: Literal["line", "broad"]
+    frequency: float
+    u_frequency: float
+    width: float
+    amplitude: float
+    u_amplitude: float
+    ratio: float
+    chance: float
+
+
+@dataclass(frozen=True, eq=False)
+class Lines:
+    """All findings, and what was tested.
+
+    Parameters
+    ----------
+    found : tuple of Line
+        By axis and frequency.
+    marked : ndarray of bool, shape (k, axes)
+        Values of the spectrum that belong to a finding, its flanks included.
+    false_alarm : float
+        Probability, an axis, that noise alone shows any finding.
+    tested : tuple of float
+        Lowest and highest frequency tested [Hz]; NaN where the spectrum has too few values to test any.
+    """
+
+    found: tuple[Line, ...]
+    marked: Flags
+    false_alarm: float
+    tested: tuple[float, float]
+
+    def __len__(self) -> int:
+        return len(self.found)
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """One remark a finding; or that nothing could be tested."""
+        if not np.isfinite(self.tested[0]):
+            what = "the spectrum has too few frequencies to tell lines from noise"
+            return (Remark("lines_not_tested", "info", what, do="Record longer, or give longer segments"),)
+        do = "Find its source, or name it in the fit: a term fitted across it is wrong"
+        texts = [
+            f"{'line' if line.kind == 'line' else 'broad peak'} in axis {line.axis} at {line.name}, amplitude "
+            f"{number(line.amplitude, 3)}, {number(line.ratio, 3)} times the noise around it"
+            for line in self.found
+        ]
+        return tuple(Remark("line", "warning", what, do=do) for what in texts)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a finding."""
+        heads = ("name", "axis", "kind", "frequency [Hz]", "amplitude", "over noise", "chance")
+        rows = [
+            (line.name, str(line.axis), line.kind, with_uncertainty(line.frequency, line.u_frequency),
+             with_uncertainty(line.amplitude, line.u_amplitude), number(line.ratio, 3), number(line.chance, 2))
+            for line in self.found
+        ]  # fmt: skip
+        low, high = self.tested
+        caption = (
+            f"{len(rows)} line(s) between {low:.3g} and {high:.6g} Hz; false-alarm probability {self.false_alarm:g} "
+            "an axis"
+            if np.isfinite(low)
+            else "too few frequencies to tell lines from noise"
+        )
+        return (Grid(heads, rows, caption, (3, 4, 5, 6)),) if rows else (caption,)
+
+    def __str__(self) -> str:
+        """Return a table with a row a finding."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())
+
+
+def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
+    """Find lines and broad peaks that stand out of the noise.
+
+    Parameters
+    ----------
+    spectrum : Spectrum
+        From ``psd``; long segments show weak lines, short ones broad peaks.
+    false_alarm : float
+        Probability, an axis, that noise alone shows any line.
+
+    Returns
+    -------
+    Lines
+        With marks for ``Spectrum.without``.
+
+    Raises
+    ------
+    PlanError
+        If the probability is not between 0 and 1.
+    """
+    if not 0.0 < false_alarm < 1.0:
+        raise PlanError(f"false_alarm {false_alarm:g}, need a probability between 0 and 1")
+    found: list[Line] = []
+    marked = np.zeros(spectrum.density.shape, dtype=bool)
+    tested = (np.inf, 0.0)
+    for axis in range(spectrum.density.shape[1]):
+        if not np.all(spectrum.density[:, axis] > 0.0):
+            continue
+        at, level = _standing_out(spectrum, axis, false_alarm)
+        known = spectrum.frequency[np.isfinite(level.level)]
+        if len(known):
+            tested = (min(tested[0], float(known[0])), max(tested[1], float(known[-1])))
+        here = [_measured(spectrum, axis, level, a, b) for a, b in _runs(at, spectrum.lobe)]
+        found += _named(here, spectrum.spacing)
+        marked[:, axis] = _widened(at, spectrum.lobe)
+    low, high = tested if tested[1] > 0.0 else (np.nan, np.nan)
+    return Lines(tuple(found), marked, false_alarm, (low, high))
+
+
+def _chances(spectrum: Spectrum, axis: int, level: Background) -> Array:
+    """Probability that noise shows such a ratio at one value; NaN where there is no level."""
+    ratio = spectrum.density[:, axis] / level.level
+    return np.asarray(special.fdtrc(spectrum.edf, level.dof, ratio))
+
+
+def _standing_out(spectrum: Spectrum, axis: int, false_alarm: float) -> tuple[Flags, Background]:
+    """Values that stand out, and the level of the noise without them."""
+    marked = np.zeros(len(spectrum.frequency), dtype=bool)
+    level = background_of(spectrum, axis, marked)
+    tested = max(1, int(np.count_nonzero(np.isfinite(level.level))))
+    for _ in range(ROUNDS):
+        with np.errstate(invalid="ignore"):
+            now = marked | (_chances(spectrum, axis, level) < false_alarm / tested)
+        if np.array_equal(now, marked) or _widened(now, spectrum.lobe).all():
+            break
+        marked = now
+        again = background_of(spectrum, axis, _widened(marked, spectrum.lobe))
+        there = np.isfinite(again.level)  # too few neighbours are left beside many lines
+        level = Background(np.where(there, again.level, level.level), np.where(there, again.dof, level.dof))
+    with np.errstate(invalid="ignore"):
+        return marked & (_chances(spectrum, axis, level) < false_alarm / tested), level
+
+
+def _widened(marked: Flags, by: int) -> Flags:
+    """Values at most ``by`` away from a marked one."""
+    return np.asarray(np.convolve(marked, np.ones(2 * by + 1), "same") > 0.5)
+
+
+def _runs(marked: Flags, lobe: int) -> list[tuple[int, int]]:
+    """Return runs [first, stop) of marked values; what is nearer than a peak is wide is one."""
+    at = np.flatnonzero(marked)
+    if not len(at):
+        return []
+    new = np.flatnonzero(np.diff(at) > lobe)
+    first, last = at[np.concatenate(([0], new + 1))], at[np.concatenate((new, [len(at) - 1]))]
+    return [(int(a), int(b) + 1) for a, b in zip(first, last, strict=True)]
+
+
+def _measured(spectrum: Spectrum, axis: int, level: Background, first: int, stop: int) -> Line:
+    """Frequency, amplitude and kind of a run of values that stand out."""
+    density, lobe = spectrum.density[:, axis], spectrum.lobe
+    a, b = max(0, first - lobe), min(len(density), stop + lobe)
+    noise = np.where(np.isfinite(level.level[a:b]), level.level[a:b], density[a:b])
+    excess = density[a:b] - noise
+    if excess.sum() < excess.max():  # the flanks lie below the noise by chance
+        excess = np.maximum(excess, 0.0)
+    power = float(excess.sum()) * spectrum.spacing
+    frequency = float(np.sum(excess * spectrum.frequency[a:b]) / excess.sum())
+    centre = int(np.argmin(np.abs(spectrum.frequency[a:b] - frequency)))
+    centred = float(excess[max(0, centre - lobe) : centre + lobe + 1].sum()) * spectrum.spacing
+    kind: Literal["line", "broad"] = "line" if centred >= IN_PEAK * power else "broad"
+    offset = spectrum.frequency[a:b] - frequency
+    u_power, moment = _scatter(spectrum, density[a:b], noise, np.stack((np.ones(b - a), offset)))
+    at = first + int(np.argmax(density[first:stop]))
+    tested = np.count_nonzero(np.isfinite(level.level))
+    ratio = float(density[at] / level.level[at])
+    chance = float(special.fdtrc(spectrum.edf, level.dof[at], ratio)) * tested
+    return Line(
+        "", axis, kind, frequency, moment / power, (stop - first) * spectrum.spacing,
+        float(np.sqrt(2.0 * power)), u_power / float(np.sqrt(2.0 * power)), ratio, min(1.0, chance),
+    )  # fmt: skip
+
+
+def _scatter(spectrum: Spectrum, density: Array, noise: Array, weights: Array) -> tuple[float, float]:
+    """Return standard deviations of weighted powers of a run: noise alone, and noise that beats with the line.
+
+    A value of a line's density ``L`` in noise ``N`` scatters with variance ``2 (2 L N + N^2) / edf``; values beat
+    together within a peak.
+    """
+    lag = np.arange(len(density))
+    near = np.concatenate((spectrum.neighbours, np.zeros(len(density))))[np.abs(lag[:, None] - lag)]
+    line = np.maximum(density - noise, 0.0)
+    single = np.sqrt(2.0 * (2.0 * line * noise + noise**2) / spectrum.edf)
+    spread = [float(np.sqrt((w * single) @ np.sqrt(near) @ (w * single))) for w in weights]
+    return spread[0] * spectrum.spacing, spread[1] * spectrum.spacing
+
+
+def _named(lines: list[Line], spacing: float) -> list[Line]:
+    """Name the lines by their frequency, those at a multiple of a lower one by that."""
+    named: list[Line] = []
+    for line in lines:
+        name = f"{number(line.frequency, 4)} Hz"
+        for lower in named:
+            order = round(line.frequency / lower.frequency)
+            apart = abs(line.frequency - order * lower.frequency)
+            if " x " not in lower.name and 2 <= order <= MOST_HARMONIC and apart < 0.25 * order * spacing:
+                name = f"{order} x {lower.name}"
+                break
+        named.append(replace(line, name=name))
+    return named

@@ -1,0 +1,176 @@
+"""Spectral density by Welch's method or by several orthogonal tapers, of a record that may have gaps.
+
+The record is cut into equally long segments, laid into the stretches without a missing sample; each segment has its
+mean removed. What fits into no segment is counted and remarked. Nothing is interpolated or resampled.
+
+``"welch"``: Hann window, segments overlapping by half. ``"multitaper"``: Slepian tapers, segments side by side, for
+short records: a lower variance from one segment, at the price of broader lines.
+
+References
+----------
+.. [1] P. D. Welch, IEEE Trans. Audio Electroacoustics AU-15 (1967) 70-73.
+.. [2] D. J. Thomson, Proc. IEEE 70 (1982) 1055-1096.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import fft
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from .density import Method, Spectrum
+from .stretches import Indices, Stretches, stretches_of
+from .tapers import Tapers, correlations, hann, slepian, usable
+
+SHORTEST = 32  # samples of a segment; under several tapers by half the time bandwidth more
+PARTS = 8  # of a record, in the length of a segment, by default
+LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
+HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
+AT_ONCE = 2**22  # samples transformed together: bounds the memory
+CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
+
+
+def psd(
+    x: NDArray[Any],
+    interval: float,
+    method: Method = "welch",
+    *,
+    segment: int | None = None,
+    time_bandwidth: float = 4.0,
+    p: float = 0.6827,
+) -> Spectrum:
+    """Return the one-sided spectral density of a sampled signal, with degrees of freedom and intervals.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n,) or (n, axes)
+        Evenly spaced samples, NaN where one is missing [unit]. Angles or increments are to be made rates first.
+    interval : float
+        From sample to sample [s].
+    method : {"welch", "multitaper"}
+        See the module head.
+    segment : int, optional
+        Samples of each segment. By default an eighth of the record with Welch's method, the longest stretch
+        without a gap up to 65,536 samples with several tapers; shorter if gaps leave too few segments so long.
+    time_bandwidth : float
+        Of the Slepian tapers: half their bandwidth times their length, 2 to 32; ``2 NW - 2`` of them are used.
+    p : float
+        Probability of the intervals.
+
+    Returns
+    -------
+    Spectrum
+        Density [unit^2/Hz] of each axis.
+
+    Raises
+    ------
+    DataError
+        ``bad_interval``, ``bad_shape``, ``too_short`` (fewer samples than a segment needs: 32, or 16 times
+        the time bandwidth), ``gaps`` (no segment
+        without a gap).
+    PlanError
+        If method, segment, time bandwidth or probability are out of range.
+    """
+    values = _checked(x, interval, method, time_bandwidth, p)
+    gaps = stretches_of(values)
+    shortest = SHORTEST if method == "welch" else int(np.ceil(0.5 * SHORTEST * time_bandwidth))
+    length = _length(len(values), gaps, method, segment, shortest)
+    tapers = hann(length) if method == "welch" else slepian(length, float(time_bandwidth))
+    starts = gaps.starts(length, tapers.step)
+    density = _averaged(values, starts, tapers, interval)
+    edf, neighbours = correlations(tapers, starts)
+    first, stop = usable(tapers)
+    used = sum(int(one[-1] - one[0]) + length for one in starts)
+    frequency = np.arange(first, stop) / (length * interval)
+    return Spectrum(
+        frequency, density[first:stop], edf, neighbours, tapers.lobe, tapers.enbw / (length * interval), interval,
+        length, sum(len(one) for one in starts), used, gaps.missing, method, p, _remarks(values, gaps, used, length),
+    )  # fmt: skip
+
+
+def _checked(x: NDArray[Any], interval: float, method: str, time_bandwidth: float, p: float) -> Array:
+    if method not in {"welch", "multitaper"}:
+        raise PlanError(f"method {method!r}", do="There are 'welch' and 'multitaper'")
+    if not 2.0 <= time_bandwidth <= 32.0:
+        raise PlanError(f"time_bandwidth {time_bandwidth}, need 2 to 32")
+    if not 0.0 < p < 1.0:
+        raise PlanError(f"probability {p}", do="Need more than 0 and less than 1, such as 0.95")
+    if not (np.isfinite(interval) and interval > 0.0):
+        raise DataError(f"a sample interval of {interval} s", do="It must be positive", code="bad_interval")
+    values = np.asarray(x, dtype=np.float64)
+    values = values[:, None] if values.ndim == 1 else values
+    if values.ndim != 2 or not values.shape[1]:
+        raise DataError(f"a signal of shape {np.shape(x)}, need (n,) or (n, axes)", code="bad_shape")
+    return values
+
+
+def _length(n: int, gaps: Stretches, method: Method, segment: int | None, shortest: int) -> int:
+    """Return the samples of a segment: the one asked for, or a default that fits, and is fast to transform."""
+    longest = gaps.longest
+    if longest < shortest:
+        raise DataError(
+            f"{n} samples, at most {longest} in a row without a gap: a spectrum needs {shortest}",
+            why=f"{gaps.missing} sample(s) are missing" if gaps.missing else "",
+            do="Record longer",
+            code="gaps" if n >= shortest else "too_short",
+        )
+    if segment is None:
+        return _fitting(n, gaps, n // PARTS if method == "welch" else LONGEST_TAPER, shortest)
+    if segment < shortest:
+        raise PlanError(f"segments of {segment} samples, need {shortest} or more")
+    if segment > longest:
+        raise DataError(
+            f"segments of {segment} samples, but at most {longest} samples in a row without a gap",
+            why="a segment across a gap has no spectrum",
+            do=f"Give a segment of {longest} samples or fewer",
+            code="gaps" if n >= segment else "too_short",
+        )
+    return segment
+
+
+def _fitting(n: int, gaps: Stretches, wanted: int, shortest: int) -> int:
+    """Halve the length wanted until most samples that are there lie in stretches that hold a segment."""
+    length = max(shortest, min(wanted, gaps.longest))
+    while length >= 2 * shortest and gaps.held(length) < HELD * (n - gaps.missing):
+        length //= 2
+    return max(shortest, int(fft.prev_fast_len(length, real=True)))
+
+
+def _averaged(values: Array, starts: list[Indices], tapers: Tapers, interval: float) -> Array:
+    """Mean of the one-sided densities of all segments under all tapers, shape (n // 2 + 1, axes).
+
+    Zero frequency and, of segments of even length, the highest one are doubled too: they are no part of a Spectrum.
+    """
+    count, length = tapers.weights.shape
+    total = np.zeros((values.shape[1], length // 2 + 1))
+    at_once = max(1, AT_ONCE // (length * values.shape[1]))
+    segments = np.lib.stride_tricks.sliding_window_view(values, length, axis=0)
+    for stretch in starts:
+        for group in np.split(stretch, np.arange(at_once, len(stretch), at_once)):
+            part = segments[group] - segments[group].mean(axis=2, keepdims=True)
+            for weights in tapers.weights:
+                turned = fft.rfft(part * weights, axis=2)
+                total += np.sum(turned.real**2 + turned.imag**2, axis=0)
+    return np.asarray(2.0 * interval / (count * sum(len(stretch) for stretch in starts)) * total.T)
+
+
+def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Remark, ...]:
+    found = []
+    left = len(values) - gaps.missing - used
+    if gaps.missing:
+        what = f"{gaps.missing} of {len(values)} samples are missing: segments lie between the gaps"
+        found.append(Remark("gaps", "info", what, count=max(1, len(gaps.start) - 1)))
+    if gaps.missing and left > used:
+        what = f"{left} samples between gaps fit into no segment of {length}; {used} are used"
+        found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
+    for axis in range(values.shape[1]):
+        column = values[np.isfinite(values[:, axis]), axis]
+        if np.ptp(column) <= CONSTANT * np.abs(column).max():
+            what = f"axis {axis} does not vary: it has no spectrum"
+            found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
+    return tuple(found)

@@ -1,0 +1,154 @@
+"""Least squares with an unknown offset in each group: power-up runs that start from levels of their own.
+
+Readings of a group share an offset of mean zero; beside it each has an error of its own, of variance one over its
+weight::
+
+    y = X b + offset of its group + error          variance of the offset = ratio * that of an error of weight 1
+
+The readings are whitened by group [1]_: from each, a part of the weighted mean of its group is taken, none where the
+ratio is 0, all of it where the ratio is large. With equal designs in all groups this changes nothing; where groups
+cover different parts of a range, it keeps their offsets from bending the curve. The ratio is found by restricted
+maximum likelihood [2]_. It only decides how the readings are weighed: the uncertainty is taken from what the groups
+disagree about (``clustered``), whatever the ratio.
+
+References
+----------
+.. [1] W. A. Fuller and G. E. Battese, J. Am. Stat. Assoc. 68 (1973) 626.
+.. [2] D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import optimize
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+from .least_squares import Fit, fit
+
+LOGS = (-4.0, 6.0)  # of ratio times the weight of a group, powers of ten that are searched
+ROUNDING = 1e-14  # of the sum of squares, below which residuals are none
+LARGEST = 1e300
+TOLERANCE = 0.1  # of the logarithm, in powers of ten
+
+
+@dataclass(frozen=True, eq=False)
+class Grouped:
+    """Weighted moments of design and readings, whole and of each of g groups.
+
+    Parameters
+    ----------
+    square : ndarray, shape (p + 1, p + 1)
+        Of design and readings side by side, about zero.
+    means : ndarray, shape (g, p + 1)
+        Weighted means of each group.
+    weights : ndarray, shape (g,)
+        Sum of the weights of each.
+    count : int
+        Readings.
+    """
+
+    square: Array
+    means: Array
+    weights: Array
+    count: int
+
+
+def fit_with_offsets(
+    design: Array, readings: Array, weights: Array, groups: NDArray[Any], names: Sequence[str] | None = None
+) -> Fit:
+    """Return the fit of readings whose groups have offsets of their own.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        A column a coefficient.
+    readings : ndarray, shape (n,)
+        In one unit.
+    weights : ndarray, shape (n,)
+        Relative: 1/variance up to a common factor.
+    groups : ndarray, shape (n,)
+        Label of the group of each reading.
+    names : sequence of str, optional
+        Of the columns, for messages.
+
+    Returns
+    -------
+    Fit
+        Of the whitened readings: its residuals are whitened ones. For `clustered_contrasts` with the same groups.
+
+    Raises
+    ------
+    DataError
+        As ``least_squares.fit``; or if a weight is not positive.
+    """
+    if weights.shape != readings.shape or not np.all(weights > 0.0):
+        raise DataError(f"weights of shape {weights.shape} for {readings.size} readings: need one above zero for each")
+    numbers = np.unique(groups, return_inverse=True)[1]
+    ratio = offset_ratio(_moments(design, readings, weights, numbers))
+    white = whitened(np.column_stack([design, readings]), weights, numbers, ratio)
+    return fit(white[:, :-1], white[:, -1], names=names)
+
+
+def whitened(columns: Array, weights: Array, numbers: NDArray[np.intp], ratio: float) -> Array:
+    """Return columns whose errors are independent and of one size, if the ratio is right, shape of ``columns``.
+
+    Parameters
+    ----------
+    columns : ndarray, shape (n, m)
+        Readings, or a design.
+    weights : ndarray, shape (n,)
+        Of the readings.
+    numbers : ndarray of int, shape (n,)
+        Number of the group of each, from 0.
+    ratio : float
+        Variance of an offset over that of a reading of weight 1.
+    """
+    total = np.bincount(numbers, weights)
+    means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
+    part = 1.0 - 1.0 / np.sqrt(1.0 + ratio * total)
+    return np.asarray(np.sqrt(weights)[:, None] * (columns - (part[:, None] * means)[numbers]))
+
+
+def offset_ratio(moments: Grouped) -> float:
+    """Return variance of the offsets over that of a reading of weight 1, of greatest restricted likelihood.
+
+    0 where there are fewer than two groups, or no more readings than coefficients.
+    """
+    if len(moments.weights) < 2 or moments.count <= moments.square.shape[0] - 1:
+        return 0.0
+    scale = float(np.mean(moments.weights))
+    found = optimize.minimize_scalar(
+        lambda q: _cost(moments, 10.0**q / scale), bounds=LOGS, method="bounded", options={"xatol": TOLERANCE}
+    )
+    return float(10.0**found.x / scale)
+
+
+def _cost(moments: Grouped, ratio: float) -> float:
+    """Twice the negative restricted log likelihood, up to a constant."""
+    grown = 1.0 + ratio * moments.weights
+    taken = moments.means * ((1.0 - 1.0 / grown) * moments.weights)[:, None]
+    square = moments.square - moments.means.T @ taken
+    p = len(square) - 1
+    sign, log_design = np.linalg.slogdet(square[:p, :p])
+    if sign <= 0.0:
+        return LARGEST
+    left = square[p, p] - square[p, :p] @ np.linalg.solve(square[:p, :p], square[:p, p])
+    left = max(float(left), ROUNDING * float(moments.square[p, p]), np.finfo(float).tiny)
+    return float(np.sum(np.log(grown)) + log_design + (moments.count - p) * np.log(left))
+
+
+def _moments(design: Array, readings: Array, weights: Array, numbers: NDArray[np.intp]) -> Grouped:
+    columns = np.column_stack([design, readings])
+    total = np.asarray(np.bincount(numbers, weights), dtype=np.float64)
+    means = _group_sums(columns * weights[:, None], numbers) / total[:, None]
+    return Grouped(columns.T @ (columns * weights[:, None]), means, total, len(readings))
+
+
+def _group_sums(columns: Array, numbers: NDArray[np.intp]) -> Array:
+    return np.column_stack([np.bincount(numbers, column) for column in columns.T])

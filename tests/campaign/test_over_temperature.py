@@ -1,0 +1,75 @@
+"""A requirement on the bias over temperature: where it is judged, the band, and beyond the ramps."""
+
+from __future__ import annotations
+
+import pytest
+
+from inertialcal.campaign.conditions import parse_condition
+from inertialcal.campaign.over_temperature import judged_over, temperatures_of
+from inertialcal.procedures.thermal import OfSensor, reduce
+from inertialcal.statistics.intervals import binomial_interval, contains
+from thermal_sweeps import plan, readings
+
+RAMPS = (-30.0, 67.0)
+
+
+def sensor(seed: int = 1, noise: float = 1e-3, offset: float = 0.01) -> OfSensor:
+    found = readings(lambda T: 1e-3 * (T - 20.0), noise=noise, offset=offset, seed=seed)
+    return reduce(plan(order=2), found).sensors["x"]
+
+
+def statuses(one: OfSensor, where: str, limit: float) -> list[str]:
+    places = judged_over(plan(), one.law, "x", "rad/s", parse_condition(where), -limit, limit)
+    return [place.status for place in places]
+
+
+@pytest.mark.parametrize(("where", "low", "high"), [
+    ("temperature >= -20 degC and temperature <= 60 degC", -20.0, 60.0),
+    ("temperature >= 253.15 K and temperature <= 60 degC", -20.0, 60.0),
+    ("temperature <= 60 degC", -30.0, 60.0),
+    ("temperature >= 0 degC", 0.0, 67.0),
+    ("abs(temperature) <= 10 degC", -10.0, 10.0),
+    ("temperature >= -40 degC and temperature <= 85 degC", -40.0, 85.0),
+])  # fmt: skip
+def test_the_range_is_that_of_the_condition_an_open_end_that_of_the_ramps(where: str, low: float, high: float) -> None:
+    found = temperatures_of(parse_condition(where), RAMPS)
+    assert len(found) == 13
+    assert (found[0], found[-1]) == pytest.approx((low, high))
+
+
+def test_pass_fail_and_neither() -> None:
+    one = sensor()
+    where = "temperature >= -20 degC and temperature <= 60 degC"
+    assert set(statuses(one, where, 0.2)) == {"PASS"}
+    assert "FAIL" in statuses(one, where, 0.01)
+    near = statuses(one, "temperature >= 19 degC and temperature <= 21 degC", 0.004)
+    assert set(near) == {"INCONCLUSIVE"}
+
+
+def test_a_range_wider_than_the_ramps_is_never_passed() -> None:
+    one = sensor()
+    found = statuses(one, "temperature >= -40 degC and temperature <= 85 degC", 10.0)
+    assert found.count("INCONCLUSIVE") >= 3
+    assert "FAIL" not in found
+    places = judged_over(plan(), one.law, "x", "rad/s", parse_condition("temperature <= 85 degC"), -10.0, 10.0)
+    reasons = {place.reason for place in places if place.at > 67.0}
+    assert len(reasons) == 1
+    assert "outside the range of the ramps" in reasons.pop()
+
+
+def test_without_uncertainty_it_is_inconclusive() -> None:
+    alone = readings(lambda T: 0.0 * T, points=(67.0, -30.0), noise=1e-3)
+    one = reduce(plan(), alone).sensors["x"]
+    assert set(statuses(one, "temperature >= 0 degC and temperature <= 50 degC", 1.0)) == {"INCONCLUSIVE"}
+
+
+def test_the_band_holds_the_truth_everywhere_at_once() -> None:
+    held = 0
+    n = 120
+    condition = parse_condition("temperature >= -20 degC and temperature <= 60 degC")
+    for seed in range(1, n + 1):
+        one = sensor(seed)
+        places = list(judged_over(plan(), one.law, "x", "rad/s", condition, -1.0, 1.0))
+        inside = [place.interval is not None and contains(place.interval, 1e-3 * (place.at - 20.0)) for place in places]
+        held += all(inside)
+    assert binomial_interval(held, n)[1] > 0.95  # never too narrow; it may be wider than it need be

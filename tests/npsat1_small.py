@@ -1,0 +1,26 @@
+"""A shorter campaign of the rate suite, with all its tests: for what does not depend on its length."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+from inertialcal.rigs import npsat1
+from inertialcal.rigs.npsat1_setup import AIR, VACUUM, Bench, Chamber
+from inertialcal.rigs.twin import Twin
+
+QUICK = {
+    AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),
+    VACUUM: Chamber(9000.0, 300.0, 200.0, (1e-5, 1e-6)),
+}
+SHORT = Bench(
+    chambers=QUICK,
+    ramps=(6.0, 3.0),
+    rates_deg_s=(0.0, 0.1, -0.1, 1.5, -1.5, 4.5, -4.5, 0.0),
+    static_hours=1.0,
+)
+
+
+def short_twin(seed: int, **change: Any) -> Twin:
+    """Return the campaign of a seed, with changes to its bench."""
+    return npsat1.build(replace(SHORT, **change), seed)

@@ -1,0 +1,110 @@
+"""Warming against cooling: what one loop can say, and when hysteresis is told from lag and drift."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.polynomial import polynomial
+
+from inertialcal.core.estimate import Array
+from inertialcal.procedures.thermal import OfSensor, Readings, reduce
+from thermal_sweeps import path, plan, sweep, way
+
+CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
+LOOP = (23.0, -30.0, 67.0, 23.0)
+NOISE = 2e-4
+
+
+def readings(
+    rates: tuple[float, ...], hysteresis: float = 0.0, lag: float = 0.0, drift: float = 0.0, loops: int = 1
+) -> Readings:
+    """Runs at rates [degC/s] with hysteresis, lag [s] and a drift of each run's own [1/s]."""
+    rng = np.random.default_rng(4)
+    sweeps = []
+    for number, rate in enumerate(rates):
+        points = LOOP[:1] + LOOP[1:] * loops
+        t, T = path(*points, rate=rate, hold=1000.0)
+        felt = np.interp(t - lag, t, T)
+        y = polynomial.polyval(felt - 20.0, CUBIC) + 0.5 * hysteresis * way(T) + drift * rng.normal() * t
+        sweeps.append(sweep(f"r{number}", t, T, y + rng.normal(0.0, NOISE, T.size) + rng.normal(0.0, 0.01)))
+    return Readings(tuple(sweeps))
+
+
+def reduced(found: Readings, **settings: object) -> OfSensor:
+    return reduce(plan(**settings), found).sensors["x"]
+
+
+def test_one_loop_states_its_path_difference_and_is_unclear_about_hysteresis() -> None:
+    paths = reduced(readings((0.02,), hysteresis=0.005)).paths
+    assert paths.difference.value == pytest.approx(0.005, abs=3e-4)
+    assert paths.difference.u is not None
+    assert paths.difference.value == pytest.approx(0.005, abs=4.0 * paths.difference.u)
+    assert (paths.word, paths.loops) == ("unclear", 1)
+    assert paths.hysteresis.value is None
+    assert "one loop" in paths.hysteresis.reason
+
+
+@pytest.mark.parametrize("lag", [0.0, 60.0])
+def test_two_rates_tell_hysteresis_from_lag(lag: float) -> None:
+    paths = reduced(readings((0.025, 0.0125, 0.025, 0.0125, 0.025), hysteresis=0.005, lag=lag)).paths
+    assert paths.word == "yes"
+    assert paths.hysteresis.value == pytest.approx(0.005, abs=1e-3)
+    assert paths.lag.value == pytest.approx(lag, abs=12.0)
+
+
+def test_lag_alone_is_no_hysteresis() -> None:
+    paths = reduced(readings((0.025, 0.0125, 0.025, 0.0125, 0.025), lag=60.0), no_hysteresis=0.003).paths
+    assert paths.difference.value is not None
+    assert paths.difference.value > 0.005  # what one loop would call hysteresis
+    assert paths.word == "no"
+
+
+def test_at_one_rate_lag_and_hysteresis_look_the_same() -> None:
+    paths = reduced(readings((0.02,) * 5, lag=60.0)).paths
+    assert paths.word == "unclear"
+
+
+def test_drift_of_the_runs_does_not_pass_for_hysteresis() -> None:
+    paths = reduced(readings((0.025, 0.0125, 0.025, 0.0125, 0.025), drift=1e-6, loops=2)).paths
+    assert paths.word == "unclear"
+    assert paths.hysteresis.value == pytest.approx(0.0, abs=2e-3)
+
+
+def test_without_time_nothing_is_said_of_lag() -> None:
+    found = readings((0.02, 0.01), hysteresis=0.005)
+    blind = replace(found, sweeps=tuple(replace(one, time=None) for one in found.sweeps))
+    paths = reduced(blind).paths
+    assert paths.word == "unclear"
+    assert "no time is known" in paths.hysteresis.reason
+    assert paths.difference.value == pytest.approx(0.005, abs=5e-4)
+    assert paths.rates == ()
+
+
+def test_the_sign_is_that_of_warming_less_cooling() -> None:
+    rates = (0.025, 0.0125, 0.025, 0.0125, 0.025)
+    one, other = (reduced(readings(rates, hysteresis=h)).paths.difference.value for h in (0.004, -0.004))
+    assert one is not None
+    assert other is not None
+    assert one == pytest.approx(0.004, abs=5e-4)
+    assert other == pytest.approx(-0.004, abs=5e-4)
+
+
+def test_the_gap_may_change_over_temperature() -> None:
+    """A lens that closes at both ends: its mean is told, and the polynomial stays midway."""
+
+    def lens(T: Array) -> Array:
+        return np.asarray(0.004 * (1.0 - ((T - 18.5) / 48.5) ** 2))
+
+    sweeps = []
+    for number in range(4):
+        t, T = path(*LOOP)
+        y = polynomial.polyval(T - 20.0, CUBIC) + 0.5 * lens(T) * way(T)
+        sweeps.append(sweep(f"r{number}", t, T, y))
+    one = reduced(Readings(tuple(sweeps)))
+    low, high = one.cells.both or (0.0, 0.0)
+    mean = float(np.mean(lens(np.linspace(low, high, 500))))
+    assert one.paths.difference.value == pytest.approx(mean, rel=0.02)
+    at = np.array([-20.0, 20.0, 60.0])
+    assert one.law.basis(at) @ one.law.coefficients == pytest.approx(polynomial.polyval(at - 20.0, CUBIC), abs=5e-5)

@@ -1,0 +1,73 @@
+"""Ramps of a temperature: turns, paths, steady temperatures, noise."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+
+import numpy as np
+import pytest
+
+from inertialcal.core.errors import DataError, PlanError
+from inertialcal.core.estimate import Array
+from inertialcal.signals.ramps import find_ramps
+
+
+def profile(*points: float, n: int = 200) -> Array:
+    """Straight lines from point to point."""
+    parts = [np.linspace(a, b, n, endpoint=False) for a, b in pairwise(points)]
+    return np.concatenate([*parts, [points[-1]]])
+
+
+def test_a_loop_has_its_ramps_and_the_start_of_each_is_on_no_path() -> None:
+    T = profile(23.0, -30.0, 67.0, 23.0)
+    found = find_ramps(T, 5.0)
+    assert found.ways == (-1, 1, -1)
+    for way, start, stop, begin in ((-1, 0, 200, 23.0), (1, 200, 400, -30.0), (-1, 400, 601, 67.0)):
+        part, path = T[start:stop], found.path[start:stop]
+        settled = np.abs(part - begin) >= 5.5
+        assert np.all(path[settled] == way)
+        assert np.all(path[np.abs(part - begin) < 4.5] == 0)
+
+
+def test_a_steady_temperature_keeps_the_path_by_which_it_was_reached() -> None:
+    T = np.concatenate([profile(20.0, 60.0), np.full(300, 60.0), profile(60.0, 20.0)])
+    found = find_ramps(T, 4.0)
+    assert found.ways == (1, -1)
+    assert np.all(found.path[60:190] == 1)
+    assert found.path[201] == 1  # the first of the steady ones
+    assert np.all(found.path[-150:] == -1)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_noise_and_small_wander_are_no_turns(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    T = profile(-20.0, 70.0, -20.0, n=2000) + 0.3 * np.sin(np.arange(4001) / 15.0) + rng.normal(0.0, 0.2, 4001)
+    found = find_ramps(T, 3.0)
+    assert found.ways == (1, -1)
+    assert abs(int(np.flatnonzero(found.ramp == 1)[0]) - 2000) < 60
+
+
+def test_the_other_way_round_gives_the_other_paths() -> None:
+    T = profile(10.0, 50.0, 0.0, 30.0)
+    assert np.array_equal(find_ramps(-T, 4.0).path, -find_ramps(T, 4.0).path)
+
+
+def test_steps_of_a_chamber_are_one_ramp() -> None:
+    T = np.concatenate([np.full(50, level) for level in (0.0, 10.0, 20.0, 30.0, 20.0, 10.0)])
+    assert find_ramps(T, 5.0).ways == (1, -1)
+
+
+def test_nothing_moves_and_missing_samples() -> None:
+    still = find_ramps(np.full(100, 23.0), 1.0)
+    assert len(still) == 0
+    assert not still.path.any()
+    T = profile(0.0, 40.0)
+    T[50:60] = np.nan
+    assert np.all(find_ramps(T, 2.0).path[50:60] == 0)
+
+
+def test_refusals() -> None:
+    with pytest.raises(DataError, match="no temperature is valid"):
+        find_ramps(np.full(5, np.nan), 1.0)
+    with pytest.raises(PlanError, match="need more than 0"):
+        find_ramps(np.zeros(5), 0.0)
