@@ -60,6 +60,8 @@ CAMPAIGN_TABLES: dict[str, type[schema.Strict]] = {
     "`channels`, of": schema.ChannelEntry,
     "`clock`, of": schema.Clock,
     "`schedule`, of": schema.Schedule,
+    "`lines`, of": schema.Lines,
+    "`mass`, of": schema.MovedMass,
     "`[[tests]]`": schema.Test,
     "`[model]`": schema.Model,
     "`[[requirements]]`": schema.Requirement,
@@ -244,9 +246,15 @@ def test_the_schema_has_no_table_without_a_page() -> None:
     assert models - {schema.Strict} == set(CAMPAIGN_TABLES.values())
 
 
+def page_of(procedure: str) -> str:
+    """Return what the manual says of a procedure, on one page or on several."""
+    pages = sorted((DOCS / "procedures").glob(f"{procedure}*.md"))
+    return "\n".join(page.read_text(encoding="utf-8") for page in pages)
+
+
 @pytest.mark.parametrize("procedure", PROCEDURES)
 def test_every_setting_of_a_plan_is_documented(procedure: str) -> None:
-    page = (DOCS / "procedures" / f"{procedure}.md").read_text(encoding="utf-8")
+    page = page_of(procedure)
     plan = PROCEDURES[procedure].Plan
     inner = {
         name: kind
@@ -358,10 +366,24 @@ def test_every_quantity_condition_and_curve_of_noise_is_documented(tmp_path: Pat
         assert all(f"`{name}`" in columns for name in set(curve["columns"]) - terms), curve["name"]
 
 
+def test_every_quantity_condition_and_curve_of_a_moved_mass_is_documented(tmp_path: Path) -> None:
+    page = page_of("mass_attraction")
+    words, curves = ((DOCS / name).read_text(encoding="utf-8") for name in ("words.md", "results.md"))
+    for folder in (build("reinel1969", tmp_path / "published"), build("mesa", tmp_path / "simulated")):
+        found = ic.run(folder, write=False).results
+        for row in found["results"]:
+            told = re.sub("run .* alone", "run NAME alone", row["condition"])
+            assert f"`{row['quantity']}`" in page, row["quantity"]
+            assert not told or f"`{told}`" in words, row["condition"]
+        for curve in found["curves"]:
+            columns = rows_after(curves, "A curve has")[curve["name"]][2]
+            assert all(f"`{name}`" in columns for name in curve["columns"]), curve["name"]
+
+
 def test_every_remark_of_a_procedure_is_documented() -> None:
     code = re.compile(r'Remark\(\s*"(\w+)"')
     for procedure in PROCEDURES:
-        page = (DOCS / "procedures" / f"{procedure}.md").read_text(encoding="utf-8")
+        page = page_of(procedure)
         for module in (SOURCE / "procedures" / procedure).glob("*.py"):
             for word in code.findall(module.read_text(encoding="utf-8")):
                 assert f"`{word}`" in page, f"{procedure}: remark {word}"

@@ -21,7 +21,9 @@ if TYPE_CHECKING:
     from .campaign.score import score
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
+    from .campaign.single_mass_attraction import mass_attraction
     from .campaign.single_noise import allan
+    from .campaign.single_sine import sine
     from .campaign.single_spectrum import psd
     from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
@@ -39,6 +41,7 @@ __all__ = [
     "flip",
     "info",
     "load_model",
+    "mass_attraction",
     "plot",
     "psd",
     "rate_table",
@@ -47,6 +50,7 @@ __all__ = [
     "run",
     "score",
     "simulate",
+    "sine",
     "thermal",
     "write",
 ]
@@ -54,11 +58,13 @@ __all__ = [
 _HOMES = {
     "allan": ("campaign.single_noise", "allan"),
     "psd": ("campaign.single_spectrum", "psd"),
+    "sine": ("campaign.single_sine", "sine"),
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),
     "flip": ("campaign.single_flip", "flip"),
     "thermal": ("campaign.single_thermal", "thermal"),
+    "mass_attraction": ("campaign.single_mass_attraction", "mass_attraction"),
     "load_model": ("campaign.models", "load_model"),
     "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),

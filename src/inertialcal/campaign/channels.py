@@ -23,8 +23,8 @@ from .origins import Origin
 from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
 
 AXES = ("x", "y", "z")
-TEMPERATURE, GAIN, PRESSURE = "temperature", "gain", "pressure"
-NO_CHAIN = (APPLIED, PRESSURE)  # channels that are in units already
+TEMPERATURE, GAIN, PRESSURE, TILT = "temperature", "gain", "pressure", "tilt"
+NO_CHAIN = (APPLIED, PRESSURE, TILT)  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
 
@@ -125,6 +125,8 @@ def in_body_axes(
         recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
     if PRESSURE in columns:
         recording = _in_si(recording, {PRESSURE: columns[PRESSURE]}, "Pa")
+    if TILT in columns:
+        recording = _in_si(recording, {TILT: columns[TILT]}, "rad")
     if warm:
         recording = _in_si(recording, warm, "degC")
     if model is not None:
@@ -135,7 +137,7 @@ def in_body_axes(
 def _declared(recording: Recording, columns: dict[str, str]) -> Recording:
     """Leave out columns that the campaign does not name but whose names would be taken for temperature or gain."""
     taken = {name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))}
-    taken |= {PREDICTED + axis for axis in AXES} | {PRESSURE}
+    taken |= {PREDICTED + axis for axis in AXES} | {PRESSURE, TILT}
     unsaid = taken - set(columns.values())
     return replace(recording, channels=tuple(c for c in recording.channels if c.name not in unsaid))
 

@@ -14,6 +14,7 @@ from . import noise_units as noise
 from .chains import build_chain, scale_factors
 from .conditions import parse_condition
 from .ground_checks import ground_checks
+from .mass_checks import line_units, mass_checks
 from .plans import plan_values
 from .schema import CampaignFile, RecordingEntry, Requirement, Rows, Sensor, Test
 
@@ -51,6 +52,8 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "warm_up_time": ("time",),
     "warm_up_time_constant": ("time",),
     "thermal_lag": ("time",),
+    "high_g_difference": RELATIVE,
+    "null_response": RATE,
     "reference_voltage": ("voltage",),
     "temperature_reference_voltage": ("voltage",),
 }
@@ -60,8 +63,9 @@ SENSORS: dict[str, tuple[str, ...]] = {  # that a procedure tests
     "flip": ("accelerometer",),
     "thermal": ("gyro",),
     "static_noise": ("gyro", "accelerometer"),
+    "mass_attraction": ("accelerometer",),
 }
-TABLES = {"rate_table": "rows", "flip": "means"}  # the key of its reduced tables
+TABLES = {"rate_table": "rows", "flip": "means", "mass_attraction": "lines"}  # the key of its reduced tables
 WITHOUT_GROUPS = {  # how a part of a recording is chosen
     "rate_table": "Choose by windows, or give rows.group",
     "flip": "Choose by positions",
@@ -126,8 +130,7 @@ def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntr
         where = at("recordings", name, "sensor")
         yield Problem(f"recordings.{name}: no sensor {entry.sensor!r}", where, do=do, code="unknown_name")
     yield from _file(folder, name, entry.file, at("recordings", name, "file"))
-    if entry.schedule is not None:
-        yield from _file(folder, name, entry.schedule.file, at("recordings", name, "schedule"))
+    yield from _schedules(folder, name, entry, at)
     sensor = file.sensors.get(entry.sensor)
     if sensor is not None and entry.rows is not None and sensor.mounting is not None:
         what = f"recordings.{name}: the sensor has a mounting, which is for recordings of channels"
@@ -145,13 +148,27 @@ def _recording(folder: Path, file: CampaignFile, name: str, entry: RecordingEntr
     ):
         what = f"recordings.{name}: averaging over {clock.averaging:g} s, but saved every {clock.interval:g} s"
         yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
-    if sensor is not None and entry.rows is not None:
+    if sensor is not None:
+        yield from _units(name, entry, sensor, at)
+
+
+def _schedules(folder: Path, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:
+    if entry.schedule is not None:
+        yield from _file(folder, name, entry.schedule.file, at("recordings", name, "schedule"))
+    if entry.mass is not None:
+        yield from _file(folder, name, entry.mass.schedule, at("recordings", name, "mass"))
+
+
+def _units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> Iterator[Problem]:
+    if entry.rows is not None:
         yield from _row_units(name, entry.rows, sensor, at)
-    elif sensor is not None and entry.means is not None:
+    elif entry.means is not None:
         if kind(entry.means.unit) != kind(sensor.unit):
             what = f"recordings.{name}: means in {entry.means.unit!r}, need a unit of {kind(sensor.unit)}"
             yield Problem(what, at("recordings", name, "means"), code="wrong_value")
-    elif sensor is not None:
+    elif entry.lines is not None:
+        yield from line_units(name, entry.lines, at)
+    else:
         yield from _channel_units(name, entry, sensor, at)
 
 
@@ -191,6 +208,8 @@ def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
     counted = sensor.chain.kind != "none"
     if channel in ("temperature", "pressure"):
         return (channel,)
+    if channel == "tilt":
+        return ("angle",)
     if channel.startswith("temperature"):
         return ("temperature", "count") if counted else ("temperature",)
     if channel.startswith("gain"):
@@ -283,11 +302,8 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
             if key != own_key and getattr(entry, key) is not None:
                 what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {needs}"
                 yield Problem(what, at("recordings", name, key), code="wrong_value")
-        if test.procedure == "flip" and entry.channels is not None and entry.positions is None:
-            what = f"recordings.{name}: nothing says how the head was turned, and when"
-            do = 'Give positions = [{ start = ..., stop = ..., angle = "0 deg" }, ...]'
-            yield Problem(what, at("recordings", name), do=do, code="missing_key")
-        if test.groups is not None and (entry.rows is None or entry.rows.group is None) and entry.means is None:
+        yield from _how_it_was_moved(file, test, name, entry, at)
+        if test.groups is not None and not _by_row(entry):
             what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
             do = WITHOUT_GROUPS.get(test.procedure, "Choose by windows")
             yield Problem(what, at("tests", number, "groups"), do=do, code="wrong_value")
@@ -295,6 +311,22 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
         if own and entry.axis not in (None, own):
             what = f"test {test.id!r}: plan.axis = {own!r}, but recording {name!r} says axis = {entry.axis!r}"
             yield Problem(what, at("tests", number, "plan", "axis"), do="Say it in one place", code="wrong_value")
+
+
+def _how_it_was_moved(file: CampaignFile, test: Test, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:
+    """Find a recording of a flip or of a moved mass that does not say what was done when."""
+    if test.procedure == "flip" and entry.channels is not None and entry.positions is None:
+        what = f"recordings.{name}: nothing says how the head was turned, and when"
+        do = 'Give positions = [{ start = ..., stop = ..., angle = "0 deg" }, ...]'
+        yield Problem(what, at("recordings", name), do=do, code="missing_key")
+    if test.procedure == "mass_attraction":
+        yield from mass_checks(file, test, name, entry, at)
+
+
+def _by_row(entry: RecordingEntry) -> bool:
+    """Tell whether rows of a table can be chosen by their group, flip or run."""
+    grouped = entry.rows is not None and entry.rows.group is not None
+    return grouped or entry.means is not None or entry.lines is not None
 
 
 def _against(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:

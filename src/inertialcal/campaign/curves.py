@@ -15,12 +15,14 @@ import numpy as np
 from ..core.curve import Column, Curve
 from ..core.units import divide, factor, kind, power, same_dimension
 from ..procedures.rate_table.closed_loop import HeldOut
+from .display import PULSES, display_unit
 from .load import Campaign
 from .modelling import Modelled
 from .overlays import overlays
 from .prepare import modelled_sensor, sensor_of
 from .requirements import Tested
 
+IN_HOURS = ("record_length", "mass_series", "mass_correlation")  # as people plan and read them
 TEN_DIGITS = ("applied", "rate", "time", "start", "stop")
 
 
@@ -73,7 +75,7 @@ def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
         As the campaign has it: ``"deg/s"``.
     """
     columns = {name: _displayed(column, sensor_unit) for name, column in curve.columns.items()}
-    if curve.name == "record_length":
+    if curve.name in IN_HOURS:
         columns |= {name: _in_hours(column) for name, column in columns.items() if column.unit == "s"}
     short = [name for name in columns if name in TEN_DIGITS or curve.name == "trace"]
     return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
@@ -89,6 +91,7 @@ def _displayed(column: Column, sensor_unit: str) -> Column:
     shown = "%" if unit == "1" else sensor_unit if unit and kind(unit) == kind(sensor_unit) else unit
     density = divide(power(sensor_unit, 2), "Hz")
     shown = density if unit and same_dimension(unit, density) else shown
+    shown = display_unit("scale_factor", unit, sensor_unit) if unit == PULSES else shown
     if shown == unit:
         return column
     return Column(np.array(column.values, dtype=float) * factor(unit, shown), shown)

@@ -8,7 +8,8 @@ from ..core.results import Interval, Row
 from ..core.units import factor, kind, normalise, same_dimension, si_unit
 from .noise_units import noise_unit
 
-PERCENT = ("scale_factor_error", "scale_factor_asymmetry", "cross_axis_sensitivity")
+PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter
+PERCENT = ("scale_factor_error", "high_g_difference", "scale_factor_asymmetry", "cross_axis_sensitivity")
 
 
 def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
@@ -32,6 +33,8 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
         return sensor_unit
     if unit in {"V/(rad/s)", "V/(m/s^2)"}:
         return f"V/({sensor_unit})"
+    if unit == PULSES:
+        return normalise(f"count/s/({sensor_unit})")
     return _coefficient_unit(unit, sensor_unit)
 
 

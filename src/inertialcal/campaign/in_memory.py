@@ -13,7 +13,7 @@ from functools import lru_cache
 from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.results import Row
-from ..procedures import flip, rate_table, static_noise, thermal
+from ..procedures import flip, mass_attraction, rate_table, static_noise, thermal
 from ..procedures.flip.recordings import readings_from as flip_readings
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
@@ -26,12 +26,14 @@ from .channels import chain_of, in_body_axes
 from .flip_inputs import flip_plan, turned_head
 from .ground import ChainModel, chain_model
 from .ground_checks import WITH_MODEL
+from .mass_inputs import mass_plan, moved_mass
 from .noise_inputs import noise_plan, records_at_rest
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
 from .thermal_inputs import felt_in_body, thermal_plan, warmed_recording
 
-Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result
+Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result | mass_attraction.Result
+Plan = rate_table.Plan | flip.Plan | thermal.Plan | static_noise.Plan | mass_attraction.Plan
 Placed = Sequence[tuple[str, RecordingEntry, Recording]]
 
 
@@ -40,7 +42,7 @@ class _Fit:
     """A test with ``use = "fit"``, ready for recordings."""
 
     procedure: str
-    plan: rate_table.Plan | flip.Plan | thermal.Plan | static_noise.Plan
+    plan: Plan
     sensor: Sensor
     entries: tuple[tuple[str, RecordingEntry, Chain | None], ...]
     model: ChainModel | None = None
@@ -141,6 +143,8 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
         return _Fit(test.procedure, flip_plan(test, standards), sensor, entries, chain_model(sensor))
     if test.procedure == "thermal":
         return _Fit(test.procedure, thermal_plan(file, standards, test, sensor), sensor, entries)
+    if test.procedure == "mass_attraction":
+        return _Fit(test.procedure, mass_plan(test, sensor, standards), sensor, entries)
     if test.procedure == "static_noise":
         return _Fit(test.procedure, noise_plan(test, sensor, standards), sensor, entries, chain_model(sensor))
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
@@ -149,6 +153,8 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
 def _result(twin: Twin, fit: _Fit, found: Mapping[str, Result]) -> Result:
     if isinstance(fit.plan, thermal.Plan):
         return _thermal(twin, fit.plan, fit)
+    if isinstance(fit.plan, mass_attraction.Plan):
+        return _mass_attraction(twin, fit.plan, fit)
     corrected = isinstance(fit.plan, flip.Plan) and fit.plan.corrected
     keep_bias = fit.procedure in WITH_MODEL and not corrected
     placed = [
@@ -177,6 +183,16 @@ def _thermal(twin: Twin, plan: thermal.Plan, fit: _Fit) -> thermal.Result:
     raw = {name: twin.recordings[entry.file] for name, entry, _ in fit.entries}
     warmed = [warmed_recording(raw[name], name, entry, fit.sensor, chain) for name, entry, chain in fit.entries]
     return thermal.reduce(plan, thermal_readings(warmed))
+
+
+def _mass_attraction(twin: Twin, plan: mass_attraction.Plan, fit: _Fit) -> mass_attraction.Result:
+    schedules = {file: mass_attraction.Schedule(**vars(one)) for file, one in twin.schedules.items()}
+    moved = [
+        moved_mass(twin.recordings[entry.file], name, entry, fit.sensor, chain, schedules[entry.mass.schedule])
+        for name, entry, chain in fit.entries
+        if entry.mass is not None
+    ]
+    return mass_attraction.reduce(plan, mass_attraction.readings_from(plan, moved))
 
 
 def _static_noise(plan: static_noise.Plan, placed: Placed) -> static_noise.Result:

@@ -12,6 +12,7 @@ from .after import Bias
 from .cross_checks import MODELLED
 from .flip_inputs import prepared_flip
 from .load import Campaign
+from .mass_inputs import prepared_mass_attraction
 from .modelling import Prepared
 from .noise_inputs import prepared_static_noise
 from .rate_table_inputs import prepared_rate_table
@@ -23,6 +24,7 @@ WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "flip": prepared_flip,
     "thermal": prepared_thermal,
     "static_noise": prepared_static_noise,
+    "mass_attraction": prepared_mass_attraction,
 }
 
 

@@ -33,6 +33,9 @@ STANDARDS: dict[str, dict[str, str]] = {
     "sensor": {"scale_factor": "1", "hysteresis": "rad/s"},
     "thermometer": {"temperature": "degC"},
     "site": {"latitude": "rad"},
+    "source_mass": {"density": "1", "placing": "1", "gravitational_constant": "1"},
+    "tilt_meter": {"mercury": "rad"},
+    "pad": {"tilt": "rad"},
 }
 
 
@@ -242,6 +245,31 @@ class Position(Strict):
     flip: Text = "1"
 
 
+class Lines(Strict):
+    """lines = {...}: which column of a table of reduced runs is what; a row is a run with a moved mass."""
+
+    run: Text
+    applied: Text
+    applied_unit: Unit
+    response: Text
+    noise: Text
+    unit: Unit
+    beside: int = Field(default=8, gt=0)
+    psd_response: Text | None = None
+    psd_noise: Text | None = None
+    scatter: Text | None = None
+    moved: Text | None = None
+    u_applied: str | None = None
+
+
+class MovedMass(Strict):
+    """mass = {...}: the schedule of the mass that is moved during a recording, and when it begins."""
+
+    schedule: Text
+    begin: str | int | float | None = None
+    moved: bool = True
+
+
 class Clock(Strict):
     """clock = {...}: which column is time, and which part of its averaging window a stamp means."""
 
@@ -279,7 +307,7 @@ class Schedule(Strict):
 ChannelName = Annotated[
     str,
     Field(
-        pattern=r"^(applied|pressure|reference|temperature|temperature_reference|gain"
+        pattern=r"^(applied|pressure|tilt|reference|temperature|temperature_reference|gain"
         r"|((reference|temperature|temperature_reference|validity|gain)_)?[xyz])$"
     ),
 ]
@@ -288,17 +316,19 @@ Step = Literal["bias", "scale_factor", "misalignment"]  # of a ground model
 
 
 class RecordingEntry(Strict):
-    """[recordings.NAME]: a reduced table (``rows``, ``means``) or a recording of channels on a clock (``channels``)."""
+    """[recordings.NAME]: a reduced table (``rows``, ``means``, ``lines``) or a recording of channels (``channels``)."""
 
     sensor: Name
     file: Text
     rows: Rows | None = None
     means: Means | None = None
+    lines: Lines | None = None
     channels: dict[ChannelName, ChannelEntry] | None = None
     clock: Clock | None = None
     frame: Literal["data", "sensor"] | None = None
     schedule: Schedule | None = None
     positions: list[Position] | None = Field(default=None, min_length=1)
+    mass: MovedMass | None = None
     axis: Axis | None = None
     run: Text | None = None
     applied: list[Step] | None = None
@@ -306,9 +336,9 @@ class RecordingEntry(Strict):
 
     @model_validator(mode="after")
     def _one_kind(self) -> RecordingEntry:
-        if [self.rows, self.means, self.channels].count(None) != 2:
-            raise ValueError("needs rows or means (a reduced table) or channels (a recording), one of them")
-        keys = ("clock", "frame", "schedule", "positions", "axis", "run", "applied")
+        if [self.rows, self.means, self.lines, self.channels].count(None) != 3:
+            raise ValueError("needs rows, means or lines (a reduced table) or channels (a recording), one of them")
+        keys = ("clock", "frame", "schedule", "positions", "mass", "axis", "run", "applied")
         extra = [name for name in keys if getattr(self, name) is not None]
         if self.channels is None and extra:
             raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")

@@ -19,6 +19,8 @@ from types import ModuleType
 from ..core.errors import DataError, StoreError, UsageError
 from ..core.recording import SECOND, Recording
 from ..core.tables import Grid, Part, html, text
+from ..files.schedule_csv import write_schedule
+from ..procedures.mass_attraction.schedule import Schedule
 from ..rigs import RIGS
 from ..rigs.twin import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load
@@ -132,7 +134,7 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
         TRUTH: truth,
         **{file: csv_text(recording) for file, recording in twin.recordings.items()},
     }
-    _write(target, texts)
+    _write(target, texts, {file: Schedule(**vars(one)) for file, one in twin.schedules.items()})
     return Written(target, tuple(twin.recordings), seal, fault)
 
 
@@ -183,7 +185,7 @@ def read_truth(folder: str | Path) -> Truth:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
 
 
-def _write(target: Path, texts: Mapping[str, str]) -> None:
+def _write(target: Path, texts: Mapping[str, str], schedules: Mapping[str, Schedule]) -> None:
     """Write the files into a folder aside, then move it to its place."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -195,6 +197,8 @@ def _write(target: Path, texts: Mapping[str, str]) -> None:
             path = aside / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
+        for name, schedule in schedules.items():
+            write_schedule(aside / name, schedule)
         aside.chmod(0o755)
         if target.is_dir():
             target.rmdir()

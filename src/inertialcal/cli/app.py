@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, demos, flips, models, noise, recordings, thermals, twins
+from . import campaigns, demos, flips, mass_attractions, models, noise, recordings, sines, thermals, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -37,9 +37,11 @@ def _root(
 app.command("info")(recordings.info)
 app.command("allan")(noise.allan)
 app.command("psd")(noise.psd)
+app.command("sine")(sines.sine)
 app.command("rate-table")(recordings.rate_table)
 app.command("flip")(flips.flip)
 app.command("thermal")(thermals.thermal)
+app.command("mass-attraction")(mass_attractions.mass_attraction)
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)

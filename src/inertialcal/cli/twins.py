@@ -16,7 +16,8 @@ from .progress import progress
 
 def simulate(
     rig: Annotated[
-        str, typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model, still_gyro.", show_default=False)
+        str,
+        typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model, still_gyro, mesa.", show_default=False),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,

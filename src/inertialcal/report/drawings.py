@@ -62,7 +62,7 @@ def of_campaign(results: Results) -> list[Drawing]:
         for picture in kind.pictures(results):
             number = seen.get((picture.test, picture.axis), 0)
             seen[picture.test, picture.axis] = number + 1
-            if name != "dwells" or number < RECORDINGS_SHOWN:
+            if name not in BY_RECORDING or number < RECORDINGS_SHOWN:
                 found.append(_drawing(results, picture, number))
     return found
 
@@ -88,8 +88,19 @@ PLAIN: dict[str, Finding] = {
     "start_up": ("What the reading does after power-up, and what is left out for it (hollow).",),
     "reference_voltage": ("Reference voltages of the converter over temperature, each less its mean.",),
     "overlay": ("Bias on power-ups that no polynomial was fitted to: as read, and after what was found is taken off.",),
+    "mass_runs": (
+        "Scale factor of each run with the 95 % interval of its own noise, of all runs (line, band), and as published.",
+    ),
+    "mass_series": ("One run: readings with their drift, and what is left with the line of the drive.",),
+    "mass_line": (
+        "The line of the drive and those beside it that its error is read from; below, correlation over lag.",
+    ),
     "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
 }
+BY_RECORDING = ("dwells", "mass_series", "mass_line")
+RUNS = {  # of a moved mass: curves behind a figure, by name
+    "mass_runs": ("mass_runs",), "mass_series": ("mass_series",), "mass_line": ("mass_spectrum", "mass_correlation"),
+}  # fmt: skip
 CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
 
 
@@ -163,9 +174,8 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     if name in CURVES or name in ("overlay", "thermal_order", "start_up", "reference_voltage"):
         shown = [one for one in own if one["name"] in CURVES.get(name, (name,)) and axis in ("", one["axis"])]
         return [(_of_thermal(one), curve_csv(one)) for one in shown]
-    if name == "flip":
-        of = "quiet" if picture.recorded else "flip_dwells"
-        return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own if one["name"] == of]
+    if name in RUNS or name == "flip":
+        return _of_run(own, RUNS[name], number) if name in RUNS else _of_flip(own, picture)
     if name in NOISE:
         shown = [one for one in own if one["axis"] == axis and one["name"] in NOISE[name]]
         records = [one for one in shown if one["name"] == name]
@@ -174,6 +184,18 @@ def _data(results: Results, picture: Picture, number: int) -> list[tuple[str, st
     if name == "compensated":
         return [(f"compensated {clean(one['axis'])}", curve_csv(one)) for one in mine]
     return _of_axis(results, name, [one for one in mine if one["axis"] == axis], number)
+
+
+def _of_flip(own: Sequence[Mapping[str, Any]], picture: Picture) -> list[tuple[str, str]]:
+    of = "quiet" if picture.recorded else "flip_dwells"
+    return [(f"{of} {clean(one['axis'])}", curve_csv(one)) for one in own if one["name"] == of]
+
+
+def _of_run(own: Sequence[Mapping[str, Any]], names: Sequence[str], number: int) -> list[tuple[str, str]]:
+    """Return the curves of one run with a moved mass."""
+    shown = [one for one in own if one["name"] in names]
+    runs = list(dict.fromkeys(one.get("recording", "") for one in shown))
+    return [(words(one["name"]), curve_csv(one)) for one in shown if one.get("recording", "") == runs[number]]
 
 
 def _of_axis(results: Results, name: str, mine: Sequence[Mapping[str, Any]], number: int) -> list[tuple[str, str]]:

@@ -30,7 +30,15 @@ FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
 BESIDE = {"allan": "spectrum"}  # at the top, of the same axis: side by side they are one picture of a noise
-AT_TOP = ("compensated", "rate_error", "input_output", "flip", "thermal", "allan")  # the first of these that there is
+AT_TOP = (
+    "compensated",
+    "rate_error",
+    "input_output",
+    "flip",
+    "thermal",
+    "mass_runs",
+    "allan",
+)  # the first of these that there is
 OF_ALL_AXES = ("overlay", "conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
 OF_TESTS = (
     "input_output",
@@ -39,6 +47,9 @@ OF_TESTS = (
     "flip",
     "side_by_side",
     "thermal",
+    "mass_runs",
+    "mass_series",
+    "mass_line",
     "allan",
     "spectrum",
     *OF_ALL_AXES,

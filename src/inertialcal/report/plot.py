@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 
     from .figures.picture import Picture
 
+WITH_CONTENT = ("sensors", "line", "responses")  # of files: noise or spectra, a sine, a moved mass
 OWN_FIGURE = {Recording: "recording", SensorModel: "matrix", Estimate: "estimate"}
 
 
@@ -39,15 +40,15 @@ def plot(
 
     Parameters
     ----------
-    result : Outcome, RateTableFile, NoiseFile, SpectrumFile, Recording, SensorModel, Estimate or dict
-        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``read``, ``load_model``; the ``estimate`` of a result; or the
-        content of a ``results.json``.
+    result : Outcome, RateTableFile, NoiseFile, SpectrumFile, SineFile, Recording, SensorModel, Estimate or dict
+        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``sine``, ``read``, ``load_model``; the ``estimate`` of a
+        result; or the content of a ``results.json``.
     ax : Axes, or sequence of Axes, optional
         Where; as many as the figure has panels, or one, which is then divided. By default a new figure, which a
         notebook shows; elsewhere save it: ``plot(result).figure.savefig("figure.png")``.
     figure : str, optional
         Which: ``"compensated"``, ``"input_output"``, ``"rate_error"``, ``"dwells"``, ``"side_by_side"``, ``"flip"``,
-        ``"allan"``, ``"spectrum"``, ``"matrix"``, ``"budget"``;
+        ``"sine"``, ``"allan"``, ``"spectrum"``, ``"matrix"``, ``"budget"``;
         by default the first of these that the result has data for.
     test, axis : str, optional
         Of which test and axis of a campaign; by default the first.
@@ -117,7 +118,7 @@ def _content(result: Any) -> Mapping[str, Any]:
     content = result if isinstance(result, Mapping) else getattr(result, "results", None)
     if isinstance(content, Mapping) and ("curves" in content or "results" in content):
         return content
-    if hasattr(result, "content") and hasattr(result, "sensors"):  # noise, or spectra, of files
+    if hasattr(result, "content") and any(hasattr(result, own) for own in WITH_CONTENT):
         return result.content()  # type: ignore[no-any-return]
     if hasattr(getattr(result, "result", None), "lines"):  # of a rate-table file, with the unit of the file
         return _of_rate_table(result.result, result.unit)

@@ -8,12 +8,13 @@ can be told from all others.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import numpy as np
 
 from ..core.errors import UsageError
+from ..core.estimate import Array
 from ..core.influence import Influence
 from ..core.recording import Recording
 
@@ -59,6 +60,38 @@ class Fault:
 
 
 @dataclass(frozen=True, eq=False)
+class PlannedMass:
+    """Where a mass is planned to dwell.
+
+    Parameters
+    ----------
+    start : ndarray, shape (n,)
+        Of each dwell, since that of the first [s].
+    dwell, move : float
+        Length of each, and pause between two [s].
+    position : ndarray, shape (n,)
+        Of the mass [m].
+    applied : ndarray, shape (n,)
+        Its attraction along the input axis [m/s^2].
+    drive : str
+        Name of the order.
+    samples_per_cycle : int
+        Dwells of a cycle.
+    u_applied : float or None
+        Relative standard uncertainty of the amplitude (1).
+    """
+
+    start: Array
+    dwell: float
+    move: float
+    position: Array
+    applied: Array
+    drive: str
+    samples_per_cycle: int
+    u_applied: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
 class Twin:
     """One simulated campaign.
 
@@ -78,6 +111,8 @@ class Twin:
         What the results are measured by.
     drawn : mapping
         Errors of the standards, and how the bench really stood, SI: what nobody told the reduction.
+    schedules : mapping of str to PlannedMass
+        Of a moved mass, by the file that the campaign names.
     """
 
     rig: str
@@ -87,6 +122,7 @@ class Twin:
     recordings: Mapping[str, Recording]
     truth: tuple[TrueValue, ...]
     drawn: Drawn
+    schedules: Mapping[str, PlannedMass] = field(default_factory=dict[str, PlannedMass])
 
 
 def drawn_error(influence: Influence | None, rng: np.random.Generator) -> float:

@@ -24,7 +24,7 @@ from scipy import special
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.rounding import number
-from ..statistics.slow_noise import flicker_covariance
+from ..statistics.slow_noise import flicker_covariance, walk_covariance
 
 DEGREE = 3  # of the curve
 SMOOTH = 4  # of what is too smooth to tell of noise
@@ -122,18 +122,14 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     third = int(np.argmin(np.abs(place - 1.0 / 3.0)))
     curve = design @ np.linalg.pinv(design)  # means to the curve through them
     weights = curve[-1] - curve[0]
-    rise, models = float(weights @ means), (flicker_covariance(place, 1.0 / BLOCKS), _of_walk(place, 1.0 / BLOCKS))
+    rise, models = (
+        float(weights @ means),
+        (flicker_covariance(place, 1.0 / BLOCKS), walk_covariance(place, 1.0 / BLOCKS)),
+    )
     found = [_explained(rise, weights, means, smooth, model) for model in models]
     u, chance = min(found)[1], max(one[2] for one in found)
     early = float((curve[third] - curve[0]) @ means) / rise if rise else 0.0
     return (Drift(axis, rise, u, chance, early),)
-
-
-def _of_walk(times: Array, length: float) -> Array:
-    """Return the generalised covariance of means over blocks of a random walk, -|t| / 2, shape (n, n)."""
-    lag = np.abs(np.subtract.outer(times, times))
-    ends = np.abs(lag + length) ** 3 + np.abs(lag - length) ** 3
-    return np.asarray((2.0 * lag**3 - ends) / (12.0 * length**2))
 
 
 def _explained(rise: float, weights: Array, means: Array, smooth: Array, model: Array) -> tuple[float, float, float]:

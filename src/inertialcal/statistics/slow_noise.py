@@ -188,6 +188,21 @@ def flicker_covariance(times: Array, length: float) -> Array:
     return (2.0 * _twice_integrated(lag) - ends) / length**2
 
 
+def walk_covariance(times: Array, length: float) -> Array:
+    """Return the generalised covariance of means of a random walk over blocks, ``-|t| / 2``, shape (n, n) [unit^2].
+
+    Parameters
+    ----------
+    times : ndarray, shape (n,)
+        Middles of the blocks [s].
+    length : float
+        Of a block [s].
+    """
+    lag = np.abs(np.subtract.outer(times, times))
+    ends = np.abs(lag + length) ** 3 + np.abs(lag - length) ** 3
+    return np.asarray((2.0 * lag**3 - ends) / (12.0 * length**2))
+
+
 def _twice_integrated(lag: Array) -> Array:
     """Twice integrated ln|t|."""
     size = np.abs(lag)

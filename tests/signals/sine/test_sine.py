@@ -1,0 +1,225 @@
+"""Drive, design and fit: exact where there is no noise, signs, what is refused, a million samples."""
+
+import time
+
+import numpy as np
+import pytest
+
+from inertialcal.core.errors import DataError, PlanError
+from inertialcal.signals.sine import (
+    applied_drive,
+    averaging_response,
+    cross_checks,
+    design_of,
+    difference_weights,
+    fit_line,
+    generalised_fit,
+    sine_drive,
+)
+
+STEP = 120.0
+TIMES = 50.0 + STEP * np.arange(100)
+PERIOD = 4 * STEP
+NOISE = 1e-6 * np.random.default_rng(1).standard_normal(100)
+
+
+def test_amplitudes_are_signed_and_drift_is_none_of_them() -> None:
+    drive = sine_drive(TIMES, 1.0 / PERIOD, 0.4)
+    angle = 2 * np.pi * (TIMES - TIMES[0]) / PERIOD + 0.4
+    drift = 1e3 + 5.0 * np.cos(np.pi * 3 * (np.arange(100) + 0.5) / 100)
+    fit = fit_line(design_of(drive), -2.0 * np.sin(angle) + 0.5 * np.cos(angle) + drift + NOISE)
+    assert fit.quadrature is not None
+    assert (fit.in_phase[0], fit.quadrature[0]) == pytest.approx((-2.0, 0.5), abs=1e-5)
+    line, slow = fit.fitted()
+    np.testing.assert_allclose(slow, drift, atol=1e-5)
+    np.testing.assert_allclose(line, -2.0 * np.sin(angle) + 0.5 * np.cos(angle), atol=1e-5)
+
+
+def test_frequency_is_that_of_the_true_times() -> None:
+    """100 s counted and 20 s to move: a period of 480 s. With the pauses left out there is nothing at 1/400 Hz."""
+    x = np.tile([0.0, 1.0, 0.0, -1.0], 25) + NOISE
+    right = fit_line(design_of(sine_drive(TIMES, 1.0 / 480.0, 0.0)), x)
+    wrong = fit_line(design_of(sine_drive(TIMES, 1.0 / 400.0, 0.0)), x)
+    assert right.in_phase[0] == pytest.approx(1.0, abs=1e-5)
+    assert abs(wrong.in_phase[0]) < 0.1
+
+
+def test_uncertainty_of_white_noise_is_that_of_theory() -> None:
+    """2 sigma^2 / N, the limit S(f0) / T."""
+    x = 0.3 * np.random.default_rng(1).standard_normal((100, 2000))
+    fit = fit_line(design_of(sine_drive(TIMES, 1.0 / PERIOD, 0.0)), x)
+    theory = 0.3 * np.sqrt(2.0 / 100.0)
+    assert np.sqrt(np.mean(fit.u_in_phase**2)) == pytest.approx(theory, rel=0.02)
+    assert np.mean(fit.density) == pytest.approx(2.0 * 0.09 * STEP, rel=0.02)
+    assert fit.in_phase.std() == pytest.approx(theory, rel=0.05)
+
+
+def test_weights_are_those_of_the_estimate() -> None:
+    drive = sine_drive(TIMES, 1.0 / PERIOD, 0.0)
+    x = np.random.default_rng(1).standard_normal(100)
+    fit = fit_line(design_of(drive), x)
+    weights = fit.weights_on(np.eye(100))
+    assert weights @ x == pytest.approx(fit.in_phase[0])
+    assert weights @ drive.in_phase == pytest.approx(1.0)
+
+
+@pytest.mark.parametrize("drift", ["dct", "polynomial"])
+def test_any_applied_sequence(drift: str) -> None:
+    """A square wave of eight samples, a random order: reading over applied, in the unit applied."""
+    for applied in (np.tile([23.0] * 4 + [-23.0] * 4, 12), np.random.default_rng(3).choice([0.0, 46.0], 96)):
+        x = 0.01 * applied + 3.0 + 1e-3 * np.arange(96) + 1e-6 * np.random.default_rng(4).standard_normal(96)
+        drive = applied_drive(STEP * np.arange(96), applied, 1.0 / (8 * STEP))
+        fit = fit_line(design_of(drive, drift), x)  # type: ignore[arg-type]
+        assert fit.in_phase[0] == pytest.approx(0.01, abs=2e-4 if drift == "dct" else 1e-6)
+        assert fit.quadrature is None
+
+
+def test_applied_steps_that_are_a_sine_have_a_quadrature() -> None:
+    drive = applied_drive(TIMES, np.tile([0.0, 2.0, 0.0, -2.0], 25), 1.0 / PERIOD)
+    np.testing.assert_allclose(drive.quadrature[:4], [2.0, 0.0, -2.0, 0.0], atol=1e-12)  # type: ignore[index]
+
+
+def test_alternating_positions_have_no_quadrature() -> None:
+    drive = applied_drive(TIMES, np.tile([1.0, -1.0], 50), 0.5 / STEP)
+    assert drive.quadrature is None
+    fit = fit_line(design_of(drive), -0.25 * np.tile([1.0, -1.0], 50) + 1e-3 * TIMES + NOISE)
+    assert fit.in_phase[0] == pytest.approx(-0.25, abs=1e-3)
+
+
+def test_means_over_a_time_show_less_of_a_sine() -> None:
+    fine = np.arange(48_000) * 0.01
+    means = np.sin(2 * np.pi * fine / 48.0).reshape(-1, 1000).mean(axis=1)
+    at = fine.reshape(-1, 1000).mean(axis=1)
+    fit = fit_line(design_of(sine_drive(at, 1.0 / 48.0)), means + 1e-7 * np.random.default_rng(1).standard_normal(48))
+    length = np.hypot(fit.in_phase[0], fit.quadrature[0])  # type: ignore[index]
+    assert length == pytest.approx(averaging_response(1.0 / 48.0, 10.0), rel=1e-4)
+    with pytest.raises(DataError, match="their means show nothing"):
+        averaging_response(0.1, 10.0)
+
+
+def test_alternating_differences_by_hand() -> None:
+    """Three points of + and -: (1, -2, 1) / 4 on four samples, mean of two sums."""
+    drive = applied_drive(np.arange(4.0), [1.0, -1.0, 1.0, -1.0], 0.5)
+    np.testing.assert_allclose(difference_weights(drive), [0.125, -0.375, 0.375, -0.125], atol=1e-15)
+    drive = applied_drive(TIMES, np.tile([0.0, 1.0, 0.0, -1.0], 25), 1.0 / PERIOD)
+    weights = difference_weights(drive)
+    assert weights @ drive.in_phase == pytest.approx(1.0)
+    assert weights @ (3.0 + 0.2 * TIMES) == pytest.approx(0.0, abs=1e-12)
+
+
+def test_alternating_differences_leave_incomplete_halves_out() -> None:
+    keep = np.arange(100) != 31
+    drive = applied_drive(TIMES[keep], np.tile([0.0, 1.0, 0.0, -1.0], 25)[keep], 1.0 / PERIOD)
+    weights = difference_weights(drive)
+    assert weights[30] == 0.0  # the other sample of that half
+    assert abs(weights @ (3.0 + 0.2 * TIMES[keep])) < 1e-12
+    assert weights @ drive.in_phase == pytest.approx(1.0, abs=0.01)
+
+
+def test_checks_share_their_noise_with_the_fit() -> None:
+    """Uncertainty of a difference: far less than that of either, in a short record and in a long one."""
+    for n in (100, 800):
+        applied = np.tile([0.0, 1.0, 0.0, -1.0], n // 4)
+        x = applied + 0.1 * np.random.default_rng(1).standard_normal(n)
+        fit = fit_line(design_of(applied_drive(STEP * np.arange(n), applied, 1.0 / PERIOD)), x)
+        made = [one for one in cross_checks(fit, x) if one.value is not None]
+        assert len(made) == (2 if n == 100 else 1)
+        for one in made:
+            assert one.u == pytest.approx(fit.u_in_phase[0], rel=0.35)
+            assert 0.0 < one.u_difference < 0.35 * one.u  # type: ignore[operator]
+            assert abs(one.difference) < 3.0 * one.u_difference  # type: ignore[arg-type, operator]
+
+
+def test_checks_say_why_they_cannot_be_made() -> None:
+    times = np.sort(np.random.default_rng(1).uniform(0.0, 12_000.0, 500))
+    x = np.random.default_rng(2).standard_normal(500)
+    made = cross_checks(fit_line(design_of(sine_drive(times, 1.0 / PERIOD, 0.0)), x), x)
+    assert [one.value for one in made] == [None, None]
+    assert "evenly spaced" in made[0].reason
+    assert "500 samples" in made[1].reason
+
+
+def test_a_drift_that_one_of_them_does_not_take_out_is_remarked() -> None:
+    """A disturbance near the period of the drive, at the start only: neither drift nor stationary noise."""
+    n = 800
+    i = np.arange(n)
+    x = np.tile([0.0, 1.0, 0.0, -1.0], n // 4) + 0.01 * np.random.default_rng(1).standard_normal(n)
+    x += 30.0 * np.sin(2 * np.pi * i / 7.9) * (i < 40)
+    fit = fit_line(design_of(applied_drive(STEP * i, np.tile([0.0, 1.0, 0.0, -1.0], n // 4), 1.0 / PERIOD)), x)
+    made = [one for one in cross_checks(fit, x) if one.disagrees]
+    assert made
+    assert "differ from the fit by" in str(made[0].remark())
+
+
+def test_generalised_fit_agrees_in_white_noise() -> None:
+    drive = sine_drive(TIMES, 1.0 / PERIOD, 0.0)
+    x = drive.in_phase + 0.1 * np.random.default_rng(1).standard_normal(100)
+    found = generalised_fit(drive, x)
+    assert found.value == pytest.approx(1.0, abs=0.05)
+    assert found.u == pytest.approx(0.1 * np.sqrt(0.02), rel=0.3)
+
+
+def test_a_million_samples_with_gaps_in_a_second() -> None:
+    """Cost: samples times columns squared; memory: columns times 16,384."""
+    rng, n = np.random.default_rng(1), 1_000_000
+    times = np.arange(n) * 0.1
+    keep = rng.random(n) > 0.02
+    keep[200_000:250_000] = False
+    x = (np.cumsum(0.01 * rng.standard_normal(n)) + rng.standard_normal(n) + 0.05 * np.sin(2 * np.pi * times / 100))[
+        keep
+    ]
+    best = np.inf
+    for _ in range(2):
+        start = time.process_time()
+        fit = fit_line(design_of(sine_drive(times[keep], 0.01, 0.0)), x)
+        best = min(best, time.process_time() - start)
+    assert abs(fit.in_phase[0] - 0.05) < 4.0 * fit.u_in_phase[0]
+    assert best < 1.0
+
+
+def refused(kind: type[Exception], words: str, code: str, **given: object) -> None:
+    n, step = int(given.get("n", 100)), float(given.get("step", 1.0))  # type: ignore[call-overload, arg-type]
+    with pytest.raises(kind) as error:  # noqa: PT012 - any of the three may refuse
+        drive = sine_drive(step * np.arange(n), given.get("f", 0.25), given.get("phase"))  # type: ignore[arg-type]
+        design = design_of(drive, **given.get("design", {}))  # type: ignore[arg-type]
+        fit_line(design, given.get("x", np.zeros(n)))  # type: ignore[arg-type]
+    assert words in str(error.value)
+    assert error.value.problems[0].code == code  # type: ignore[attr-defined]
+
+
+def test_refused() -> None:
+    refused(DataError, "a record of 100 s, a period of 200 s: 0.5 cycles (it is not longer", "too_few_cycles", f=0.005)
+    refused(DataError, "2.5 cycles (drive and drift cannot be told apart)", "too_few_cycles", f=0.025)
+    refused(DataError, "changes faster than the samples can follow", "nyquist", f=0.7)
+    refused(DataError, "two samples a period of 2 s (amplitude and phase", "nyquist", f=0.5)
+    refused(DataError, "each falls on a zero", "nyquist", f=0.5, phase=0.0)
+    refused(DataError, "a drive of -1", "bad_period", f=-1.0)
+    refused(DataError, "100 samples of the drive, 99 readings", "different_length", x=np.zeros(99))
+    refused(DataError, "1 readings are missing", "gaps", x=np.where(np.arange(100) == 5, np.nan, 1.0))
+    refused(DataError, "drive and drift alone", "no_scatter", x=np.ones(100))
+    refused(DataError, "20 samples for 26 columns", "too_few_readings", n=20, f=0.4)
+    refused(PlanError, "49 rows of drift, 25 cycles", "wrong_value", design={"rows": 49})
+    refused(DataError, "no side band lies between", "side_bands", n=13, design={"rows": 4})
+    refused(PlanError, "30 side bands on each side", "side_bands", design={"side_bands": 30})
+    refused(PlanError, "drift 'spline'", "wrong_value", design={"drift": "spline"})
+    refused(PlanError, "degree 20", "wrong_value", design={"drift": "polynomial", "rows": 20})
+    with pytest.raises(DataError, match="100 samples, 99 applied values"):
+        applied_drive(TIMES, np.ones(99), 1.0 / PERIOD)
+    with pytest.raises(DataError, match="does not vary"):
+        applied_drive(TIMES, np.ones(100), 1.0 / PERIOD)
+    with pytest.raises(DataError, match="finite and ascending"):
+        sine_drive([0.0, 0.0, 1.0], 0.1)
+
+
+def test_a_drive_at_half_of_the_sampling_frequency_needs_its_phase() -> None:
+    drive = sine_drive(np.arange(100.0), 0.5, 0.5 * np.pi)
+    assert drive.quadrature is None
+    fit = fit_line(design_of(drive), 2.0 * np.tile([1.0, -1.0], 50) + NOISE)
+    assert fit.in_phase[0] == pytest.approx(2.0, abs=1e-5)
+
+
+def test_a_window_that_is_no_whole_number_of_cycles_does_no_harm() -> None:
+    times = np.arange(103.0)
+    x = np.sin(2 * np.pi * 0.25 * times + 0.3) + 0.02 * times + 1e-6 * np.random.default_rng(1).standard_normal(103)
+    fit = fit_line(design_of(sine_drive(times, 0.25, 0.3)), x)
+    assert fit.in_phase[0] == pytest.approx(1.0, abs=1e-4)
