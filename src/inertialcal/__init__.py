@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from .campaign.score import score
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
+    from .campaign.single_mass_plan import plan_mass_attraction
     from .campaign.single_noise import allan
     from .campaign.single_spectrum import psd
     from .campaign.single_thermal import thermal
@@ -39,6 +40,7 @@ __all__ = [
     "flip",
     "info",
     "load_model",
+    "plan_mass_attraction",
     "plot",
     "psd",
     "rate_table",
@@ -60,6 +62,7 @@ _HOMES = {
     "flip": ("campaign.single_flip", "flip"),
     "thermal": ("campaign.single_thermal", "thermal"),
     "load_model": ("campaign.models", "load_model"),
+    "plan_mass_attraction": ("campaign.single_mass_plan", "plan_mass_attraction"),
     "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),
