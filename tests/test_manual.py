@@ -403,7 +403,8 @@ def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
     page = (DOCS / "commands" / f"{name}.md").read_text(encoding="utf-8")
     table = {key.split()[0]: cells for key, cells in rows_after(page, "Options").items()}
     known = {"--help"}
-    for parameter in COMMANDS[name].params:
+    inner = getattr(COMMANDS[name], "commands", {})  # of a command for several tests: plan mass-attraction
+    for parameter in [*COMMANDS[name].params, *(one for command in inner.values() for one in command.params)]:
         options = [*parameter.opts, *parameter.secondary_opts]
         known |= {str(parameter.name).upper()} if parameter.param_type_name == "argument" else set(options)
     assert set(table) == known

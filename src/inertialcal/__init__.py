@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
     from .campaign.single_mass_attraction import mass_attraction
+    from .campaign.single_mass_plan import plan_mass_attraction
     from .campaign.single_noise import allan
     from .campaign.single_sine import sine
     from .campaign.single_spectrum import psd
@@ -42,6 +43,7 @@ __all__ = [
     "info",
     "load_model",
     "mass_attraction",
+    "plan_mass_attraction",
     "plot",
     "psd",
     "rate_table",
@@ -66,6 +68,7 @@ _HOMES = {
     "thermal": ("campaign.single_thermal", "thermal"),
     "mass_attraction": ("campaign.single_mass_attraction", "mass_attraction"),
     "load_model": ("campaign.models", "load_model"),
+    "plan_mass_attraction": ("campaign.single_mass_plan", "plan_mass_attraction"),
     "plot": ("report.plot", "plot"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),

@@ -6,7 +6,19 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, demos, flips, mass_attractions, models, noise, recordings, sines, thermals, twins
+from . import (
+    campaigns,
+    demos,
+    flips,
+    mass_attractions,
+    models,
+    noise,
+    plans,
+    recordings,
+    sines,
+    thermals,
+    twins,
+)
 from .output import package_version
 
 app = typer.Typer(
@@ -42,6 +54,7 @@ app.command("rate-table")(recordings.rate_table)
 app.command("flip")(flips.flip)
 app.command("thermal")(thermals.thermal)
 app.command("mass-attraction")(mass_attractions.mass_attraction)
+app.add_typer(plans.plan, name="plan")
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)

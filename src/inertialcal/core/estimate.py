@@ -32,6 +32,7 @@ from .tables import Grid, Part, html, text
 Array = NDArray[np.float64]
 
 SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -188,16 +189,17 @@ def _check_covariance(component: Component, k: int) -> None:
     c = component.covariance
     if c.shape != (k, k):
         raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
-    if not np.all(np.isfinite(c)):
+    if not np.isfinite(c).all():
         raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
-    deviations = np.sqrt(np.abs(np.diag(c)))
-    scale = np.outer(deviations, deviations)
-    if np.any(np.diag(c) < 0.0) or np.any(np.abs(c - c.T) > SYMMETRY * scale + np.finfo(float).tiny):
+    variances = c.diagonal()
+    deviations = np.sqrt(np.abs(variances))
+    scale = deviations[:, None] * deviations
+    if (variances < 0.0).any() or (np.abs(c - c.T) > SYMMETRY * scale + TINY).any():
         raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
     dof = np.asarray(component.dof, dtype=float)
-    if dof.shape not in {(), (k,)} or not np.all(dof > 0.0):
+    if dof.shape not in {(), (k,)} or not (dof > 0.0).all():
         raise DataError(
             f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
         )
-    if component.stated is not None and not component.stated[0] > 0.0 and np.any(np.diag(c) > 0.0):
+    if component.stated is not None and not component.stated[0] > 0.0 and (variances > 0.0).any():
         raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")

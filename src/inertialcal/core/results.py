@@ -11,7 +11,14 @@ import re
 from dataclasses import dataclass
 from typing import Any, Literal
 
-WAYS = ("all_readings", "median", "low_pass", "as_published", "within_runs", "between_runs")  # conditions: other ways of reducing the same readings
+WAYS = (
+    "all_readings",
+    "median",
+    "low_pass",
+    "as_published",
+    "within_runs",
+    "between_runs",
+)  # conditions: other ways of reducing the same readings
 # conditions: one flip, or one record, of several, each by its own
 FLIP = re.compile(r"(as_published, )?flip .+|run .+ alone", re.DOTALL)
 Status = Literal["estimated", "not_estimated", "upper_limit"]

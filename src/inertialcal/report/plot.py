@@ -40,15 +40,16 @@ def plot(
 
     Parameters
     ----------
-    result : Outcome, RateTableFile, NoiseFile, SpectrumFile, SineFile, Recording, SensorModel, Estimate or dict
-        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``sine``, ``read``, ``load_model``; the ``estimate`` of a
-        result; or the content of a ``results.json``.
+    result : Outcome, RateTableFile, NoiseFile, SineFile, MassPlan, Recording, SensorModel, Estimate or dict
+        Of ``run``, ``rate_table``, ``allan``, ``psd``, ``sine``, ``plan_mass_attraction``, ``read``, ``load_model``;
+        the ``estimate`` of a result; or the content of a ``results.json``.
     ax : Axes, or sequence of Axes, optional
         Where; as many as the figure has panels, or one, which is then divided. By default a new figure, which a
         notebook shows; elsewhere save it: ``plot(result).figure.savefig("figure.png")``.
     figure : str, optional
         Which: ``"compensated"``, ``"input_output"``, ``"rate_error"``, ``"dwells"``, ``"side_by_side"``, ``"flip"``,
-        ``"sine"``, ``"allan"``, ``"spectrum"``, ``"matrix"``, ``"budget"``;
+        ``"sine"``, ``"allan"``, ``"spectrum"``, ``"mass_body"``, ``"mass_field"``, ``"mass_growth"``,
+        ``"cube_as_point"``, ``"mass_forecast"``, ``"matrix"``, ``"budget"``;
         by default the first of these that the result has data for.
     test, axis : str, optional
         Of which test and axis of a campaign; by default the first.

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 import pytest
 from cuboid_reference import cuboid_field
@@ -19,6 +21,7 @@ from inertialcal.physics.attraction import (
     Point,
     Prism,
     ProofMass,
+    Ring,
     Sphere,
     attraction,
     attraction_gradient,
@@ -37,6 +40,7 @@ BODIES: dict[str, Body] = {
     "prism": Prism((-0.3, -0.1, 0.0), (0.2, 0.4, 0.3), 5.0),
     "solid cylinder": Cylinder(mass=3.0, radius=0.3, length=0.5),
     "tube": TUBE,
+    "ring": Ring(2.0, 0.25, (0.1, 0.0, -0.2), (1.0, 2.0, 2.0)),
     "lattice": Lattice(CELLS, (0.1, 0.12, 0.08), (-0.2, -0.2, -0.2)),
     "together": Composite((Point(1.0), Sphere(1.0, 0.1, (0.2, 0.2, 0.2)))),
     "placed": Placed(TUBE, (0.1, -0.1, 0.0), np.array([[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])),
@@ -119,7 +123,7 @@ def test_near_and_far_cylinders_join() -> None:
     for way in directions(6, 4):
         pair = np.stack([way * edge * (1.0 - 1e-12), way * edge * (1.0 + 1e-12)])
         field, slope = whole.field(pair), whole.gradient(pair)
-        np.testing.assert_allclose(field[0], field[1], atol=CLAIM * np.linalg.norm(field[0]))
+        np.testing.assert_allclose(field[0], field[1], atol=CLAIM * float(np.linalg.norm(field[0])))
         np.testing.assert_allclose(slope[0], slope[1], atol=1e-9 * np.abs(slope[0]).max())
 
 
@@ -167,14 +171,19 @@ def test_offsets_whose_squares_vanish_are_no_exception(offset: float, axis: int)
     np.testing.assert_allclose(corner.field(off), corner.field(on), atol=1e-15 + 60 * offset)
 
 
+def triple(values: Iterable[float]) -> tuple[float, float, float]:
+    x, y, z = values
+    return x, y, z
+
+
 @given(st.lists(st.floats(-3.0, 3.0), min_size=3, max_size=3), st.floats(0.1, 10.0), st.permutations(range(3)))
 def test_scale_and_the_order_of_axes_change_nothing(where: list[float], scale: float, order: list[int]) -> None:
     body = Prism((-0.5, -0.4, -0.3), (0.5, 0.4, 0.3), 1.0)
     point = np.array([where])
     field = body.field(point)
-    larger = Prism(*(tuple(scale * v for v in side) for side in (body.lower, body.upper)), 1.0)  # type: ignore[arg-type]
+    larger = Prism(triple(scale * v for v in body.lower), triple(scale * v for v in body.upper), 1.0)
     np.testing.assert_allclose(larger.field(scale * point), scale * field, atol=1e-13 * scale)
-    other = Prism(*(tuple(side[i] for i in order) for side in (body.lower, body.upper)), 1.0)  # type: ignore[arg-type]
+    other = Prism(triple(body.lower[i] for i in order), triple(body.upper[i] for i in order), 1.0)
     np.testing.assert_allclose(other.field(point[:, order]), field[:, order], atol=1e-13)
     np.testing.assert_allclose(body.field(-point), -field, atol=1e-13)
 
@@ -221,6 +230,16 @@ def test_the_constant_is_the_callers() -> None:
     ("make", "words"),
     [
         (lambda: Sphere(1.0, 0.0), "radius 0 is not above zero"),
+        (lambda: Sphere(1.0, np.inf), "radius inf is not finite"),
+        (lambda: Sphere(np.nan, 1.0), "mass nan is not finite"),
+        (lambda: Point(1.0, (0.0, np.nan, 0.0)), "centre of the point mass nan is not finite"),
+        (lambda: Prism((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), np.inf), "density inf is not finite"),
+        (lambda: Ring(1.0, np.nan), "radius nan is not finite"),
+        (lambda: Cylinder(1.0, 0.1, -0.1), "length -0.1 is not above zero"),
+        (lambda: Cylinder(1.0, 0.1, 0.1, centre=(0.0, 0.0, np.inf)), "centre of the cylinder inf is not finite"),
+        (lambda: ProofMass(0.0, 0.1), "length of the proof mass 0 is not above zero"),
+        (lambda: Lattice(np.full((2, 2, 2), np.nan), (1.0, 1.0, 1.0)), "is no lattice of finite numbers"),
+        (lambda: Lattice(np.ones((2, 2, 2)), (1.0, 1.0, 1.0), (0.0, np.nan, 0.0)), "lower vertex .* nan is not finite"),
         (lambda: Prism((0.0, 0.0, 0.0), (1.0, -1.0, 1.0), 1.0), "extent of the prism along y -1 is not above zero"),
         (
             lambda: Cylinder(1.0, 0.1, 0.1, inner_radius=0.1),

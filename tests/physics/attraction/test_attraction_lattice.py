@@ -16,7 +16,7 @@ CLAIM = 1e-12
 def sphere_of_cells(n: int) -> np.ndarray:
     at = np.arange(n) - (n - 1) / 2.0
     x, y, z = np.meshgrid(at, at, at, indexing="ij")
-    return 11340.0 * (x**2 + y**2 + z**2 < (n / 2.0) ** 2)
+    return np.asarray(11340.0 * (x**2 + y**2 + z**2 < (n / 2.0) ** 2))
 
 
 BODIES = {
@@ -44,7 +44,7 @@ def test_twelve_digits_from_half_an_edge_to_a_million(density: np.ndarray) -> No
 
 def _ways(n: int) -> np.ndarray:
     found = np.random.default_rng(4).normal(size=(n, 3))
-    return found / np.linalg.norm(found, axis=1)[:, None]  # type: ignore[no-any-return]
+    return np.asarray(found / np.linalg.norm(found, axis=1)[:, None])
 
 
 def _exact_sum(values: np.ndarray) -> float:

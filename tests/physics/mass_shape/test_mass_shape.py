@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from collections.abc import Callable
 
 import numpy as np
 import pytest
@@ -43,8 +44,10 @@ def test_the_bound_is_the_body_of_all_places_above_a_level(keep: str, volume: fl
     c = bound.reach**-2
     log_reach = math.log(bound.reach)
 
-    def over(what: object) -> float:
-        return integrate.quad(lambda s: what(math.exp(s)) * math.exp(s), 0.0, log_reach, epsabs=0.0, epsrel=1e-10)[0]  # type: ignore[operator]
+    def over(what: Callable[[float], float]) -> float:
+        return float(
+            integrate.quad(lambda s: what(math.exp(s)) * math.exp(s), 0.0, log_reach, epsabs=0.0, epsrel=1e-10)[0]
+        )
 
     if keep == "plane":
         disc = over(lambda x: math.pi * ((x / c) ** (2.0 / 3.0) - x * x))
@@ -72,11 +75,14 @@ def test_a_body_that_may_touch_beats_the_sphere_by_a_fortieth() -> None:
     assert largest_field(1e9, 1.0, 1.0).over_sphere == pytest.approx(1.02599, abs=2e-3)
 
 
-@pytest.mark.parametrize(("cells", "share"), [(1, 0.997), (6, 0.9999)], ids=["900", "194,400"])
-def test_the_best_cells_nearly_reach_the_bound(cells: int, share: float) -> None:
-    """The issue's 99.7 % for 900 cells; cut six times finer, 99.99 %."""
-    grid = Grid(0.051 / cells, (10 * cells, 20 * cells, 20 * cells), 0.0762, LEAD)
-    body = best_cells(grid, CELLS * cells**3)
+@pytest.mark.parametrize(
+    ("shape", "count", "share"),
+    [((10, 20, 20), CELLS, 0.997), ((63, 126, 126), 225_000, 0.9999)],
+    ids=["900", "225,000"],
+)
+def test_the_best_cells_nearly_reach_the_bound(shape: tuple[int, int, int], count: int, share: float) -> None:
+    """One mass, cut coarsely out of 4,000 places and finely out of a million."""
+    body = best_cells(Grid(0.051 * (CELLS / count) ** (1.0 / 3.0), shape, 0.0762, LEAD), count)
     reached = Gain().of(body) / largest_field(body.mass, LEAD, 0.0762).field
     assert share <= reached <= 1.0
 
@@ -181,11 +187,42 @@ def test_growth_grows_from_a_point_to_the_touching_ratio() -> None:
         (lambda: largest_field(-1.0, 1.0, 1.0), "mass -1 is not above zero"),
         (lambda: largest_field(1.0, 1.0, -1.0), "stand-off -1 m is below zero"),
         (lambda: Gain((0.0, 0.0, 0.0)).of(best_cells(REINEL, 1)), "has no direction"),
+        (
+            lambda: Grid(5.1, (2, 2, 2), 0.1, LEAD),
+            "edge of a cell 5.1 m: more than 1 m .*If 5.1 cm was meant, give 0.051 m",
+        ),
+        (lambda: Grid(51.0, (2, 2, 2), 0.1, LEAD), "If 51 cm was meant, give 0.51 m"),
+        (lambda: Grid(0.051, (2, 2, 2), 10.2, LEAD), "stand-off 10.2 m: .*If 10.2 cm was meant, give 0.102 m"),
+        (lambda: Grid(0.051, (2, 2, 2), -0.1, LEAD), "the mass would overlap the instrument"),
+        (lambda: Grid(0.051, (2, 2, 2), math.nan, LEAD), "stand-off nan is not finite"),
+        (lambda: Grid(math.inf, (2, 2, 2), 0.1, LEAD), "edge of a cell inf is not finite"),
+        (lambda: Grid(0.051, (2, 0, 2), 0.1, LEAD), "a grid of 2 x 0 x 2 cells has none"),
+        (
+            lambda: best_cells(REINEL, 1, Gain(proof_mass=ProofMass(0.3, 0.02))),
+            r"overlap the instrument: the place \(0.1",
+        ),
+        (lambda: best_cells(REINEL, 1, change((-0.2, 0.0, 0.0))), r"the place \(0.2, 0, 0\) m of its proof mass"),
+        (lambda: best_stack(REINEL, (Pieces(0, 3),)), "3 cubes of 0 cells: both numbers must be one or more"),
+        (lambda: best_stack(REINEL, (Pieces(1, -3),)), "-3 cubes of 1 cells"),
+        (lambda: best_stack(REINEL, ()), "the inventory has no pieces"),
+        (lambda: largest_field(1.0, math.inf, 1.0), "density inf is not finite"),
+        (lambda: largest_field(1.0, 1.0, math.nan), "stand-off nan is not finite"),
+        (lambda: checked(67.2, MASS, LEAD, 0.102, G), r"67.2 m/s\^2 is 1.03e\+08 times the most .* 1 ng, a billionth"),
+        (lambda: checked(-1.0, MASS, LEAD, 0.102, G), "stated attraction -1 is not above zero"),
     ],
 )
 def test_what_cannot_be_built_is_refused(make: object, words: str) -> None:
     with pytest.raises(DataError, match=words):
         make()  # type: ignore[operator]
+
+
+def test_the_bound_has_its_limits_at_its_ends() -> None:
+    """Next to no stand-off, and next to no volume."""
+    near = largest_field(1.0, 1.0, 1e-200)
+    assert near.field == largest_field(1.0, 1.0, 0.0).field
+    assert largest_field(1.0, 1.0, 1e-9).field == pytest.approx(near.field, rel=1e-7)
+    assert largest_field(1e-200, 1.0, 2.0).field == pytest.approx(2.5e-201, rel=1e-12)
+    assert largest_field(1e-14, 1.0, 1.0).field == pytest.approx(1e-14, rel=1e-6)
 
 
 def test_a_weight_allows_whole_cells() -> None:

@@ -6,12 +6,14 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.physics.attraction import Point, ProofMass
+from inertialcal.physics.attraction import Lattice, Point, ProofMass
 from inertialcal.physics.motion import (
     Window,
     best_window,
     drive,
     harmonics,
+    least_distance,
+    refuse_overlap,
     sine_of_field,
     sine_of_position,
     travel_of_body,
@@ -82,11 +84,35 @@ def test_an_extended_proof_mass_sees_a_little_more() -> None:
     assert travel.at(0.0) == pytest.approx(1.0 / (1.0 - 0.1**2), rel=1e-6)  # mean of x^-2 over the rod
 
 
+def test_the_least_distance_is_that_of_the_nearest_face() -> None:
+    body = Lattice(np.ones((2, 2, 2)), (0.1, 0.1, 0.1), (0.3, -0.1, -0.1))
+    assert least_distance(body, (0.0, 1.0, 0.0), -1.0, 1.0) == pytest.approx((0.3, 0.0), abs=0.11)
+    assert least_distance(body, (2.0, 0.0, 0.0), 0.0, 1.0) == pytest.approx((0.3, 0.0))
+    refuse_overlap(body, (1.0, 0.0, 0.0), -0.2, 1.0, 0.09)
+
+
+@pytest.mark.parametrize(("first", "keep_out", "words"), [
+    (-0.25, 0.1, "at position -0.25 m the mass would overlap the instrument: 0.05 m from the centre"),
+    (-1.0, 0.0, "the mass would overlap the instrument: 0 m from"),
+])  # fmt: skip
+def test_a_travel_into_the_instrument_is_refused(first: float, keep_out: float, words: str) -> None:
+    body = Lattice(np.ones((2, 2, 2)), (0.1, 0.1, 0.1), (0.3, -0.1, -0.1))
+    with pytest.raises(DataError, match=words) as caught:
+        refuse_overlap(body, (1.0, 0.0, 0.0), first, 0.5, keep_out)
+    assert "raise the stand-off" in str(caught.value)
+
+
 @pytest.mark.parametrize(
     ("make", "words"),
     [
         (lambda: REINEL.at(0.6), "position 0.6 m is outside the rig's travel, 0 to 0.533 m"),
         (lambda: best_window(REINEL, 0.6), "a stroke of 0.6 m does not fit the rig's travel, 0 to 0.533 m"),
+        (lambda: best_window(REINEL, 30.5), "a stroke of 30.5 m does not fit .*If 30.5 cm was meant, give 0.305 m"),
+        (lambda: best_window(REINEL, 305.0), "If 305 mm was meant, give 0.305 m"),
+        (lambda: best_window(REINEL, np.nan), "a stroke of nan m does not fit"),
+        (lambda: REINEL.at([0.1, np.nan]), "position nan m is outside the rig's travel"),
+        (lambda: travel_of_table([0.0, 1.0, 2.0, 3.0], [1.0, 2.0, np.nan, 4.0]), "row 3 of the travel: .* not finite"),
+        (lambda: travel_of_body(Point(1.0), (1.0, 0.0, 0.0), 0.0, np.inf), "from 0 to inf m has no length"),
         (lambda: best_window(REINEL, -0.1), "a stroke of -0.1 m does not fit"),
         (lambda: drive(REINEL, USED, "saw"), "drive 'saw' is not known: sine, square, ABAB"),  # type: ignore[arg-type]
         (lambda: travel_of_table([0.0, 1.0, 2.0], [1.0, 2.0, 3.0]), "a travel needs 4 or more"),

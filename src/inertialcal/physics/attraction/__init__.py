@@ -5,6 +5,8 @@ from .cylinder import Cylinder
 from .extended import ProofMass, mean_field
 from .field import attraction, attraction_gradient
 from .lattice import Lattice
+from .ring import Ring
+from .tilt import surface_tilt
 
 __all__ = [
     "Body",
@@ -15,8 +17,10 @@ __all__ = [
     "Point",
     "Prism",
     "ProofMass",
+    "Ring",
     "Sphere",
     "attraction",
     "attraction_gradient",
     "mean_field",
+    "surface_tilt",
 ]

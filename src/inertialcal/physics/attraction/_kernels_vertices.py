@@ -114,8 +114,8 @@ def _summed(log: Array, angle: Array, away: Array, weight: Array, start: int, n:
 def vertices(points: Array, places: Array, weight: Array, ends: Array, reach: float, field: Array) -> int:
     """Fill ``field`` (p, 3) with the sum over vertices at ``places`` (3, n), each with its mixed third difference.
 
-    Points from which the farthest corner of the body is not within reach get no number; ``ends`` (2, 3) are its smallest
-    and largest coordinates. Return how many such points there are.
+    Points from which the farthest corner of the body is not within reach get no number; ``ends`` (2, 3) are its
+    smallest and largest coordinates. Return how many such points there are.
     """
     far = 0
     for i in range(len(points)):

@@ -56,6 +56,10 @@ class Point:
     mass: float
     centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
+    def __post_init__(self) -> None:
+        finite("mass", self.mass)
+        finite("centre of the point mass", *self.centre)
+
     def field(self, points: Array) -> Array:
         """Return the field at points, shape (n, 3) [kg/m^2].
 
@@ -97,6 +101,8 @@ class Sphere:
     centre: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     def __post_init__(self) -> None:
+        finite("mass", self.mass)
+        finite("centre of the sphere", *self.centre)
         positive("radius", self.radius)
 
     def field(self, points: Array) -> Array:
@@ -134,6 +140,7 @@ class Prism:
     density: float
 
     def __post_init__(self) -> None:
+        finite("density", self.density)
         for axis, low, high in zip("xyz", self.lower, self.upper, strict=True):
             positive(f"extent of the prism along {axis}", high - low)
 
@@ -224,9 +231,45 @@ class Placed:
 
 
 def positive(what: str, value: float) -> None:
-    """Refuse what is not above zero."""
+    """Refuse what is not a finite number above zero.
+
+    Raises
+    ------
+    DataError
+        With its name and value.
+    """
+    finite(what, value)
     if not value > 0.0:
         raise DataError(f"{what} {value:g} is not above zero", code="no_extent")
+
+
+def finite(what: str, *values: float) -> None:
+    """Refuse what is not finite.
+
+    Raises
+    ------
+    DataError
+        With its name and value.
+    """
+    for value in values:
+        if not math.isfinite(value):
+            raise DataError(f"{what} {value:g} is not finite", code="not_finite")
+
+
+def slipped(length: float, largest: float) -> str:
+    """Return a hint where a length [m] looks as if it had been given in another unit, empty where it does not.
+
+    Parameters
+    ----------
+    length : float
+        As given.
+    largest : float
+        The most that it can be.
+    """
+    for unit, factor in (("cm", 1e-2), ("mm", 1e-3)):
+        if 0.0 < length * factor <= largest:
+            return f"If {length:g} {unit} was meant, give {length * factor:g} m."
+    return ""
 
 
 def matrix(slope: Array) -> Array:

@@ -24,7 +24,8 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .bodies import positive
+from .axial import about_axis, direction, symmetric_gradient
+from .bodies import finite, positive
 
 FAR = 10.0  # half diagonals from the centre
 HALVINGS, NODES = 48, 20  # of the angle, and of each part
@@ -34,7 +35,7 @@ PARTS = 4096  # points that are worked on at a time
 
 @dataclass(frozen=True, eq=False)
 class Cylinder:
-    """Uniform cylinder about an axis; with an inner radius, a ring or a tube.
+    """Uniform cylinder about an axis; with an inner radius, a tube or a ring with a section.
 
     Parameters
     ----------
@@ -63,6 +64,8 @@ class Cylinder:
     axis: tuple[float, float, float] = (0.0, 0.0, 1.0)
 
     def __post_init__(self) -> None:
+        finite("mass", self.mass)
+        finite("centre of the cylinder", *self.centre)
         positive("radius", self.radius)
         positive("length", self.length)
         if not 0.0 <= self.inner_radius < self.radius:
@@ -70,8 +73,7 @@ class Cylinder:
                 f"inner radius {self.inner_radius:g} m is not between 0 and the radius, {self.radius:g} m",
                 code="no_extent",
             )
-        if not 0.0 < math.hypot(*self.axis) < math.inf:
-            raise DataError(f"axis {self.axis} has no direction", code="no_direction")
+        direction(self.axis)
 
     @property
     def density(self) -> float:
@@ -80,35 +82,15 @@ class Cylinder:
 
     def field(self, points: Array) -> Array:
         """Return the field at points, shape (n, 3) [kg/m^2]."""
-        r, z, out, along = self._local(points)
+        r, z, out, along = about_axis(points, self.centre, self.axis)
         g_r, g_z = self._summed(_field, r, z)
         pull: Array = g_r[:, None] * out + g_z[:, None] * along
         return pull
 
     def gradient(self, points: Array) -> Array:
         """Return the gradient at points, shape (n, 3, 3) [kg/m^3]; on the surface the mean of both sides."""
-        r, z, out, along = self._local(points)
-        g_rr, g_tt, g_zz, g_rz = self._summed(_gradient, r, z)
-        across = np.cross(along, out)
-        found = [
-            part[:, None, None] * one[:, :, None] * other[:, None, :]
-            for part, one, other in (
-                (g_rr, out, out), (g_tt, across, across), (g_zz, along, along), (g_rz, out, along), (g_rz, along, out),
-            )
-        ]  # fmt: skip
-        return np.sum(found, axis=0)  # type: ignore[no-any-return]
-
-    def _local(self, points: Array) -> tuple[Array, Array, Array, Array]:
-        """Distance from the axis, height over the middle, and the directions of both."""
-        axis = np.array(self.axis) / math.hypot(*self.axis)
-        away = points - np.array(self.centre)
-        z = away @ axis
-        flat = away - z[:, None] * axis
-        r = np.linalg.norm(flat, axis=1)
-        aside = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
-        aside /= np.linalg.norm(aside)
-        out = np.where((r > 0.0)[:, None], flat / np.where(r > 0.0, r, 1.0)[:, None], aside)
-        return r, z, out, np.broadcast_to(axis, out.shape)
+        r, z, out, along = about_axis(points, self.centre, self.axis)
+        return symmetric_gradient(self._summed(_gradient, r, z), out, along)
 
     def _summed(self, found: Callable[[float, float, Array, Array], Array], r: Array, z: Array) -> Array:
         """Outer less inner cylinder of this density, shape (components, n)."""

@@ -25,7 +25,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from . import _kernels, _kernels_vertices
-from .bodies import matrix, positive
+from .bodies import finite, matrix, positive
 
 ROUNDED = 8.0 * np.finfo(float).eps  # of one vertex's term, with its logarithms
 ALLOWED = 5e-13  # of the sum of the magnitudes of all cells' attractions
@@ -63,6 +63,7 @@ class Lattice:
                 f"density of shape {self.density.shape} is no lattice of finite numbers: nx x ny x nz is needed",
                 code="no_lattice",
             )
+        finite("lower vertex of the lattice", *self.lower)
         for axis, edge in zip("xyz", self.edges, strict=True):
             positive(f"edge of a cell along {axis}", edge)
 

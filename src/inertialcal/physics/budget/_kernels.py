@@ -1,4 +1,4 @@
-"""Difference of the attraction of many displaced pieces between two places, draw by draw, without checks."""
+"""Difference of the attraction of many pieces between two places: its slopes to each, and draws; without checks."""
 
 from __future__ import annotations
 
@@ -8,15 +8,7 @@ import numba
 import numpy as np
 from numpy.typing import NDArray
 
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
-
-
-@compiled
-def _toward(x: float, y: float, z: float, n: NDArray[np.float64]) -> float:
-    """Field of a unit mass at an offset, along n."""
-    rr = x * x + y * y + z * z
-    along: float = x * n[0] + y * n[1] + z * n[2]
-    return along / (rr * math.sqrt(rr))
+compiled = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @compiled
@@ -27,25 +19,64 @@ def amplitudes(
     places: NDArray[np.float64],
     turns: NDArray[np.float64],
     axis: NDArray[np.float64],
-    density: NDArray[np.float64],
     moved: NDArray[np.float64],
     found: NDArray[np.float64],
 ) -> None:
-    """Fill ``found`` (draws,) with half the difference of the fields along the axis at both stops.
+    """Fill ``found`` (draws, 2): half the difference of the fields at both stops, and what pieces add to it as a root.
 
-    Shapes: centres (pieces, 3); mass (pieces,); shape (pieces, 2), the field of a piece over that of a point at each
-    stop; places (draws, 2, 3), shifts of the body; turns (draws, 3, 3); density (draws, pieces), relative; moved
-    (draws, pieces, 3).
+    That is the root of the sum of the squares of what each adds.
+
+    Shapes: centres (3, pieces); mass (pieces,); shape (2, pieces), the field of a piece over that of a point at each
+    stop; places (draws, 2, 3), shifts of the body; turns (draws, 3, 3); moved (draws, 3, pieces).
     """
+    a, b, c = axis[0], axis[1], axis[2]
     for k in range(len(found)):
-        total = 0.0
-        T = turns[k]
+        T, x, y, z = turns[k], moved[k, 0], moved[k, 1], moved[k, 2]
+        x_0, y_0, z_0 = places[k, 0, 0], places[k, 0, 1], places[k, 0, 2]
+        x_1, y_1, z_1 = places[k, 1, 0], places[k, 1, 1], places[k, 1, 2]
+        total = squares = 0.0
         for i in range(len(mass)):
-            x, y, z = centres[i, 0] + moved[k, i, 0], centres[i, 1] + moved[k, i, 1], centres[i, 2] + moved[k, i, 2]
-            u = T[0, 0] * x + T[0, 1] * y + T[0, 2] * z
-            v = T[1, 0] * x + T[1, 1] * y + T[1, 2] * z
-            w = T[2, 0] * x + T[2, 1] * y + T[2, 2] * z
-            near = _toward(u + places[k, 0, 0], v + places[k, 0, 1], w + places[k, 0, 2], axis)
-            far = _toward(u + places[k, 1, 0], v + places[k, 1, 1], w + places[k, 1, 2], axis)
-            total += mass[i] * density[k, i] * (shape[i, 0] * near - shape[i, 1] * far)
-        found[k] = total / 2.0
+            p, q, r = centres[0, i] + x[i], centres[1, i] + y[i], centres[2, i] + z[i]
+            u = T[0, 0] * p + T[0, 1] * q + T[0, 2] * r
+            v = T[1, 0] * p + T[1, 1] * q + T[1, 2] * r
+            w = T[2, 0] * p + T[2, 1] * q + T[2, 2] * r
+            d, e, f = u + x_0, v + y_0, w + z_0
+            g, h, j = u + x_1, v + y_1, w + z_1
+            near, far = d * d + e * e + f * f, g * g + h * h + j * j
+            one = shape[0, i] * (a * d + b * e + c * f) / (near * math.sqrt(near))
+            other = shape[1, i] * (a * g + b * h + c * j) / (far * math.sqrt(far))
+            part = 0.5 * mass[i] * (one - other)
+            total += part
+            squares += part * part
+        found[k, 0] = total
+        found[k, 1] = math.sqrt(squares)
+
+
+@compiled
+def squares(
+    centres: NDArray[np.float64],
+    mass: NDArray[np.float64],
+    shifts: NDArray[np.float64],
+    axis: NDArray[np.float64],
+) -> tuple[float, float]:
+    """Return sums over pieces, of the square of what each adds to the amplitude, and of its slopes to its place.
+
+    Shapes: centres (pieces, 3); mass (pieces,), with the gravitational constant; shifts (2, 3), of the body.
+    """
+    a, b, c = axis[0], axis[1], axis[2]
+    amounts = slopes = 0.0
+    for i in range(len(mass)):
+        amount = u = v = w = 0.0
+        for k in range(2):
+            x, y, z = centres[i, 0] + shifts[k, 0], centres[i, 1] + shifts[k, 1], centres[i, 2] + shifts[k, 2]
+            r_2 = x * x + y * y + z * z
+            along = a * x + b * y + c * z
+            one = (0.5 - k) * mass[i] / (r_2 * math.sqrt(r_2))
+            turned = 3.0 * along / r_2
+            amount += one * along
+            u += one * (a - turned * x)
+            v += one * (b - turned * y)
+            w += one * (c - turned * z)
+        amounts += amount * amount
+        slopes += u * u + v * v + w * w
+    return amounts, slopes

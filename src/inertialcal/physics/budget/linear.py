@@ -18,6 +18,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
+from . import _kernels
 from .source import Doubts, Source
 
 NAME = "amplitude"
@@ -49,25 +50,7 @@ def shares(source: Source, doubts: Doubts) -> tuple[Share, ...]:
     doubts : Doubts
         What is known of it.
     """
-    G, axis, shifts = source.gravitational_constant, np.array(source.axis), source.shifts
-    amplitude = source.amplitude
-    field, gradient = source.body.field(-shifts), source.body.gradient(-shifts)
-    rows = np.einsum("i,sij->sj", axis, gradient)  # slope of each stop's field to the place of the point
-    half = np.array([0.5, -0.5])
-    stops = G * half * (rows @ np.array(source.direction))
-    place = G * np.sum(half[:, None] * rows, axis=0)
-    angles = [G * _turned(one, axis, field, rows, shifts) for one in np.eye(3)]
-    per_piece, moved = _pieces(source)
-    found = {
-        "gravitational constant": doubts.gravitational_constant * amplitude,
-        "density": doubts.density * amplitude,
-        "density of pieces": doubts.piece_density * math.sqrt(float(np.sum(per_piece**2))),
-        "places of pieces": doubts.piece_place * math.sqrt(float(np.sum(moved**2))),
-        **{f"place {name}": u * slope for name, u, slope in zip("xyz", doubts.place, place, strict=True)},
-        **{f"stop {k + 1}": doubts.stop * stops[k] for k in range(2)},
-        **{f"angle about {name}": doubts.angle * slope for name, slope in zip("xyz", angles, strict=True)},
-    }
-    return tuple(Share(name, abs(float(u))) for name, u in found.items() if u != 0.0)
+    return _amplitude_and_shares(source, doubts)[1]
 
 
 def linear_budget(source: Source, doubts: Doubts) -> Estimate:
@@ -80,30 +63,45 @@ def linear_budget(source: Source, doubts: Doubts) -> Estimate:
     doubts : Doubts
         What is known of it.
     """
-    parts = tuple(Component(one.name, "B", np.array([[one.u**2]]), math.inf) for one in shares(source, doubts))
-    return Estimate((NAME,), np.array([source.amplitude]), ("m/s^2",), parts)
+    amplitude, found = _amplitude_and_shares(source, doubts)
+    parts = tuple(Component(one.name, "B", np.array([[one.u**2]]), math.inf) for one in found)
+    return Estimate((NAME,), np.array([amplitude]), ("m/s^2",), parts)
 
 
-def _turned(w: Array, axis: Array, field: Array, rows: Array, shifts: Array) -> float:
-    """Slope of the amplitude to a turn w of the body about the origin of its frame, for a constant of one.
+def _amplitude_and_shares(source: Source, doubts: Doubts) -> tuple[float, tuple[Share, ...]]:
+    """Amplitude, and what each doubt adds, from one look at the field."""
+    G, axis, shifts = source.gravitational_constant, np.array(source.axis), source.shifts
+    field, gradient = source.body.field(-shifts), source.body.gradient(-shifts)
+    rows = axis @ gradient  # slope of each stop's field to the place of the point
+    half = np.array([0.5, -0.5])
+    amplitude = G * float(half @ (field @ axis))
+    stops = G * half * (rows @ np.array(source.direction))
+    place = G * half @ rows
+    angles = G * half @ _turned(axis, field, rows, shifts)
+    per_piece, moved = _pieces(source, axis, shifts)
+    found = {
+        "gravitational constant": doubts.gravitational_constant * amplitude,
+        "density": doubts.density * amplitude,
+        "density of pieces": doubts.piece_density * per_piece,
+        "places of pieces": doubts.piece_place * moved,
+        **{f"place {name}": u * slope for name, u, slope in zip("xyz", doubts.place, place, strict=True)},
+        **{f"stop {k + 1}": doubts.stop * stops[k] for k in range(2)},
+        **{f"angle about {name}": doubts.angle * slope for name, slope in zip("xyz", angles, strict=True)},
+    }
+    return amplitude, tuple(Share(name, abs(float(u))) for name, u in found.items() if u != 0.0)
 
-    Seen from the body, the point at -s turns back about that origin, and so does the axis.
+
+def _turned(axis: Array, field: Array, rows: Array, shifts: Array) -> Array:
+    """Slope of each stop's field to a turn of the body about each axis through the origin of its frame, shape (2, 3).
+
+    Seen from the body, the point at -s turns back about that origin, and so does the axis; ``w x g . a = w . g x a``.
     """
-    changed = np.cross(w, field) @ axis - np.einsum("sj,sj->s", rows, np.cross(w, -shifts))
-    return float(changed[0] - changed[1]) / 2.0
+    return np.cross(field, axis) + np.cross(shifts, rows)
 
 
-def _pieces(source: Source) -> tuple[Array, Array]:
-    """Amounts that pieces add to the amplitude (n,), and its slopes to their places (n, 3)."""
+def _pieces(source: Source, axis: Array, shifts: Array) -> tuple[float, float]:
+    """Roots of the sums of squares over pieces, of what each adds to the amplitude, and of its slopes to its place."""
     centres, density = source.body.cells
-    mass = density * math.prod(source.body.edges) * source.gravitational_constant
-    axis = np.array(source.axis)
-    amount, slope = np.zeros(len(mass)), np.zeros((len(mass), 3))
-    for sign, shift in zip((0.5, -0.5), source.shifts, strict=True):
-        away = centres + shift
-        r_2 = np.einsum("ij,ij->i", away, away)
-        along = away @ axis
-        w = sign * mass / (r_2 * np.sqrt(r_2))
-        amount += w * along
-        slope += w[:, None] * (axis - (3.0 * along / r_2)[:, None] * away)
-    return amount, slope
+    mass = density * (math.prod(source.body.edges) * source.gravitational_constant)
+    amounts, slopes = _kernels.squares(centres, mass, shifts, axis)
+    return math.sqrt(amounts), math.sqrt(slopes)

@@ -6,6 +6,7 @@ are independent of each other, and stay the same from cycle to cycle.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,7 +14,11 @@ import numpy as np
 from ...core.constants import GRAVITATIONAL_CONSTANT
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ..attraction.bodies import finite
 from ..attraction.lattice import Lattice
+from ..motion.clearance import refuse_overlap
+
+OFF = 1e-9  # of a length of one
 
 
 @dataclass(frozen=True)
@@ -48,8 +53,17 @@ class Doubts:
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
+            finite(f"uncertainty {name}", *np.atleast_1d(value))
             if not np.all(np.asarray(value) >= 0.0):
                 raise DataError(f"uncertainty {name} = {value} is below zero", code="no_uncertainty")
+        for name in ("density", "piece_density", "gravitational_constant"):
+            if getattr(self, name) >= 1.0:
+                raise DataError(
+                    f"uncertainty {name} = {getattr(self, name):g} is all of it, or more",
+                    why="it is relative",
+                    do=f"If {getattr(self, name):g} % was meant, give {getattr(self, name) / 100.0:g}.",
+                    code="absurd_uncertainty",
+                )
 
 
 @dataclass(frozen=True, eq=False)
@@ -68,6 +82,11 @@ class Source:
         Input axis, of length one.
     gravitational_constant : float
         [m^3/s^2/kg].
+
+    Raises
+    ------
+    DataError
+        If a direction is not of length one, a stop is not finite, both are one, or the mass lies in the origin at one.
     """
 
     body: Lattice
@@ -75,6 +94,18 @@ class Source:
     stops: tuple[float, float]
     axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
     gravitational_constant: float = GRAVITATIONAL_CONSTANT.value
+
+    def __post_init__(self) -> None:
+        finite("stop", *self.stops)
+        for name, way in (("direction", self.direction), ("axis", self.axis)):
+            if abs(math.hypot(*way) - 1.0) > OFF:
+                raise DataError(
+                    f"{name} {way} is not of length one", do="Divide it by its length.", code="no_direction"
+                )
+        if self.stops[0] == self.stops[1]:
+            raise DataError(f"both stops are at {self.stops[0]:g} m: the field does not change", code="no_travel")
+        for stop in self.stops:
+            refuse_overlap(self.body, self.direction, stop, stop, 0.0)
 
     @property
     def shifts(self) -> Array:

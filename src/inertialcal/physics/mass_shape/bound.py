@@ -27,11 +27,12 @@ from typing import Literal
 from scipy import optimize
 
 from ...core.errors import DataError
-from ..attraction.bodies import positive
+from ..attraction.bodies import finite, positive
 
 Keep = Literal["plane", "sphere"]
 TOUCHING = (27.0 / 25.0) ** (1.0 / 3.0)
 EXPONENTS = (-150.0, 0.0)  # of the parameter: from any volume to none
+NOTHING = 1e-15  # of the radius, a stand-off that is none; of its cube, a volume that is a point
 SERIES = 1e-4  # of one, from which the closed forms lose more than eight digits
 
 
@@ -80,13 +81,16 @@ def largest_field(mass: float, density: float, stand_off: float, keep: Keep = "p
     """
     positive("mass", mass)
     positive("density", density)
+    finite("stand-off", stand_off)
     if not stand_off >= 0.0:
         raise DataError(f"stand-off {stand_off:g} m is below zero", code="no_stand_off")
     volume = mass / density
     radius = (3.0 * volume / (4.0 * math.pi)) ** (1.0 / 3.0)
     sphere = mass / (radius + stand_off) ** 2
-    if stand_off == 0.0:
+    if stand_off <= NOTHING * radius:
         return Bound(TOUCHING * sphere, (15.0 * volume / (4.0 * math.pi)) ** (1.0 / 3.0), sphere)
+    if volume <= NOTHING * stand_off**3:
+        return Bound(mass / stand_off**2, stand_off, sphere)
     volume_of, field_of, power = _FORMS[keep]
     wanted = volume / (2.0 * math.pi * stand_off**3 / 3.0)
     log = optimize.brentq(lambda s: _log(volume_of(math.exp(s))) - math.log(wanted), *EXPONENTS, xtol=1e-15, rtol=1e-14)

@@ -13,11 +13,12 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..attraction.bodies import positive
+from ..attraction.bodies import finite, positive, slipped
 from ..attraction.lattice import Lattice
 from .gain import Gain
 
 DENSEST = 23000.0  # kg/m^3: no metal is denser than osmium, 22,590
+LARGEST_EDGE, LARGEST_STAND_OFF = 1.0, 5.0  # m: above, centimetres were given
 LIGHTEST = 100.0  # kg/m^3, of balsa: below it a density was given in g/cm^3
 PLAIN = Gain()
 
@@ -50,6 +51,8 @@ class Grid:
 
     def __post_init__(self) -> None:
         positive("edge of a cell", self.edge)
+        finite("stand-off", self.stand_off)
+        self._refuse_slips()
         if not self.stand_off > 0.0:
             raise DataError(
                 f"stand-off {self.stand_off:g} m: the mass would overlap the instrument",
@@ -62,6 +65,24 @@ class Grid:
                 f"density {self.density:g} kg/m^3: materials lie between {LIGHTEST:g} and {DENSEST:g} kg/m^3",
                 do="Lead is 11340 kg/m^3 (11.34 g/cm^3), tungsten 19300 kg/m^3.",
                 code="absurd_density",
+            )
+
+    def _refuse_slips(self) -> None:
+        """Refuse sizes that no laboratory has, and a grid without cells."""
+        sizes = {"edge of a cell": (self.edge, LARGEST_EDGE), "stand-off": (self.stand_off, LARGEST_STAND_OFF)}
+        for name, (size, largest) in sizes.items():
+            if size > largest:
+                raise DataError(
+                    f"{name} {size:g} m: more than {largest:g} m is no source mass of a laboratory",
+                    why="lengths are in metres, and the attraction goes with their squares",
+                    do=slipped(size, largest),
+                    code="absurd_length",
+                )
+        if len(self.shape) != len("xyz") or min(self.shape) < 1:
+            raise DataError(
+                f"a grid of {' x '.join(str(n) for n in self.shape)} cells has none",
+                do="Give three numbers of one or more.",
+                code="no_cells",
             )
 
     @property

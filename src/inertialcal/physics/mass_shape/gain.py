@@ -47,8 +47,14 @@ class Gain:
         ----------
         grid : Lattice
             Where cells can be, with the point at the origin; its density is not looked at.
+
+        Raises
+        ------
+        DataError
+            If the cells would overlap the proof mass at one of the positions.
         """
         axis = self._unit()
+        self._refuse_overlap(grid)
         return np.sum([w * (grid.each(place) @ axis) for w, place in self._places()], axis=0)  # type: ignore[no-any-return]
 
     def of(self, body: Lattice) -> float:
@@ -56,6 +62,22 @@ class Gain:
         places = self._places()
         fields = body.field(np.ascontiguousarray([place for _, place in places])) @ self._unit()
         return float(np.sum(np.array([w for w, _ in places]) * fields))
+
+    def _refuse_overlap(self, grid: Lattice) -> None:
+        """Refuse cells around a part of the proof mass, at any position."""
+        low = np.array(grid.lower)
+        high = low + np.array(grid.density.shape) * np.array(grid.edges)
+        points = np.stack([place for _, place in self._places()])
+        inside = ((points > low) & (points < high)).all(axis=1)
+        if inside.any():
+            x, y, z = points[int(np.argmax(inside))]
+            raise DataError(
+                f"the mass would overlap the instrument: the place ({x:.4g}, {y:.4g}, {z:.4g}) m of its proof mass, "
+                f"seen from the mass, lies among cells",
+                why="material around the proof mass attracts it to no side",
+                do="Raise the stand-off above half of the proof mass's extent, or shorten the shift toward it.",
+                code="overlap",
+            )
 
     def _unit(self) -> Array:
         """Axis of length one."""

@@ -77,6 +77,7 @@ def best_stack(grid: Grid, inventory: tuple[Pieces, ...], gain: Gain = PLAIN) ->
     DataError
         If the pieces do not fit.
     """
+    _refuse_nothing(inventory)
     worth = gain.of_cells(grid.lattice())
     taken = np.zeros(grid.shape, dtype=bool)
     places = []
@@ -87,6 +88,19 @@ def best_stack(grid: Grid, inventory: tuple[Pieces, ...], gain: Gain = PLAIN) ->
             taken[x : x + pieces.cells, y : y + pieces.cells, z : z + pieces.cells] = True
     body = grid.lattice(taken)
     return Stack(body, tuple(places), gain.of(body), gain.of(best_cells(grid, int(taken.sum()), gain)))
+
+
+def _refuse_nothing(inventory: tuple[Pieces, ...]) -> None:
+    """Refuse an inventory of nothing."""
+    for pieces in inventory:
+        if pieces.cells < 1 or pieces.count < 1:
+            raise DataError(
+                f"{pieces.count} cubes of {pieces.cells} cells: both numbers must be one or more",
+                do="Leave out the size of which there are none.",
+                code="no_pieces",
+            )
+    if not inventory:
+        raise DataError("the inventory has no pieces", do="Give one size or more.", code="no_pieces")
 
 
 def _placed(worth: Array, taken: Array, pieces: Pieces) -> Array:

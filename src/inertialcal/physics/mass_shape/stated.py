@@ -7,7 +7,11 @@ from dataclasses import dataclass
 
 from scipy import optimize
 
+from ...core.errors import DataError
+from ..attraction.bodies import positive
 from .bound import Keep, largest_field
+
+FACTORS = (-30.0, 30.0)  # logarithms of the masses that are looked at, over the one given
 
 
 @dataclass(frozen=True)
@@ -55,8 +59,9 @@ def checked(
     Raises
     ------
     DataError
-        As `largest_field`.
+        As `largest_field`; if the stated attraction is not above zero, or absurd.
     """
+    positive("stated attraction", stated)
 
     def over(log_factor: float) -> float:
         return (
@@ -64,5 +69,12 @@ def checked(
         )
 
     bound = gravitational_constant * largest_field(mass, density, stand_off, keep).field
-    needed = mass * math.exp(float(optimize.brentq(over, -30.0, 30.0, xtol=1e-12)))
+    if over(FACTORS[1]) < 0.0 or over(FACTORS[0]) > 0.0:
+        raise DataError(
+            f"stated attraction {stated:g} m/s^2 is {stated / bound:.3g} times the most that {mass:g} kg can do",
+            why="no mass within thirteen powers of ten of it attracts so",
+            do="It is in m/s^2; 1 ng, a billionth of gravity, is 9.81e-9 m/s^2.",
+            code="absurd_attraction",
+        )
+    needed = mass * math.exp(float(optimize.brentq(over, *FACTORS, xtol=1e-12)))
     return Checked(stated, bound, needed)

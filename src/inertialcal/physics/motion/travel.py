@@ -15,7 +15,7 @@ from scipy import interpolate, optimize
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..attraction.bodies import Body
+from ..attraction.bodies import Body, slipped
 from ..attraction.extended import ProofMass, mean_field
 
 Direction = tuple[float, float, float]
@@ -90,8 +90,8 @@ def travel_of_body(
     DataError
         If a direction has no length, or the ends are the same.
     """
-    way, along = _unit(direction, "direction"), _unit(axis, "axis")
-    if not last > first:
+    way, along = unit(direction, "direction"), unit(axis, "axis")
+    if not (last > first and np.isfinite([first, last]).all()):
         raise DataError(f"a travel from {first:g} to {last:g} m has no length", code="no_travel")
 
     def field(positions: Array) -> Array:
@@ -119,9 +119,17 @@ def travel_of_table(positions: ArrayLike, fields: ArrayLike) -> Travel:
         If there are fewer than four rows, or positions do not rise.
     """
     x, y = np.asarray(positions, dtype=float), np.asarray(fields, dtype=float)
-    if len(x) < FEWEST or x.shape != y.shape or not (np.diff(x) > 0.0).all():
+    if x.ndim != 1 or len(x) < FEWEST or x.shape != y.shape or not (np.diff(x) > 0.0).all():
         raise DataError(
-            f"{len(x)} positions: a travel needs {FEWEST} or more, rising, with a field each", code="no_travel"
+            f"{x.size} positions: a travel needs {FEWEST} or more, rising, with a field each", code="no_travel"
+        )
+    if not (np.isfinite(x).all() and np.isfinite(y).all()):
+        row = int(np.argmax(~(np.isfinite(x) & np.isfinite(y))))
+        raise DataError(
+            f"position {x[row]:g} with field {y[row]:g} is not finite",
+            where=f"row {row + 1} of the travel",
+            do="Leave the row out.",
+            code="not_finite",
         )
     spline = interpolate.CubicSpline(x, y)
     return Travel(lambda at: np.asarray(spline(at), dtype=float), float(x[0]), float(x[-1]))
@@ -163,7 +171,7 @@ def best_window(travel: Travel, length: float) -> Window:
     if not (length > 0.0 and room >= -FINE * abs(length)):
         raise DataError(
             f"a stroke of {length:g} m does not fit the rig's travel, {travel.first:g} to {travel.last:g} m",
-            do="Shorten the stroke, or lengthen the travel.",
+            do=slipped(length, travel.last - travel.first) or "Shorten the stroke, or lengthen the travel.",
             code="outside_travel",
         )
 
@@ -185,7 +193,7 @@ def position_of(travel: Travel, field: float, between: tuple[float, float]) -> f
     """
     low, high = between
     ends = travel.at([low, high]) - field
-    if ends[0] * ends[1] > 0.0:
+    if not ends[0] * ends[1] <= 0.0:
         raise DataError(
             f"field {field:g} does not occur between {low:g} and {high:g} m: there it goes from "
             f"{ends[0] + field:g} to {ends[1] + field:g}",
@@ -205,11 +213,17 @@ def _largest(value: Callable[[float], float], low: float, high: float) -> float:
     return max((float(found.x), float(at[best])), key=value)
 
 
-def _unit(given: Direction, name: str) -> Array:
-    """Direction of length one."""
+def unit(given: Direction, name: str) -> Array:
+    """Return the direction with length one.
+
+    Raises
+    ------
+    DataError
+        If it has no length.
+    """
     vector = np.array(given, dtype=float)
     length = float(np.linalg.norm(vector))
     if not (length > 0.0 and np.isfinite(length)):
         raise DataError(f"{name} {given} has no length", code="no_direction")
-    unit: Array = vector / length
-    return unit
+    found: Array = vector / length
+    return found
