@@ -3,6 +3,8 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+# Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test slow check bench docs pins clean
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -16,12 +17,21 @@ from figures_kept import keeping
 from inertialcal.campaign.example import copy_example
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
+from inertialcal.cli.__main__ import SELDOM
 from inertialcal.report import drawings
 from inertialcal.report.drawings import of_campaign
 from ran_campaigns import Ran, lossy_twin, ran
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage as seldom as the command line does, and not among thousands of collected tests."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(*SELDOM)
+
 
 settings.register_profile("house", deadline=None)  # a busy machine is no failure
 settings.load_profile("house")

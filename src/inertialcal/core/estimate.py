@@ -32,6 +32,7 @@ from .tables import Grid, Part, html, text
 Array = NDArray[np.float64]
 
 SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
+TINY = float(np.finfo(float).tiny)
 
 
 @dataclass(frozen=True, eq=False)
@@ -190,9 +191,10 @@ def _check_covariance(component: Component, k: int) -> None:
         raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
     if not np.all(np.isfinite(c)):
         raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
-    deviations = np.sqrt(np.abs(np.diag(c)))
-    scale = np.outer(deviations, deviations)
-    if np.any(np.diag(c) < 0.0) or np.any(np.abs(c - c.T) > SYMMETRY * scale + np.finfo(float).tiny):
+    variance = c.diagonal()
+    deviations = np.sqrt(np.abs(variance))
+    allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY
+    if (variance < 0.0).any() or (np.abs(c - c.T) > allowed).any():
         raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
     dof = np.asarray(component.dof, dtype=float)
     if dof.shape not in {(), (k,)} or not np.all(dof > 0.0):
