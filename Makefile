@@ -11,6 +11,9 @@ export PYTHONDONTWRITEBYTECODE :=
 demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
 
+# Two workers on two cores: with two threads each, linear algebra takes twice the time.
+test slow: export OMP_NUM_THREADS := 1
+
 test: $(READY)  ## the default suite
 	$(BIN)/python -m pytest -m "not slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
 
