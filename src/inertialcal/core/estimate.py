@@ -201,5 +201,5 @@ def _check_covariance(component: Component, k: int) -> None:
         raise DataError(
             f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
         )
-    if component.stated is not None and not component.stated[0] > 0.0 and (variances > 0.0).any():
+    if component.stated is not None and not component.stated[0] > 0.0 and (variance > 0.0).any():
         raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")
