@@ -6,7 +6,9 @@ import json
 import shutil
 from pathlib import Path
 from types import SimpleNamespace
+from typing import Any
 
+import numpy as np
 import pytest
 from typed_commands import call
 
@@ -14,6 +16,7 @@ import inertialcal as ic
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import InertialcalError
+from inertialcal.files.schedule_csv import write_schedule
 from inertialcal.rigs import RIGS, mesa
 from inertialcal.rigs.mesa import Bench, Run
 from inertialcal.rigs.twin import Twin
@@ -62,6 +65,40 @@ def test_python_gives_the_same_and_draws_it(folder: Path, tmp_path: Path) -> Non
         ic.plot(found, figure=name)
 
 
+def test_the_schedule_may_begin_when_it_is_said_to(folder: Path) -> None:
+    """The record of run 1 begins with its schedule; said an hour later, the phase is another or nothing fits."""
+    one = folder / "recordings/run1.csv"
+    options: dict[str, Any] = {"column": "pulses", "gate": "100 s", "units": {"pulses": "count"}}
+    own = ic.mass_attraction(one, folder / "schedule.csv", **options)
+    same = ic.mass_attraction(one, folder / "schedule.csv", begin="2010-04-28T20:00:00Z", stamp="end", **options)
+    assert same.rows[0].value == pytest.approx(own.rows[0].value)
+    with pytest.raises(InertialcalError, match="100 of 100 samples lie in no dwell"):
+        ic.mass_attraction(one, folder / "schedule.csv", begin="2010-04-28T20:00:00Z", **options)
+    with pytest.raises(InertialcalError, match="the record ends 30 dwells before its schedule"):
+        ic.mass_attraction(one, folder / "schedule.csv", begin="2010-04-28T21:00:00Z", stamp="end", **options)
+    with pytest.raises(InertialcalError, match="begin: "):
+        ic.mass_attraction(one, folder / "schedule.csv", begin="noon", **options)
+
+
+def test_a_planned_schedule_is_read_with_the_doubt_of_what_it_applies(folder: Path, tmp_path: Path) -> None:
+    """From `plan mass-attraction` to the budget, nothing typed again."""
+    planned = ic.plan_mass_attraction(cube="20 cm", count=18, stand_off="10 cm", rig="0 cm:60 cm", stroke="0 cm:50 cm",
+                                      hours=100 * 120 / 3600, u_density="3 %")  # fmt: skip
+    assert planned.schedule is not None
+    write_schedule(tmp_path / "plan.csv", planned.schedule)
+    doubt = planned.schedule.u_applied
+    assert doubt is not None
+    assert doubt >= 0.03
+    found = ic.mass_attraction(folder / "recordings/run1.csv", tmp_path / "plan.csv", column="pulses", gate="100 s",
+                               units={"pulses": "count"})  # fmt: skip
+    assert "relative_to_fixture" not in [one.code for one in found.remarks]
+    estimate = found.result.estimate
+    assert estimate is not None
+    (part,) = [one for one in estimate.components if one.source == "acceleration applied"]
+    assert np.sqrt(part.covariance[0, 0]) == pytest.approx(doubt * abs(estimate.values[0]))
+    assert estimate.values[0] * planned.schedule.amplitude == pytest.approx(found.responses[0].amplitude)
+
+
 def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> None:
     with_time = (folder / "recordings/run1.csv").read_text().splitlines()
     table = tmp_path / "run1.csv"
@@ -83,6 +120,11 @@ def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> 
         (("--column", "pulses", "--unit", "pulses=count"), "nothing says for how long they were counted"),
         (("--gate", "100 s"), "no column is clearly that of the pulses"),
         (("--gate", "100"), "gate: '100'"),
+        (("--gate=-100 s",), "gate: '-100 s' It must be above zero"),
+        ((*OPTIONS, "--nominal=-10 count/s/ug"), "nominal: '-10 count/s/ug' It must be above zero"),
+        ((*OPTIONS, "--begin", "2010-04-28T20:00:00Z"), "one begin of the schedule"),
+        ((*OPTIONS, "--stamp", "late"), "stamp 'late' There are: start, middle, end"),
+        ((*OPTIONS, "--stamp", "end"), "whatever its stamp is"),
         (("--gate", "130 s", "--column", "pulses", "--unit", "pulses=count"), "the mass dwells for 100 s"),
         ((*OPTIONS, "--tilt", "case_degc"), "has no unit of tilt"),
         ((*OPTIONS, "--tilt", "tilt_rad", "--tilt-is", "known"), "needs the nominal scale factor"),

@@ -54,6 +54,13 @@ def test_a_table_written_by_hand_is_custom_and_its_units_are_taken(tmp_path: Pat
     assert found.amplitude == pytest.approx(23e-9 * 9.80665)
 
 
+@pytest.mark.parametrize("cycle", [(23.0, -23.0), (0.0, 23.0, 0.0, -23.0), (23.0, 23.0, -23.0, -23.0)])
+def test_rows_tell_their_cycle_where_no_comment_does(tmp_path: Path, cycle: tuple[float, ...]) -> None:
+    rows = [f"{i + 1},{120 * i},{120 * i + 100},{i},{cycle[i % len(cycle)]}" for i in range(5 * len(cycle))]
+    (tmp_path / "hand.csv").write_text("\n".join([ROWS.splitlines()[0], *rows]) + "\n")
+    assert read_schedule(tmp_path / "hand.csv").samples_per_cycle == len(cycle)
+
+
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
@@ -67,6 +74,8 @@ def test_a_table_written_by_hand_is_custom_and_its_units_are_taken(tmp_path: Pat
         ("position [cm]", "place [cm]", "no column 'position'"),
         ("dwell,start", "# drive: triangle\ndwell,start", "drive 'triangle' is not known"),
         ("dwell,start", "# dwells a cycle: two\ndwell,start", "dwells a cycle: 'two' is no whole number"),
+        ("dwell,start", "# drive: sine\n# dwells a cycle: 1\ndwell,start", "does not come back after 1 dwells"),
+        ("10,23\n", "10,23\n4,360,460,20,0\n", "does not come back after any number of dwells"),
         ("dwell,start", "# dwell: 100 m\ndwell,start", "# dwell: "),
         (
             "dwell,start",

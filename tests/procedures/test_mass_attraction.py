@@ -30,7 +30,7 @@ from inertialcal.procedures.mass_attraction import (
 )
 from inertialcal.procedures.mass_attraction.line import fits_better_late, shape_of
 from inertialcal.procedures.mass_attraction.published import less_noise, published
-from inertialcal.procedures.mass_attraction.response import SLIP
+from inertialcal.procedures.mass_attraction.response import SLIP, tilt_left
 from inertialcal.procedures.mass_attraction.runs import combined
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
@@ -117,6 +117,42 @@ def test_a_regressed_tilt_finds_its_share_from_the_readings() -> None:
     result = reduce(Plan(nominal=S, tilt="regressed"), Readings((Run("1", of, x, tilt),)))
     assert result.responses[0].coefficient == pytest.approx(-0.7 * G * S, rel=1e-2)
     assert row(result, "scale_factor").value == pytest.approx(S, rel=2e-3)
+
+
+def test_what_the_noise_of_the_meter_leaves_of_a_regressed_tilt_is_told_and_counted() -> None:
+    """Half of the variance of the meter is noise: half of a tilt in phase stays, whatever its sense."""
+    of, tau = schedule(u=0.0), 3e-9
+    for sense in (1.0, -1.0):
+        off, told, runs = [], [], []
+        for seed in range(1, 31):
+            rng = np.random.default_rng(seed)
+            pad = 1e-8 * rng.standard_normal(100) + tau * shape_of(of)
+            x = 170.0 + S * (of.applied + G * pad) + 1e-4 * rng.standard_normal(100)
+            runs.append(Run(str(seed), of, x, sense * (pad + 1e-8 * rng.standard_normal(100))))
+            result = reduce(Plan(nominal=S), Readings((runs[-1],)))
+            assert result.estimate is not None
+            scale = float(result.estimate.values[0])
+            off.append(scale / S - 1.0)
+            told.append(tilt_left(result.responses, scale) / scale)
+        half = 0.5 * G * tau / of.amplitude
+        assert np.mean(off) == pytest.approx(half, rel=0.15)
+        assert np.mean(told) == pytest.approx(half, rel=0.15)
+        together = reduce(Plan(nominal=S), Readings(tuple(runs)))
+        (said,) = [one for one in together.remarks if one.code == "tilt_in_phase"]
+        assert "% of the scale factor in it" in said.what
+        assert together.estimate is not None
+        assert contains(t_interval(*(float(a[0]) for a in (together.estimate.values, together.estimate.u,
+                                                           together.estimate.dof))), S)  # fmt: skip
+
+
+def test_runs_that_agree_better_than_their_noise_lets_them_are_remarked() -> None:
+    of, rng = schedule(), np.random.default_rng(3)
+    x = 170.0 + S * of.applied + 0.05 * rng.standard_normal(100)
+    same = tuple(Run(str(i), of, x + 1e-6 * i * shape_of(of)) for i in range(5))
+    for scatter, words in (("between_runs", "may be too small"), ("within_runs", "that of their noise")):
+        result = reduce(Plan(nominal=S, tilt="ignored", scatter=scatter), Readings(same))  # type: ignore[arg-type]
+        (said,) = [one for one in result.remarks if one.code == "runs_agree_too_well"]
+        assert words in said.what
 
 
 # Table 4 of TM X-53857 [0.01 pulses/s]: G, B, GR, CR, GO, BO, XSD of experiments 1 to 6

@@ -52,6 +52,21 @@ def test_a_test_says_its_largest_scale_factor_error_and_verdicts() -> None:
     assert pointers(found) == ["/results/1/value", "/results/1/u"]
 
 
+def test_a_moved_mass_says_its_scale_factor_runs_and_null_runs() -> None:
+    rows = [
+        row("scale_factor", "x", 10.31, 0.35, unit="count/s/ug"), row("high_g_difference", "x", 0.9, 3.5),
+        row("response_amplitude", "x", 0.22, condition="run 1 alone"),
+        row("response_amplitude", "x", 0.24, condition="run 2 alone"),
+        row("null_response", "x", 0.001, 0.002, condition="run n alone", unit="ug"),
+    ]  # fmt: skip
+    assert plain(findings.of_test(wrap(rows, ""), [])) == (
+        "Scale factor 10.31 ± 0.35 count/s/ug from two runs with the mass moved; 0.9 ± 3.5 % off that at high g;"
+        " with the mass at rest at most 0.0010 ± 0.0020 ug"
+    )
+    lost = [row("scale_factor", "x", None), *rows[2:4]]
+    assert plain(findings.of_test(wrap(lost, ""), [])) == "The response of two runs is not told from noise"
+
+
 def test_a_test_that_carries_nothing_says_so() -> None:
     assert plain(findings.of_test(wrap([row("bias", "x", None)], ""), [])) == "No scale factor error could be estimated"
 

@@ -26,7 +26,7 @@ QUIET = Bench(
     pad_tilt=0.0, pad_noise=0.0, meter_noise=0.0, stop_scatter=0.0, lost=0.0,
 )  # fmt: skip
 TABLE_3 = 23.0  # ng: amplitude of the published mass
-PUBLISHED = 0.03  # the best shape attracts that much more than the mass of the report
+PUBLISHED = 1e-3  # its rows are in hundredths of a cm
 
 
 def found(twin: Twin) -> list[str]:
@@ -66,7 +66,7 @@ def test_pulses_are_whole_and_follow_the_mass_by_the_true_scale_factor() -> None
     assert np.mean(rest) / GATE == pytest.approx(17.0 * UG * twin.truth[0].value, rel=1e-4)
 
 
-def test_the_mass_applies_what_the_report_says_within_its_shape() -> None:
+def test_the_mass_applies_what_the_report_says() -> None:
     twin = build(QUIET, 1)
     amplitude = 0.5 * float(np.ptp(twin.schedules["schedule.csv"].applied)) / (1e-3 * UG)
     assert amplitude == pytest.approx(TABLE_3, rel=PUBLISHED)

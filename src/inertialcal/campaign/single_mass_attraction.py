@@ -12,11 +12,12 @@ import numpy as np
 
 from ..core.errors import DataError, UsageError
 from ..core.frames import frame
-from ..core.recording import Channel, Recording
+from ..core.recording import SECOND, Channel, Recording
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
 from ..core.tables import Part, html, text
+from ..core.times import read_elapsed, read_instant
 from ..core.units import convert, kind, parse_quantity, same_dimension
 from ..files import read
 from ..files.plausible import time_remarks
@@ -31,6 +32,7 @@ from .display import displayed
 TEST = "mass_attraction"
 UNIT = "ug"  # that accelerations are told in, where nothing says another one
 PULSES = ("count", "count/s")
+STAMPS = {"start": -0.5, "middle": 0.0, "end": 0.5}  # of the gate, that the stamp is after its middle
 LIKE = {"s": "100 s", "rad": "9.2e-10 rad", "count/s/(m/s^2)": "10.21 count/s/ug"}
 
 
@@ -104,6 +106,8 @@ def mass_attraction(
     tilt_is: Tilt = "regressed",
     mercury: str = "0 rad",
     gate: str | None = None,
+    begin: str | None = None,
+    stamp: str = "middle",
     nominal: str | None = None,
     high_g: str | None = None,
     u_high_g: str | None = None,
@@ -114,8 +118,8 @@ def mass_attraction(
 ) -> MassAttractionFile:
     """Find the scale factor of a pulse-rate accelerometer from records of a moved mass.
 
-    Each file is a run of its own; the schedule starts with its first sample. A file without a time has a row for each
-    dwell of the schedule, in order.
+    Each file is a run of its own; the schedule starts with its first sample, or at ``begin``. A file without a time has
+    a row for each dwell of the schedule, in order.
 
     Parameters
     ----------
@@ -135,6 +139,11 @@ def mass_attraction(
         Amplitude by which the mass tilts the mercury of the meter.
     gate : str, optional
         Time over which pulses are counted: ``"100 s"``; needed where the column holds pulses.
+    begin : str, optional
+        When the schedule starts, on the clock of the file: UTC with a date, or elapsed time; by default with its first
+        sample. Of one file: the others have instants of their own.
+    stamp : {"start", "middle", "end"}
+        What of its gate the stamp of a sample is; counts with ``begin`` alone.
     nominal : str, optional
         Scale factor of the data sheet: ``"10.21 count/s/ug"``.
     high_g, u_high_g : str, optional
@@ -158,8 +167,9 @@ def mass_attraction(
     moved = [Path(one) for one in ([paths] if isinstance(paths, str | Path) else paths)]
     nulls = [Path(one) for one in null]
     _check(moved, nulls, unit, tilt_is, scatter)
+    _check_begin(begin, stamp, len(moved) + len(nulls))
     plan = procedure.Plan(
-        nominal=None if nominal is None else _quantity(nominal, "count/s/(m/s^2)", "nominal"),
+        nominal=None if nominal is None else _above_zero(nominal, "count/s/(m/s^2)", "nominal"),
         tilt=tilt_is if tilt is not None else "ignored",
         mercury=_quantity(mercury, "rad", "mercury"),
         scatter=scatter,
@@ -168,14 +178,14 @@ def mass_attraction(
     if plan.tilt == "known" and plan.nominal is None:
         do = 'Say it: --nominal "10.21 count/s/ug", or --tilt-is regressed'
         raise UsageError("a known tilt needs the nominal scale factor", do=do, code="no_nominal")
-    window = None if gate is None else _quantity(gate, "s", "gate")
+    window = None if gate is None else _above_zero(gate, "s", "gate")
     plans = read_schedule(schedule)
     files = [(path, True) for path in moved] + [(path, False) for path in nulls]
     whole = [read(path, units=units, time_column=time_column) for path, _ in files]
     taken = [_taken(one, column, tilt) for one in whole]
     runs, found = [], []
     for (path, is_moved), one, named in zip(files, whole, taken, strict=True):
-        run, remarks = _run(plan, _in_units(one, named, window), plans, path.stem, is_moved, window)
+        run, remarks = _run(plan, _in_units(one, named, window), plans, path.stem, is_moved, window, begin, stamp)
         runs.append(run)
         found += [*time_remarks(one), *remarks]
     result = procedure.reduce(plan, procedure.Readings(tuple(runs)))
@@ -212,6 +222,26 @@ def _quantity(given: str, unit: str, what: str, difference: bool = False) -> flo
         raise UsageError(f"{what}: {given!r}", do=do, code="no_unit") from None
 
 
+def _above_zero(given: str, unit: str, what: str) -> float:
+    """Return a setting that is above zero."""
+    found = _quantity(given, unit, what)
+    if not found > 0.0:
+        raise UsageError(f"{what}: {given!r}", do=f"It must be above zero, like {LIKE[unit]}", code="wrong_value")
+    return found
+
+
+def _check_begin(begin: str | None, stamp: str, files: int) -> None:
+    if stamp not in STAMPS:
+        raise UsageError(f"stamp {stamp!r}", do=f"There are: {', '.join(STAMPS)}", code="unknown_name")
+    if begin is None and stamp != "middle":
+        what = f"stamp {stamp!r}, but the schedule starts with the first sample whatever its stamp is"
+        raise UsageError(what, do="Say --begin, or leave --stamp out", code="no_effect")
+    if begin is not None and files > 1:
+        what = f"one begin of the schedule, and {files} files"
+        do = "Reduce each file by itself, or write a campaign: mass = { schedule = ..., begin = ... } of each recording"
+        raise UsageError(what, "each run has an instant of its own", do, code="contradiction")
+
+
 def _high_g(value: str | None, u: str | None) -> procedure.HighG | None:
     if value is None:
         if u is not None:
@@ -219,7 +249,7 @@ def _high_g(value: str | None, u: str | None) -> procedure.HighG | None:
         return None
     wanted = "count/s/(m/s^2)"
     return procedure.HighG(
-        _quantity(value, wanted, "high_g"), 0.0 if u is None else _quantity(u, wanted, "u_high_g", True)
+        _above_zero(value, wanted, "high_g"), 0.0 if u is None else _quantity(u, wanted, "u_high_g", True)
     )
 
 
@@ -285,14 +315,20 @@ def _run(
     name: str,
     moved: bool,
     gate: float | None,
+    begin: str | None,
+    stamp: str,
 ) -> tuple[procedure.Run, tuple[Remark, ...]]:
     """Return a run: by its clock, or a row a dwell."""
     path = recording.source.path
     if recording.time_ns is not None:
         averaging = recording.averaging_time or schedule.dwell
-        one = procedure.Moved(replace(recording, averaging_time=averaging), schedule, None, name, moved)
+        starts = None if begin is None else _instant(begin, recording) + round(STAMPS[stamp] * averaging * SECOND)
+        one = procedure.Moved(replace(recording, averaging_time=averaging), schedule, starts, name, moved)
         readings = procedure.readings_from(plan, [one])
         return readings.series[0], readings.remarks
+    if begin is not None:
+        what = f"{path}: the file has no time for the schedule to begin at"
+        raise UsageError(what, do="Name it: --time-column COLUMN; or leave --begin out", code="no_time")
     if gate is not None and not math.isclose(gate, schedule.dwell, rel_tol=0.01):
         what = f"{path}: a gate of {gate:g} s, rows of dwells of {schedule.dwell:g} s"
         raise DataError(what, why="pulses are counted for the gate", do="Mend the one that is wrong",
@@ -300,6 +336,16 @@ def _run(
     tilt = np.asarray(recording.channel(TILT).data) if TILT in recording.names else None
     reading = np.asarray(recording.channel(READING).data)
     return procedure.run_of_rows(schedule, reading, tilt, name, path, moved), recording.remarks
+
+
+def _instant(begin: str, recording: Recording) -> int:
+    """Return when the schedule starts, on the clock of the recording [ns]."""
+    try:
+        return read_instant(begin) if recording.epoch == "utc" else read_elapsed(begin)
+    except ValueError as error:
+        clock = "UTC" if recording.epoch == "utc" else "elapsed time, without a date"
+        why = f"the clock of {recording.source.path} is {clock}"
+        raise UsageError(f"begin: {error}", why, code="wrong_time") from None
 
 
 __all__ = ["MassAttractionFile", "mass_attraction"]

@@ -32,6 +32,12 @@ def mass_attraction(
     ] = "regressed",
     mercury: Annotated[str, typer.Option(help="Amplitude by which the mass tilts the mercury of the meter.")] = "0 rad",
     gate: Annotated[str | None, typer.Option(help='For how long pulses are counted: "100 s".')] = None,
+    begin: Annotated[
+        str | None, typer.Option(help="When the schedule starts, on the clock of the file; else with its first sample.")
+    ] = None,
+    stamp: Annotated[
+        str, typer.Option(help="With --begin, what stamps are: start, middle or end of a gate.")
+    ] = "middle",
     nominal: Annotated[str | None, typer.Option(help='Scale factor of the data sheet: "10.21 count/s/ug".')] = None,
     high_g: Annotated[
         str | None, typer.Option("--high-g", help="Scale factor at high g that the result is compared with.")
@@ -57,7 +63,7 @@ def mass_attraction(
     figures.check_figure(output, {"--figure": figure})
     found = reduce_files(
         list(files), schedule, null=null or [], column=column, tilt=tilt, tilt_is=tilt_is,  # type: ignore[arg-type]
-        mercury=mercury, gate=gate, nominal=nominal, high_g=high_g, u_high_g=u_high_g,
+        mercury=mercury, gate=gate, begin=begin, stamp=stamp, nominal=nominal, high_g=high_g, u_high_g=u_high_g,
         scatter=scatter,  # type: ignore[arg-type]
         unit=in_unit, units=units_of(unit), time_column=time_column,
     )  # fmt: skip

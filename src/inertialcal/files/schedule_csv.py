@@ -26,6 +26,8 @@ from .table import Table, read_table
 
 UNITS = {"start": "s", "stop": "s", "position": "m", "applied": "m/s^2"}
 COMMENT = re.compile(r"#\s*(drive|dwells a cycle|dwell|move|u of applied)\s*:\s*(.*?)\s*", re.ASCII)
+SAME = 0.05  # of what the mass changes, within which a place is the same one again
+FEW = 3  # dwells, that show no cycle
 EVEN = 1e-6  # of a dwell, within which all dwells are equally long, and as long as the file says
 
 
@@ -72,7 +74,7 @@ def read_schedule(path: str | Path) -> Schedule:
     try:
         return Schedule(
             columns["start"], dwell, move, columns["position"], columns["applied"], drive,
-            _whole(said, table), _relative(said, table),
+            _cycle(columns["applied"], said, table), _relative(said, table),
         )  # fmt: skip
     except InertialcalError as error:
         raise DataError(error.problems[0].what, where=table.source.path, why="it is no schedule") from None
@@ -155,9 +157,38 @@ def _seconds(name: str, said: dict[str, str], table: Table) -> float:
         raise DataError(f"# {name}: {problem.what}", where=table.source.path, do=problem.do) from None
 
 
+def _cycle(applied: Array, said: dict[str, str], table: Table) -> int:
+    """Return the dwells a cycle, as the file says and its rows show; of the rows, where it does not say.
+
+    Raises
+    ------
+    DataError
+        If what is applied does not come back after so many dwells, or after any.
+    """
+    if "dwells a cycle" not in said:
+        shown = (k for k in range(2, len(applied) // 2 + 1) if _comes_back(applied, k))
+        found = next(shown, 2 if len(applied) <= FEW else None)
+        if found is None:
+            what, do = "what is applied does not come back after any number of dwells", "Write # dwells a cycle: N"
+            raise DataError(what, table.source.path, "the frequency of the drive is not known", do, "schedule")
+        return found
+    number = _whole(said, table)
+    if said.get("drive", "custom") != "custom" and not _comes_back(applied, number):
+        what = f"# dwells a cycle: {number}, but what is applied does not come back after {number} dwells"
+        raise DataError(what, table.source.path, "the frequency of the drive would be wrong",
+                        "Mend the line, or the rows; a drive that never comes back is custom", "schedule")  # fmt: skip
+    return number
+
+
+def _comes_back(applied: Array, dwells: int) -> bool:
+    """Return whether the same is applied so many dwells later, throughout."""
+    change = np.abs(applied[dwells:] - applied[:-dwells]) if dwells else np.empty(0)
+    return bool(change.size == 0 or change.max() <= SAME * np.ptp(applied))
+
+
 def _whole(said: dict[str, str], table: Table) -> int:
-    """Return the dwells a cycle; two where nobody said."""
-    text = said.get("dwells a cycle", "2")
+    """Return the dwells a cycle that the file says."""
+    text = said["dwells a cycle"]
     if not re.fullmatch(r"[0-9]{1,9}", text, re.ASCII):
         raise DataError(f"# dwells a cycle: {text!r} is no whole number", where=table.source.path, code="schedule")
     return int(text)

@@ -85,6 +85,8 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
         return (*of_thermal(rows), *_made_of(verdicts))
     if any(row["quantity"] in WALKS for row in rows):
         return (*_noise(rows), *_made_of(verdicts))
+    if any(row["quantity"] == "response_amplitude" for row in rows):
+        return (*of_mass(rows), *_made_of(verdicts))
     biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
     if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
         row = largest(biases)
@@ -99,6 +101,20 @@ def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
     else:
         parts = ("Scale factor error of ", found["axis"], " ", of_row(found))
     return (*parts, *_made_of(verdicts))
+
+
+def of_mass(rows: Sequence[Any]) -> Finding:
+    """Say the scale factor from a moved mass, of how many runs, what it is off, and whether null runs are zero."""
+    runs = {row["condition"]: row for row in rows if row["quantity"] == "response_amplitude"}
+    found = largest(estimated(rows, "scale_factor"))
+    if found is None:
+        return (f"The response of {counted(len(runs), 'run')} is not told from noise",)
+    said: Finding = ("Scale factor ", of_row(found), " from ", counted(len(runs), "run"), " with the mass moved")
+    off = largest(estimated(rows, "high_g_difference"))
+    if off is not None:
+        said = (*said, "; ", of_row(off), " off that at high g")
+    null = largest([row for row in rows if row["quantity"] == "null_response" and row["value"] is not None])
+    return said if null is None else (*said, "; with the mass at rest at most ", of_row(null))
 
 
 def of_thermal(rows: Sequence[Any]) -> Finding:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from ..core.influence import Influence
 from ..core.recording import SECOND
 from ..core.times import instant_text
-from .mesa_setup import CUBES, EDGE, LEAD, MERCURY_AMPLITUDE, RANGES, Bench, Run
+from .mesa_setup import LEAD, MASS, MERCURY_AMPLITUDE, RANGES, Bench, Run
 from .twin import SEAL, SEED
 
 TIME, PULSES, TILT, TEMPERATURE = "unix_s", "pulses", "tilt_rad", "case_degc"
@@ -90,7 +90,6 @@ temperature = {{ column = "{TEMPERATURE}", unit = "degC" }}
 
 def _test(bench: Bench) -> str:
     names = ", ".join(f'"{run.name}"' for run in bench.runs)
-    mass = CUBES * LEAD * EDGE**3
     stated = RANGES[bench.range]
     return f"""\
 [[tests]]
@@ -100,7 +99,7 @@ recordings = [{names}]
 [tests.plan]
 tilt = "known"                 # a tilt of the pad is felt as gravity times it
 mercury = "{bench.lighter * MERCURY_AMPLITUDE:g} rad"  # that the mass tilts the mercury of the meter by
-source = {{ mass = "{mass:.4g} kg", density = "{LEAD:g} kg/m^3", stand_off = "{bench.stand_off_said:g} m" }}
+source = {{ mass = "{MASS:g} kg", density = "{LEAD:g} kg/m^3", stand_off = "{bench.stand_off_said:g} m" }}
 high_g = {{ scale_factor = "{stated:g} count/s/ug", u = "{0.005 * stated:.4g} count/s/ug" }}
 
 [[requirements]]

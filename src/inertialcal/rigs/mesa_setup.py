@@ -23,8 +23,7 @@ GATE = 100.0  # over which pulses are counted [s]
 WORK = 2.07  # noise in work hours over that after them
 LEAD = 11_340.0  # [kg/m^3]
 STAND_OFF = 0.076  # from the proof mass to the face of the mass [m]
-EDGE = 0.0508  # of a cube of the mass [m]
-CUBES = 900
+MASS = 1353.8  # of 100 cubes of 10.2 cm and 100 of 5.1 cm [kg]
 STOPS = (0.127, 0.432)  # of the vertical travel [m]
 DENSITY = Influence(0.003, certificate="weighed cubes")
 PLACING = Influence(0.004, certificate="tape and plumb line")

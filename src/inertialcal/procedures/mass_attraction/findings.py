@@ -9,6 +9,7 @@ from scipy import special
 
 from ...core.remarks import Remark
 from ...statistics.intervals import coverage_factor
+from .response import tilt_left
 from .scale import DIFFERENCE, ERROR, applied_known
 
 if TYPE_CHECKING:
@@ -16,6 +17,7 @@ if TYPE_CHECKING:
 
 FEW_RUNS = 5
 ALPHA = 0.05
+COUNTS = 0.1  # of the standard uncertainty, from which a part of it is worth a word
 FAR = 0.5  # of the nominal scale factor: more is a wrong gate or a wrong unit, not an error of the instrument
 
 
@@ -69,17 +71,34 @@ def _runs(result: Result) -> Iterator[Remark]:
         severity = "info" if result.scatter == "between_runs" else "warning"
         do = "It is in the uncertainty" if severity == "info" else 'Say scatter = "between_runs"'
         yield Remark("runs_differ", severity, what, do=do)  # type: ignore[arg-type]
+    if both is not None and both.p_value > 1.0 - ALPHA:
+        what = (
+            f"the runs agree better than their own noise lets them (probability {1.0 - both.p_value:.2g}): u is that of"
+            f" {'how they differ, and may be too small' if result.scatter == 'between_runs' else 'their noise'}"
+        )
+        do = (
+            "The uncertainty from the noise of each stands beside: within_runs"
+            if result.scatter == "between_runs"
+            else ""
+        )
+        yield Remark("runs_agree_too_well", "info", what, do=do)
     if result.estimate is None:
         yield Remark("below_floor", "warning", result.reason, do="Move more mass, nearer, or for longer")
 
 
 def _tilt(result: Result) -> Iterator[Remark]:
-    """Say where a tilt in phase is regressed, whose meter's noise draws its coefficient towards zero."""
-    for one in result.responses:
-        if one.moved and one.tilt_used == "regressed" and abs(one.tilt) > result.plan.floor * one.u_tilt:
-            what = f"{one.name}: the pad tilts by {one.tilt:.2g} rad in phase with the mass, and tilt is regressed"
-            do = 'Noise of the meter leaves a part of it in the response: tilt = "known" does not depend on that'
-            yield Remark("tilt_in_phase", "warning", what, do=do)
+    """Say how much of a tilt in phase is left where it is regressed, whose meter's noise draws its share to zero."""
+    if result.estimate is None:
+        return
+    scale = float(result.estimate.values[0])
+    left = tilt_left(result.responses, scale)
+    if abs(left) > COUNTS * float(result.estimate.u[0]):
+        what = (
+            f"tilt is regressed: noise of its meter leaves {100.0 * left / scale:+.2g} % of the scale factor in it,"
+            f" if the meter stands along the input axis"
+        )
+        do = 'It is in the uncertainty. tilt = "known" takes it off; it needs the sense of the meter (tilt_sign)'
+        yield Remark("tilt_in_phase", "warning", what, do=do)
 
 
 def _compared(result: Result) -> Iterator[Remark]:

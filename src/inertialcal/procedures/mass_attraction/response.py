@@ -8,12 +8,14 @@ with what is left of the meter, Y:
   right by the tilt in phase with the drive, so that ``S = (A + S0 g tau) / (a + g tau)``.
 - ``regressed``: Y is regressed beside drive and drift: its coefficient p is that of what both leave of the readings and
   of the meter, the response is what the readings less ``p Y`` show, and the doubt of p counts by the tilt in phase.
-  Noise of the meter draws p towards zero, and leaves a part of a tilt that is in phase in the response.
+  Noise of the meter draws p towards zero, and leaves ``(S g - |p|) tau`` of a tilt tau in phase in the response, as
+  far as the meter stands along the input axis (`tilt_left`). It is told, and counted as an uncertainty.
 - ``ignored``: the response is to ``a + g tau`` with an unknown tau.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -142,6 +144,28 @@ def _explained(found: LineFit) -> Array:
     coefficients = np.vstack([*line, found.drift])
     columns = np.concatenate([part for _, part in found.design.parts(found.design.main)], axis=1)
     return np.asarray(columns.T @ coefficients)
+
+
+def tilt_left(responses: Iterable[Response], scale: float) -> float:
+    """Return what a regressed tilt in phase has left in the scale factor, mean over the runs [count/s/(m/s^2)].
+
+    An accelerometer feels gravity times the tilt. A coefficient of less than that was drawn towards zero by the noise
+    of the meter (or the meter does not stand along the input axis), and what it lacks stays in the response, with the
+    sign of the coefficient.
+
+    Parameters
+    ----------
+    responses : iterable of Response
+        Of all runs.
+    scale : float
+        Scale factor [count/s/(m/s^2)].
+    """
+    moved = [one for one in responses if one.moved]
+    left = [
+        np.sign(one.coefficient) * max(abs(scale) * G - abs(one.coefficient), 0.0) * one.tilt / one.applied
+        if one.tilt_used == "regressed" else 0.0 for one in moved
+    ]  # fmt: skip
+    return float(np.mean(left)) if left else 0.0
 
 
 def response_of_line(line: Line) -> Response:

@@ -1,8 +1,8 @@
 """Scale factor with its budget, and what it is compared with.
 
 Type A is the scatter of the runs (or the noise in them), with its degrees of freedom. Type B is what is uncertain of
-the acceleration applied, of the mercury of the tilt meter and of a tilt that was not taken off: the same in all runs,
-so that more runs do not shrink it.
+the acceleration applied, of the mercury of the tilt meter, of a tilt that was not taken off, and what a regressed one
+leaves: the same in all runs, so that more runs do not shrink it.
 """
 
 from __future__ import annotations
@@ -14,7 +14,7 @@ import numpy as np
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
 from .plan import APPLIED, Plan, Readings
-from .response import G, Response
+from .response import G, Response, tilt_left
 from .runs import Combined
 
 SCALE, ERROR, DIFFERENCE = "scale_factor", "scale_factor_error", "high_g_difference"
@@ -82,6 +82,14 @@ def _type_b(
             said = "mercury of the tilt meter" if name == "tilt_meter.mercury" else "tilt of the pad, not taken off"
             u = way * slope * stated.u
             yield Component(said, "B", _outer(u), stated.dof, stated.distribution, stated.stated)
+    yield from _left(responses, scale, way)
+
+
+def _left(responses: Sequence[Response], scale: float, way: Array) -> Iterator[Component]:
+    """Yield the doubt of what a regressed tilt has left, all of it as one standard uncertainty."""
+    left = tilt_left(responses, scale)
+    if left:
+        yield Component("tilt left by the noise of its meter", "B", _outer(way * left))
 
 
 def _slopes(plan: Plan, responses: Sequence[Response], scale: float) -> Mapping[str, float]:
