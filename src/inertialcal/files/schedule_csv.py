@@ -71,10 +71,11 @@ def read_schedule(path: str | Path) -> Schedule:
     move = _seconds("move", said, table) if "move" in said else float(max(pauses.min(), 0.0))
     _check_move(move, pauses, dwell, table)
     drive: Any = said.get("drive", "custom")
+    cycle = _cycle(columns["applied"], said, table)
     try:
         return Schedule(
             columns["start"], dwell, move, columns["position"], columns["applied"], drive,
-            _cycle(columns["applied"], said, table), _relative(said, table),
+            cycle, _relative(said, table),
         )  # fmt: skip
     except InertialcalError as error:
         raise DataError(error.problems[0].what, where=table.source.path, why="it is no schedule") from None
