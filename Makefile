@@ -3,11 +3,16 @@ PYTHON ?= python3
 VENV ?= .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/ready
+# Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
+export PYTHONDONTWRITEBYTECODE :=
 
 .PHONY: demo test slow check bench docs pins clean
 
 demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
+
+# Two workers on two cores: with two threads each, linear algebra takes twice the time.
+test slow: export OMP_NUM_THREADS := 1
 
 test: $(READY)  ## the default suite
 	$(BIN)/python -m pytest -m "not slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20

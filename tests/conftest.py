@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 import os
 import shutil
 from collections.abc import Callable, Iterator
@@ -12,13 +13,25 @@ import numpy as np
 import pytest
 from hypothesis import settings
 
+from figures_kept import keeping
 from inertialcal.campaign.example import copy_example
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
+from inertialcal.cli.__main__ import SELDOM
+from inertialcal.report import drawings
+from inertialcal.report.drawings import of_campaign
 from ran_campaigns import Ran, lossy_twin, ran
 
 if TYPE_CHECKING:
     from playwright.sync_api import Browser
+
+
+def pytest_collection_finish() -> None:
+    """Look for garbage as seldom as the command line does, and not among thousands of collected tests."""
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(*SELDOM)
+
 
 settings.register_profile("house", deadline=None)  # a busy machine is no failure
 settings.load_profile("house")
@@ -131,6 +144,25 @@ def campaign_ran(request: pytest.FixtureRequest) -> Ran:
     return found
 
 
+# Figures of pages, drawn once
+
+
+@pytest.fixture(scope="session", autouse=True)
+def figures_kept(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
+    base = tmp_path_factory.getbasetemp()
+    folder = (base.parent if "PYTEST_XDIST_WORKER" in os.environ else base) / "figures"
+    folder.mkdir(exist_ok=True)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(drawings, "of_campaign", keeping(of_campaign, folder))
+        yield
+
+
+@pytest.fixture
+def drawn_anew(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let a test draw what was drawn before."""
+    monkeypatch.setattr(drawings, "of_campaign", of_campaign)
+
+
 # A browser, and the reports that it looks at: of the published campaign, and of two simulated ones with recordings
 
 
@@ -147,12 +179,20 @@ def browser(need: Callable[[str], str]) -> Iterator[Browser]:
 
 
 @pytest.fixture(scope="session")
-def reports(tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
+def published_report(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Report of the published campaign, its other results beside it."""
+    folder = copy_example("npsat2011", tmp_path_factory.mktemp("report") / "published")
+    run(folder)
+    return folder / "out" / "report.html"
+
+
+@pytest.fixture(scope="session")
+def reports(published_report: Path, tmp_path_factory: pytest.TempPathFactory) -> dict[str, Path]:
     """Report of each campaign, its other results beside it."""
     folder = tmp_path_factory.mktemp("reports")
-    copy_example("npsat2011", folder / "published")
     simulate("rate_table", folder / "simulated", seed=1)
     simulate("still_gyro", folder / "still", seed=1)
-    for name in ("published", "simulated", "still"):
+    for name in ("simulated", "still"):
         run(folder / name)
-    return {name: folder / name / "out" / "report.html" for name in ("published", "simulated", "still")}
+    simulated = {name: folder / name / "out" / "report.html" for name in ("simulated", "still")}
+    return {"published": published_report} | simulated

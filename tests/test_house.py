@@ -7,6 +7,8 @@ import re
 import subprocess
 import sys
 from collections.abc import Iterator
+from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import pytest
@@ -27,18 +29,33 @@ def folder(path: Path) -> str:
     return parts[0] if len(parts) > 1 else ""
 
 
-def imported(path: Path) -> Iterator[tuple[int, str]]:
-    """Line and absolute name of every import of a file, inside functions too."""
-    package = ["inertialcal", *path.relative_to(PACKAGE).parts[:-1]]
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            yield from ((node.lineno, alias.name) for alias in node.names)
-        elif isinstance(node, ast.ImportFrom):
-            base = package[: len(package) - node.level + 1] if node.level else []
-            module = ".".join([*base, *([node.module] if node.module else [])])
-            yield node.lineno, module
-            if node.level:  # "from . import x" may name a module
-                yield from ((node.lineno, f"{module}.{alias.name}") for alias in node.names)
+@dataclass(frozen=True)
+class Names:
+    """Line and absolute name of every import of a file, inside functions too, and the names that it calls."""
+
+    imported: tuple[tuple[int, str], ...]
+    called: frozenset[str]
+
+
+@cache
+def names(path: Path) -> Names:
+    """Return what a file names; it is parsed once for all tests."""
+    package = ("inertialcal", *path.relative_to(PACKAGE).parts[:-1])
+    nodes = list(ast.walk(ast.parse(path.read_text(encoding="utf-8"))))
+    calls = [node.func for node in nodes if isinstance(node, ast.Call)]
+    called = frozenset(function.id for function in calls if isinstance(function, ast.Name))
+    return Names(tuple(one for node in nodes for one in imports(node, package)), called)
+
+
+def imports(node: ast.AST, package: tuple[str, ...]) -> Iterator[tuple[int, str]]:
+    if isinstance(node, ast.Import):
+        yield from ((node.lineno, alias.name) for alias in node.names)
+    elif isinstance(node, ast.ImportFrom):
+        base = package[: len(package) - node.level + 1] if node.level else ()
+        module = ".".join([*base, *([node.module] if node.module else [])])
+        yield node.lineno, module
+        if node.level:  # "from . import x" may name a module
+            yield from ((node.lineno, f"{module}.{alias.name}") for alias in node.names)
 
 
 def test_every_folder_stands_in_the_order() -> None:
@@ -50,7 +67,7 @@ def test_every_folder_stands_in_the_order() -> None:
 @pytest.mark.parametrize("path", [p for p in FILES if folder(p)], ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_imports_go_upwards_only(path: Path) -> None:
     own = ORDER.index(folder(path))
-    for line, name in imported(path):
+    for line, name in names(path).imported:
         parts = name.split(".")
         if parts[0] != "inertialcal":
             continue
@@ -61,23 +78,21 @@ def test_imports_go_upwards_only(path: Path) -> None:
 
 def test_the_walk_sees_relative_imports(tmp_path: Path) -> None:
     path = PACKAGE / "core" / "estimate.py"
-    assert "inertialcal.core.errors" in {name for _, name in imported(path)}
+    assert "inertialcal.core.errors" in {name for _, name in names(path).imported}
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_loops_are_compiled_in_kernels_only_and_never_assume_finite_values(path: Path) -> None:
     text = path.read_text(encoding="utf-8")
     if not re.fullmatch(r"_kernels(_[a-z_]+)?\.py", path.name):
-        assert "numba" not in {name.split(".")[0] for _, name in imported(path)}
+        assert "numba" not in {name.split(".")[0] for _, name in names(path).imported}
     assert not re.search(r"fastmath\s*=\s*True|['\"](nnan|ninf|fast)['\"]", text)
 
 
 @pytest.mark.parametrize("path", FILES, ids=lambda p: str(p.relative_to(PACKAGE)))
 def test_no_pickle_no_eval(path: Path) -> None:
-    tree = ast.parse(path.read_text(encoding="utf-8"))
-    called = {node.func.id for node in ast.walk(tree) if isinstance(node, ast.Call) and isinstance(node.func, ast.Name)}
-    assert not called & {"eval", "exec", "compile", "__import__"}
-    assert not {name.split(".")[0] for _, name in imported(path)} & {
+    assert not names(path).called & {"eval", "exec", "compile", "__import__"}
+    assert not {name.split(".")[0] for _, name in names(path).imported} & {
         "pickle",
         "dill",
         "joblib",

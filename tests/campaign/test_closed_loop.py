@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -52,12 +52,17 @@ REAL = np.eye(3) + np.array([[0.004, 0.013, -0.002], [0.0015, -0.005, 0.009], [-
 BIAS = np.radians([0.02, -0.03, 0.015])
 
 
+@cache
+def real(seed: int) -> tuple[Result, SensorModel, Readings]:
+    return campaign(seed, REAL, BIAS)
+
+
 def verdict(result: Result, model: SensorModel, held: Readings) -> str:
     return overall(closed_loop(result.lines, held, partial(compensated_dwells, model), mixed_up(model)))
 
 
 def test_a_right_model_passes_on_every_axis() -> None:
-    assert [verdict(*campaign(seed, REAL, BIAS)) for seed in range(1, 11)].count("PASS") >= 9
+    assert [verdict(*real(seed)) for seed in range(1, 11)].count("PASS") >= 9
 
 
 @pytest.mark.parametrize(
@@ -72,14 +77,14 @@ def test_a_right_model_passes_on_every_axis() -> None:
 )
 def test_a_mixed_up_matrix_is_refused(break_it) -> None:  # type: ignore[no-untyped-def]
     for seed in range(1, 21):
-        result, model, held = campaign(seed, REAL, BIAS)
+        result, model, held = real(seed)
         broken = replace(model, matrix=break_it(model.matrix[0]), estimate=None)
         assert verdict(result, broken, held) == "FAIL"
 
 
 def test_an_inverted_bias_is_refused() -> None:
     for seed in range(1, 21):
-        result, model, held = campaign(seed, REAL, BIAS)
+        result, model, held = real(seed)
         assert verdict(result, replace(model, bias=-model.bias, estimate=None), held) == "FAIL"
 
 

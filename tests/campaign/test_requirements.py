@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 import pytest
 
@@ -29,7 +31,8 @@ def reduced(error: float, seed: int) -> Reduced:
     return Reduced(ENTRY, result, ())
 
 
-def overall(error: float, seed: int, **given: object) -> str:
+@cache
+def overall(error: float, seed: int, **given: str) -> str:
     return worst(judge(requirement(axis="x", **given), [reduced(error, seed)])[0])
 
 

@@ -9,7 +9,7 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
+from typing import Any, NoReturn
 
 import pytest
 from typed_commands import call
@@ -278,29 +278,29 @@ def test_rate_table_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
     assert "--reading COLUMN" in err
 
 
-def test_interrupt_ends_with_130(campaign: Write) -> None:
-    code = (
-        "import inertialcal.campaign.run as r, sys\n"
-        "def stop(*a, **k): raise KeyboardInterrupt\n"
-        "r.load = stop\n"
-        "from inertialcal.cli.__main__ import main\n"
-        f"main(['run', {str(campaign())!r}])"
-    )
-    assert subprocess.run([sys.executable, "-c", code], capture_output=True, check=False, timeout=60).returncode == 130
+def refuse(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
+    """Let reading a campaign end so."""
+
+    def load(*words: object) -> NoReturn:
+        raise error
+
+    monkeypatch.setattr("inertialcal.campaign.run.load", load)
 
 
-def test_our_own_fault_ends_with_70_and_a_log(campaign: Write) -> None:
-    code = (
-        "import inertialcal.campaign.run as r\n"
-        "def fail(*a, **k): raise ZeroDivisionError('ours')\n"
-        "r.load = fail\n"
-        "from inertialcal.cli.__main__ import main\n"
-        f"main(['run', {str(campaign())!r}])"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False, timeout=60)
-    assert done.returncode == 70
-    assert "Traceback" not in done.stderr
-    log = Path(done.stderr.split("report it with ")[1].strip().split("\n")[0])
+def test_interrupt_ends_with_130(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, campaign: Write
+) -> None:
+    refuse(monkeypatch, KeyboardInterrupt())
+    assert call(capsys, "run", str(campaign()))[0] == 130
+
+
+def test_our_own_fault_ends_with_70_and_a_log(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, campaign: Write
+) -> None:
+    refuse(monkeypatch, ZeroDivisionError("ours"))
+    status, _, err = call(capsys, "run", str(campaign()))
+    assert status == 70
+    log = Path(err.split("report it with ")[1].strip().split("\n")[0])
     assert "ZeroDivisionError" in log.read_text()
     log.unlink()
 

@@ -68,8 +68,8 @@ each_model = pytest.mark.parametrize("model", [*MODELS, "published"], indirect=T
 
 
 @pytest.fixture(scope="session")
-def published_model(reports: dict[str, Path]) -> SensorModel:
-    return load_model_file(reports["published"].with_name("model.json")).model
+def published_model(published_report: Path) -> SensorModel:
+    return load_model_file(published_report.with_name("model.json")).model
 
 
 @pytest.fixture

@@ -213,6 +213,7 @@ def test_ids_are_unique_links_lead_somewhere_and_tables_have_captions(made: tupl
     assert tags.count("main") == tags.count("nav") == tags.count("h1") == 1
 
 
+@pytest.mark.usefixtures("drawn_anew")
 def test_same_files_same_bytes(small: Files) -> None:
     assert report_html(*small) == report_html(*copy.deepcopy(small))
 

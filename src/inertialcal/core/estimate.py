@@ -191,15 +191,15 @@ def _check_covariance(component: Component, k: int) -> None:
         raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
     if not np.isfinite(c).all():
         raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
-    variances = c.diagonal()
-    deviations = np.sqrt(np.abs(variances))
-    scale = deviations[:, None] * deviations
-    if (variances < 0.0).any() or (np.abs(c - c.T) > SYMMETRY * scale + TINY).any():
+    variance = c.diagonal()
+    deviations = np.sqrt(np.abs(variance))
+    allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY
+    if (variance < 0.0).any() or (np.abs(c - c.T) > allowed).any():
         raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
     dof = np.asarray(component.dof, dtype=float)
     if dof.shape not in {(), (k,)} or not (dof > 0.0).all():
         raise DataError(
             f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
         )
-    if component.stated is not None and not component.stated[0] > 0.0 and (variances > 0.0).any():
+    if component.stated is not None and not component.stated[0] > 0.0 and (variance > 0.0).any():
         raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")

@@ -11,12 +11,14 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from itertools import product
 
 from .unit_atoms import exponents_of, kind_of
 from .unit_powers import Factor, Powers, merged
 
 LONGEST = 80  # characters of a unit, read or printed
+_REMEMBERED = 4096  # units
 
 _NUMERATOR = (
     "count",
@@ -70,6 +72,7 @@ class _Whole:
         return _written(f"({inner})", abs(self.exponent))
 
 
+@lru_cache(_REMEMBERED)
 def spell(unit: Powers) -> str:
     """Return the spelling of a unit; ``"1"`` for the dimensionless one.
 

@@ -15,6 +15,7 @@ import math
 import re
 from dataclasses import dataclass
 from fractions import Fraction
+from functools import lru_cache
 from typing import NoReturn
 
 from .unit_atoms import REFUSED, kind_of, meaning, spellings
@@ -24,6 +25,7 @@ from .unit_spelling import spell
 from .unit_tokens import EXAMPLES, Cursor, Token, cursor
 
 DEEPEST = 8  # brackets inside brackets
+_REMEMBERED = 4096  # texts
 
 _ROOT = re.compile(r"(?:sqrt|root|rt)_?(.*)", re.IGNORECASE)
 _HALF = Fraction(1, 2)
@@ -46,6 +48,7 @@ class _Factor:
         return _Factor(self.value * other.value, product(self.unit, other.unit))
 
 
+@lru_cache(_REMEMBERED)
 def read_unit(text: str) -> Powers:
     """Return the unit that a text means; nothing and ``-`` are dimensionless.
 

@@ -206,13 +206,13 @@ def _ratio(squares: Array, sizes: Array, largest: float) -> float:
     """Flicker over white variance of the block means, of greatest restricted likelihood."""
     from scipy import optimize  # noqa: PLC0415 - heavy import, which most commands need not wait for
 
-    def ratio(q: float) -> float:
-        return (float(np.exp(q)) - NEGATIVE) / largest
+    def ratio(q: Array | float) -> Array:
+        return np.asarray((np.exp(q) - NEGATIVE) / largest)
 
-    def cost(q: float) -> float:
-        shape = 1.0 + ratio(q) * sizes
-        return 0.5 * float(np.sum(np.log(shape)) + len(squares) * np.log(np.mean(squares / shape)))
+    def cost(q: Array | float) -> Array:
+        shape = 1.0 + ratio(q)[..., np.newaxis] * sizes
+        return np.asarray(0.5 * (np.log(shape).sum(axis=-1) + len(squares) * np.log((squares / shape).mean(axis=-1))))
 
-    best = int(np.argmin([cost(q) for q in STARTS]))
+    best = int(np.argmin(cost(STARTS)))
     bounds = (STARTS[max(best - 1, 0)], STARTS[min(best + 1, len(STARTS) - 1)])
-    return ratio(float(optimize.minimize_scalar(cost, bounds=bounds, method="bounded").x))
+    return float(ratio(optimize.minimize_scalar(cost, bounds=bounds, method="bounded").x))
