@@ -59,6 +59,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "thermal": ic.thermal(over_temperature(tmp_path_factory.mktemp("thermal"))),
         "allan": ic.allan(still, sample_rate=100.0, unit="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, unit="rad/s"),
+        "plan_mass_attraction": ic.plan_mass_attraction(cube="5 cm", count=40, stand_off="8 cm", shape=True),
         "result": one.result,
         "estimate": one.result.estimate,
         "check": ic.check(folder),
@@ -71,7 +72,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "result", "estimate",
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "plan_mass_attraction",
+         "result", "estimate",
          "check", "run", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -14,15 +15,20 @@ from inertialcal.core.errors import InertialcalError
 from inertialcal.report.figures import FIGURES, on_new_figure, to_svg
 from inertialcal.report.figures.data import curves, numbers
 
-NAMES = ("mass_body", "mass_field", "mass_growth", "cube_as_point", "mass_forecast")
+NAMES = ("mass_body", "mass_field", "mass_growth", "cube_as_point", "mass_forecast", "proof_mass")
+
+
+@cache
+def planned() -> MassPlan:
+    return ic.plan_mass_attraction(
+        cube="10 cm", count=50, stand_off="7.6 cm", rig="0 cm:60 cm", stroke="10 cm:40 cm",
+        noise="N=55 ng/sqrt(Hz)", u_density="0.3 %", proof_mass="length 2.9 cm, inner radius 1.3 cm, radius 1.4 cm",
+    )  # fmt: skip
 
 
 @pytest.fixture(scope="module")
 def plan() -> MassPlan:
-    return ic.plan_mass_attraction(
-        cube="10 cm", count=50, stand_off="7.6 cm", rig="0 cm:60 cm", stroke="10 cm:40 cm",
-        noise="N=55 ng/sqrt(Hz)", u_density="0.3 %",
-    )  # fmt: skip
+    return planned()
 
 
 def test_each_has_a_finding_and_can_be_drawn_for_a_page_and_a_file(plan: MassPlan) -> None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from ..core.errors import DataError
 from ..core.estimate import Array
+from ..physics.attraction import ProofMass
 from ..physics.budget import Doubts, Share, Source, compared, monte_carlo_budget, shares
 from ..physics.motion import (
     Drive,
@@ -19,12 +20,14 @@ from ..physics.motion import (
     best_window,
     drive,
     harmonics,
+    refuse_overlap,
     sine_of_position,
     travel_of_body,
 )
 from ..procedures.mass_attraction.forecast import Cycle, Forecast, forecast, takeover, time_to
 from ..sensors.noise import Term
 from .mass_body import MassBody
+from .mass_proof import acting, reach
 from .mass_settings import Constants, Moved
 
 DIRECTIONS: dict[str, tuple[float, float, float]] = {"along": (1.0, 0.0, 0.0), "across": (0.0, 0.0, -1.0)}
@@ -85,7 +88,7 @@ class MassBudget:
 
 def drive_of(
     body: MassBody, moved: Moved, rig: tuple[float, float], stroke: tuple[float, float] | None, length: float | None,
-    kind: str, constants: Constants, instrument: float,
+    kind: str, constants: Constants, instrument: float, proof_mass: ProofMass | None = None,
 ) -> MassDrive:  # fmt: skip
     """Return the drive of a body.
 
@@ -107,15 +110,18 @@ def drive_of(
         With the gravitational constant.
     instrument : float
         Radius of the case about the proof mass [m].
+    proof_mass : ProofMass, optional
+        Default: a point.
 
     Raises
     ------
     DataError
         If the mass would meet the instrument, or the stroke does not lie within the rig.
     """
-    _check_rig(body, moved, rig, instrument)
+    _check_rig(body, moved, rig, max(instrument, reach(proof_mass)))
     G = constants.gravitational_constant
-    travel = travel_of_body(body.body, DIRECTIONS[moved], *rig, gravitational_constant=G)
+    at_centre = travel_of_body(body.body, DIRECTIONS[moved], *rig, gravitational_constant=G)
+    travel = acting(at_centre, body.body, DIRECTIONS[moved], proof_mass, G)
     window = best_window(travel, length or rig[1] - rig[0]) if stroke is None else _window(travel, stroke)
     best = best_window(travel, window.end - window.start)
     motion = harmonics(travel, sine_of_position(window, SAMPLES))
@@ -128,14 +134,6 @@ def _window(travel: Travel, stroke: tuple[float, float]) -> Window:
 
 
 def _check_rig(body: MassBody, moved: Moved, rig: tuple[float, float], instrument: float) -> None:
-    nearest = body.grid.stand_off + (min(rig[0], 0.0) if moved == "along" else 0.0)
-    if nearest <= instrument:
-        raise DataError(
-            f"at position {rig[0]:g} m the mass is {nearest:g} m from the proof mass: it meets the instrument"
-            + (f", whose case reaches {instrument:g} m" if instrument else ""),
-            do="Begin the travel farther away, or enlarge the stand-off",
-            code="overlap",
-        )
     extent = body.grid.stand_off + float(np.max(body.size))
     if max(map(abs, rig)) > FARTHEST * extent:
         raise DataError(
@@ -144,6 +142,7 @@ def _check_rig(body: MassBody, moved: Moved, rig: tuple[float, float], instrumen
             do="Look at the unit: cm, not m?",
             code="absurd_length",
         )
+    refuse_overlap(body.body, DIRECTIONS[moved], *rig, instrument)
 
 
 def budget_of(body: MassBody, found: MassDrive, moved: Moved, doubts: Doubts, constants: Constants) -> MassBudget:

@@ -59,6 +59,8 @@ def motion_of(direction: str, rig: str | None, stroke: str | None, travel: str |
     ends = None if stroke is None else range_of(stroke, "stroke")
     length = None if travel is None else positive(travel, "m", "travel", "30.5 cm")
     case = number(instrument, "m", "instrument", "3 cm")
+    if not case >= 0.0:
+        raise UsageError(f"instrument: {instrument!r} is below zero", do='Write it like "3 cm"', code="wrong_value")
     moved: Moved = one_of(direction, tuple(DIRECTIONS), "direction")
     if rig is not None:
         return Motion(moved, range_of(rig, "rig"), ends, length, case, asked=True)

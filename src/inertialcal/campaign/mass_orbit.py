@@ -9,6 +9,8 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
+from scipy import optimize
+
 from ..core.errors import DataError, UsageError
 from ..core.results import Row
 from ..core.units import factor, parse_quantity, same_dimension
@@ -36,6 +38,9 @@ class Orbit:
         Of the centre of the mass, where it gives that gradient [m].
     attraction : float
         There [m/s^2].
+    from_nearer : float
+        From the nearer accelerometer to its centre, on the line through both, where their difference is the smallest
+        that is seen: nearer than where the gradient is, as it falls off over the baseline [m].
     near : float
         Attraction with its surface at the stand-off [m/s^2].
     """
@@ -46,6 +51,7 @@ class Orbit:
     acceleration: float
     distance: float
     attraction: float
+    from_nearer: float
     near: float
 
 
@@ -80,7 +86,27 @@ def orbit_of(
     distance = (2.0 * G * mass / gradient) ** (1.0 / 3.0)
     radius = (3.0 * mass / (4.0 * math.pi * density)) ** (1.0 / 3.0)
     near = G * mass / (radius + stand_off) ** 2
-    return Orbit(mass, radius, gradient, gradient * length, distance, G * mass / distance**2, near)
+    return Orbit(
+        mass,
+        radius,
+        gradient,
+        gradient * length,
+        distance,
+        G * mass / distance**2,
+        _from_nearer(G * mass, gradient, length),
+        near,
+    )
+
+
+def _from_nearer(pull: float, gradient: float, length: float) -> float:
+    """Distance d of the nearer accelerometer where ``G m (1 / d^2 - 1 / (d + b)^2)`` is the smallest difference [m]."""
+    most = (2.0 * pull / gradient) ** (1.0 / 3.0)  # where the gradient itself would be: the difference is less
+
+    def over(d: float) -> float:
+        return pull * (2.0 * d + length) / (d * (d + length)) ** 2 - gradient
+
+    least = min(most, math.sqrt(pull / (gradient * length))) * 0.1
+    return float(optimize.brentq(over, least, most, rtol=1e-12))
 
 
 def _gradient(threshold: str, length: float, constants: Constants) -> float:
@@ -109,6 +135,7 @@ def orbit_rows(found: Orbit, stand_off: float, constants: Constants) -> list[Row
         ("smallest_acceleration", found.acceleration / ng, "ng", "difference over the baseline", 0.0),
         ("distance", cm * found.distance, "cm", "of its centre, at that gradient", u_relative / 3.0),
         ("attraction", found.attraction / ng, "ng", "at that distance", u_relative / 3.0),
+        ("distance", cm * found.from_nearer, "cm", "from the nearer accelerometer", 0.0),
         ("attraction", found.near / ng, "ng", f"surface at {cm * stand_off:g} cm", u_relative),
     ]
     return [Row(name, "", value, value * u or None, unit, test=TEST, condition=at) for name, value, unit, at, u in told]

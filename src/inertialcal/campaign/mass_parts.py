@@ -16,6 +16,7 @@ BLOCKS: dict[str, tuple[str, ...]] = {
     ),
     "drive": (
         "drive_position", "amplitude", "best_window_start", "best_window_amplitude", "motion_harmonic",
+        "proof_mass_effect", "pointlike_length",
     ),
     "budget of the amplitude": ("amplitude_uncertainty",),
     "forecast: standard uncertainty of the scale factor": (
@@ -24,7 +25,7 @@ BLOCKS: dict[str, tuple[str, ...]] = {
 }  # fmt: skip
 PREDICTED = (
     "amplitude_uncertainty", "scale_factor_uncertainty", "time_to_target", "time_to_budget", "motion_harmonic",
-    "attraction_gap", "inventory_gap", "stated_excess",
+    "proof_mass_effect", "attraction_gap", "inventory_gap", "stated_excess",
 )  # fmt: skip
 HEADS = ("quantity", "", "value ± u", "unit")
 DIGITS, ROUGH = 5, 3

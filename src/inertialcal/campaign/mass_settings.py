@@ -56,6 +56,14 @@ class Constants:
         """A nano-g [m/s^2]."""
         return 1e-9 * self.gravity
 
+    @property
+    def told(self) -> dict[str, str]:
+        """What a file says of them."""
+        return {
+            "gravitational constant": f"{self.gravitational_constant!r} {G_UNIT}",
+            "gravity": f"{self.gravity!r} m/s^2",
+        }
+
     def acceleration(self, text: str, what: str) -> float:
         """Return an acceleration that was written [m/s^2]; multiples of g are those of this gravity."""
         return number(text, "m/s^2", what, "74 ng") * self.scale(text)

@@ -7,27 +7,30 @@ behind the plane at the stand-off and is moved away (along) or past (across), fr
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from ..core.curve import Curve
 from ..core.frames import frame
 from ..core.remarks import Remark, gather
 from ..core.result_tables import told
 from ..core.results import Row
 from ..core.tables import Part, html, text
+from ..physics.attraction import ProofMass
 from ..physics.budget import Doubts
 from ..physics.mass_shape import Gain, Grid
-from ..physics.motion import ORDER
+from ..physics.motion import ORDER, refuse_overlap
 from ..procedures.mass_attraction.schedule import Schedule, repeated
 from ..sensors.noise import Term
 from .mass_body import MassBody, body_of, stack_of
 from .mass_curves import body_curve, cube_curve, field_curves, forecast_curve, growth_curve
-from .mass_drive import DRIVES, MassBudget, MassDrive, MassForecast, budget_of, drive_of, forecast_of
+from .mass_drive import DIRECTIONS, DRIVES, MassBudget, MassDrive, MassForecast, budget_of, drive_of, forecast_of
 from .mass_motion import Motion, Timing, check_choices, gain_of, motion_of, needed, refuse_beside, timing_of
 from .mass_noise import noise_from
 from .mass_orbit import orbit_of, orbit_rows
 from .mass_parts import mass_parts
+from .mass_proof import proof_curve, proof_mass_of, proof_rows, reach
 from .mass_remarks import body_remarks, budget_remarks
 from .mass_rows import TEST, body_rows, drive_rows, forecast_rows
 from .mass_settings import (
@@ -65,6 +68,8 @@ class MassPlan:
         Of the chosen drive for the hours asked for.
     inputs : mapping of str to str
         SHA-256 by path of the files that were read.
+    constants : Constants
+        Behind all of it.
     """
 
     rows: tuple[Row, ...]
@@ -76,6 +81,7 @@ class MassPlan:
     forecast: MassForecast | None = None
     schedule: Schedule | None = None
     inputs: Mapping[str, str] | None = None
+    constants: Constants = field(default_factory=Constants)
 
     @property
     def results(self) -> dict[str, Any]:
@@ -121,6 +127,7 @@ def plan_mass_attraction(
     stroke: str | None = None,
     travel: str | None = None,
     instrument: str = "0 cm",
+    proof_mass: str | None = None,
     drive: str = "sine",
     dwell: str = "100 s",
     move: str = "20 s",
@@ -172,6 +179,8 @@ def plan_mass_attraction(
         Ends of the drive, ``"12.7 cm:43.2 cm"``; or the length of the best window.
     instrument : str
         How far the case reaches from the proof mass.
+    proof_mass : str, optional
+        A cylinder along the input axis, ``"length 2.9 cm, inner radius 1.3 cm, radius 1.4 cm"``; a point by default.
     drive : {"sine", "square", "abab"}
         Order of the dwells.
     dwell, move : str
@@ -211,9 +220,15 @@ def plan_mass_attraction(
     apart = positive(needed(stand_off, "stand_off", "10.2 cm"), "m", "stand_off", "10.2 cm")
     if orbit:
         Grid(apart, (1, 1, 1), apart, material)  # refuses what no material and no distance is
-        refuse_beside("--orbit", cube=cube, count=count, inventory=inventory, stroke=stroke, travel=travel)
+        refuse_beside(
+            "--orbit", cube=cube, count=count, inventory=inventory, grid=grid, stated=stated, rig=rig, stroke=stroke,
+            travel=travel, noise=noise, target=target,
+            **{"proof-mass": proof_mass, "noise-from": noise_file, "u-density": u_density, "u-stop": u_stop,
+               "u-piece-density": u_piece_density, "u-position": u_position, "u-piece-place": u_piece_place,
+               "u-angle": u_angle, "shape": shape or None},
+        )  # fmt: skip
         small = orbit_of(mass_of(mass or "4 kg"), material, threshold, baseline, apart, constants)
-        return MassPlan(tuple(orbit_rows(small, apart, constants)))
+        return MassPlan(tuple(orbit_rows(small, apart, constants)), constants=constants)
     motion = motion_of(direction, rig, stroke, travel, instrument)
     check_choices(cube, count, inventory, noise, noise_file)
     said = None if stated is None else constants.acceleration(stated, "stated")
@@ -227,33 +242,49 @@ def plan_mass_attraction(
     )  # fmt: skip
     body = _body(cube, count, mass, inventory, material, apart, grid, gain_of(optimise, motion))
     alone = _of_body(body, constants, said, apart)
+    cylinder = None if proof_mass is None else proof_mass_of(proof_mass)
+    refuse_overlap(body.body, (1.0, 0.0, 0.0), 0.0, 0.0, max(motion.case, reach(cylinder)))
     if shape or not motion.asked:
         return alone
-    return _forecast(_moved(alone, body, motion, kind, doubts, constants), timing, known, wanted)
+    return _forecast(_moved(alone, body, motion, kind, doubts, cylinder), timing, known, wanted)
 
 
 def _of_body(body: MassBody, constants: Constants, stated: float | None, apart: float) -> MassPlan:
     """Return what there is to say of the body."""
     rows = body_rows(body, constants, stated, apart)
     curves = (body_curve(body), cube_curve(), growth_curve(body, constants))
-    return MassPlan(tuple(rows), curves, body_remarks(rows, constants), body)
+    return MassPlan(tuple(rows), curves, body_remarks(rows, constants), body, constants=constants)
 
 
 def _moved(
     alone: MassPlan, body: MassBody, motion: Motion, kind: str, stated: tuple[Doubts, tuple[str, ...]],
-    constants: Constants,
+    proof_mass: ProofMass | None,
 ) -> MassPlan:  # fmt: skip
     """Return the plan with drive and budget."""
-    found = drive_of(body, motion.direction, motion.stage, motion.ends, motion.length, kind, constants, motion.case)
+    constants = alone.constants
+    found = drive_of(
+        body, motion.direction, motion.stage, motion.ends, motion.length, kind, constants, motion.case, proof_mass
+    )
     budget = budget_of(body, found, motion.direction, stated[0], constants)
+    rows, curves = _of_proof_mass(body, motion, found, proof_mass)
     return replace(
         alone,
-        rows=(*alone.rows, *drive_rows(found, budget, constants)),
-        curves=(*alone.curves, *field_curves(found, constants)),
+        rows=(*alone.rows, *drive_rows(found, budget, constants), *rows),
+        curves=(*alone.curves, *field_curves(found, constants), *curves),
         remarks=(*alone.remarks, *motion.remarks, *budget_remarks(stated[1], budget)),
         drive=found,
         budget=budget,
     )
+
+
+def _of_proof_mass(
+    body: MassBody, motion: Motion, found: MassDrive, proof_mass: ProofMass | None
+) -> tuple[list[Row], list[Curve]]:
+    """Return figures and curve of a proof mass that is no point."""
+    if proof_mass is None:
+        return [], []
+    asked = body.body, DIRECTIONS[motion.direction], (found.window.start, found.window.end), proof_mass
+    return proof_rows(*asked), [proof_curve(*asked)]
 
 
 def _forecast(plan: MassPlan, timing: Timing, known: Known, target: float | None) -> MassPlan:

@@ -61,7 +61,8 @@ def errors_out(
     inputs: Sequence[tuple[str, str]] = (),
 ) -> int:
     """Print what is wrong, as text or as the JSON object; return the exit status."""
-    command = next((word for word in given if not word.startswith("-")), "")
+    words = [word for word in given if not word.startswith("-")]
+    command = " ".join(words[:2] if words[:1] == ["plan"] else words[:1])
     if as_json:
         listed = [{"path": path, "sha256": digest} for path, digest in inputs]
         json_out(command, {"inputs": listed, "errors": [problem.to_dict() for problem in problems]}, status)

@@ -20,6 +20,7 @@ FIGURES = {
     "cube-as-point": "cube_as_point",
     "growth": "mass_growth",
     "forecast": "mass_forecast",
+    "proof-mass": "proof_mass",
 }
 
 plan = typer.Typer(
@@ -57,6 +58,13 @@ def mass_attraction(
     rig: Annotated[Text, typer.Option(help='Positions that the stage has: "0 cm:60 cm".')] = None,
     stroke: Annotated[Text, typer.Option(help='Ends of the drive: "12.7 cm:43.2 cm".')] = None,
     travel: Annotated[Text, typer.Option(help='In place of --stroke, length of the best window: "30.5 cm".')] = None,
+    proof_mass: Annotated[
+        Text,
+        typer.Option(
+            "--proof-mass",
+            help='A cylinder along the input axis: "length 2.9 cm, inner radius 1.3 cm, radius 1.4 cm".',
+        ),
+    ] = None,
     instrument: Annotated[str, typer.Option(help="How far the case reaches from the proof mass.")] = "0 cm",
     drive: Annotated[str, typer.Option(help="Order of the dwells: sine, square or abab.")] = "sine",
     dwell: Annotated[str, typer.Option(help="Length of a dwell.")] = "100 s",
@@ -102,7 +110,8 @@ def mass_attraction(
     found = plan_mass_attraction(
         cube=cube, count=count, mass=mass, inventory=inventory, density=density, stand_off=stand_off, grid=grid,
         optimise=optimise, stated=stated, direction=direction, rig=rig, stroke=stroke, travel=travel,
-        instrument=instrument, drive=drive, dwell=dwell, move=move, hours=hours, noise=noise, noise_file=noise_from,
+        instrument=instrument, proof_mass=proof_mass, drive=drive,
+        dwell=dwell, move=move, hours=hours, noise=noise, noise_file=noise_from,
         noise_axis=noise_axis, target=target, u_density=u_density, u_piece_density=u_piece_density,
         u_position=u_position, u_stop=u_stop, u_piece_place=u_piece_place, u_angle=u_angle, big_g=big_g,
         gravity=gravity, shape=shape, orbit=orbit, threshold=threshold, baseline=baseline,
@@ -140,7 +149,7 @@ def _write(
         if found.schedule is None:
             do = 'Say between which positions: --stroke "12.7 cm:43.2 cm", without --shape'
             raise UsageError("--schedule: there is no drive to write", do=do, code="missing")
-        write_schedule(schedule, found.schedule, inputs)
+        write_schedule(schedule, found.schedule, inputs, found.constants.told)
         lines.append(clean(f"written: {schedule} ({len(found.schedule)} dwells)"))
     if output is not None:
         lines.append(figures.write(output, found, inputs, {"figure": figure}))

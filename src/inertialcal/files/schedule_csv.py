@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import os
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -31,7 +31,12 @@ FEW = 3  # dwells, that show no cycle
 EVEN = 1e-6  # of a dwell, within which all dwells are equally long, and as long as the file says
 
 
-def write_schedule(path: str | os.PathLike[str], schedule: Schedule, inputs: Iterable[str | Path] = ()) -> None:
+def write_schedule(
+    path: str | os.PathLike[str],
+    schedule: Schedule,
+    inputs: Iterable[str | Path] = (),
+    told: Mapping[str, str] | None = None,
+) -> None:
     """Write a schedule as CSV.
 
     Parameters
@@ -42,6 +47,8 @@ def write_schedule(path: str | os.PathLike[str], schedule: Schedule, inputs: Ite
         What to write.
     inputs : iterable of path
         Files that it may not replace.
+    told : mapping of str to str, optional
+        What else stands above the rows for whoever reads them, such as the constants behind what is applied.
 
     Raises
     ------
@@ -51,7 +58,7 @@ def write_schedule(path: str | os.PathLike[str], schedule: Schedule, inputs: Ite
     if Path(path).is_dir():
         raise StoreError("cannot be written: it is a folder", where=str(path), do="Name a file", code="not_written")
     with replacing(path, inputs) as aside:
-        aside.write_text(_text(schedule), encoding="utf-8")
+        aside.write_text(_text(schedule, told or {}), encoding="utf-8")
 
 
 def read_schedule(path: str | Path) -> Schedule:
@@ -81,7 +88,7 @@ def read_schedule(path: str | Path) -> Schedule:
         raise DataError(error.problems[0].what, where=table.source.path, why="it is no schedule") from None
 
 
-def _text(schedule: Schedule) -> str:
+def _text(schedule: Schedule, told: Mapping[str, str]) -> str:
     """Comments, header, rows."""
     doubt = [] if schedule.u_applied is None else [f"# u of applied: {schedule.u_applied!r}"]
     heads = [
@@ -90,6 +97,7 @@ def _text(schedule: Schedule) -> str:
         f"# dwell: {float(schedule.dwell)!r} s",
         f"# move: {float(schedule.move)!r} s",
         *doubt,
+        *(f"# {name}: {value}" for name, value in told.items()),
         ",".join(["dwell", *(f"{name} [{unit}]" for name, unit in UNITS.items())]),
     ]
     columns = [getattr(schedule, name).tolist() for name in UNITS]

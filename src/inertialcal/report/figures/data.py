@@ -16,9 +16,9 @@ Curve = Mapping[str, Any]
 
 
 def curves(results: Mapping[str, Any], name: str) -> list[Curve]:
-    """Return the curves of that name, in their order; those without any row are left out."""
+    """Return the curves of that name, in their order; those without any value are left out."""
     found = [curve for curve in results.get("curves", []) if curve.get("name") == name and "columns" in curve]
-    return [curve for curve in found if any(column["values"] for column in curve["columns"].values())]
+    return [curve for curve in found if any(map(_told, curve["columns"].values()))]
 
 
 def numbers(curve: Curve, column: str) -> Array:
@@ -63,6 +63,11 @@ def finite(values: Array) -> Array:
 def distinct(values: Iterable[str]) -> list[str]:
     """Return each text once, in order of first appearance."""
     return list(dict.fromkeys(values))
+
+
+def _told(column: Mapping[str, Any]) -> bool:
+    """Whether any value of a column is there."""
+    return any(value is not None for value in column["values"])
 
 
 def _column(curve: Curve, column: str) -> Mapping[str, Any]:

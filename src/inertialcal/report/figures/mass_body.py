@@ -21,7 +21,7 @@ NAME = "mass_body"
 SHOWS = "The cells of the source mass in parallel projection; to the left the proof mass, at the stand-off"
 HEIGHT = 3.4  # [in]
 VIEW = np.array([0.15, -1.0, 0.4])  # from where it is looked at: the proof mass, at the origin, is left of the body
-SHADES = {0: 0.78, 1: 1.0, 2: 1.22}  # of the face across x, y, z
+TONES = ("purple", "blue", "sky")  # of a face across x, y, z
 ROOM = 0.06  # of the width left free
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 
@@ -44,7 +44,8 @@ def finding(results: Mapping[str, Any], curve: Curve) -> str:
     rows = {row["quantity"]: row["value"] for row in reversed(of)}  # the first of a name counts
     if not {"cells", "mass", "attraction", "attraction_gap"} <= rows.keys():
         return "body of the source mass"
-    what = f"{rows['cells']:.0f} cells of {numbers(curve, 'edge')[0]:.3g} {unit(curve, 'edge')}, {rows['mass']:.0f} kg"
+    edge = f"{numbers(curve, 'edge')[0]:.3g} {plain(unit(curve, 'edge'))}"
+    what = f"{rows['cells']:.0f} cells of {edge}, {rows['mass']:.0f} kg"
     return f"{what}, attract {rows['attraction']:.1f} ng: {rows['attraction_gap']:.2g} % below the most of any shape"
 
 
@@ -95,10 +96,10 @@ def _plane() -> Array:
     return np.column_stack([right, np.cross(toward, right)])
 
 
-def _faces(centres: Array, edge: float) -> tuple[Array, Array]:
+def _faces(centres: Array, edge: float) -> tuple[Array, list[str]]:
     """Faces that look at the viewer and are not covered by a neighbour, back to front, and their colours."""
     cells = {tuple(cell) for cell in np.rint(centres / edge * 2.0).astype(int).tolist()}
-    faces, tones, base = [], [], np.array(_rgb(COLOURS["blue"]))
+    faces, tones = [], []
     for axis in range(3):
         side = 1 if VIEW[axis] > 0.0 else -1
         step = np.zeros(3, dtype=int)
@@ -110,10 +111,10 @@ def _faces(centres: Array, edge: float) -> tuple[Array, Array]:
         ]
         square = _square(axis, side) * edge
         faces.append(centres[open_ones][:, None, :] + square)
-        tones += [np.clip(base * SHADES[axis] + (0.12 if axis == 2 else 0.0), 0.0, 1.0)] * len(open_ones)
+        tones += [COLOURS[TONES[axis]]] * len(open_ones)
     every = np.concatenate(faces)
     order = np.argsort(every.mean(axis=1) @ VIEW)
-    return every[order], np.array(tones)[order]
+    return every[order], [tones[i] for i in order]
 
 
 def _square(axis: int, side: int) -> Array:
@@ -122,8 +123,3 @@ def _square(axis: int, side: int) -> Array:
     corners = np.full((4, 3), 0.5 * side)
     corners[:, others] = np.array(CORNERS) - 0.5
     return corners
-
-
-def _rgb(colour: str) -> tuple[float, float, float]:
-    red, green, blue = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))
-    return red, green, blue

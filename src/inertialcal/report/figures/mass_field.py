@@ -35,10 +35,9 @@ def finding(curve: Curve, dwells: Sequence[Curve]) -> str:
     if not dwells:
         return "attraction along the travel"
     place, field = (numbers(dwells[0], name) for name in ("position", "attraction"))
-    stroke = f"{np.nanmin(place):.4g} to {np.nanmax(place):.4g} {unit(curve, 'position')}"
-    return (
-        f"moving the mass from {stroke} applies an amplitude of {np.ptp(field) / 2.0:.3g} {unit(curve, 'attraction')}"
-    )
+    stroke = f"{np.nanmin(place):.4g} to {np.nanmax(place):.4g} {plain(unit(curve, 'position'))}"
+    amplitude = f"{np.ptp(field) / 2.0:.3g} {plain(unit(curve, 'attraction'))}"
+    return f"moving the mass from {stroke} applies an amplitude of {amplitude}"
 
 
 def draw(ax: Axes, curve: Curve, dwells: Sequence[Curve], title: str = "") -> None:

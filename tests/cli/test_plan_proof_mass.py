@@ -1,0 +1,82 @@
+"""`plan mass-attraction --proof-mass`, what is in the way, what an orbit does not use, and what the schedule says."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typed_commands import call, call_json
+
+PLAN = ("plan", "mass-attraction", "--cube", "10 cm", "--count", "50", "--stand-off", "7.6 cm")
+MOVED = ("--stroke", "10 cm:40 cm", "--rig", "0 cm:60 cm")
+LONG = "length 8 cm, radius 2 cm"
+
+
+def figures(content: dict[str, Any]) -> dict[tuple[str, str], float]:
+    return {(row["quantity"], row["condition"]): row["value"] for row in content["results"]}
+
+
+def test_a_long_proof_mass_changes_the_amplitude_as_the_second_order_rule_has_it(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    written = tmp_path / "s.csv"
+    point = figures(call_json(capsys, *PLAN, *MOVED))["amplitude", "sine"]
+    content = call_json(
+        capsys, *PLAN, *MOVED, "--proof-mass", LONG, "--gravity", "981 cm/s^2", "--schedule", str(written)
+    )
+    rows = figures(content)
+    summed = rows["proof_mass_effect", "on the amplitude, summed"]
+    assert summed > 0.5  # %: longer than sqrt(3) radii, it feels more of the steep part
+    assert rows["proof_mass_effect", "on the amplitude, second order"] == pytest.approx(summed, rel=0.02)
+    in_ng = rows["amplitude", "sine"] * 9.81 / 9.80665
+    assert 100.0 * (in_ng / point - 1.0) == pytest.approx(summed, abs=2e-3)
+    assert rows["pointlike_length", "of a proof mass of these radii"] == pytest.approx(2.0 * np.sqrt(3.0))
+    (curve,) = (one for one in content["curves"] if one["name"] == "proof_mass")
+    length, rule = (curve["columns"][name]["values"] for name in ("length", "second_order"))
+    assert (np.array(rule) > 0.0).tolist() == (np.array(length) > 2.0 * np.sqrt(3.0) * (1.0 + 1e-9)).tolist()
+    lines = written.read_text().splitlines()
+    assert "# gravitational constant: 6.6743e-11 m^3/s^2/kg" in lines
+    assert "# gravity: 9.81 m/s^2" in lines
+
+
+@pytest.mark.parametrize(
+    ("words", "expected", "said"),
+    [
+        (("--proof-mass", "3 cm"), 2, "proof_mass: '3 cm'"),
+        (("--proof-mass", "length 3 cm"), 2, "length and radius are needed"),
+        (("--proof-mass", "length 3, radius 1 cm"), 2, "proof_mass: length: '3'"),
+        (("--proof-mass", "length 3 cm, radius 1 cm, inner radius 2 cm"), 3, "is not between 0 and the radius"),
+        (("--proof-mass", "length 20 cm, radius 1 cm"), 3, "would overlap the instrument"),
+        (("--instrument", "9 cm"), 3, "would overlap the instrument"),
+        (("--instrument", "-1 cm"), 2, "instrument: '-1 cm' is below zero"),
+    ],
+)
+def test_a_proof_mass_or_case_that_cannot_be_is_refused_also_without_a_motion(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], expected: int, said: str
+) -> None:
+    status, out, err = call(capsys, *PLAN, *words)
+    assert (status, out) == (expected, "")
+    assert said in " ".join(err.split())
+
+
+def test_an_orbit_refuses_what_it_would_not_use_and_a_refusal_names_the_whole_command(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    orbit = ("plan", "mass-attraction", "--orbit", "--stand-off", "10 cm")
+    status, _, err = call(capsys, *orbit, "--noise", "N=5 ug/sqrt(Hz)", "--u-stop", "1 mm")
+    assert status == 2
+    assert "--orbit with --noise, --u-stop" in err
+    refused = call_json(capsys, *orbit, "--target", "1 %")
+    assert refused["exit"] == 2
+    assert refused["command"] == "plan mass-attraction"
+
+
+def test_in_orbit_the_difference_over_a_long_baseline_is_seen_from_less_far_than_the_gradient(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    rows = figures(call_json(capsys, "plan", "mass-attraction", "--orbit", "--stand-off", "10 cm"))
+    near = rows["distance", "from the nearer accelerometer"] / 100.0
+    assert 6.6743e-11 * 4.0 * (near**-2 - (near + 2.0) ** -2) == pytest.approx(0.5e-9 * 2.0)
+    assert near < rows["distance", "of its centre, at that gradient"] / 100.0
