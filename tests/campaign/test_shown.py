@@ -20,10 +20,13 @@ from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.rounding import with_uncertainty
 from inertialcal.core.tables import WIDTH, Grid
+from inertialcal.files.schedule_csv import write_schedule
+from inertialcal.procedures.mass_attraction import repeated
 from inertialcal.sensors.model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
 FLIPS = EXAMPLE.with_name("sams1996")
+DRIVE = np.sin(2.0 * np.pi * np.arange(3000) / 100.0)
 EVIL = "<script>alert('x')</script>"
 
 
@@ -35,6 +38,17 @@ def over_temperature(folder: Path) -> Path:
     path, head = folder / "ramp.csv", "unix_s,temperature [degC],gyro_x [deg/s]"
     np.savetxt(path, np.column_stack([1.7e9 + time, T, rate]), fmt="%.6f", delimiter=",", header=head, comments="")
     return path
+
+
+def moved(folder: Path) -> tuple[Path, Path]:
+    """A record of pulses in the gates of a schedule, and the schedule."""
+    plan = repeated([0.1, 0.4], [7e-7, 2e-7], cycles=40, dwell=100.0, move=20.0, drive="abab")
+    path, schedule = folder / "pulses.csv", folder / "schedule.csv"
+    pulses = np.rint(1e5 + 1e8 * plan.applied + np.random.default_rng(1).normal(0.0, 3.0, len(plan)))
+    table = np.column_stack([1.7e9 + plan.middle, pulses])
+    np.savetxt(path, table, fmt="%.6f", delimiter=",", header="unix_s,pulses [count]", comments="")
+    write_schedule(schedule, plan)
+    return path, schedule
 
 
 @pytest.fixture(scope="module")
@@ -59,6 +73,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "thermal": ic.thermal(over_temperature(tmp_path_factory.mktemp("thermal"))),
         "allan": ic.allan(still, sample_rate=100.0, unit="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, unit="rad/s"),
+        "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, unit="rad/s"),
+        "mass_attraction": ic.mass_attraction(*moved(tmp_path_factory.mktemp("moved")), gate="100 s"),
         "plan_mass_attraction": ic.plan_mass_attraction(cube="5 cm", count=40, stand_off="8 cm", shape=True),
         "result": one.result,
         "estimate": one.result.estimate,
@@ -72,7 +88,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "plan_mass_attraction",
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "sine", "mass_attraction", "plan_mass_attraction",
          "result", "estimate",
          "check", "run", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
