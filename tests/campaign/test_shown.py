@@ -88,7 +88,8 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     }
 
 
-NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "sine", "mass_attraction", "plan_mass_attraction",
+NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "sine",
+         "mass_attraction", "plan_mass_attraction",
          "result", "estimate",
          "check", "run", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 
