@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from .campaign.single import rate_table
     from .campaign.single_flip import flip
     from .campaign.single_noise import allan
+    from .campaign.single_positions import positions
     from .campaign.single_spectrum import psd
     from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from .files.survey import survey as info
     from .files.table import read_table
     from .files.write import write
+    from .procedures.positions.batch import positions_batch
     from .report.plot import plot
 
 __all__ = [
@@ -40,6 +42,8 @@ __all__ = [
     "info",
     "load_model",
     "plot",
+    "positions",
+    "positions_batch",
     "psd",
     "rate_table",
     "read",
@@ -61,6 +65,8 @@ _HOMES = {
     "thermal": ("campaign.single_thermal", "thermal"),
     "load_model": ("campaign.models", "load_model"),
     "plot": ("report.plot", "plot"),
+    "positions": ("campaign.single_positions", "positions"),
+    "positions_batch": ("procedures.positions.batch", "positions_batch"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),
     "write": ("files.write", "write"),

@@ -20,6 +20,7 @@ from test_figure_flip import quiet as flip_quiet
 from test_figure_noise import allan as noise_allan
 from test_figure_noise import allan_terms as noise_terms
 from test_figure_noise import spectrum as noise_spectrum
+from test_figure_positions import CURVES as POSITIONS_CURVES
 from test_figure_thermal import CURVES as THERMAL_CURVES
 from test_figure_thermal import ROWS as THERMAL_ROWS
 from test_figure_thermal import SEQUENCE as THERMAL_SEQUENCE
@@ -153,8 +154,8 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
-                   flip_quiet("y"), *copy.deepcopy(THERMAL_CURVES), noise_allan("z"), noise_terms("z"),
-                   noise_spectrum("z")],
+                   flip_quiet("y"), *copy.deepcopy(THERMAL_CURVES), *copy.deepcopy(POSITIONS_CURVES), noise_allan("z"),
+                   noise_terms("z"), noise_spectrum("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": VERDICTS, "results": [*ROWS, *BESIDE, *THERMAL_ROWS],
         "budgets": SHARES, "closed_loop": LOOP,
     }  # fmt: skip

@@ -14,6 +14,7 @@ from .flip_inputs import prepared_flip
 from .load import Campaign
 from .modelling import Prepared
 from .noise_inputs import prepared_static_noise
+from .positions_inputs import prepared_positions
 from .rate_table_inputs import prepared_rate_table
 from .schema import Sensor, Test
 from .thermal_inputs import prepared_thermal
@@ -23,6 +24,7 @@ WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "flip": prepared_flip,
     "thermal": prepared_thermal,
     "static_noise": prepared_static_noise,
+    "positions": prepared_positions,
 }
 
 

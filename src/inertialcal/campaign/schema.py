@@ -33,6 +33,9 @@ STANDARDS: dict[str, dict[str, str]] = {
     "sensor": {"scale_factor": "1", "hysteresis": "rad/s"},
     "thermometer": {"temperature": "degC"},
     "site": {"latitude": "rad"},
+    "gravity": {"value": "m/s^2"},
+    "fixture": {"orientation": "rad", "mounting": "rad"},
+    "clock": {"rate": "1"},
 }
 
 
@@ -299,6 +302,9 @@ class RecordingEntry(Strict):
     frame: Literal["data", "sensor"] | None = None
     schedule: Schedule | None = None
     positions: list[Position] | None = Field(default=None, min_length=1)
+    orientations: list[Text] | None = Field(default=None, min_length=1)
+    sections: Text | None = None
+    turn: Angle | None = None
     axis: Axis | None = None
     run: Text | None = None
     applied: list[Step] | None = None
@@ -308,7 +314,7 @@ class RecordingEntry(Strict):
     def _one_kind(self) -> RecordingEntry:
         if [self.rows, self.means, self.channels].count(None) != 2:
             raise ValueError("needs rows or means (a reduced table) or channels (a recording), one of them")
-        keys = ("clock", "frame", "schedule", "positions", "axis", "run", "applied")
+        keys = ("clock", "frame", "schedule", "positions", "orientations", "sections", "turn", "axis", "run", "applied")
         extra = [name for name in keys if getattr(self, name) is not None]
         if self.channels is None and extra:
             raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")
@@ -363,7 +369,7 @@ def _window(pair: object) -> Window:
 class Model(Strict):
     """[model]: which tests each kind of term comes from; without it, all tests with use = "fit"."""
 
-    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry"], list[Name]] = {}
+    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry", "g_sensitivity"], list[Name]] = {}
 
 
 class Requirement(Strict):

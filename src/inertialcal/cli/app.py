@@ -6,7 +6,7 @@ from typing import Annotated
 
 import typer
 
-from . import campaigns, demos, flips, models, noise, recordings, thermals, twins
+from . import campaigns, demos, flips, models, noise, positions, recordings, thermals, twins
 from .output import package_version
 
 app = typer.Typer(
@@ -40,6 +40,7 @@ app.command("psd")(noise.psd)
 app.command("rate-table")(recordings.rate_table)
 app.command("flip")(flips.flip)
 app.command("thermal")(thermals.thermal)
+app.command("positions")(positions.positions)
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)

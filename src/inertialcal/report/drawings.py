@@ -89,8 +89,22 @@ PLAIN: dict[str, Finding] = {
     "reference_voltage": ("Reference voltages of the converter over temperature, each less its mean.",),
     "overlay": ("Bias on power-ups that no polynomial was fitted to: as read, and after what was found is taken off.",),
     "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
+    "positions_sphere": (
+        "Where up was in each position, seen from the body, on the whole sphere of directions: equal areas, z at the"
+        " top, x in the middle; larger marks have larger residuals.",
+    ),
+    "positions_residuals": ("What each position leaves, with it in the fit and from the fit without it.",),
+    "transitions": (
+        "Where the gyros carry gravity to in each rotation, against where the accelerometers then find it.",
+    ),
 }
-CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
+CURVES = {  # behind a figure, by name
+    "thermal": ("thermal_cells", "thermal_law"),
+    "conditions": ("thermal_law",),
+    "positions_sphere": ("positions",),
+    "positions_residuals": ("positions",),
+    "transitions": ("transitions",),
+}
 
 
 OF_AXIS = {  # before and after the name of the axis

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import npsat1, rate_table, sams_tsh, sams_tsh_model, still_gyro
+from . import hand_held, npsat1, rate_table, sams_tsh, sams_tsh_model, still_gyro
 
 RIGS: dict[str, ModuleType] = {
     "rate_table": rate_table,
@@ -17,4 +17,5 @@ RIGS: dict[str, ModuleType] = {
     "sams_tsh_model": sams_tsh_model,
     "npsat1": npsat1,
     "still_gyro": still_gyro,
+    "hand_held": hand_held,
 }

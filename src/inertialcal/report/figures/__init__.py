@@ -21,6 +21,8 @@ from . import (
     input_output,
     matrix,
     overlay,
+    positions_residuals,
+    positions_sphere,
     rate_error,
     reference_voltage,
     side_by_side,
@@ -28,6 +30,7 @@ from . import (
     start_up,
     thermal,
     thermal_order,
+    transitions,
 )
 from .picture import Picture, on_new_figure
 from .style import variables
@@ -99,6 +102,9 @@ FIGURES: dict[str, Kind] = {
         thermal_order,
         start_up,
         reference_voltage,
+        positions_residuals,
+        positions_sphere,
+        transitions,
         allan,
         spectrum,
         matrix,
