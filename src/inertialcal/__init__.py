@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from .campaign.single_mass_attraction import mass_attraction
     from .campaign.single_mass_plan import plan_mass_attraction
     from .campaign.single_noise import allan
+    from .campaign.single_positions import positions
     from .campaign.single_sine import sine
     from .campaign.single_spectrum import psd
     from .campaign.single_thermal import thermal
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from .files.survey import survey as info
     from .files.table import read_table
     from .files.write import write
+    from .procedures.positions.batch import positions_batch
     from .report.plot import plot
 
 __all__ = [
@@ -45,6 +47,8 @@ __all__ = [
     "mass_attraction",
     "plan_mass_attraction",
     "plot",
+    "positions",
+    "positions_batch",
     "psd",
     "rate_table",
     "read",
@@ -70,6 +74,8 @@ _HOMES = {
     "load_model": ("campaign.models", "load_model"),
     "plan_mass_attraction": ("campaign.single_mass_plan", "plan_mass_attraction"),
     "plot": ("report.plot", "plot"),
+    "positions": ("campaign.single_positions", "positions"),
+    "positions_batch": ("procedures.positions.batch", "positions_batch"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),
     "write": ("files.write", "write"),

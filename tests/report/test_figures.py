@@ -22,6 +22,7 @@ from test_figure_mass import ROWS as MASS_ROWS
 from test_figure_noise import allan as noise_allan
 from test_figure_noise import allan_terms as noise_terms
 from test_figure_noise import spectrum as noise_spectrum
+from test_figure_positions import CURVES as POSITIONS_CURVES
 from test_figure_sine import curves_of as sine_curves
 from test_figure_source_mass import planned
 from test_figure_thermal import CURVES as THERMAL_CURVES
@@ -157,7 +158,8 @@ LOOP = {"axes": [{"axis": "x", "raw_rms": 0.3891, "compensated_rms": 0.0123, "un
 def results() -> dict[str, Any]:
     return {
         "curves": [input_output(), errors(), *trace(), compensated(), compensated("y"), flip_dwells("y"),
-                   flip_quiet("y"), *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *planned().results["curves"]]),
+                   flip_quiet("y"),
+                   *copy.deepcopy([*THERMAL_CURVES, *MASS_CURVES, *POSITIONS_CURVES, *planned().results["curves"]]),
                    noise_allan("z"), noise_terms("z"), noise_spectrum("z"), *sine_curves("z")],
         "sequence": SEQUENCE + THERMAL_SEQUENCE, "verdicts": VERDICTS,
         "results": [*ROWS, *BESIDE, *THERMAL_ROWS, *MASS_ROWS, *copy.deepcopy(planned().results["results"])],

@@ -9,8 +9,9 @@ from typing import Any
 from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
-from ..core.units import convert, factor
+from ..core.units import convert, factor, kind
 from ..procedures import static_noise
+from ..procedures.rate_table.closed_loop import AxisLoop
 from ..procedures.static_noise.scale import SCALE
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows
@@ -21,6 +22,7 @@ from .exclusions import exclusion_rows
 from .load import Campaign
 from .margins import margin
 from .modelling import Modelled, Prepared
+from .positions_result import by_quantity
 from .prepare import modelled_sensor, sensor_of
 from .requirements import RULE, Tested, Verdict, judge, worst
 from .schema import Test
@@ -57,7 +59,8 @@ def results_content(
         displayed(_conditioned(row, one.test), sensor_of(campaign, one.test).unit) for one in tested for row in one.rows
     ]
     if modelled is not None:
-        rows += [displayed(replace(row, test="model"), modelled_sensor(campaign).unit) for row in _model_rows(modelled)]
+        for name, (unit, one) in _named(campaign, modelled).items():
+            rows += [displayed(replace(row, test=name), unit) for row in _model_rows(one)]
     judged: list[tuple[Verdict, str]] = []
     units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
@@ -105,8 +108,15 @@ def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | 
         unit = sensor_of(campaign, one.test).unit
         found += budget_rows(one.test.id, one.result.estimate, unit, one.result.plan)
     if modelled is not None:
-        found += budget_rows("model", modelled.model.estimate, modelled_sensor(campaign).unit)
+        for name, (unit, made) in _named(campaign, modelled).items():
+            found += budget_rows(name, made.model.estimate, unit)
     return found
+
+
+def _named(campaign: Campaign, modelled: Modelled) -> dict[str, tuple[str, Modelled]]:
+    """Return unit and model of each sensor that has one, by what its rows are named: as its file is."""
+    others = {f"model_{name}": (campaign.file.sensors[name].unit, one) for name, one in modelled.others.items()}
+    return {"model": (modelled_sensor(campaign).unit, modelled)} | others
 
 
 def _covariance(one: Tested) -> dict[str, Any] | None:
@@ -149,11 +159,11 @@ def _model_rows(modelled: Modelled) -> list[Row]:
             quantity, _, axis = name.rpartition("_")
             value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
             rows.append(Row(quantity, axis, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
+    units = {one.name: one.unit for one in modelled.model.parameters}
     for name, reason in modelled.model.not_estimated.items():
         quantity, _, axis = name.rpartition("_")
-        unit = {"misalignment": "rad", "bias": "rad/s"}.get(quantity, "1")
-        rows.append(not_estimated(quantity, axis, unit, reason))
-    return rows
+        rows.append(not_estimated(quantity, axis, units.get(name, "1"), reason))
+    return rows if modelled.result is not None else by_quantity(rows)
 
 
 def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
@@ -168,21 +178,33 @@ def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
 
 def _closed_loop(campaign: Campaign, modelled: Modelled | None, unit: str) -> dict[str, Any]:
     """Say what the closed loop gave, in the unit of the sensor."""
-    if modelled is None or not modelled.loops:
+    every = () if modelled is None else tuple(one for one in modelled.every if one.loops)
+    if modelled is None or not every:
         reason = _not_run(campaign, modelled)
         return {"verdict": "not run", "reason": reason, "axes": [], "over_temperature": []}
-    scale = factor("rad/s", unit)
-    axes = [
-        {
-            "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": unit,
-            "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
-            "mean_square_gain": one.gain * scale**2, "u": one.u * scale**2, "dof": finite(one.dof),
-            "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
-        }
-        for one in modelled.loops
-    ]  # fmt: skip
-    warm = loop_rows(modelled.thermal_loops, scale, unit)
-    return {"verdict": modelled.verdict, "reason": "", "axes": axes, "over_temperature": warm}
+    axes = [_loop_row(campaign, one, loop, unit) for one in every for loop in one.loops]
+    warm = loop_rows(modelled.thermal_loops, factor("rad/s", unit), unit) if modelled.thermal_loops else []
+    return {"verdict": modelled.whole_verdict, "reason": "", "axes": axes, "over_temperature": warm}
+
+
+def _loop_unit(campaign: Campaign, own: str, unit: str) -> str:
+    """Return the unit that a closed loop is told in: that of its sensor, degrees for angles."""
+    if own == "rad":
+        return "deg"
+    units = [sensor.unit for sensor in campaign.file.sensors.values() if kind(sensor.unit) == kind(own)]
+    return unit if kind(unit) == kind(own) else units[0]
+
+
+def _loop_row(campaign: Campaign, of: Modelled, one: AxisLoop, unit: str) -> dict[str, Any]:
+    own = of.loop_units.get(one.axis, of.unit)
+    told = _loop_unit(campaign, own, unit)
+    scale = factor(own, told)
+    return {
+        "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": told,
+        "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
+        "mean_square_gain": one.gain * scale**2, "u": one.u * scale**2, "dof": finite(one.dof),
+        "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
+    }  # fmt: skip
 
 
 def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Modelled | None) -> list[dict[str, Any]]:
@@ -198,7 +220,7 @@ def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Mod
                 "verdict": "OPEN" if is_open else worst(mine),
             }
         )  # fmt: skip
-    if modelled is not None and modelled.loops:
+    if modelled is not None and any(one.loops for one in modelled.every):
         held = [test.id for test in campaign.file.tests if test.use == "hold_out"]
         text = "compensation improves readings that the model has not seen"
         row = {
@@ -206,7 +228,7 @@ def _verification(campaign: Campaign, verdicts: Sequence[Verdict], modelled: Mod
             "text": text,
             "method": "test",
             "evidence": held,
-            "verdict": modelled.verdict,
+            "verdict": modelled.whole_verdict,
         }
         rows.append(row)
     return rows

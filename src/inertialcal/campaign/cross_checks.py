@@ -56,6 +56,10 @@ QUANTITIES: dict[str, tuple[str, ...]] = {
     "null_response": RATE,
     "reference_voltage": ("voltage",),
     "temperature_reference_voltage": ("voltage",),
+    "g_sensitivity": ("other",),
+    "scatter_position": RATE,
+    "scatter_rotation": ("angle",),
+    "transition_error": ("angle",),
 }
 NOISE = {sensor: noise.data_sheet_units(sensor) for sensor in noise.SENSORS}  # quantities of noise, and their units
 SENSORS: dict[str, tuple[str, ...]] = {  # that a procedure tests
@@ -64,6 +68,7 @@ SENSORS: dict[str, tuple[str, ...]] = {  # that a procedure tests
     "thermal": ("gyro",),
     "static_noise": ("gyro", "accelerometer"),
     "mass_attraction": ("accelerometer",),
+    "positions": ("accelerometer", "gyro"),
 }
 TABLES = {"rate_table": "rows", "flip": "means", "mass_attraction": "lines"}  # the key of its reduced tables
 WITHOUT_GROUPS = {  # how a part of a recording is chosen
@@ -72,10 +77,10 @@ WITHOUT_GROUPS = {  # how a part of a recording is chosen
 }
 AFTER, CORRECTED = "thermal", ("rate_table",)  # whose bias is taken off, and of what
 AGAINST = ("flip", "thermal")  # procedures whose tests are set beside each other
-HELD_OUT = ("rate_table", "thermal")  # procedures whose tests judge what another one found
+HELD_OUT = ("rate_table", "thermal", "positions")  # procedures whose tests judge what another one found
 WHERE = {"rate_error": "rate", "bias": "temperature"}  # quantities over a range, and what the range is of
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
-MODELLED = ("rate_table",)  # procedures whose results become a model
+MODELLED = ("rate_table", "positions")  # procedures whose results become a model
 
 
 def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
@@ -257,7 +262,8 @@ def _test(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Probl
     if test.plan.get("attitude") is not None and file.site.latitude is None:
         what = f"test {test.id!r}: plan.attitude needs site.latitude"
         yield Problem(what, at("tests", number, "plan", "attitude"), "earth rate depends on both", code="missing_key")
-    if len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1:
+    several = len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1
+    if several and test.procedure != "positions":
         yield Problem(f"test {test.id!r}: recordings of different sensors", at("tests", number, "recordings"))
     values, problems = plan_values(test.procedure, test.plan, at("tests", number, "plan"))
     yield from problems
@@ -283,7 +289,8 @@ def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
 
 def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
     """Find recordings that a test names twice, cannot choose groups from, or that turn another axis."""
-    files = [(file.recordings[n].file, repr(file.recordings[n].rows)) for n in test.recordings if n in file.recordings]
+    named = [file.recordings[n] for n in test.recordings if n in file.recordings]
+    files = [(one.file, repr(one.rows), one.sensor if test.procedure == "positions" else "") for one in named]
     if len(set(files)) < len(files):
         what = f"test {test.id!r}: a recording appears twice"
         yield Problem(what, at("tests", number, "recordings"), "its readings would count twice", code="duplicate_id")
@@ -370,9 +377,10 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
 
 
 def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
+    names = {RESERVED, *(f"{RESERVED}_{sensor}" for sensor in file.sensors)}
     for number, test in enumerate(file.tests):
-        if test.id == RESERVED:
-            what = f"tests: id {RESERVED!r}: results have the rows of the model of the sensor under this name"
+        if test.id in names:
+            what = f"tests: id {test.id!r}: results have the rows of the model of the sensor under this name"
             yield Problem(what, at("tests", number, "id"), "they could not be told apart", "Rename it", "duplicate_id")
 
 
@@ -386,9 +394,17 @@ def _apart(file: CampaignFile, at: At) -> Iterator[Problem]:
             uses = {one.use, other.use}
             if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
                 continue
+            if one.procedure == "positions" and _sensor_of(file, one) != _sensor_of(file, other):
+                continue
             what = f"tests {other.id!r} ({other.use}) and {one.id!r} ({one.use}) use the same readings"
             why = "a model must be judged on data held out" if "hold_out" in uses else "they would count twice"
             yield Problem(what, at("tests", number), why, do, "overlap")
+
+
+def _sensor_of(file: CampaignFile, test: Test) -> str:
+    """Return the name of the sensor that a test is about: that of its first recording."""
+    entry = file.recordings.get(test.recordings[0])
+    return "" if entry is None else entry.sensor
 
 
 def _same_readings(file: CampaignFile, one: Test, other: Test) -> bool:

@@ -10,6 +10,8 @@ from .noise_units import noise_unit
 
 PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter
 PERCENT = ("scale_factor_error", "high_g_difference", "scale_factor_asymmetry", "cross_axis_sensitivity")
+TURNED = ("transition_error", "scatter_rotation")  # angles that people tell in degrees
+PER_FORCE = "g_sensitivity"  # told per g
 
 
 def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
@@ -26,9 +28,9 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     """
     if quantity in PERCENT and unit == "1":
         return "%"
-    noise = noise_unit(quantity, sensor_unit)
-    if noise and same_dimension(noise, unit):
-        return noise
+    own = _own_unit(quantity, unit, sensor_unit)
+    if own:
+        return own
     if kind(unit) == kind(sensor_unit):
         return sensor_unit
     if unit in {"V/(rad/s)", "V/(m/s^2)"}:
@@ -36,6 +38,16 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     if unit == PULSES:
         return normalise(f"count/s/({sensor_unit})")
     return _coefficient_unit(unit, sensor_unit)
+
+
+def _own_unit(quantity: str, unit: str, sensor_unit: str) -> str:
+    """Return the unit that people tell a quantity in, whatever else has that kind of unit; empty where none."""
+    if quantity in TURNED:
+        return stated_unit(unit, sensor_unit)
+    if quantity == PER_FORCE:
+        return normalise(f"({sensor_unit})/g")
+    noise = noise_unit(quantity, sensor_unit)
+    return noise if noise and same_dimension(noise, unit) else ""
 
 
 def _coefficient_unit(unit: str, sensor_unit: str) -> str:

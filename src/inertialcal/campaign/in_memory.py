@@ -9,11 +9,12 @@ import tomllib
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
+from pathlib import Path
 
 from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.results import Row
-from ..procedures import flip, mass_attraction, rate_table, static_noise, thermal
+from ..procedures import flip, mass_attraction, positions, rate_table, static_noise, thermal
 from ..procedures.flip.recordings import readings_from as flip_readings
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
@@ -28,12 +29,14 @@ from .ground import ChainModel, chain_model
 from .ground_checks import WITH_MODEL
 from .mass_inputs import mass_plan, moved_mass
 from .noise_inputs import noise_plan, records_at_rest
+from .positions_inputs import Part, positions_plan, readings_of
+from .positions_result import OfSensor
 from .rate_table_inputs import rate_table_plan
 from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
 from .thermal_inputs import felt_in_body, thermal_plan, warmed_recording
 
-Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result | mass_attraction.Result
-Plan = rate_table.Plan | flip.Plan | thermal.Plan | static_noise.Plan | mass_attraction.Plan
+Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result | mass_attraction.Result | OfSensor
+Plan = rate_table.Plan | flip.Plan | thermal.Plan | static_noise.Plan | mass_attraction.Plan | positions.Plan
 Placed = Sequence[tuple[str, RecordingEntry, Recording]]
 
 
@@ -50,6 +53,7 @@ class _Fit:
     against: str = ""
     after: str = ""
     condition: str = ""
+    sensors: tuple[Sensor, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -145,6 +149,10 @@ def _fit(file: CampaignFile, standards: Standards, test: Test) -> _Fit:
         return _Fit(test.procedure, thermal_plan(file, standards, test, sensor), sensor, entries)
     if test.procedure == "mass_attraction":
         return _Fit(test.procedure, mass_plan(test, sensor, standards), sensor, entries)
+    if test.procedure == "positions":
+        own = tuple(file.sensors[entry.sensor] for entry in named.values())
+        chains = tuple((n, e, chain_of(e, one)) for (n, e), one in zip(named.items(), own, strict=True))
+        return _Fit(test.procedure, positions_plan(file, standards, test), sensor, chains, sensors=own)
     if test.procedure == "static_noise":
         return _Fit(test.procedure, noise_plan(test, sensor, standards), sensor, entries, chain_model(sensor))
     return _Fit(test.procedure, rate_table_plan(file, standards, test, sensor), sensor, entries)
@@ -155,6 +163,8 @@ def _result(twin: Twin, fit: _Fit, found: Mapping[str, Result]) -> Result:
         return _thermal(twin, fit.plan, fit)
     if isinstance(fit.plan, mass_attraction.Plan):
         return _mass_attraction(twin, fit.plan, fit)
+    if isinstance(fit.plan, positions.Plan):
+        return _positions(twin, fit.plan, fit)
     corrected = isinstance(fit.plan, flip.Plan) and fit.plan.corrected
     keep_bias = fit.procedure in WITH_MODEL and not corrected
     placed = [
@@ -193,6 +203,15 @@ def _mass_attraction(twin: Twin, plan: mass_attraction.Plan, fit: _Fit) -> mass_
         if entry.mass is not None
     ]
     return mass_attraction.reduce(plan, mass_attraction.readings_from(plan, moved))
+
+
+def _positions(twin: Twin, plan: positions.Plan, fit: _Fit) -> OfSensor:
+    parts = []
+    for (name, entry, chain), sensor in zip(fit.entries, fit.sensors, strict=True):
+        body = in_body_axes(twin.recordings[entry.file], name, entry, sensor, chain)
+        parts.append(Part(name, entry, body, len(body), sensor.kind))
+    readings = readings_of(plan, parts, fit.test, Path())
+    return OfSensor(positions.reduce(plan, readings), fit.sensor.kind)
 
 
 def _static_noise(plan: static_noise.Plan, placed: Placed) -> static_noise.Result:

@@ -7,7 +7,7 @@ table, the attitude) is shared in the covariance too.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import permutations
 from typing import Any
@@ -61,8 +61,8 @@ class Modelled:
     ----------
     model : SensorModel
         ``judged`` where the closed loop PASSes.
-    result : rate_table.Result
-        Joint reduction of all tests behind the matrix.
+    result : rate_table.Result or None
+        Joint reduction of all tests of a rate table behind the matrix; None for a model of positions.
     loops : tuple of AxisLoop
         Empty where nothing was held out.
     verdict : str
@@ -73,15 +73,35 @@ class Modelled:
         Of each axis in ``loops``: the dwells behind it, before and after compensation.
     thermal_loops : tuple of ThermalLoop
         Of thermal tests held out.
+    unit : str
+        Of what the loops judge, SI.
+    loop_units : mapping of str to str
+        The same by the name of a loop, where one differs.
+    others : mapping of str to Modelled
+        Models of further sensors, by the name of the sensor.
     """
 
     model: SensorModel
-    result: rate_table.Result
+    result: rate_table.Result | None
     loops: tuple[AxisLoop, ...]
     verdict: str
     remarks: tuple[Remark, ...]
     errors: tuple[HeldOut, ...] = ()
     thermal_loops: tuple[ThermalLoop, ...] = ()
+    unit: str = "rad/s"
+    loop_units: Mapping[str, str] = field(default_factory=dict[str, str])
+    others: Mapping[str, Modelled] = field(default_factory=dict[str, Any])
+
+    @property
+    def every(self) -> tuple[Modelled, ...]:
+        """The model itself and those of further sensors."""
+        return (self, *self.others.values())
+
+    @property
+    def whole_verdict(self) -> str:
+        """The worst verdict of all models that were judged; ``not run`` where none was."""
+        found = {one.verdict for one in self.every if one.loops}
+        return next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in found), "not run")
 
 
 def make_model(

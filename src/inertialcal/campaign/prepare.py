@@ -15,6 +15,7 @@ from .load import Campaign
 from .mass_inputs import prepared_mass_attraction
 from .modelling import Prepared
 from .noise_inputs import prepared_static_noise
+from .positions_inputs import prepared_positions
 from .rate_table_inputs import prepared_rate_table
 from .schema import Sensor, Test
 from .thermal_inputs import prepared_thermal
@@ -25,6 +26,7 @@ WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
     "thermal": prepared_thermal,
     "static_noise": prepared_static_noise,
     "mass_attraction": prepared_mass_attraction,
+    "positions": prepared_positions,
 }
 
 

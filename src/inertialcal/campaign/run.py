@@ -3,31 +3,32 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from ..core.errors import DataError, InertialcalError, PlanError, Problem
+from ..core.errors import DataError, InertialcalError, Problem
 from ..core.frames import frame
 from ..core.remarks import Remark, gather
 from ..core.result_tables import told
 from ..core.tables import Grid, Part, html, text
-from ..files.model_json import dump_model
-from ..procedures import PROCEDURES
+from ..procedures import PROCEDURES, positions
 from ..report.page import report_html
 from .after import Bias
 from .contents import results_content
-from .cross_checks import AFTER, MODELLED
+from .cross_checks import AFTER
 from .load import Campaign, load
-from .modelling import Modelled, Prepared, make_model
+from .modelling import Modelled, Prepared
+from .models_made import model_files, models_of
 from .outcome_tables import outcome_parts
+from .positions_result import OfSensor
 from .prepare import placed, prepare, sensor_of
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
 from .side_by_side import beside_others
-from .thermal_left import LeftOver, left_over
+from .thermal_left import left_over
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
@@ -184,41 +185,19 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     tell(len(tested), len(tested), "model and requirements")
     tested, left = left_over(campaign, tested)
     biases = {one.test.id: Bias(one.test.id, one.result) for one in tested if one.test.procedure == AFTER}
-    modelled = _modelled(campaign, prepared, biases, left)
+    modelled = models_of(campaign, prepared, tested, biases, left)
     if modelled is not None:
-        remarks += [remark.at("closed loop") for remark in modelled.remarks]
+        remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
     results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
     stated = [worst(verdicts)] if campaign.file.requirements else []
-    if modelled is not None and modelled.loops:
-        stated.append(modelled.verdict)
+    if modelled is not None and any(one.loops for one in modelled.every):
+        stated.append(modelled.whole_verdict)
     verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
     results["verdict"] = verdict or None
     before = previous(campaign.folder)
     if write:
         swap_in(campaign.folder, _files(campaign, results, modelled, inputs, str(folder)))
     return Outcome(campaign, results, inputs, verdict, changes(before, results))
-
-
-def _modelled(
-    campaign: Campaign, prepared: Sequence[Prepared], biases: Mapping[str, Bias], left: LeftOver
-) -> Modelled | None:
-    """Make the model of the sensor that was fitted; problems get the place of the first such test."""
-    prepared = [one for one in prepared if one.test.procedure in MODELLED]
-    fitted = [one for one in prepared if one.test.use == "fit"]
-    if not fitted:
-        return None
-    sensor = sensor_of(campaign, fitted[0].test)
-    others = {one.test.id for one in fitted if sensor_of(campaign, one.test) is not sensor}
-    if others:
-        what = f"tests {', '.join(sorted(others))} are for a fit of another sensor: a campaign makes one model"
-        number = next(i for i, test in enumerate(campaign.file.tests) if test.id in others)
-        raise PlanError(what, campaign.at("tests", number), do='Give them use = "report_only", or their own campaign')
-    mine = [one for one in prepared if sensor_of(campaign, one.test) is sensor]
-    number = campaign.file.tests.index(fitted[0].test)
-    try:
-        return make_model(campaign, mine, sensor, biases, left)
-    except InertialcalError as error:
-        raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
 
 
 def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[Tested], list[Remark]]:
@@ -233,7 +212,9 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
             continue  # what it comes after was refused, which says why
         try:
             ready[number] = prepare(campaign, number, results)
-            results[test.id] = PROCEDURES[test.procedure].reduce(ready[number].plan, ready[number].readings)
+            found = PROCEDURES[test.procedure].reduce(ready[number].plan, ready[number].readings)
+            of_one = isinstance(found, positions.Result)
+            results[test.id] = OfSensor(found, sensor_of(campaign, test).kind) if of_one else found
         except InertialcalError as error:
             problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
     if problems:
@@ -250,8 +231,8 @@ def _files(
     campaign: Campaign, results: dict[str, Any], modelled: Modelled | None, inputs: dict[str, str], folder: str
 ) -> dict[str, str]:
     record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
-    model = {} if modelled is None or modelled.verdict == "FAIL" else {"model.json": dump_model(modelled.model)}
-    content = json.loads(model["model.json"]) if model else None
+    model = {} if modelled is None else model_files(modelled)
+    content = json.loads(model["model.json"]) if "model.json" in model else None
     return model | {
         "results.json": json_text(results),
         "results.csv": csv_text([flat(row) for row in results["results"]], ROW_COLUMNS),

@@ -36,6 +36,9 @@ STANDARDS: dict[str, dict[str, str]] = {
     "source_mass": {"density": "1", "placing": "1", "gravitational_constant": "1"},
     "tilt_meter": {"mercury": "rad"},
     "pad": {"tilt": "rad"},
+    "gravity": {"value": "m/s^2"},
+    "fixture": {"orientation": "rad", "mounting": "rad"},
+    "clock": {"rate": "1"},
 }
 
 
@@ -329,6 +332,9 @@ class RecordingEntry(Strict):
     schedule: Schedule | None = None
     positions: list[Position] | None = Field(default=None, min_length=1)
     mass: MovedMass | None = None
+    orientations: list[Text] | None = Field(default=None, min_length=1)
+    sections: Text | None = None
+    turn: Angle | None = None
     axis: Axis | None = None
     run: Text | None = None
     applied: list[Step] | None = None
@@ -338,7 +344,8 @@ class RecordingEntry(Strict):
     def _one_kind(self) -> RecordingEntry:
         if [self.rows, self.means, self.lines, self.channels].count(None) != 3:
             raise ValueError("needs rows, means or lines (a reduced table) or channels (a recording), one of them")
-        keys = ("clock", "frame", "schedule", "positions", "mass", "axis", "run", "applied")
+        keys = ("clock", "frame", "schedule", "positions", "mass", "orientations", "sections", "turn", "axis", "run",
+                "applied")  # fmt: skip
         extra = [name for name in keys if getattr(self, name) is not None]
         if self.channels is None and extra:
             raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")
@@ -393,7 +400,7 @@ def _window(pair: object) -> Window:
 class Model(Strict):
     """[model]: which tests each kind of term comes from; without it, all tests with use = "fit"."""
 
-    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry"], list[Name]] = {}
+    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry", "g_sensitivity"], list[Name]] = {}
 
 
 class Requirement(Strict):

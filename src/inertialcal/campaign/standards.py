@@ -7,15 +7,17 @@ from typing import Any
 
 from ..core.influence import Influence
 from ..core.results import finite
-from ..procedures import flip, rate_table, static_noise, thermal
+from ..procedures import flip, positions, rate_table, static_noise, thermal
+from ..procedures.positions.rows import missing
 from ..procedures.rate_table.rows import applies
 from .load import Campaign
+from .positions_result import OfSensor
 from .requirements import Tested
 from .schema import STANDARDS
 
 LATITUDE = "site.latitude"
 EFFECTS = rate_table.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
-EVERY = thermal.INFLUENCES | static_noise.INFLUENCES | EFFECTS | flip.INFLUENCES
+EVERY = positions.INFLUENCES | thermal.INFLUENCES | static_noise.INFLUENCES | EFFECTS | flip.INFLUENCES
 
 
 def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
@@ -44,6 +46,7 @@ def _effect(name: str, tested: Sequence[Tested]) -> str:
         flip.Result: flip.INFLUENCES,
         thermal.Result: thermal.INFLUENCES | {LATITUDE: "earth rate along the axes"},
         static_noise.Result: static_noise.INFLUENCES,
+        OfSensor: positions.INFLUENCES,
     }
     found = [effects[type(one.result)].get(name, "") for one in tested if type(one.result) in effects]
     return "; ".join(dict.fromkeys(effect for effect in found if effect)) or EVERY.get(name, "")
@@ -51,13 +54,13 @@ def _effect(name: str, tested: Sequence[Tested]) -> str:
 
 def _needs(name: str, one: Tested) -> bool:
     result = one.result
-    if isinstance(result, flip.Result):
-        return name in flip.INFLUENCES
+    if isinstance(result, flip.Result | static_noise.Result):
+        return name in (flip if isinstance(result, flip.Result) else static_noise).INFLUENCES
     if isinstance(result, thermal.Result):
         known = result.plan.attitude is not None and result.plan.latitude is not None
         return (name in thermal.needed(result.plan)) or (name == LATITUDE and known)
-    if isinstance(result, static_noise.Result):
-        return name in static_noise.INFLUENCES
+    if isinstance(result, OfSensor):
+        return name in missing(result.whole)
     if not isinstance(result, rate_table.Result):
         return False
     if name == LATITUDE:

@@ -17,6 +17,8 @@ from ..files.table import Table, read_table
 from .flip_source import CLOCK_COLUMN, FlipSource
 from .load import FILE, MARK
 from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table
+from .starter_positions import REQUIREMENT as POSITIONS_REQUIREMENT
+from .starter_positions import is_laid, positions_parts
 from .starter_still import REQUIREMENT as STILL_REQUIREMENT
 from .starter_still import gyros, is_still, of_one_level, still_parts
 from .table_columns import Guess, guess
@@ -58,10 +60,11 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
     found, remarks = _files(root)
-    if not any((found.tables, found.raw, found.flips, found.still)):
+    if not any((found.tables, found.raw, found.flips, found.still, found.laid)):
         do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels; for a "
-        do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels"
-        what = f"no recording of a rate table or a flip, nor of gyros at rest, in {root}"
+        do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels; or "
+        do += "recordings of an IMU that was laid into many positions"
+        what = f"no recording of a rate table or a flip, nor of gyros at rest or an IMU laid by hand, in {root}"
         raise PlanError(what, do=do, code="nothing_found")
     text = starter_text(root.resolve().name, found)
     try:
@@ -85,12 +88,15 @@ class Found:
         Of flips: tables of means and recordings of a head.
     still : dict
         Recordings of sensors at rest.
+    laid : dict
+        Recordings of an IMU that was laid into many positions.
     """
 
     tables: dict[str, Guess] = field(default_factory=dict)
     raw: dict[str, Recording] = field(default_factory=dict)
     flips: dict[str, FlipSource] = field(default_factory=dict)
     still: dict[str, Recording] = field(default_factory=dict)
+    laid: dict[str, Recording] = field(default_factory=dict)
 
 
 def _files(root: Path) -> tuple[Found, list[Remark]]:
@@ -122,18 +128,26 @@ def _take(found: Found, path: Path, name: str) -> list[Remark]:
         found.tables[name] = rates
         return []
     recording = read(path)
-    if recording.time_ns is not None and gyros(recording):
+    if recording.time_ns is None:
+        return [_not_taken(table, name)]
+    if not rates.applied and is_laid(recording):
+        found.laid[name] = recording
+    elif gyros(recording):
         (found.still if is_still(recording) and not rates.applied else found.raw)[name] = recording
-        return []
-    if recording.time_ns is not None and accelerometers(recording):
+    elif accelerometers(recording):
         found.flips[name], remarks = head_source(recording)
         return [one.at(name) for one in remarks]
-    if recording.time_ns is not None and is_still(recording):
+    elif is_still(recording):
         found.still[name] = recording
-        return []
+    else:
+        return [_not_taken(table, name)]
+    return []
+
+
+def _not_taken(table: Table, name: str) -> Remark:
     what = "neither columns of rate and reading, nor gyro or accelerometer channels with time"
     what = f"{what} ({_names(table)})"
-    return [Remark("not_taken", "info", what, name)]
+    return Remark("not_taken", "info", what, name)
 
 
 def _is_table(table: Table, rates: Guess) -> bool:
@@ -169,9 +183,19 @@ def starter_text(name: str, found: Found) -> str:
         *(_rate_table_parts(found.tables, found.raw) if found.tables or found.raw else ()),
         *flip_parts(found.flips),
         *still_parts(found.still),
-        REQUIREMENT if found.tables or found.raw else FLIP_REQUIREMENT if found.flips else STILL_REQUIREMENT,
+        *positions_parts(found.laid),
+        _requirement(found),
     ]
     return "\n".join(part for part in parts if part)
+
+
+def _requirement(found: Found) -> str:
+    """Return an example of a requirement on what the folder holds."""
+    if found.tables or found.raw:
+        return REQUIREMENT
+    if found.flips:
+        return FLIP_REQUIREMENT
+    return POSITIONS_REQUIREMENT if found.laid else STILL_REQUIREMENT
 
 
 def _rate_table_parts(tables: dict[str, Guess], raw: dict[str, Recording]) -> list[str]:

@@ -14,6 +14,7 @@ from . import (
     models,
     noise,
     plans,
+    positions,
     recordings,
     sines,
     thermals,
@@ -55,6 +56,7 @@ app.command("flip")(flips.flip)
 app.command("thermal")(thermals.thermal)
 app.command("mass-attraction")(mass_attractions.mass_attraction)
 app.add_typer(plans.plan, name="plan")
+app.command("positions")(positions.positions)
 app.command("init")(campaigns.init)
 app.command("check")(campaigns.check)
 app.command("run")(campaigns.run)

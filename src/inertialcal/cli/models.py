@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -60,6 +61,7 @@ def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], 
         words = [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(found.model)]
         content = {
             "inputs": [_input(found)],
+            "remarks": [remark.to_dict() for remark in found.remarks],
             "results": rows,
             "equation": equation(found.model),
             "words": words,
@@ -68,6 +70,7 @@ def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], 
         } | ({} if output is None else {"written": str(output)})
         json_out("show", content)
     elif not quiet:
+        _print_remarks(found.remarks)
         print(line or model_text(found.model, rows))
     return 0
 
@@ -158,7 +161,12 @@ def convert(
 def export(
     model: Model,
     output: Output,
-    to: Annotated[str, typer.Option("--to", help="Format: json.", show_default=False)],
+    to: Annotated[
+        str, typer.Option("--to", help="Format: json, imucal, kalibr-model, imu-tk, realsense.", show_default=False)
+    ],
+    beside: Annotated[
+        Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")
+    ] = None,
     unjudged: Annotated[
         bool, typer.Option("--unjudged", help="Hand it out although no recording held out has judged it.")
     ] = False,
@@ -170,11 +178,19 @@ def export(
     from ..files.export import export as export_model
 
     found = find_model(model)
-    sha256 = export_model(found, to, output, unjudged)
+    sources = [found] if beside is None else [found, find_model(beside)]
+    handed = export_model(found, to, output, unjudged, sources[1:])
     if as_json:
-        content = {"inputs": [_input(found)], "written": str(output), "sha256": sha256, "judged": found.model.judged}
+        content = {
+            "inputs": [_input(one) for one in sources],
+            "remarks": [remark.to_dict() for remark in handed.remarks],
+            "written": str(output),
+            "sha256": handed.sha256,
+            "judged": found.model.judged,
+        }
         json_out("export", content)
     elif not quiet:
+        _print_remarks(handed.remarks)
         print(f"written: {clean(str(output))} ({'judged' if found.model.judged else 'not judged'})")
     return 0
 
@@ -219,9 +235,13 @@ def _written(
     json_out(command, content | {"rows": rows} | (more or {}))
 
 
-def _print_written(path: Path, rows: int, remarks: list[Any]) -> None:
+def _print_remarks(remarks: Iterable[Any]) -> None:
     from .summary import remarks_text
 
     for text in remarks_text([remark.to_dict() for remark in remarks]):
         print(text)
+
+
+def _print_written(path: Path, rows: int, remarks: list[Any]) -> None:
+    _print_remarks(remarks)
     print(f"written: {clean(str(path))}, {rows} rows. Next: inertialcal info {clean(str(path))}")

@@ -1,19 +1,22 @@
 """A model handed out: judged on recordings held out, or marked by the word of whoever takes it.
 
-``WRITERS`` is the one place that knows the formats: a name, and the function that makes the bytes of the file
-from a model and its ``model.json``.
+``WRITERS`` is the one place that knows the formats: a name, and the function that makes the file from models and
+their ``model.json``. Those of others stand in ``files.others``; a file of theirs reads as a model too, with ``#gyro``
+or ``#accelerometer`` after its name where it holds both.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from ..core.errors import DataError, UsageError
-from ..sensors.model import SensorModel
-from .model_json import parse_model
+from ..core.remarks import Remark
+from ..sensors.model import Kind, SensorModel
+from .model_json import dump_model, parse_model
+from .others import FORMATS, Foreign, parse_foreign, sensor_named
 from .replacing import replacing
 from .source import load
 
@@ -30,11 +33,17 @@ class ModelFile:
         Whole content.
     model : SensorModel
         What it says; its checksum fits.
+    format : str
+        ``"inertialcal"``, or whose format it is.
+    remarks : tuple of Remark
+        What the file holds and the model does not.
     """
 
     path: str
     data: bytes
     model: SensorModel
+    format: str = "inertialcal"
+    remarks: tuple[Remark, ...] = ()
 
     @property
     def sha256(self) -> str:
@@ -42,8 +51,37 @@ class ModelFile:
         return hashlib.sha256(self.data).hexdigest()
 
 
-Writer = Callable[[ModelFile], bytes]
-WRITERS: dict[str, Writer] = {"json": lambda source: source.data}
+@dataclass(frozen=True)
+class Handed:
+    """A model handed out: SHA-256 of the file, and what of the model it cannot hold."""
+
+    sha256: str
+    remarks: tuple[Remark, ...]
+
+
+Written = tuple[bytes, tuple[Remark, ...]]
+Writer = Callable[[Sequence[ModelFile]], Written]
+
+
+def _own(sources: Sequence[ModelFile]) -> Written:
+    if len(sources) > 1:
+        raise UsageError("--to json holds one sensor a file", do="Export them one by one", code="one_sensor")
+    source = sources[0]
+    return source.data if source.format == "inertialcal" else dump_model(source.model).encode(), ()
+
+
+def _others(name: str) -> Writer:
+    def write(sources: Sequence[ModelFile]) -> Written:
+        models: dict[Kind, SensorModel] = {source.model.kind: source.model for source in sources}
+        if len(models) < len(sources):
+            raise UsageError(f"two models of a {sources[0].model.kind}", do="Give one of each", code="one_of_each")
+        module = FORMATS[name]
+        return module.dump(models).encode(), module.cannot_hold(models)
+
+    return write
+
+
+WRITERS: dict[str, Writer] = {"json": _own} | {name: _others(name) for name in FORMATS}
 
 
 def load_model_file(path: str | os.PathLike[str]) -> ModelFile:
@@ -53,17 +91,41 @@ def load_model_file(path: str | os.PathLike[str]) -> ModelFile:
     ------
     DataError
         ``missing_file``, ``empty_file``, and as ``model_json.parse_model``: ``checksum`` for a file that was
-        changed by hand.
+        changed by hand; ``which_sensor`` for a file of others that holds two; as ``others.parse_foreign``.
     """
-    loaded = load(path)  # type: ignore[arg-type]
+    given = str(path)
+    name, kind = (given, None) if os.path.exists(path) else sensor_named(given)
+    loaded = load(name)
     try:
         text = loaded.data.decode("utf-8")
     except UnicodeDecodeError:
-        raise DataError("no model: not UTF-8 text", where=str(path), code="not_json") from None
-    return ModelFile(str(path), loaded.data, parse_model(text, str(path)))
+        raise DataError("no model: not UTF-8 text", where=name, code="not_json") from None
+    foreign = parse_foreign(text, name, kind)
+    if foreign is None:
+        return ModelFile(name, loaded.data, parse_model(text, name))
+    return ModelFile(given, loaded.data, _chosen(foreign, name, kind), foreign.format, foreign.remarks)
 
 
-def export(source: ModelFile, to: str, target: str | os.PathLike[str], unjudged: bool = False) -> str:
+def _chosen(foreign: Foreign, name: str, kind: Kind | None) -> SensorModel:
+    if kind is None and len(foreign.models) == 1:
+        return next(iter(foreign.models.values()))
+    if kind is None or kind not in foreign.models:
+        raise DataError(
+            f"the file holds models of: {', '.join(foreign.models)}",
+            where=name,
+            do="Say which: " + " or ".join(f"{name}#{one}" for one in foreign.models),
+            code="which_sensor",
+        )
+    return foreign.models[kind]
+
+
+def export(
+    source: ModelFile,
+    to: str,
+    target: str | os.PathLike[str],
+    unjudged: bool = False,
+    beside: Sequence[ModelFile] = (),
+) -> Handed:
     """Write a model in a format for others; the file is complete or not there.
 
     Parameters
@@ -76,23 +138,36 @@ def export(source: ModelFile, to: str, target: str | os.PathLike[str], unjudged:
         File to write.
     unjudged : bool
         Hand it out although no recording held out has judged it.
+    beside : sequence of ModelFile
+        Model of the other sensor, for formats that hold both.
 
     Returns
     -------
-    str
-        SHA-256 of what was written.
+    Handed
+        SHA-256 of what was written; what the format cannot hold, and what the file read held beside the model.
 
     Raises
     ------
     UsageError
-        ``unsupported_format``.
+        ``unsupported_format``; ``one_sensor``, ``one_of_each``.
     DataError
-        ``unjudged``; ``overwrites_input``.
+        ``unjudged``; ``overwrites_input``; as the ``dump`` of the format.
     StoreError
         ``not_written``.
     """
     if to not in WRITERS:
         raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(WRITERS)}", code="unsupported_format")
+    sources = (source, *beside)
+    for one in sources:
+        _check_judged(one, unjudged)
+    data, remarks = WRITERS[to](sources)
+    with replacing(target, [sensor_named(one.path)[0] for one in sources]) as aside:
+        aside.write_bytes(data)
+    before = tuple(remark for one in sources for remark in one.remarks)
+    return Handed(hashlib.sha256(data).hexdigest(), before + remarks)
+
+
+def _check_judged(source: ModelFile, unjudged: bool) -> None:
     if not (source.model.judged or unjudged):
         raise DataError(
             "the model was not judged on recordings held out",
@@ -101,7 +176,3 @@ def export(source: ModelFile, to: str, target: str | os.PathLike[str], unjudged:
             do='Mark tests with use = "hold_out" and run again, or say --unjudged',
             code="unjudged",
         )
-    data = WRITERS[to](source)
-    with replacing(target, [source.path]) as aside:
-        aside.write_bytes(data)
-    return hashlib.sha256(data).hexdigest()

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import flip, mass_attraction, rate_table, static_noise, thermal
+from . import flip, mass_attraction, positions, rate_table, static_noise, thermal
 
 PROCEDURES: dict[str, ModuleType] = {
     "rate_table": rate_table,
@@ -15,4 +15,5 @@ PROCEDURES: dict[str, ModuleType] = {
     "thermal": thermal,
     "static_noise": static_noise,
     "mass_attraction": mass_attraction,
+    "positions": positions,
 }

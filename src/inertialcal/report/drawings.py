@@ -96,12 +96,26 @@ PLAIN: dict[str, Finding] = {
         "The line of the drive and those beside it that its error is read from; below, correlation over lag.",
     ),
     "conditions": ("Bias over temperature in this test (line) and in the one it is set beside (dashed).",),
+    "positions_sphere": (
+        "Where up was in each position, seen from the body, on the whole sphere of directions: equal areas, z at the"
+        " top, x in the middle; larger marks have larger residuals.",
+    ),
+    "positions_residuals": ("What each position leaves, with it in the fit and from the fit without it.",),
+    "transitions": (
+        "Where the gyros carry gravity to in each rotation, against where the accelerometers then find it.",
+    ),
+}
+CURVES = {  # behind a figure, by name
+    "thermal": ("thermal_cells", "thermal_law"),
+    "conditions": ("thermal_law",),
+    "positions_sphere": ("positions",),
+    "positions_residuals": ("positions",),
+    "transitions": ("transitions",),
 }
 BY_RECORDING = ("dwells", "mass_series", "mass_line")
 RUNS = {  # of a moved mass: curves behind a figure, by name
     "mass_runs": ("mass_runs",), "mass_series": ("mass_series",), "mass_line": ("mass_spectrum", "mass_correlation"),
 }  # fmt: skip
-CURVES = {"thermal": ("thermal_cells", "thermal_law"), "conditions": ("thermal_law",)}  # behind a figure, by name
 
 
 OF_AXIS = {  # before and after the name of the axis

@@ -233,14 +233,21 @@ def of_closed_loop(loop: Any) -> Finding:
     if axis is None:
         return ("Closed loop not run: ", loop["reason"])
     return (
-        "Compensation takes the rms error of ", axis["axis"], ", the axis with the largest left, from ",
+        "Compensation takes the rms error of ", axis["axis"], _why_this(loop), "from ",
         Figure(axis["raw_rms"]), " to ", Figure(axis["compensated_rms"], None, axis["unit"]), ": ", loop["verdict"],
     )  # fmt: skip
 
 
+def _why_this(loop: Any) -> str:
+    several = len({str(one["unit"]) for one in loop["axes"]}) > 1
+    return ", with the largest share left, " if several else ", the axis with the largest left, "
+
+
 def worst_axis(loop: Any) -> Any | None:
-    """Return the axis with the largest rms error left after compensation."""
+    """Return the axis with the largest rms error left after compensation; of several units, the largest share left."""
     axes = [one for one in loop["axes"] if one["compensated_rms"] is not None]
+    if len({str(one["unit"]) for one in axes}) > 1:
+        return max(axes, key=lambda one: one["compensated_rms"].raw / (one["raw_rms"].raw or 1.0))
     return max(axes, key=lambda one: one["compensated_rms"].raw, default=None)
 
 

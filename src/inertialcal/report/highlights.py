@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -11,6 +12,7 @@ from ..core.units import factor
 from .findings import Figure, Finding, estimated, largest, of_row, worst_axis
 from .numbers import clean
 
+MODEL = re.compile("model(_.+)?")  # rows of the models that are delivered
 ERRORS = ("scale_factor_error", "misalignment")
 FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell",
              "angle_random_walk", "velocity_random_walk", "bias_instability")  # fmt: skip
@@ -44,7 +46,7 @@ def highlights(results: Any) -> list[Highlight]:
         Content of results.json.
     """
     rows = [row for row in results["results"] if not is_beside(row["condition"])]
-    delivered = [row for row in rows if row["test"] == "model"] or rows
+    delivered = [row for row in rows if MODEL.fullmatch(str(row["test"]))] or rows
     found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]
     for quantity in FALLBACKS:
@@ -63,7 +65,12 @@ def _closed_loop(loop: Any) -> Highlight | None:
         return None
     figure = (Figure(axis["raw_rms"]), " → ", Figure(axis["compensated_rms"], None, axis["unit"]))
     label = ("rms error of ", axis["axis"], ", raw → compensated")
-    return Highlight(label, figure, "on readings held out; the axis with the largest error left")
+    return Highlight(label, figure, _which(loop))
+
+
+def _which(loop: Any) -> str:
+    several = len({str(one["unit"]) for one in loop["axes"]}) > 1
+    return f"on readings held out; the {'largest share' if several else 'axis with the largest error'} left"
 
 
 def _largest_error(rows: Sequence[Any]) -> Highlight | None:

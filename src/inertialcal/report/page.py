@@ -30,16 +30,27 @@ FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
 BESIDE = {"allan": "spectrum"}  # at the top, of the same axis: side by side they are one picture of a noise
-AT_TOP = (
+AT_TOP = (  # the first of these that there is
     "compensated",
     "rate_error",
     "input_output",
     "flip",
     "thermal",
     "mass_runs",
+    "transitions",
+    "positions_residuals",
     "allan",
-)  # the first of these that there is
-OF_ALL_AXES = ("overlay", "conditions", "thermal_order", "start_up", "reference_voltage")  # after those of single axes
+)
+OF_ALL_AXES = (  # after those of single axes
+    "overlay",
+    "conditions",
+    "thermal_order",
+    "start_up",
+    "reference_voltage",
+    "positions_residuals",
+    "positions_sphere",
+    "transitions",
+)
 OF_TESTS = (
     "input_output",
     "rate_error",

@@ -119,7 +119,7 @@ def _content(result: Any) -> Mapping[str, Any]:
     content = result if isinstance(result, Mapping) else getattr(result, "results", None)
     if isinstance(content, Mapping) and ("curves" in content or "results" in content):
         return content
-    if hasattr(result, "content") and any(hasattr(result, own) for own in WITH_CONTENT):
+    if callable(getattr(result, "content", None)):  # of files
         return result.content()  # type: ignore[no-any-return]
     if hasattr(getattr(result, "result", None), "lines"):  # of a rate-table file, with the unit of the file
         return _of_rate_table(result.result, result.unit)

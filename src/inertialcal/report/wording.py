@@ -13,7 +13,11 @@ SMALL = (
 )  # fmt: skip
 TENS = ("", "", "twenty", "thirty", "forty", "fifty", "sixty", "seventy", "eighty", "ninety")
 PLURAL = {"axis": "axes", "entry": "entries", "quantity": "quantities"}
-NAMES = {"gauss_markov_sigma": "Gauss-Markov size", "gauss_markov": "Gauss-Markov"}  # of people
+NAMES = {
+    "g_sensitivity": "g-sensitivity",
+    "gauss_markov_sigma": "Gauss-Markov size",
+    "gauss_markov": "Gauss-Markov",
+}  # of people
 SEVERITIES = ("error", "warning", "info")
 SEVERITY_NAMES = {"error": "error", "warning": "warning", "info": "note"}
 

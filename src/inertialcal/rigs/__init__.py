@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import mesa, npsat1, rate_table, sams_tsh, sams_tsh_model, still_gyro
+from . import hand_held, mesa, npsat1, rate_table, sams_tsh, sams_tsh_model, still_gyro
 
 RIGS: dict[str, ModuleType] = {
     "rate_table": rate_table,
@@ -18,4 +18,5 @@ RIGS: dict[str, ModuleType] = {
     "npsat1": npsat1,
     "still_gyro": still_gyro,
     "mesa": mesa,
+    "hand_held": hand_held,
 }

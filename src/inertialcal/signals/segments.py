@@ -44,6 +44,7 @@ __all__ = [
     "dwells",
     "dwells_by_reference",
     "dwells_by_windows",
+    "placement_groups",
     "quiet_windows",
     "static_intervals",
     "tally",
@@ -330,7 +331,7 @@ def static_intervals(
         min_duration = 1.0
     shortest = samples.duration(min_samples, min_duration, segmentation.plan.shortest)
     found = []
-    for group in _placements(segmentation, longest_disturbance * shortest, same_level):
+    for group in placement_groups(segmentation, longest_disturbance * shortest, same_level):
         length = segmentation.stop[group] - segmentation.start[group]
         best = group[int(np.argmax(length))]
         a, b = int(segmentation.start[best]), int(segmentation.stop[best])
@@ -341,7 +342,7 @@ def static_intervals(
     return tuple(found)
 
 
-def _placements(segmentation: Segmentation, longest: float, same_level: float) -> list[Indices]:
+def placement_groups(segmentation: Segmentation, longest: float, same_level: float) -> list[Indices]:
     """Still stretches, grouped where only a short disturbance parts them and the level stays."""
     at = np.flatnonzero(segmentation.still)
     if not len(at):

@@ -29,6 +29,8 @@ from . import (
     mass_series,
     matrix,
     overlay,
+    positions_residuals,
+    positions_sphere,
     proof_mass,
     rate_error,
     reference_voltage,
@@ -38,6 +40,7 @@ from . import (
     start_up,
     thermal,
     thermal_order,
+    transitions,
 )
 from .picture import Picture, on_new_figure
 from .style import variables
@@ -113,6 +116,9 @@ FIGURES: dict[str, Kind] = {
         mass_series,
         mass_line,
         sine,
+        positions_residuals,
+        positions_sphere,
+        transitions,
         allan,
         spectrum,
         mass_body,

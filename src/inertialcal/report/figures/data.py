@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.units import factor
 
 Curve = Mapping[str, Any]
 
@@ -53,6 +54,14 @@ def flags(curve: Curve, column: str) -> NDArray[np.bool_]:
 def unit(curve: Curve, column: str) -> str:
     """Return the unit of a column."""
     return str(_column(curve, column).get("unit", ""))
+
+
+def scale_to(wanted: str, given: str) -> float:
+    """Return what takes numbers to the unit that a figure is drawn in; one that nobody knows is taken as it stands."""
+    try:
+        return factor(given, wanted)
+    except DataError:
+        return 1.0
 
 
 def finite(values: Array) -> Array:

@@ -1,0 +1,219 @@
+"""Mistakes that the physics shows: units, axes that disagree, rotations that do not close against gravity.
+
+At rest every position reads gravity, whatever the orientation: 1 in m/s^2 is a reading in g. Between two positions
+gravity tells by how much the unit was turned: a gyro in deg/s that is taken for rad/s turns 57 times too far, a sample
+rate that is twice the true one lets it turn half as far, and a gyro whose axes are not those of the accelerometers
+carries gravity to the wrong place however large its rates are taken. Where the given axes and scale carry it to within
+``CLOSE`` nothing is searched.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from itertools import permutations, product
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from .plan import AXES
+from .readings import Readings
+from .rotations import Packed, Problem, angles, converged, packed, sums
+
+CLOSE = np.radians(8.0)  # median error from which the start is good enough to fit from
+FOUND = np.radians(6.0)  # median error after a fit, below which another start explains the rotations
+MUCH = 0.2  # relative scale factor error that is no calibration matter
+PER_G = 9.80665
+GRID: Array = 1.3 ** np.arange(-20.0, 21.0)  # scales tried, 1/190 to 190
+WIDE: Array = 1.3 ** np.arange(-60.0, 11.0)  # for readings in counts of an unknown scale factor
+STEPS = 60  # samples of a rotation that a search uses
+LIKELY = 3  # permutations that are fitted
+USED = 8  # transitions that a search uses
+DEGREE = float(np.pi / 180.0)
+
+
+def check_units(readings: Readings, gravity: float) -> None:
+    """Refuse accelerometers that say m/s^2 and read something else at rest.
+
+    Raises
+    ------
+    DataError
+        ``unit_slip``.
+    """
+    if readings.acc.unit != "m/s^2":
+        return
+    size = float(np.median(np.linalg.norm(readings.acc.mean, axis=1)))
+    if 0.5 * gravity < size < 1.5 * gravity:
+        return
+    slips = {"g": 1.0, "mg": 1000.0, "ft/s2": gravity / 0.3048, "cm/s2": 100.0 * gravity}
+    unit = min(slips, key=lambda name: abs(np.log(size / slips[name]))) if size > 0.0 else "g"
+    near = abs(np.log(size / slips[unit])) < np.log(1.25) if size > 0.0 else False
+    raise DataError(
+        f"at rest the accelerometers read {size:.4g} m/s^2, gravity is {gravity:.4g} m/s^2",
+        readings.where[0] if readings.where else "",
+        f"these are readings in {unit}" if near else "these are not readings in m/s^2, or the unit never rests",
+        f"State the unit: --unit acc={unit}" if near else "State the unit of the accelerometers",
+        "unit_slip",
+    )
+
+
+def signed_permutations() -> list[Array]:
+    """Return the 48 matrices that take axes to axes, the identity first."""
+    found = []
+    for order, signs in product(permutations(range(3)), product((1.0, -1.0), repeat=3)):
+        matrix = np.zeros((3, 3))
+        matrix[np.arange(3), list(order)] = signs
+        found.append(matrix)
+    return found
+
+
+def start_of(problem: Problem, scale_known: bool) -> Array:
+    """Return an inverse matrix from which the fit converges; the identity where that is good enough.
+
+    Parameters
+    ----------
+    problem : Problem
+        Rotations, readings over the ideal scale factor.
+    scale_known : bool
+        Whether readings are in rad/s, so that a factor is a mistake and not a choice.
+
+    Raises
+    ------
+    DataError
+        ``axes_disagree`` where other axes explain the rotations, and these do not.
+    """
+    if problem.sizes[0] < 3:
+        return _start_of_turns(problem, scale_known)
+    small = _few(problem)
+    eye = np.eye(3)
+    if scale_known and np.median(angles(small, eye)) < CLOSE:
+        return eye
+    grid = GRID if scale_known else WIDE
+    scales = _scan(small, eye, grid)
+    start = scales[0][1] * eye
+    for _, scale in scales[:3]:
+        W = _converged(small, scale * eye)
+        if np.median(angles(small, W)) < FOUND and np.all(np.diag(W) > 0.5 * np.abs(W).sum(axis=1)):
+            return _converged(small, scale * eye)
+    ranked = sorted((*_scan(small, P, grid[::2])[0], k) for k, P in enumerate(signed_permutations()))
+    for _, scale, k in ranked[:LIKELY]:
+        W = _converged(small, scale * signed_permutations()[k])
+        if k != 0 and np.median(angles(small, W)) < FOUND:
+            raise _disagree(W)
+    return start
+
+
+def _disagree(W: Array) -> DataError:
+    """Error that tells which gyro turns about which axis of the accelerometers."""
+    told = []
+    for k, axis in enumerate(AXES):
+        j = int(np.argmax(np.abs(W[:, k])))
+        if j != k or W[j, k] < 0.0:
+            told.append(f"gyro {axis} turns about the accelerometers' {'-' if W[j, k] < 0.0 else ''}{AXES[j]}")
+    mirror = "; that is a mirror image: one sign is wrong" if np.linalg.det(W) < 0.0 else ""
+    return DataError(
+        f"the axes of gyros and accelerometers disagree: {', '.join(told)}{mirror}",
+        why="carried by the gyros as they are named, gravity does not arrive where the accelerometers see it",
+        do="Rename or invert the columns of one of them",
+        code="axes_disagree",
+    )
+
+
+def _few(problem: Problem) -> Problem:
+    """Return the problem with some transitions alone: those that take the least time."""
+    k = problem.sizes[0]
+    first = problem.moves.first
+    chosen = np.sort(np.argsort(np.diff(first), kind="stable")[: min(USED, k)])
+    moves = _thinned(problem.moves, [(int(first[i]), int(first[i + 1])) for i in chosen])
+    ends = problem.ends
+    ends = type(ends)(*(getattr(ends, name)[chosen] for name in ("start", "stop", "before", "after", "across")))
+    return Problem(moves, ends, packed([], [], []), np.zeros((0, 3)), problem.noise, problem.up_variance)
+
+
+def _thinned(moves: Packed, spans: Sequence[tuple[int, int]]) -> Packed:
+    """Return some rotations with at most ``STEPS`` samples each, block means in their place."""
+    z, f, h, sizes = [], [], [], [0]
+    for a, b in spans:
+        block = -(-(b - a) // STEPS)
+        edges = np.arange(a, b, block)
+        count = np.diff(np.append(edges, b))
+        z.append(np.add.reduceat(moves.z[a:b], edges - a) / count[:, None])
+        f.append(np.add.reduceat(moves.f[a:b], edges - a) / count[:, None])
+        time = np.append(0.0, np.cumsum(moves.h[a : b - 1]))
+        middle = np.add.reduceat(time, edges - a) / count
+        h.append(np.append(np.diff(middle), 0.0))
+        sizes.append(len(edges))
+    first = np.cumsum(sizes).astype(np.int64)
+    return Packed(np.concatenate(z), np.concatenate(f), np.concatenate(h), first)
+
+
+def _scan(problem: Problem, direction: Array, grid: Array) -> list[tuple[float, float]]:
+    """Median error and scale of the best scales, best first."""
+    found = [(float(np.median(angles(problem, scale * direction))), float(scale)) for scale in grid]
+    return sorted(found)
+
+
+def _converged(problem: Problem, W: Array) -> Array:
+    return converged(problem, W, np.ones(2 * problem.sizes[0], dtype=bool))
+
+
+def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
+    """Inverse matrix from turns by known angles: their mean scale, unless they turn about other axes than named."""
+    if not problem.sizes[1]:
+        return np.eye(3)
+    total = sums(problem.turns)[0]
+    along = np.argmax(np.abs(problem.turned), axis=1)
+    read = np.argmax(np.abs(total), axis=1)
+    rows = np.arange(len(total))
+    signs = np.sign(total[rows, read]) * np.sign(problem.turned[rows, along])
+    if np.any(read != along) or len(set(signs)) > 1:
+        k = int(np.flatnonzero((read != along) | (signs != signs[0]))[0])
+        raise DataError(
+            f"a turn about {AXES[along[k]]} is read by gyro {'-' if signs[k] < 0 else ''}{AXES[read[k]]}",
+            why="the axes of the gyros are not those that the turns are named by",
+            do="Rename or invert the columns, or correct axis and sense of the turn",
+            code="axes_disagree",
+        )
+    scale = float(np.median(problem.turned[rows, along] / total[rows, read]))
+    return scale * np.eye(3)
+
+
+def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> list[Remark]:
+    """Return the remark that rotations do not close, where readings in known units are off by a factor.
+
+    Parameters
+    ----------
+    W : ndarray, shape (3, 3)
+        Inverse of the matrix, over the ideal scale factor.
+    told : ndarray of bool, shape (3,)
+        Whether the rotations tell the scale factors.
+    unit : str
+        Of the readings of the gyros.
+    stated : bool
+        Whether the ideal scale factor is known: by the unit or by the plan.
+
+    Raises
+    ------
+    DataError
+        ``unit_slip`` where the factor is that of degrees and radians.
+    """
+    own = np.abs(np.diag(W))[told]
+    if not stated or not len(own):
+        return []
+    factor = float(np.median(own))  # true rate over the rate that was read
+    if abs(np.log(factor)) < np.log(1.0 + MUCH):
+        return []
+    size = f"the gyros turn the unit by {1.0 / factor:.4g} times what gravity and the known angles show"
+    if min(abs(np.log(factor / DEGREE)), abs(np.log(factor * DEGREE))) < np.log(1.0 + MUCH):
+        other = "deg/s" if factor < 1.0 else "rad/s"
+        do = f"State the unit: --unit gyro={other}"
+        raise DataError(size, why=f"these are readings in {other}", do=do, code="unit_slip")
+    for ratio in (2.0, 0.5, 4.0, 0.25):
+        if abs(np.log(factor / ratio)) < np.log(1.1):
+            way = f"{ratio:g} times too high" if ratio > 1.0 else f"{1.0 / ratio:g} times too low"
+            what = f"{size}: the sample rate is probably {way}"
+            return [Remark("sample_rate_suspect", "warning", what, do="Find out the true sample rate")]
+    what = f"{size}: the time axis, the unit or the scale factor of the gyros is wrong ({unit})"
+    return [Remark("rotations_do_not_close", "warning", what, do="Check sample rate, stamps and unit")]

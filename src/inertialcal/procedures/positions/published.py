@@ -1,0 +1,118 @@
+"""Six faces and three turns in closed form, as Ferraris, Grimaldi and Parvis published it [1]_.
+
+Every reading counts alike, nothing is left out, the earth's rotation is ignored and there is no uncertainty. It stands
+beside the default with ``condition = "as_published"``. In columns, one for each axis that points up, or is turned
+about::
+
+    b_a = diag(U_p + U_n) / 2     K_a R_a = (U_p - U_n) / (2 g)      K: scale factors, R: direction cosines (rows unit)
+    K_ga = (U_g,p - U_g,n) / (2 g)       b_g = mean of all samples at rest
+    K_g R_g = sums of (reading - b_g - K_ga f) over the sample rate, column k over the angle of turn k
+
+References
+----------
+.. [1] F. Ferraris, U. Grimaldi and M. Parvis, Procedure for effortless in-field calibration of three-axis rate gyros
+   and accelerometers, Sensors and Materials 7 (1995) 311-330, eq. (9) to (23).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from .plan import AXES
+from .readings import Readings, Rotation
+
+CONDITION = "as_published"
+ALONG = 0.999  # cosine of the angle from an axis
+
+
+@dataclass(frozen=True, eq=False)
+class Ferraris:
+    """Scale factors K (diagonal, (3,)), direction cosines R (3, 3), biases b, g-sensitivity K_ga; gyros in radians.
+
+    ``reading = K R x + b`` of the accelerometers, ``K R w + K_ga f + b`` of the gyros.
+    """
+
+    K_a: Array
+    R_a: Array
+    b_a: Array
+    K_g: Array
+    R_g: Array
+    K_ga: Array
+    b_g: Array
+
+
+def ferraris(readings: Readings, gravity: float) -> Ferraris:
+    """Return the closed form.
+
+    Parameters
+    ----------
+    readings : Readings
+        Six faces, each once, and three turns about the axes.
+    gravity : float
+        [m/s^2]
+
+    Raises
+    ------
+    DataError
+        ``not_ferraris`` if a face or a turn is missing.
+    """
+    if readings.gyro is None or readings.direction is None:
+        raise _missing("gyros and known positions")
+    up, down = _faces(readings, readings.acc.mean)
+    K_a, R_a = _split((up - down) / (2.0 * gravity))
+    b_a = 0.5 * np.diag(up + down)
+    gyro_up, gyro_down = _faces(readings, readings.gyro.mean)
+    K_ga = (gyro_up - gyro_down) / (2.0 * gravity)
+    b_g = np.average(readings.gyro.mean, axis=0, weights=readings.gyro.samples)
+    inverse = np.linalg.inv(K_a[:, None] * R_a)
+    sums = np.empty((3, 3))
+    for k, one in enumerate(_turns(readings)):
+        force = np.zeros_like(one.gyro) if one.acc is None else (one.acc - b_a) @ inverse.T
+        interval = one.seconds[-1] / (len(one.seconds) - 1)
+        sums[:, k] = interval * (one.gyro - b_g - force @ K_ga.T).sum(axis=0) / _angle(one)
+    K_g, R_g = _split(sums)
+    return Ferraris(K_a, R_a, b_a, K_g, R_g, K_ga, b_g)
+
+
+def _split(matrix: Array) -> tuple[Array, Array]:
+    """Return lengths of the rows, and the rows of length one."""
+    K = np.sqrt(np.sum(matrix**2, axis=1))
+    return K, matrix / K[:, None]
+
+
+def _faces(readings: Readings, values: Array) -> tuple[Array, Array]:
+    """Return means with each axis up, and down, in columns, each shape (3, 3)."""
+    assert readings.direction is not None  # noqa: S101 - the caller has looked
+    found = []
+    for sign in (1.0, -1.0):
+        columns = []
+        for k, axis in enumerate(AXES):
+            at = np.flatnonzero(sign * readings.direction[:, k] > ALONG)
+            if len(at) != 1:
+                raise _missing(f"{len(at)} position(s) with {axis} {'up' if sign > 0 else 'down'}, need one")
+            columns.append(values[at[0]])
+        found.append(np.column_stack(columns))
+    return found[0], found[1]
+
+
+def _turns(readings: Readings) -> list[Rotation]:
+    found = []
+    for k, axis in enumerate(AXES):
+        about = [one for one in readings.turns if one.axis is not None and abs(one.axis[k]) > ALONG]
+        if len(about) != 1:
+            raise _missing(f"{len(about)} turn(s) about {axis}, need one")
+        found.append(about[0])
+    return found
+
+
+def _angle(one: Rotation) -> float:
+    assert one.axis is not None and one.angle is not None  # noqa: S101, PT018 - known turns alone come here
+    return float(one.angle * np.sign(one.axis[np.argmax(np.abs(one.axis))]))
+
+
+def _missing(what: str) -> DataError:
+    return DataError(what, why="the closed form takes six faces and three turns, each once", code="not_ferraris")

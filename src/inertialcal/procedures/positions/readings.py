@@ -1,0 +1,169 @@
+"""What a test of positions works on: static intervals as mean readings, and the rotations between them.
+
+Conventions: readings are outputs as they were recorded (counts with their zero, or SI). The body frame is that of
+the positions where these are known (``direction``), else that of the accelerometers: x along the input axis of the x
+sensor, y in the plane of those of x and y. ``direction`` is the specific force over gravity: at rest it points *up*,
+away from the earth, in body axes; an accelerometer whose axis points up reads plus g. A rotation is positive by the
+right-hand rule, of the body against space, about an axis of the body.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.recording import Times
+from ...core.remarks import Remark
+
+Indices = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Triad:
+    """Mean readings of three sensors x, y, z in m static intervals.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (m, 3)
+        [unit]
+    scatter : ndarray, shape (m, 3)
+        Standard deviation of a sample inside the interval [unit].
+    n_effective : ndarray, shape (m, 3)
+        Independent samples that the mean is worth.
+    unit : str
+        ``"m/s^2"``, ``"rad/s"``, or the unit of the output, such as ``"count"``.
+    samples : ndarray, shape (m,), optional
+        Samples of each interval.
+    """
+
+    mean: Array
+    scatter: Array
+    n_effective: Array
+    unit: str
+    samples: Array | None = None
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainty of the means by the scatter inside the intervals alone, shape (m, 3)."""
+        return self.scatter / np.sqrt(self.n_effective)
+
+    def take(self, which: NDArray[np.bool_] | Indices) -> Triad:
+        """Return the triad in some of the intervals."""
+        samples = None if self.samples is None else self.samples[which]
+        return Triad(self.mean[which], self.scatter[which], self.n_effective[which], self.unit, samples)
+
+
+@dataclass(frozen=True, eq=False)
+class Rotation:
+    """Samples of one rotation, the first and the last of them at rest.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (k,)
+        Since the first sample [s].
+    gyro : ndarray, shape (k, 3)
+        [unit of the gyro readings]
+    acc : ndarray, shape (k, 3), or None
+        [unit of the accelerometer readings]; for what the gyros read of specific force.
+    before, after : int
+        Static intervals that it lies between, counted from 0; -1 where there is none.
+    axis : ndarray, shape (3,), or None
+        Unit vector turned about, in body axes, where it is known.
+    angle : float or None
+        Turned by [rad], where it is known; several turns count fully (two turns are 4 pi).
+    where : str
+        Place, for messages.
+    """
+
+    seconds: Array
+    gyro: Array
+    acc: Array | None = None
+    before: int = -1
+    after: int = -1
+    axis: Array | None = None
+    angle: float | None = None
+    where: str = ""
+
+    @property
+    def known(self) -> bool:
+        """Whether axis and angle are known."""
+        return self.axis is not None and self.angle is not None
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Static intervals in order of time, and the rotations.
+
+    Parameters
+    ----------
+    acc : Triad
+        Accelerometers.
+    gyro : Triad or None
+        Gyros, in the same intervals.
+    rotations : tuple of Rotation
+        Between static intervals, or of a known angle.
+    direction : ndarray, shape (m, 3), or None
+        Specific force over gravity, in body axes, where the positions are known; a row of NaN is one that is not.
+    start_ns, stop_ns : ndarray of int64, shape (m,), or None
+        First and last stamp used [ns].
+    temperature : ndarray, shape (m,), or None
+        [degC]
+    where : tuple of str
+        Place of each interval, for messages.
+    remarks : tuple of Remark
+        What reading them brought up.
+    """
+
+    acc: Triad
+    gyro: Triad | None = None
+    rotations: tuple[Rotation, ...] = ()
+    direction: Array | None = None
+    start_ns: Times | None = None
+    stop_ns: Times | None = None
+    temperature: Array | None = None
+    where: tuple[str, ...] = ()
+    remarks: tuple[Remark, ...] = field(default=())
+
+    def __len__(self) -> int:
+        """Return the number of static intervals."""
+        return len(self.acc.mean)
+
+    @property
+    def transitions(self) -> tuple[Rotation, ...]:
+        """Rotations between two static intervals."""
+        return tuple(one for one in self.rotations if one.before >= 0 and one.after >= 0)
+
+    @property
+    def turns(self) -> tuple[Rotation, ...]:
+        """Rotations by a known angle about a known axis."""
+        return tuple(one for one in self.rotations if one.known)
+
+    def place(self, k: int) -> str:
+        """Return where a static interval lies: ``"position 3"`` with its place."""
+        return f"position {k + 1} ({self.where[k]})" if self.where else f"position {k + 1}"
+
+    def take(self, start: int, stop: int) -> Readings:
+        """Return the intervals start to stop - 1 with the rotations among them, counted anew; known turns stay."""
+        part = slice(start, stop)
+        kept = []
+        for one in self.rotations:
+            inside = start <= one.before < stop and start <= one.after < stop
+            if inside:
+                kept.append(replace(one, before=one.before - start, after=one.after - start))
+            elif one.known:
+                kept.append(replace(one, before=-1, after=-1))
+        rows = np.arange(len(self))[part]
+        return replace(
+            self,
+            acc=self.acc.take(rows),
+            gyro=None if self.gyro is None else self.gyro.take(rows),
+            rotations=tuple(kept),
+            direction=None if self.direction is None else self.direction[part],
+            start_ns=None if self.start_ns is None else self.start_ns[part],
+            stop_ns=None if self.stop_ns is None else self.stop_ns[part],
+            temperature=None if self.temperature is None else self.temperature[part],
+            where=self.where[part],
+        )

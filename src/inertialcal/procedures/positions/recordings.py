@@ -1,0 +1,303 @@
+"""Recordings of a unit that was laid into positions by hand, as static intervals and the rotations between them.
+
+Static intervals are found by the accelerometers alone (``signals.segments``): at rest the level is that of gravity.
+Where a protocol says which samples are which position or turn, sections are cut by it instead.
+"""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import Recording
+from ...core.remarks import Remark, gather
+from ...signals.dwells import dwell_of
+from ...signals.placements import Placement, between, disturbed_inside, placements, shortest_placement
+from ...signals.samples import Samples, samples_of
+from ...signals.segments import detect
+from .plan import AXES, Plan
+from .readings import Readings, Rotation, Triad
+
+ACC, GYRO = tuple(f"acc_{a}" for a in AXES), tuple(f"gyro_{a}" for a in AXES)
+TEMPERATURE = "temperature"
+FACE_WITHIN = 0.9  # cosine of the angle from a face, below which a position is none
+
+
+@dataclass(frozen=True)
+class Section:
+    """Samples [start, stop) that a protocol names: a position by its direction, or a turn by axis and angle [rad].
+
+    ``direction`` is the specific force over gravity in body axes: (0, 0, 1) lies with z up.
+    """
+
+    start: int
+    stop: int
+    direction: tuple[float, float, float] | None = None
+    axis: tuple[float, float, float] | None = None
+    angle: float | None = None
+    name: str = ""
+
+
+def readings_from(
+    plan: Plan, recordings: Sequence[Recording], sections: Sequence[Sequence[Section]] = (), faces: bool = False
+) -> Readings:
+    """Return static intervals and rotations.
+
+    Parameters
+    ----------
+    plan : Plan
+        Shortest static interval.
+    recordings : sequence of Recording
+        Channels ``acc_x``, ``acc_y``, ``acc_z``, and ``gyro_x``, ... where there are gyros, in SI or in the unit of the
+        output; ``temperature`` [degC] where it was read. All of one unit, in the order of time.
+    sections : sequence of sequence of Section, optional
+        For each recording what its protocol says; an empty one is cut by what the signal shows.
+    faces : bool
+        Each static interval lies on the face of the body that it is nearest to.
+
+    Raises
+    ------
+    DataError
+        ``no_recordings``, ``duplicate_recording``, ``wrong_unit`` if recordings differ in unit, ``no_rest``,
+        ``no_face`` if a position is on no face.
+    """
+    if not recordings:
+        raise DataError("no recordings", code="no_recordings")
+    _check_different(recordings)
+    chosen = [*sections, *([()] * (len(recordings) - len(sections)))]
+    parts = [_one(plan, one, own) for one, own in zip(recordings, chosen, strict=True)]
+    readings = parts[0]
+    for other in parts[1:]:
+        readings = _joined(readings, other)
+    return on_faces(readings) if faces else readings
+
+
+def on_faces(readings: Readings) -> Readings:
+    """Return readings whose positions are known to lie on the six faces, each on the nearest.
+
+    Raises
+    ------
+    DataError
+        ``no_face`` if a position lies between faces.
+    """
+    middle = 0.5 * (readings.acc.mean.max(axis=0) + readings.acc.mean.min(axis=0))
+    near_zero = np.abs(middle) < 0.2 * np.ptp(readings.acc.mean, axis=0)
+    x = readings.acc.mean - np.where(near_zero, 0.0, middle)
+    unit = x / np.linalg.norm(x, axis=1)[:, None]
+    axis = np.argmax(np.abs(unit), axis=1)
+    size = np.abs(unit[np.arange(len(unit)), axis])
+    if np.any(size < FACE_WITHIN):
+        k = int(np.argmin(size))
+        raise DataError(
+            f"{readings.place(k)} is {np.degrees(np.arccos(size[k])):.0f} deg away from any face",
+            why="it was said that the unit lay on its faces",
+            do="Leave faces out: gravity alone then calibrates",
+            code="no_face",
+        )
+    direction = np.zeros_like(unit)
+    direction[np.arange(len(unit)), axis] = np.sign(unit[np.arange(len(unit)), axis])
+    return replace(readings, direction=direction)
+
+
+def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readings:
+    values = {"acc": np.asfortranarray(recording.array(ACC), dtype=np.float64)}
+    if all(name in recording.names for name in GYRO):
+        values["gyro"] = np.asfortranarray(recording.array(GYRO), dtype=np.float64)
+    seconds = _seconds(recording)
+    if sections:
+        return _by_sections(recording, values, seconds, sections)
+    segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval)
+    shortest = plan.shortest if plan.shortest is not None else shortest_placement(segmentation)
+    placed = placements(segmentation, shortest, values.get("gyro"))
+    if not placed:
+        raise DataError(
+            f"the unit never lies still for {shortest:.3g} s",
+            recording.source.path,
+            "positions are told by what it reads at rest",
+            "Let it rest in each position, or state plan.shortest",
+            "no_rest",
+        )
+    rotations = tuple(
+        _rotation(values, seconds, a, b, k, k + 1) for k, (a, b) in enumerate(between(placed))
+    )  # fmt: skip
+    found = _readings(recording, segmentation.samples, values, placed, rotations if "gyro" in values else ())
+    return replace(
+        found, remarks=gather([*recording.remarks, *segmentation.remarks, *_disturbed(found, values, placed)])
+    )
+
+
+def _by_sections(
+    recording: Recording, values: Mapping[str, Array], seconds: Array, sections: Sequence[Section]
+) -> Readings:
+    """Cut by protocol; transitions are known between static sections that follow one another."""
+    n = len(seconds)
+    for one in sections:
+        if not 0 <= one.start < one.stop <= n or one.stop - one.start < 2:
+            raise DataError(
+                f"section {one.name or 'without name'}: samples {one.start} to {one.stop} of {n}",
+                recording.source.path,
+                code="wrong_section",
+            )
+    still = sorted((one for one in sections if one.angle is None), key=lambda one: one.start)
+    placed = [Placement(one.start, one.stop) for one in still]
+    samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval)
+    turns = tuple(
+        replace(_rotation(values, seconds, one.start, one.stop, -1, -1), where=one.name,
+                axis=np.array(one.axis, dtype=float), angle=one.angle)
+        for one in sections if one.angle is not None and one.axis is not None and "gyro" in values
+    )  # fmt: skip
+    cut = _readings(recording, samples, values, placed, turns)
+    nowhere = (np.nan, np.nan, np.nan)
+    direction = np.array([one.direction or nowhere for one in still], dtype=float).reshape(-1, 3)
+    named = tuple(one.name or where for one, where in zip(still, cut.where, strict=True))
+    given = direction if np.isfinite(direction).any() else None
+    remarks = gather([*recording.remarks, *_disturbed(cut, values, placed)])
+    return replace(cut, direction=given, where=named, remarks=remarks)
+
+
+def _seconds(recording: Recording) -> Array:
+    if recording.seconds is not None:
+        return recording.seconds
+    if recording.sample_interval is None:
+        raise DataError(
+            "no time", recording.source.path, "rotations are rates over time", "Give the sample rate", "no_time"
+        )
+    return np.asarray(np.arange(len(recording)) * recording.sample_interval, dtype=np.float64)
+
+
+def _rotation(values: Mapping[str, Array], seconds: Array, a: int, b: int, before: int, after: int) -> Rotation:
+    gyro = values.get("gyro", np.empty((len(seconds), 3)))[a:b]
+    acc = values["acc"][a:b]
+    good = np.isfinite(gyro).all(axis=1) & np.isfinite(acc).all(axis=1)
+    return Rotation(seconds[a:b][good] - seconds[a], gyro[good], acc[good], before, after, where=f"{seconds[a]:.6g} s")
+
+
+def _readings(
+    recording: Recording,
+    samples: Samples,
+    values: Mapping[str, Array],
+    placed: Sequence[Placement],
+    rotations: tuple[Rotation, ...],
+) -> Readings:
+    """Return the mean readings; ``samples`` are those of the accelerometers, with the clock of all."""
+    triads = {"acc": _triad(recording, samples, "acc", placed)}
+    if "gyro" in values:
+        gyro = values["gyro"]
+        nothing = np.zeros(len(gyro), dtype=bool)
+        own = replace(samples, values=gyro, finite=np.asarray(np.isfinite(gyro).all(axis=1)), outlier=nothing)
+        triads["gyro"] = _triad(recording, own, "gyro", placed)
+    path, stamps = recording.source.path, recording.time_ns
+    seconds = _seconds(recording)
+    return Readings(
+        acc=triads["acc"],
+        gyro=triads.get("gyro"),
+        rotations=rotations,
+        start_ns=None if stamps is None else stamps[[one.start for one in placed]],
+        stop_ns=None if stamps is None else stamps[[one.stop - 1 for one in placed]],
+        temperature=_temperatures(recording, placed),
+        where=tuple(f"{path + ': ' if path else ''}{seconds[one.start]:.6g} s" for one in placed),
+    )
+
+
+def _triad(recording: Recording, samples: Samples, name: str, placed: Sequence[Placement]) -> Triad:
+    cut = [dwell_of(samples, one.start, one.stop, 0) for one in placed]
+    if any(one is None for one in cut):
+        raise DataError(f"a static interval has no {name} readings", recording.source.path, code="no_values")
+    dwells = [one for one in cut if one is not None]
+    units = {recording.channel(f"{name}_{axis}").unit or "count" for axis in AXES}
+    if len(units) > 1:
+        raise DataError(f"{name} channels are in {', '.join(sorted(units))}", recording.source.path, code="wrong_unit")
+    return Triad(
+        np.array([one.mean for one in dwells]),
+        np.array([one.scatter for one in dwells]),
+        np.array([one.n_effective for one in dwells]),
+        units.pop(),
+        np.array([float(one.n) for one in dwells]),
+    )
+
+
+def _temperatures(recording: Recording, placed: Sequence[Placement]) -> Array | None:
+    if TEMPERATURE not in recording.names:
+        return None
+    values = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
+    return np.array([np.nanmean(values[one.start : one.stop]) for one in placed])
+
+
+def _disturbed(readings: Readings, values: Mapping[str, Array], placed: Sequence[Placement]) -> list[Remark]:
+    """Say which static intervals were disturbed."""
+    found = []
+    moved = np.zeros(len(placed), dtype=bool)
+    for one in values.values():
+        moved |= disturbed_inside(one, placed)
+    inside = np.array([one.inside for one in placed], dtype=bool)
+    for k in np.flatnonzero(moved | inside):
+        what = (
+            "the unit was knocked while it lay here: the longer part is used, and the level may have changed"
+            if inside[k]
+            else "the level moves, or the scatter grows, in this static interval: its mean is not one of rest"
+        )
+        place = readings.place(int(k))
+        found.append(Remark("disturbed_position", "warning", what, place, do="Check it, or leave it out"))
+    touched = [one.touched for one in placed if one.touched and not one.inside]
+    if touched:
+        what = f"the unit was touched or settled as it was laid: {sum(touched)} samples of these positions are left out"
+        found.append(Remark("placement_parted", "info", what, count=len(touched)))
+    return found
+
+
+def _check_different(recordings: Sequence[Recording]) -> None:
+    """Refuse a recording that is there twice: a copy is no repeat."""
+    known: dict[str, Any] = {}
+    for k, one in enumerate(recordings):
+        print_of = hashlib.sha256(np.ascontiguousarray(one.array(ACC)).tobytes()).hexdigest()
+        name = one.source.path or f"recording {k + 1}"
+        other = known.setdefault(print_of, name)
+        if other is not name:
+            raise DataError(
+                f"{other} and {name} hold the same samples",
+                name,
+                "a copy is no repeat: its positions would count twice",
+                "Leave one of them out",
+                "duplicate_recording",
+            )
+
+
+def _joined(one: Readings, other: Readings) -> Readings:
+    """Return the positions of both; rotations lie inside each."""
+    if (one.gyro is None) != (other.gyro is None) or one.acc.unit != other.acc.unit:
+        raise DataError("recordings of one test differ in their channels or units", code="wrong_unit")
+    shift = len(one)
+    moved = tuple(
+        replace(r, before=r.before + shift, after=r.after + shift) if r.before >= 0 else r for r in other.rotations
+    )
+    return Readings(
+        acc=_stacked(one.acc, other.acc),
+        gyro=None if one.gyro is None or other.gyro is None else _stacked(one.gyro, other.gyro),
+        rotations=(*one.rotations, *moved),
+        direction=_both(one.direction, other.direction),
+        start_ns=_both(one.start_ns, other.start_ns),
+        stop_ns=_both(one.stop_ns, other.stop_ns),
+        temperature=_both(one.temperature, other.temperature),
+        where=(*one.where, *other.where),
+        remarks=gather([*one.remarks, *other.remarks]),
+    )
+
+
+def _stacked(one: Triad, other: Triad) -> Triad:
+    return Triad(
+        np.vstack([one.mean, other.mean]),
+        np.vstack([one.scatter, other.scatter]),
+        np.vstack([one.n_effective, other.n_effective]),
+        one.unit,
+        _both(one.samples, other.samples),
+    )
+
+
+def _both(one: Any, other: Any) -> Any:
+    return None if one is None or other is None else np.concatenate([one, other])

@@ -1,0 +1,216 @@
+"""Least squares with two levels of variance: what is known of each reading, and a scatter between readings beside it.
+
+Readings have errors of a known covariance (the noise inside a static interval, a mounting tolerance) and a further
+independent error of one unknown size (what differs between positions)::
+
+    y = X b + known errors + between          V = sum of the known covariances + tau^2 I
+
+tau is found by restricted maximum likelihood [1]_, by scoring [2]_. The degrees of freedom of a coefficient are those
+of its variance, by Satterthwaite [3]_: tau^2 is uncertain, the known covariances are not. Without the second level an
+uncertainty from the noise of the samples alone promises too much wherever positions do not repeat within it.
+
+References
+----------
+.. [1] D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320.
+.. [2] S. R. Searle, G. Casella and C. E. McCulloch, Variance Components, Wiley, 1992, 8.2 and 8.3.
+.. [3] A. Giesbrecht and J. C. Burns, Biometrics 41 (1985) 477.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..core.errors import DataError
+from ..core.estimate import Array
+
+ITERATIONS = 50
+SETTLED = 1e-6  # relative change of tau^2
+
+
+@dataclass(frozen=True, eq=False)
+class TwoLevels:
+    """Coefficients with what is needed to judge them.
+
+    Parameters
+    ----------
+    coefficients : ndarray, shape (p,)
+        In unit of reading over unit of column.
+    covariance : ndarray, shape (p, p)
+        Sum of the parts.
+    parts : mapping of str to ndarray, shape (p, p)
+        What each known covariance contributes, by its name.
+    between_part : ndarray, shape (p, p)
+        What the scatter between readings contributes.
+    dof : ndarray, shape (p,)
+        Of the part of the scatter between readings.
+    between : float
+        tau, standard deviation between readings [unit of the readings].
+    chi_square : float
+        Weighted by V; near ``free`` expected.
+    chi_square_known : float
+        Weighted by the known covariances alone; NaN where these do not reach every reading.
+    free : int
+        n - p.
+    deletion : ndarray, shape (n,)
+        Residual of each reading from the fit without it [unit of the readings].
+    deletion_u : ndarray, shape (n,)
+        Standard uncertainty of that.
+    residuals : ndarray, shape (n,)
+        Reading less fitted value.
+    gain : ndarray, shape (p, n)
+        Coefficients per reading.
+    projector : ndarray, shape (n, n)
+        P of [2]_: ``P y`` are the residuals weighted by the inverse of V.
+    """
+
+    coefficients: Array
+    covariance: Array
+    parts: Mapping[str, Array]
+    between_part: Array
+    dof: Array
+    between: float
+    chi_square: float
+    chi_square_known: float
+    free: int
+    deletion: Array
+    deletion_u: Array
+    residuals: Array
+    gain: Array
+    projector: Array
+
+    @property
+    def between_dof(self) -> float:
+        """Degrees of freedom of the scatter between readings; of one that is not seen, those of the fit.
+
+        Less than one where the known errors nearly explain the readings: joined with these by Welch and Satterthwaite
+        a coefficient then has those that it should, however the two parts share its variance, and never less than one.
+        """
+        if self.between == 0.0:
+            return float(self.free)
+        variance = np.diag(self.covariance)
+        share = np.diag(self.between_part)[variance > 0.0] / variance[variance > 0.0]
+        return max(float(np.min(self.dof)), float(np.max(share)) ** 2)
+
+
+def fit_two_levels(
+    design: Array, readings: Array, known: Mapping[str, Array], between: float | None = None
+) -> TwoLevels:
+    """Return the fit of readings with known errors and a scatter between them.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        A column a coefficient, of full rank.
+    readings : ndarray, shape (n,)
+        In one unit.
+    known : mapping of str to ndarray, shape (n,) or (n, n)
+        Variances, or covariance, of each known source [unit of the readings squared].
+    between : float, optional
+        tau where it is known [unit of the readings]; found by default. Needed where n is p.
+
+    Raises
+    ------
+    DataError
+        ``no_dof`` where n is p and the scatter between readings is not given; or if nothing scatters at all.
+    """
+    n, p = design.shape
+    if n < p or (n == p and between is None):
+        raise DataError(
+            f"{n} readings for {p} unknowns leave no scatter to judge them by",
+            do="Take more readings",
+            code="no_dof",
+        )
+    sources = {name: np.diag(part) if part.ndim == 1 else part for name, part in known.items()}
+    fixed = np.zeros((n, n))
+    for part in sources.values():
+        fixed = fixed + part
+    square = _restricted(design, readings, fixed) if between is None else between**2
+    return _solved(design, readings, sources, fixed, square)
+
+
+def _restricted(design: Array, readings: Array, fixed: Array) -> float:
+    """Variance between readings by restricted maximum likelihood, never below zero."""
+    n, p = design.shape
+    residuals = readings - design @ np.linalg.lstsq(design, readings, rcond=None)[0]
+    total = float(residuals @ residuals) / (n - p)
+    largest = max(total, float(np.trace(fixed)) / n)
+    if largest <= 0.0:
+        raise DataError(
+            "the readings do not scatter at all", do="Check for copied or rounded readings", code="no_scatter"
+        )
+    floor = 1e-12 * largest
+    square = max(total - float(np.trace(fixed)) / n, 1e-3 * largest)
+    for _ in range(ITERATIONS):
+        projector = _projector(design, fixed, square)
+        pull = projector @ readings
+        step = (pull @ pull - np.trace(projector)) / np.sum(projector * projector)
+        new = max(square + step, floor)
+        done = abs(new - square) <= SETTLED * largest
+        square = new
+        if done:
+            break
+    return square if square > 2.0 * floor else 0.0
+
+
+def _projector(design: Array, fixed: Array, square: float) -> Array:
+    inverse = _inverse(fixed, square)
+    weighted = inverse @ design
+    return np.asarray(inverse - weighted @ np.linalg.solve(design.T @ weighted, weighted.T))
+
+
+def _inverse(fixed: Array, square: float) -> Array:
+    return np.asarray(np.linalg.inv(fixed + square * np.eye(len(fixed))))
+
+
+def _solved(design: Array, readings: Array, sources: Mapping[str, Array], fixed: Array, square: float) -> TwoLevels:
+    n, p = design.shape
+    inverse = _inverse(fixed, square)
+    weighted = inverse @ design
+    bare = np.linalg.inv(design.T @ weighted)
+    gain = bare @ weighted.T
+    projector = inverse - weighted @ gain
+    coefficients = gain @ readings
+    residuals = readings - design @ coefficients
+    pull = projector @ readings
+    diagonal = np.diag(projector).copy()
+    diagonal[diagonal <= n * np.finfo(float).eps * np.diag(inverse)] = np.nan  # a reading that alone decides
+    slope = np.sum(gain**2, axis=1)  # of each variance by tau^2
+    spread = np.sum(projector * projector)
+    variance = np.diag(bare)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        dof = (square * slope) ** 2 * spread / slope**2 if square > 0.0 else variance**2 * spread / slope**2
+    return TwoLevels(
+        coefficients,
+        0.5 * (bare + bare.T),
+        {name: _part(gain, part) for name, part in sources.items()},
+        square * gain @ gain.T,
+        np.asarray(dof),
+        float(np.sqrt(square)),
+        float(residuals @ inverse @ residuals),
+        _known_chi_square(design, readings, fixed),
+        n - p,
+        pull / diagonal,
+        1.0 / np.sqrt(diagonal),
+        residuals,
+        gain,
+        np.asarray(projector),
+    )
+
+
+def _part(gain: Array, covariance: Array) -> Array:
+    whole = gain @ covariance @ gain.T
+    return np.asarray(0.5 * (whole + whole.T))
+
+
+def _known_chi_square(design: Array, readings: Array, fixed: Array) -> float:
+    """Chi-square that the known covariances alone would give."""
+    if not np.all(np.diag(fixed) > 0.0) or len(readings) == design.shape[1]:
+        return float("nan")
+    try:
+        projector = _projector(design, fixed, 0.0)
+    except np.linalg.LinAlgError:
+        return float("nan")
+    return float(readings @ projector @ readings)

@@ -1,0 +1,156 @@
+"""Positions in a campaign: from the files that `init` finds to models of both sensors, judged on a record held out."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from inertialcal.campaign.load import MARK
+from inertialcal.campaign.positions_loop import judges_of, loops_of, verdicts
+from inertialcal.campaign.positions_mixed import as_read, mixed_up
+from inertialcal.campaign.prepare import prepare
+from inertialcal.campaign.run import Outcome, check, run
+from inertialcal.campaign.starter import start
+from inertialcal.campaign.twin import csv_text
+from inertialcal.core.errors import DataError, PlanError
+from inertialcal.core.recording import Recording
+from inertialcal.files.model_json import read_model
+from inertialcal.procedures import positions
+from inertialcal.procedures.rate_table.closed_loop import overall
+from inertialcal.rigs.hand_held import Bench, build
+
+BENCH = Bench(positions=16, dwell=2.5, first=4.0, records=2)
+GYRO = ("gyro x at rest", "gyro y at rest", "gyro z at rest", "gyro, rotations")
+REQUIRED = '\n[[requirements]]\nid = "R1"\nquantity = "transition_error"\ntests = ["gyro_held_out"]\nupper = "2 deg"\n'
+
+
+def with_units(recording: Recording) -> Recording:
+    """Return a recording whose header says its units."""
+    units = {"acc": "m/s2", "gyro": "rad/s"}
+    named = tuple(replace(c, name=f"{c.name} [{units[c.name[:-2]]}]") for c in recording.channels)
+    return replace(recording, channels=named)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A folder with two records of a unit and the campaign file that `init` writes for them."""
+    made = tmp_path_factory.mktemp("laid")
+    for number, recording in enumerate(build(BENCH, 1).recordings.values(), 1):
+        (made / f"hand{number}.csv").write_text(csv_text(with_units(recording)), encoding="utf-8")
+    path, lines, _ = start(made)
+    text = path.read_text(encoding="utf-8")
+    assert len(lines) == 4  # maker, part, serial, gravity
+    text = text.replace('gravity = "9.80665 m/s2"', 'gravity = "9.807 m/s2"').replace(f"  {MARK}", "")
+    path.write_text(text + REQUIRED, encoding="utf-8")
+    return made
+
+
+@pytest.fixture(scope="module")
+def outcome(folder: Path) -> Outcome:
+    return run(folder)
+
+
+def test_models_of_both_sensors_are_made_and_judged(folder: Path, outcome: Outcome) -> None:
+    loop = outcome.results["closed_loop"]
+    assert [one["axis"] for one in loop["axes"]] == ["accelerometer", *GYRO]
+    assert [one["unit"] for one in loop["axes"]] == ["m/s^2", *["rad/s"] * 3, "deg"]
+    assert all(one["verdict"] == "PASS" for one in loop["axes"])
+    assert all(one["compensated_rms"] < 0.3 * one["raw_rms"] for one in loop["axes"])
+    assert outcome.verdict == "PASS"
+    acc, gyro = (read_model(folder / "out" / name) for name in ("model.json", "model_gyro.json"))
+    assert (acc.kind, gyro.kind, acc.judged, gyro.judged) == ("accelerometer", "gyro", True, True)
+    assert acc.provenance["bias_x"].recordings == ("acc_hand1",)
+    true = {(one.quantity, one.axis): one.value for one in build(BENCH, 1).truth if one.test == "accelerometer"}
+    assert acc.bias[0] == pytest.approx(true["bias", "x"], abs=0.01)
+    assert acc.matrix[0][2, 0] == pytest.approx(true["misalignment", "zx"], abs=2e-3)
+
+
+def test_results_tell_each_sensor_in_its_own_test(outcome: Outcome) -> None:
+    rows = [row for row in outcome.results["results"] if row["test"] in ("acc", "gyro")]
+    units = {(row["test"], row["quantity"]): row["unit"] for row in rows}
+    assert units["acc", "bias"] == "m/s^2"
+    assert units["gyro", "bias"] == "rad/s"
+    assert units["gyro", "transition_error"] == "rad"
+    assert ("acc", "g_sensitivity") not in units
+    curves = [(one["name"], one["test"]) for one in outcome.results["curves"]]
+    assert ("positions", "acc") in curves
+    assert ("transitions", "gyro") in curves
+    assert {row["influence"] for row in outcome.results["standards"]} >= {"value", "rate"}  # told, as not stated
+    json.dumps(outcome.results, allow_nan=False)
+
+
+def test_report_shows_positions_and_transitions(folder: Path, outcome: Outcome) -> None:
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    for figure in ("positions_sphere", "positions_residuals", "transitions"):
+        assert f'id="fig-{figure}-' in page
+    assert "g-sensitivity" in page
+    assert "the closed loop was not run" not in page
+    assert outcome.inputs["hand1.csv"] in page
+
+
+def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:
+    fitted, held = (prepare(check(folder).campaign, number) for number in (1, 3))
+    result = positions.reduce(fitted.plan, fitted.readings)
+    assert result.gyro is not None
+    right, units = loops_of(result, [held.readings], "gyro")
+    assert [one.verdict for one in right] == ["PASS"] * 4
+    assert [units[one.axis] for one in right] == ["rad/s"] * 3 + ["rad"]
+    sensor = result.gyro.sensor
+    judges, own = (judges_of(result, one, "gyro") for one in (held.readings, result.readings))
+    named = {one.name: one for one in own}
+    for name, values in mixed_up(sensor.values, full=True).items():
+        wrong, _ = verdicts(sensor, values, judges, named, 1)
+        assert overall(wrong) == "FAIL", name
+        assert not any(one.verdict == "PASS" and one.compensated > one.raw for one in wrong)
+    turned, _ = verdicts(sensor, mixed_up(sensor.values, full=True)["the bias with its sign turned"], judges, named, 1)
+    assert {one.reason for one in turned if one.verdict == "FAIL"} >= {
+        "the bias with its sign turned does better on readings held out: the model is mixed up"
+    }
+    acc = result.acc.sensor
+    judges, own = (judges_of(result, one, "accelerometer") for one in (held.readings, result.readings))
+    for name, values in mixed_up(acc.values, full=False).items():
+        wrong, _ = verdicts(acc, values, judges, {own[0].name: own[0]}, 1)
+        assert wrong[0].verdict == "FAIL", name
+
+
+def test_a_model_that_corrects_nothing_neither_passes_nor_fails(folder: Path) -> None:
+    fitted, held = (prepare(check(folder).campaign, number) for number in (1, 3))
+    result = positions.reduce(fitted.plan, fitted.readings)
+    assert result.gyro is not None
+    sensor = result.gyro.sensor
+    loops, _ = verdicts(sensor, as_read(sensor), judges_of(result, held.readings, "gyro"), {}, 1)
+    assert {one.gain for one in loops} == {0.0}
+    assert {one.verdict for one in loops} == {"INCONCLUSIVE"}
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "said"),
+    [
+        ('recordings = ["gyro_hand1", "acc_hand1"]', 'recordings = ["gyro_hand1"]', "no recording of accelerometers"),
+        (
+            'recordings = ["gyro_hand1", "acc_hand1"]',
+            'recordings = ["gyro_hand1", "acc_hand2"]',
+            "use the same readings",
+        ),
+        (
+            'file = "hand1.csv"\n',
+            'file = "hand1.csv"\norientations = ["x+", "x-"]\n',
+            "2 orientations for 16 positions",
+        ),
+        ('file = "hand1.csv"\n', 'file = "hand1.csv"\norientations = ["faces"]\n', "deg away from any face"),
+        ('id = "gyro"\n', 'id = "gyro"\nplan = { turns = 3 }\n', "unknown key plan.turns"),
+        ('use = "hold_out"', 'use = "fit"', "all for a fit of the positions of one sensor"),
+    ],
+)
+def test_a_mistake_in_the_campaign_is_named(folder: Path, tmp_path: Path, old: str, new: str, said: str) -> None:
+    text = (folder / "campaign.toml").read_text(encoding="utf-8")
+    assert old in text
+    for name in ("hand1.csv", "hand2.csv"):
+        (tmp_path / name).hardlink_to(folder / name)
+    (tmp_path / "campaign.toml").write_text(text.replace(old, new), encoding="utf-8")
+    with pytest.raises((DataError, PlanError)) as refused:
+        run(tmp_path, write=False)
+    assert said in str(refused.value)

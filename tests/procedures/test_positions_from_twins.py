@@ -1,0 +1,69 @@
+"""From the recordings of the rig: intervals hold the truth, clean records raise no alarm, a knock is told."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from inertialcal.procedures.positions import Plan, Section, readings_from, reduce
+from inertialcal.rigs.hand_held import Bench, draw_unit, held, true_values
+from inertialcal.rigs.twin import drawn_error
+from inertialcal.statistics.intervals import coverage_factor, covers
+
+SHORT = replace(Bench(), dwell=2.5, first=5.0, sample_rate=50.0)
+BENCHES = {"tumble": SHORT, "ferraris": replace(SHORT, variant="ferraris")}
+EXPECTED = {"relative_to_fixture", "not_repeated"}  # mounting is not stated, each turn is made once
+RISK = 0.05  # of four kinds of outliers at 1 % each, and of a disturbance
+
+
+def judged(bench: Bench, seed: int) -> tuple[dict[str, bool], set[str]]:
+    """Whether each interval holds the truth, and the codes of the remarks."""
+    of_unit, of_bench, of_records = np.random.default_rng(seed).spawn(3)
+    unit = draw_unit(bench, of_unit)
+    gravity = bench.gravity + drawn_error(bench.gravity_error, of_bench)
+    pace = bench.pace * (1.0 + drawn_error(bench.clock, of_bench))
+    one = held(bench, unit, gravity, pace, 0, of_records)
+    standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
+    sections: list[Section] = []
+    if bench.variant == "ferraris":
+        standards |= {"turn.angle": bench.angle, "fixture.orientation": bench.orientation}
+        sections = [Section(p.start, p.stop, p.direction, p.axis, p.angle) for p in one.parts if p.angle or p.direction]
+    plan = Plan(gravity=bench.gravity, latitude=bench.latitude, standards=standards)
+    result = reduce(plan, readings_from(plan, [one.recording], [sections]))
+    true = {(v.test, f"{v.quantity}_{v.axis}"): v.value for v in true_values(bench, unit)}
+    held_by = {
+        f"{kind} {name}": bool(abs(value - true[kind, name]) <= coverage_factor(float(dof)) * u)
+        for kind, found in result.estimates.items()
+        for name, value, u, dof in zip(found.names, found.values, found.u, found.dof, strict=True)
+    }
+    return held_by, {one.code for one in result.remarks} - EXPECTED
+
+
+def check(name: str, n: int) -> None:
+    hits: Counter[str] = Counter()
+    alarms = 0
+    for seed in range(1, n + 1):
+        held_by, codes = judged(BENCHES[name], seed)
+        hits.update({key: int(hit) for key, hit in held_by.items()})
+        alarms += bool(codes)
+    assert len(hits) == {"tumble": 30, "ferraris": 33}[name]
+    assert not {key: hit / n for key, hit in hits.items() if not covers(hit, n)}
+    assert alarms <= max(RISK * n, 1)
+
+
+@pytest.mark.parametrize("name", BENCHES)
+def test_a_few(name: str) -> None:
+    check(name, 8)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", BENCHES)
+def test_three_hundred(name: str) -> None:
+    check(name, 300)
+
+
+def test_a_knock_is_told() -> None:
+    assert "disturbed_position" in judged(replace(SHORT, dwell=5.0, knocked=True), 1)[1]

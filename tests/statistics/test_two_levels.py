@@ -1,0 +1,78 @@
+"""Two levels of variance: closed forms, truth recovered, deletion residuals, refusals."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from inertialcal.core.errors import DataError
+from inertialcal.statistics.intervals import coverage_factor, covers
+from inertialcal.statistics.two_levels import fit_two_levels
+
+EXACT = 1e-6
+
+
+def test_equal_noise_gives_the_mean_square_of_the_residuals_less_the_noise() -> None:
+    rng = np.random.default_rng(1)
+    y = 3.0 + rng.normal(0.0, 0.2, 30)
+    found = fit_two_levels(np.ones((30, 1)), y, {"noise": np.full(30, 0.01)})
+    assert found.coefficients[0] == pytest.approx(y.mean())
+    assert found.between**2 == pytest.approx(y.var(ddof=1) - 0.01, rel=1e-4)
+    assert found.covariance[0, 0] == pytest.approx(y.var(ddof=1) / 30, rel=1e-4)
+    assert found.chi_square / found.free == pytest.approx(1.0, rel=1e-4)
+    assert found.chi_square_known == pytest.approx(np.sum((y - y.mean()) ** 2) / 0.01)
+    total = found.parts["noise"] + found.between_part
+    assert total == pytest.approx(found.covariance)
+    share = found.between**2 / y.var(ddof=1)
+    assert found.dof[0] == pytest.approx(29.0 * share**2, rel=1e-3)
+
+
+def test_noise_that_explains_everything_leaves_nothing_between() -> None:
+    y = np.array([0.0, 0.1, -0.1, 0.05, -0.05])
+    found = fit_two_levels(np.ones((5, 1)), y, {"noise": np.full(5, 1.0)})
+    assert found.between == 0.0
+    assert found.covariance[0, 0] == pytest.approx(0.2)  # not smaller than the known noise allows
+
+
+def test_a_noisy_reading_counts_less() -> None:
+    y = np.array([0.0, 0.1, -0.1, 0.05, -0.05, 5.0])
+    found = fit_two_levels(np.ones((6, 1)), y, {"noise": np.array([1e-4] * 5 + [100.0])})
+    assert abs(found.coefficients[0]) < 0.01
+
+
+def test_deletion_residuals_are_those_of_a_fit_without_the_reading() -> None:
+    rng = np.random.default_rng(2)
+    x = rng.normal(size=(12, 3))
+    y = x @ [1.0, -2.0, 0.5] + rng.normal(0.0, 0.3, 12)
+    known = np.diag(rng.uniform(0.01, 0.05, 12)) + 0.01
+    found = fit_two_levels(x, y, {"noise": known}, between=0.2)
+    for k in range(12):
+        kept = np.arange(12) != k
+        other = fit_two_levels(x[kept], y[kept], {"noise": known[np.ix_(kept, kept)]}, between=0.2)
+        pull = np.linalg.solve((known + 0.04 * np.eye(12))[np.ix_(kept, kept)], y[kept] - x[kept] @ other.coefficients)
+        predicted = x[k] @ other.coefficients + known[k, kept] @ pull
+        assert found.deletion[k] == pytest.approx(y[k] - predicted, abs=EXACT)
+
+
+def test_coverage_with_both_levels() -> None:
+    rng = np.random.default_rng(3)
+    design = np.column_stack([np.ones(15), np.linspace(-1.0, 1.0, 15)])
+    noise = np.linspace(0.2, 1.0, 15)
+    hits = 0
+    for _ in range(500):
+        y = 2.0 + design[:, 1] + rng.normal(0.0, noise) + rng.normal(0.0, 0.7, 15)
+        found = fit_two_levels(design, y, {"noise": noise**2})
+        u = float(np.sqrt(found.covariance[1, 1]))
+        hits += abs(found.coefficients[1] - 1.0) <= coverage_factor(found.free) * u
+    assert covers(hits, 500)
+
+
+def test_as_many_unknowns_as_readings_is_refused() -> None:
+    with pytest.raises(DataError, match="2 readings for 2 unknowns leave no scatter") as error:
+        fit_two_levels(np.eye(2), np.ones(2), {"noise": np.ones(2)})
+    assert error.value.problems[0].code == "no_dof"
+
+
+def test_no_scatter_at_all_is_refused() -> None:
+    with pytest.raises(DataError, match="do not scatter at all"):
+        fit_two_levels(np.ones((4, 1)), np.zeros(4), {})
