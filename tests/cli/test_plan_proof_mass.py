@@ -9,6 +9,9 @@ import numpy as np
 import pytest
 from typed_commands import call, call_json
 
+import inertialcal as ic
+from inertialcal.files.schedule_csv import read_schedule
+
 PLAN = ("plan", "mass-attraction", "--cube", "10 cm", "--count", "50", "--stand-off", "7.6 cm")
 MOVED = ("--stroke", "10 cm:40 cm", "--rig", "0 cm:60 cm")
 LONG = "length 8 cm, radius 2 cm"
@@ -80,3 +83,41 @@ def test_in_orbit_the_difference_over_a_long_baseline_is_seen_from_less_far_than
     near = rows["distance", "from the nearer accelerometer"] / 100.0
     assert 6.6743e-11 * 4.0 * (near**-2 - (near + 2.0) ** -2) == pytest.approx(0.5e-9 * 2.0)
     assert near < rows["distance", "of its centre, at that gradient"] / 100.0
+
+
+def test_the_mercury_of_a_tilt_meter_is_in_the_schedule_and_follows_from_potentials(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    written = tmp_path / "s.csv"
+    pools = np.array([[0.0, -0.5, -0.1], [0.0, 0.4, -0.1]])
+    said = "0 cm,-50 cm,-10 cm; 0 cm,40 cm,-10 cm"
+    content = call_json(capsys, *PLAN, *MOVED, "--pools", said, "--schedule", str(written))
+    schedule = read_schedule(written)
+    assert schedule.mercury is not None
+    body = ic.plan_mass_attraction(cube="10 cm", count=50, stand_off="7.6 cm", shape=True).body
+    assert body is not None
+    offsets = (np.stack(np.meshgrid(*[np.arange(6)] * 3), -1).reshape(-1, 3) + 0.5) / 60.0 - 0.05
+    points = (body.body.cells[0][:, None, :] + offsets).reshape(-1, 3)
+    for place, found in zip(schedule.position[:4], schedule.mercury[:4], strict=True):
+        distance = np.linalg.norm(points + np.array([0.0, 0.0, -place]) - pools[:, None, :], axis=2)
+        potential = 6.6743e-11 * 11340.0 * 1e-3 / 216.0 * np.sum(1.0 / distance, axis=1)
+        assert found == pytest.approx((potential[1] - potential[0]) / (9.80665 * 0.9), rel=1e-3)
+    amplitude = figures(content)["mercury_amplitude", ""]
+    assert amplitude == pytest.approx(np.ptp(schedule.mercury) / 2.0)
+
+
+@pytest.mark.parametrize(
+    ("asked", "said"),
+    [
+        ((*MOVED, "--pools", "1 cm,2 cm"), "x, y and z of the first pool and of the second"),
+        ((*MOVED, "--pools", "1,2,3; 1,2,4"), "unit"),
+        ((*MOVED, "--pools", "0 cm,0 cm,0 cm; 0 cm,0 cm,9 cm"), "height"),
+        (("--pools", "0 cm,-5 cm,0 cm; 0 cm,5 cm,0 cm"), "without a drive"),
+        (("--orbit", "--pools", "0 cm,-5 cm,0 cm; 0 cm,5 cm,0 cm"), "--pools"),
+    ],
+)
+def test_pools_that_are_none_are_refused(capsys: pytest.CaptureFixture[str], asked: tuple[str, ...], said: str) -> None:
+    start = ("plan", "mass-attraction", "--stand-off", "7.6 cm") if "--orbit" in asked else PLAN
+    status, _, errors = call(capsys, *start, *asked)
+    assert status in {2, 3}
+    assert said in errors

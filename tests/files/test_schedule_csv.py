@@ -18,16 +18,19 @@ ROWS = """dwell,start [s],stop [s],position [cm],applied [ng]
 """
 
 
-@pytest.mark.parametrize("u_applied", [None, 0.1 / 3])
-def test_a_schedule_comes_back_with_its_bits(tmp_path: Path, u_applied: float | None) -> None:
+@pytest.mark.parametrize(("u_applied", "mercury"), [(None, None), (0.1 / 3, [1e-9 / 3, 0.0, -2e-9, 0.0])])
+def test_a_schedule_comes_back_with_its_bits(
+    tmp_path: Path, u_applied: float | None, mercury: list[float] | None
+) -> None:
     rng = np.random.default_rng(1)
     given = repeated(
         rng.normal(size=4), 1e-7 * rng.normal(size=4), cycles=25, dwell=100.1, move=20 / 3, drive="sine",
-        u_applied=u_applied,
+        u_applied=u_applied, mercury=mercury,
     )  # fmt: skip
     write_schedule(tmp_path / "s.csv", given)
     back = read_schedule(tmp_path / "s.csv")
-    for name in ("start", "position", "applied"):
+    assert (back.mercury is None) == (mercury is None)
+    for name in ("start", "position", "applied", *(["mercury"] if mercury else [])):
         assert getattr(back, name).tobytes() == getattr(given, name).tobytes()
     told = ("dwell", "move", "drive", "samples_per_cycle", "u_applied")
     assert [getattr(back, name) for name in told] == [getattr(given, name) for name in told]
@@ -90,3 +93,17 @@ def test_what_is_no_schedule_is_refused_with_its_place(tmp_path: Path, old: str,
     (tmp_path / "hand.csv").write_text(ROWS.replace(old, new))
     with pytest.raises(InertialcalError, match=words):
         read_schedule(tmp_path / "hand.csv")
+
+
+def test_the_mercury_of_a_meter_needs_an_angle(tmp_path: Path) -> None:
+    path = tmp_path / "s.csv"
+    rows = ROWS.replace("[ng]", "[ng],mercury [{}]").replace("23\n", "23,1\n")
+    path.write_text(rows.format("urad"), encoding="utf-8")
+    np.testing.assert_allclose(read_schedule(path).mercury, 1e-6)  # type: ignore[arg-type]
+    path.write_text(rows.format("m"), encoding="utf-8")
+    with pytest.raises(InertialcalError, match=r"'mercury' has the unit m"):
+        read_schedule(path)
+    path.write_text(rows.format("rad").replace("-23,1", "-23,"), encoding="utf-8")
+    with pytest.raises(InertialcalError, match="mercury is empty") as refused:
+        read_schedule(path)
+    assert "s.csv:3" in str(refused.value)

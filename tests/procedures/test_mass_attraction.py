@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.constants import STANDARD_GRAVITY
-from inertialcal.core.errors import DataError
+from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
@@ -85,7 +85,7 @@ def test_gaps_shift_nothing() -> None:
     x = 170.0 + S * of.applied + 1e-9 * np.random.default_rng(1).standard_normal(100)
     x[[3, 17, 18, 60]] = np.nan
     result = reduce(PLAN, Readings((Run("1", of, x),)))
-    assert row(result, "scale_factor").value == pytest.approx(S, rel=1e-6)
+    assert row(result, "scale_factor").value == pytest.approx(S, rel=2e-4)
     assert row(result, "scale_factor", "as_published").status in ("estimated", "not_estimated")
     (said,) = [one for one in result.remarks if one.code == "missing_dwells"]
     assert "4 dwell(s)" in said.what
@@ -107,6 +107,19 @@ def test_a_known_tilt_in_phase_is_taken_off_with_its_sign_and_the_mercury_is_not
     other = Run("1", of, x, -meter + 2.0 * mercury * s)
     flipped = reduce(Plan(nominal=S, tilt="known", tilt_sign=-1, mercury=mercury), Readings((other,)))
     assert row(flipped, "scale_factor").value == pytest.approx(S, rel=2e-4)
+
+
+def test_the_mercury_of_the_schedule_is_taken_off_dwell_by_dwell_and_not_beside_that_of_the_plan() -> None:
+    of, rng = schedule(), np.random.default_rng(1)
+    s, tau = shape_of(of), 3e-9
+    mercury = 5e-9 + 1e-9 * s + 4e-10 * s**2  # not in proportion to what is applied
+    x = 170.0 + S * (of.applied + G * tau * s) + 1e-6 * rng.standard_normal(100)
+    tilted = replace(of, mercury=mercury)
+    meter = 5e-6 + tau * s + mercury + 1e-14 * rng.standard_normal(100)
+    result = reduce(Plan(nominal=S, tilt="known"), Readings((Run("1", tilted, x, meter),)))
+    assert row(result, "scale_factor").value == pytest.approx(S, rel=2e-4)
+    with pytest.raises(PlanError, match="stated twice"):
+        reduce(Plan(nominal=S, tilt="known", mercury=1e-9), Readings((Run("1", tilted, x, meter),)))
 
 
 def test_a_regressed_tilt_finds_its_share_from_the_readings() -> None:

@@ -17,6 +17,8 @@ import pyarrow.parquet as pq
 from pydantic import BaseModel
 
 from inertialcal.campaign.schema import CampaignFile, Text
+from inertialcal.files.schedule_csv import write_schedule
+from inertialcal.procedures.mass_attraction import repeated
 
 Give = Callable[[str], str]  # from the name of a field ("Item.maker") to its text
 Keys = tuple[str | int, ...]
@@ -25,13 +27,14 @@ Keys = tuple[str | int, ...]
 NOT_FREE = {"Requirement.where"}
 # Texts that stand in place of another table: a model in a file, instead of `ground`.
 INSTEAD = {"Chain.model"}
-FILES = {"RecordingEntry.file", "Schedule.file"}
+FILES = {"RecordingEntry.file": ".parquet", "Schedule.file": ".parquet", "MovedMass.schedule": ".csv"}
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
 RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
 DWELL = 20  # s
 AXES = ("x", "y", "z")
 STOOD = 300  # s, a head at each position
 ANGLES = ("0 deg", "180 deg")
+MOVED = repeated((0.1, 0.4), (7e-7, 2e-7), cycles=40, dwell=100.0, move=20.0, drive="abab")
 
 
 def document() -> dict[str, Any]:
@@ -67,6 +70,12 @@ def document() -> dict[str, Any]:
                     "ground": {"gains": {"100": {"bias": {axis: ["1 ug"] for axis in AXES}}}},
                 },
             },
+            "mesa": {
+                "kind": "accelerometer",
+                "axes": ["x"],
+                "unit": "g",
+                "chain": {"kind": "pulse_rate", "gate": "100 s", "scale_factor": "10.21 count/s/ug"},
+            },
         },
         "recordings": {
             "table": {"sensor": "suite", "rows": {"unit": "deg/s"}},
@@ -86,12 +95,33 @@ def document() -> dict[str, Any]:
                     {"start": i * STOOD, "stop": (i + 1) * STOOD, "angle": angle} for i, angle in enumerate(ANGLES)
                 ],
             },
+            "lines": {"sensor": "mesa", "lines": {"applied_unit": "ng", "unit": "count/s"}},
+            "moved": {
+                "sensor": "mesa",
+                "channels": {"x": {"unit": "count"}},
+                "clock": {},
+                "mass": {"begin": 0.5},
+            },
         },
         "tests": [
             {"id": "rows", "procedure": "rate_table", "recordings": ["table"], "groups": [0, 1], "plan": plan},
             {"id": "held", "procedure": "rate_table", "recordings": ["steps"], "use": "hold_out", "plan": plan},
             {"id": "flips", "procedure": "flip", "recordings": ["means"], "plan": {"axis": "x"}, "use": "report_only"},
             {"id": "flip", "procedure": "flip", "recordings": ["turned"], "plan": {"axis": "x"}, "use": "report_only"},
+            {
+                "id": "runs",
+                "procedure": "mass_attraction",
+                "recordings": ["lines"],
+                "use": "report_only",
+                "plan": {"tilt": "ignored"},
+            },
+            {
+                "id": "mass",
+                "procedure": "mass_attraction",
+                "recordings": ["moved"],
+                "use": "report_only",
+                "plan": {"tilt": "ignored"},
+            },
         ],
         "requirements": [
             {"id": "R1", "quantity": "rate_error", "limit": "5 %"},
@@ -140,15 +170,17 @@ def filled(give: Give) -> dict[str, Any]:
     made = document()
     for name, keys, kind in list(leaves(value=made)):
         if kind == Text and name not in NOT_FREE | INSTEAD:
-            put(made, keys, file_name(give(name)) if name in FILES else give(f"{name} {keys[-1]}"))
+            put(made, keys, file_name(give(name), FILES[name]) if name in FILES else give(f"{name} {keys[-1]}"))
     made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
     made["requirements"][0]["condition"] = made["tests"][0]["condition"]
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
-    for name in ("table", "means"):
+    for name in ("table", "means", "lines"):
         del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
     turned = made["recordings"]["turned"]["positions"]
     turned[1]["flip"] = turned[0]["flip"]
-    made["recordings"]["means"]["means"]["angles"] = {give(f"Means.angles {angle}"): angle for angle in ANGLES}
+    made["recordings"]["means"]["means"]["angles"] = {
+        give(f"Means.angles {angle}").strip(" \t"): angle for angle in ANGLES
+    }
     return made
 
 
@@ -159,11 +191,11 @@ def put(made: Any, keys: Keys, text: str) -> None:
     made[keys[-1]] = text
 
 
-def file_name(text: str) -> str:
+def file_name(text: str, ending: str) -> str:
     """Return the text as a path below the campaign: what a file system cannot hold is left out."""
     parts = text.replace("\x00", "").replace("..", "__").split("/")
     short = [part[i : i + LONGEST_NAME] for part in parts for i in range(0, len(part), LONGEST_NAME)]
-    return "/".join(["data", *(part for part in short if part not in (".", ""))])[:2000] + ".parquet"
+    return "/".join(["data", *(part for part in short if part not in (".", ""))])[:2000] + ending
 
 
 def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
@@ -185,6 +217,11 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     _save(folder / steps["file"], {steps["clock"]["column"]: time, steps["channels"]["x"]["column"]: reading})
     _save(folder / made["recordings"]["means"]["file"], _means(made["recordings"]["means"]["means"], runs))
     _save(folder / made["recordings"]["turned"]["file"], _turned(made["recordings"]["turned"]))
+    _save(folder / made["recordings"]["lines"]["file"], _lines(made["recordings"]["lines"]["lines"], runs))
+    moved = made["recordings"]["moved"]
+    _save(folder / moved["file"], _moved(moved))
+    (folder / moved["mass"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
+    write_schedule(folder / moved["mass"]["schedule"], MOVED)
     return folder
 
 
@@ -207,6 +244,26 @@ def _turned(turned: dict[str, Any]) -> dict[str, Any]:
     time = np.arange(STOOD * len(ANGLES)) + 0.5
     codes = {one["column"]: np.rint(rng.normal(100.0, 3.0, len(time))) for one in turned["channels"].values()}
     return {turned["clock"]["column"]: time, **codes}
+
+
+def _lines(lines: dict[str, Any], runs: tuple[str, ...]) -> dict[str, Any]:
+    n = len(runs)
+    numbers = {
+        "applied": 23.0,
+        "response": 0.23,
+        "noise": 0.02,
+        "psd_response": 0.23,
+        "psd_noise": 0.02,
+        "scatter": 0.1,
+    }
+    drawn = np.random.default_rng(5).normal(0.0, 0.01, n)
+    columns: dict[str, Any] = {lines[name]: value + drawn * (name == "response") for name, value in numbers.items()}
+    return columns | {lines["run"]: list(runs), lines["moved"]: ["yes"] * n}
+
+
+def _moved(moved: dict[str, Any]) -> dict[str, Any]:
+    pulses = 1000.0 + 1.0e8 * MOVED.applied + np.random.default_rng(6).normal(0.0, 3.0, len(MOVED))
+    return {moved["clock"]["column"]: MOVED.middle + 0.5, moved["channels"]["x"]["column"]: np.rint(pulses)}
 
 
 def _rows(rows: dict[str, str], groups: list[str], runs: tuple[str, ...]) -> dict[str, Any]:

@@ -16,7 +16,7 @@ BLOCKS: dict[str, tuple[str, ...]] = {
     ),
     "drive": (
         "drive_position", "amplitude", "best_window_start", "best_window_amplitude", "motion_harmonic",
-        "proof_mass_effect", "pointlike_length",
+        "proof_mass_effect", "pointlike_length", "mercury_amplitude",
     ),
     "budget of the amplitude": ("amplitude_uncertainty",),
     "forecast: standard uncertainty of the scale factor": (

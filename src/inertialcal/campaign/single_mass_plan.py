@@ -12,6 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from ..core.curve import Curve
+from ..core.errors import UsageError
+from ..core.estimate import Array
 from ..core.frames import frame
 from ..core.remarks import Remark, gather
 from ..core.result_tables import told
@@ -30,6 +32,7 @@ from .mass_motion import Motion, Timing, check_choices, gain_of, motion_of, need
 from .mass_noise import noise_from
 from .mass_orbit import orbit_of, orbit_rows
 from .mass_parts import mass_parts
+from .mass_pools import Pools, mercury_of, mercury_row, pools_of
 from .mass_proof import proof_curve, proof_mass_of, proof_rows, reach
 from .mass_remarks import body_remarks, budget_remarks
 from .mass_rows import TEST, body_rows, drive_rows, forecast_rows
@@ -64,6 +67,8 @@ class MassPlan:
         None for a mass in orbit.
     drive, budget, forecast
         As far as they were asked for, else None.
+    mercury : ndarray or None
+        Tilt of a meter's mercury in each dwell of a cycle [rad].
     schedule : Schedule or None
         Of the chosen drive for the hours asked for.
     inputs : mapping of str to str
@@ -80,6 +85,7 @@ class MassPlan:
     budget: MassBudget | None = None
     forecast: MassForecast | None = None
     schedule: Schedule | None = None
+    mercury: Array | None = None
     inputs: Mapping[str, str] | None = None
     constants: Constants = field(default_factory=Constants)
 
@@ -128,6 +134,7 @@ def plan_mass_attraction(
     travel: str | None = None,
     instrument: str = "0 cm",
     proof_mass: str | None = None,
+    pools: str | None = None,
     drive: str = "sine",
     dwell: str = "100 s",
     move: str = "20 s",
@@ -181,6 +188,10 @@ def plan_mass_attraction(
         How far the case reaches from the proof mass.
     proof_mass : str, optional
         A cylinder along the input axis, ``"length 2.9 cm, inner radius 1.3 cm, radius 1.4 cm"``; a point by default.
+    pools : str, optional
+        Middles of both surfaces of a tilt meter of mercury, x along the input axis toward the mass and z up:
+        ``"0 cm,-50 cm,-10 cm; 0 cm,50 cm,-10 cm"``. The schedule then has how they lean, positive where the second
+        stands higher.
     drive : {"sine", "square", "abab"}
         Order of the dwells.
     dwell, move : str
@@ -223,6 +234,7 @@ def plan_mass_attraction(
         refuse_beside(
             "--orbit", cube=cube, count=count, inventory=inventory, grid=grid, stated=stated, rig=rig, stroke=stroke,
             travel=travel, noise=noise, target=target,
+            pools=pools,
             **{"proof-mass": proof_mass, "noise-from": noise_file, "u-density": u_density, "u-stop": u_stop,
                "u-piece-density": u_piece_density, "u-position": u_position, "u-piece-place": u_piece_place,
                "u-angle": u_angle, "shape": shape or None},
@@ -243,10 +255,15 @@ def plan_mass_attraction(
     body = _body(cube, count, mass, inventory, material, apart, grid, gain_of(optimise, motion))
     alone = _of_body(body, constants, said, apart)
     cylinder = None if proof_mass is None else proof_mass_of(proof_mass)
+    surfaces = None if pools is None else pools_of(pools)
     refuse_overlap(body.body, (1.0, 0.0, 0.0), 0.0, 0.0, max(motion.case, reach(cylinder)))
     if shape or not motion.asked:
+        if surfaces is not None:
+            raise UsageError(
+                "--pools: without a drive nothing leans", do="Say --rig, --stroke or --travel", code="unused"
+            )
         return alone
-    return _forecast(_moved(alone, body, motion, kind, doubts, cylinder), timing, known, wanted)
+    return _forecast(_moved(alone, body, motion, kind, doubts, cylinder, surfaces), timing, known, wanted)
 
 
 def _of_body(body: MassBody, constants: Constants, stated: float | None, apart: float) -> MassPlan:
@@ -258,7 +275,7 @@ def _of_body(body: MassBody, constants: Constants, stated: float | None, apart: 
 
 def _moved(
     alone: MassPlan, body: MassBody, motion: Motion, kind: str, stated: tuple[Doubts, tuple[str, ...]],
-    proof_mass: ProofMass | None,
+    proof_mass: ProofMass | None, pools: Pools | None,
 ) -> MassPlan:  # fmt: skip
     """Return the plan with drive and budget."""
     constants = alone.constants
@@ -267,6 +284,8 @@ def _moved(
     )
     budget = budget_of(body, found, motion.direction, stated[0], constants)
     rows, curves = _of_proof_mass(body, motion, found, proof_mass)
+    mercury = None if pools is None else mercury_of(body, found, motion.direction, pools, constants)
+    rows += [] if mercury is None else [mercury_row(mercury)]
     return replace(
         alone,
         rows=(*alone.rows, *drive_rows(found, budget, constants), *rows),
@@ -274,6 +293,7 @@ def _moved(
         remarks=(*alone.remarks, *motion.remarks, *budget_remarks(stated[1], budget)),
         drive=found,
         budget=budget,
+        mercury=mercury,
     )
 
 
@@ -296,7 +316,7 @@ def _forecast(plan: MassPlan, timing: Timing, known: Known, target: float | None
     cycles = timing.cycles(len(moving.drive.positions))
     schedule = repeated(
         moving.drive.positions, moving.drive.fields, cycles=cycles, dwell=timing.dwell, move=timing.move, drive=kind,
-        u_applied=u_applied,
+        u_applied=u_applied, mercury=plan.mercury,
     )  # fmt: skip
     plan = replace(plan, schedule=schedule, inputs=known.inputs, remarks=gather([*plan.remarks, *known.remarks]))
     if not known.terms:

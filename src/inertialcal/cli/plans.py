@@ -66,6 +66,10 @@ def mass_attraction(
         ),
     ] = None,
     instrument: Annotated[str, typer.Option(help="How far the case reaches from the proof mass.")] = "0 cm",
+    pools: Annotated[
+        Text,
+        typer.Option(help='Both surfaces of a tilt meter of mercury: "0 cm,-50 cm,-10 cm; 0 cm,50 cm,-10 cm".'),
+    ] = None,
     drive: Annotated[str, typer.Option(help="Order of the dwells: sine, square or abab.")] = "sine",
     dwell: Annotated[str, typer.Option(help="Length of a dwell.")] = "100 s",
     move: Annotated[str, typer.Option(help="Pause between two dwells, in which the mass is moved.")] = "20 s",
@@ -110,7 +114,7 @@ def mass_attraction(
     found = plan_mass_attraction(
         cube=cube, count=count, mass=mass, inventory=inventory, density=density, stand_off=stand_off, grid=grid,
         optimise=optimise, stated=stated, direction=direction, rig=rig, stroke=stroke, travel=travel,
-        instrument=instrument, proof_mass=proof_mass, drive=drive,
+        instrument=instrument, proof_mass=proof_mass, pools=pools, drive=drive,
         dwell=dwell, move=move, hours=hours, noise=noise, noise_file=noise_from,
         noise_axis=noise_axis, target=target, u_density=u_density, u_piece_density=u_piece_density,
         u_position=u_position, u_stop=u_stop, u_piece_place=u_piece_place, u_angle=u_angle, big_g=big_g,

@@ -20,11 +20,13 @@ from ..core.estimate import Array
 from ..core.units import convert, parse_quantity, same_dimension
 from ..procedures.mass_attraction.schedule import Schedule
 from .encoding import decode
+from .headers import bare_name
 from .replacing import replacing
 from .source import load
 from .table import Table, read_table
 
 UNITS = {"start": "s", "stop": "s", "position": "m", "applied": "m/s^2"}
+MERCURY = {"mercury": "rad"}  # of a tilt meter, where it was computed
 COMMENT = re.compile(r"#\s*(drive|dwells a cycle|dwell|move|u of applied)\s*:\s*(.*?)\s*", re.ASCII)
 SAME = 0.05  # of what the mass changes, within which a place is the same one again
 FEW = 3  # dwells, that show no cycle
@@ -72,7 +74,8 @@ def read_schedule(path: str | Path) -> Schedule:
     """
     table = read_table(path)
     said = _comments(decode(load(path).data, str(path))[0])
-    columns = {name: _column(table, name) for name in UNITS}
+    there = UNITS | (MERCURY if "mercury" in map(bare_name, table.names) else {})
+    columns = {name: _column(table, name, unit) for name, unit in there.items()}
     dwell = _dwell(columns["stop"] - columns["start"], said, table)
     pauses = np.diff(columns["start"]) - dwell
     move = _seconds("move", said, table) if "move" in said else float(max(pauses.min(), 0.0))
@@ -82,7 +85,7 @@ def read_schedule(path: str | Path) -> Schedule:
     try:
         return Schedule(
             columns["start"], dwell, move, columns["position"], columns["applied"], drive,
-            cycle, _relative(said, table),
+            cycle, _relative(said, table), columns.get("mercury"),
         )  # fmt: skip
     except InertialcalError as error:
         raise DataError(error.problems[0].what, where=table.source.path, why="it is no schedule") from None
@@ -91,6 +94,7 @@ def read_schedule(path: str | Path) -> Schedule:
 def _text(schedule: Schedule, told: Mapping[str, str]) -> str:
     """Comments, header, rows."""
     doubt = [] if schedule.u_applied is None else [f"# u of applied: {schedule.u_applied!r}"]
+    there = UNITS if schedule.mercury is None else UNITS | MERCURY
     heads = [
         f"# drive: {schedule.drive}",
         f"# dwells a cycle: {schedule.samples_per_cycle}",
@@ -98,9 +102,9 @@ def _text(schedule: Schedule, told: Mapping[str, str]) -> str:
         f"# move: {float(schedule.move)!r} s",
         *doubt,
         *(f"# {name}: {value}" for name, value in told.items()),
-        ",".join(["dwell", *(f"{name} [{unit}]" for name, unit in UNITS.items())]),
+        ",".join(["dwell", *(f"{name} [{unit}]" for name, unit in there.items())]),
     ]
-    columns = [getattr(schedule, name).tolist() for name in UNITS]
+    columns = [getattr(schedule, name).tolist() for name in there]
     rows = [",".join([str(i), *map(repr, row)]) for i, row in enumerate(zip(*columns, strict=True), 1)]
     return "\n".join([*heads, *rows, ""])
 
@@ -111,20 +115,20 @@ def _comments(text: str) -> dict[str, str]:
     return {match[1]: match[2] for match in found if match}
 
 
-def _column(table: Table, name: str) -> Array:
+def _column(table: Table, name: str, wanted: str) -> Array:
     """Return a column in SI; every cell is a number."""
     values, unit = table.numbers(name), table.unit(name)
-    if unit is None or not same_dimension(unit, UNITS[name]):
+    if unit is None or not same_dimension(unit, wanted):
         raise DataError(
             f"column {name!r} has " + (f"the unit {unit}" if unit else "no unit"),
             where=table.source.path,
-            do=f"Write it as {name} [{UNITS[name]}]",
+            do=f"Write it as {name} [{wanted}]",
             code="wrong_unit",
         )
     empty = np.flatnonzero(np.isnan(values))
     if len(empty):
         raise DataError(f"{name} is empty", where=table.where(int(empty[0])), why="a dwell needs it", code="missing")
-    return convert(values, unit, UNITS[name])
+    return convert(values, unit, wanted)
 
 
 def _dwell(lengths: Array, said: dict[str, str], table: Table) -> float:

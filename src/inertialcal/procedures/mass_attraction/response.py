@@ -21,7 +21,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from ...core.constants import STANDARD_GRAVITY
-from ...core.errors import DataError
+from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...signals.sine import LineFit
 from .line import Fitted, fit_line, fit_lines, fits_better_late
@@ -192,11 +192,32 @@ def tilt_used(plan: Plan, run: Run) -> str:
 def _pad_tilt(plan: Plan, run: Run) -> Array:
     """Return the tilt of the pad about its mean, as it is felt, what the mass does to the mercury taken off [rad]."""
     assert run.tilt is not None  # noqa: S101 - asked before
-    shape = (run.schedule.applied - run.schedule.applied.mean()) / run.schedule.amplitude
-    tilt = run.tilt - (plan.mercury * shape if run.moved else 0.0)
+    tilt = run.tilt - (_of_mercury(plan, run) if run.moved else 0.0)
     with np.errstate(invalid="ignore"):
         middle = np.nanmean(tilt) if np.isfinite(tilt).any() else 0.0
     return np.asarray(plan.tilt_sign * (tilt - middle))
+
+
+def _of_mercury(plan: Plan, run: Run) -> Array:
+    """Return the tilt of the meter's mercury in each dwell, by the schedule, or by the amplitude of the plan [rad].
+
+    Raises
+    ------
+    PlanError
+        If both say it.
+    """
+    schedule = run.schedule
+    if schedule.mercury is None:
+        found: Array = plan.mercury * (schedule.applied - schedule.applied.mean()) / schedule.amplitude
+        return found
+    if plan.mercury:
+        raise PlanError(
+            f"{run.name}: the tilt of the mercury is stated twice: mercury of the plan, and a column of the schedule",
+            why="it would be taken off once only, and nobody says which",
+            do="Leave out one of them",
+            code="contradiction",
+        )
+    return schedule.mercury
 
 
 def _check_slip(run: Run, x: Array) -> None:

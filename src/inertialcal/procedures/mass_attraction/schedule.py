@@ -46,6 +46,8 @@ class Schedule:
         Dwells a cycle.
     u_applied : float, optional
         Relative standard uncertainty of the amplitude applied [1]; None where nobody said.
+    mercury : ndarray, shape (n,), optional
+        Tilt of the surface of a meter's mercury that the mass makes, as the meter reads it [rad].
 
     Raises
     ------
@@ -61,9 +63,10 @@ class Schedule:
     drive: Drive = "custom"
     samples_per_cycle: int = 2
     u_applied: float | None = None
+    mercury: Array | None = None
 
     def __post_init__(self) -> None:
-        for name in ("start", "position", "applied"):
+        for name in self._columns:
             object.__setattr__(self, name, _numbers(name, getattr(self, name)))
         self._check_lengths()
         self._check_times()
@@ -71,6 +74,11 @@ class Schedule:
 
     def __len__(self) -> int:
         return len(self.start)
+
+    @property
+    def _columns(self) -> tuple[str, ...]:
+        """Names of what each dwell has."""
+        return ("start", "position", "applied", *(() if self.mercury is None else ("mercury",)))
 
     @property
     def step(self) -> float:
@@ -103,7 +111,7 @@ class Schedule:
         return float(np.ptp(self.applied) / 2.0)
 
     def _check_lengths(self) -> None:
-        shapes = {name: np.shape(getattr(self, name)) for name in ("start", "position", "applied")}
+        shapes = {name: np.shape(getattr(self, name)) for name in self._columns}
         if len(set(shapes.values())) > 1 or len(self.start) < 2:
             found = ", ".join(f"{name} {shape}" for name, shape in shapes.items())
             raise PlanError(f"a schedule needs two or more dwells, each with a place: {found}", code="schedule")
@@ -142,6 +150,7 @@ def repeated(
     move: float,
     drive: Drive = "custom",
     u_applied: float | None = None,
+    mercury: ArrayLike | None = None,
 ) -> Schedule:
     """Return the schedule of one cycle repeated, evenly in time from zero.
 
@@ -157,6 +166,8 @@ def repeated(
         Name of the order.
     u_applied : float, optional
         Relative standard uncertainty of the amplitude [1].
+    mercury : array_like, shape (dwells of a cycle,), optional
+        Tilt of a meter's mercury there [rad].
 
     Raises
     ------
@@ -168,7 +179,8 @@ def repeated(
     place, field = np.asarray(positions, dtype=float), np.asarray(applied, dtype=float)
     start: Array = np.arange(cycles * len(place), dtype=np.float64) * (dwell + move)
     return Schedule(
-        start, dwell, move, np.tile(place, cycles), np.tile(field, cycles), drive, len(place), u_applied
+        start, dwell, move, np.tile(place, cycles), np.tile(field, cycles), drive, len(place), u_applied,
+        None if mercury is None else np.tile(np.asarray(mercury, dtype=float), cycles),
     )  # fmt: skip
 
 
