@@ -14,8 +14,10 @@ import pytest
 from typed_commands import call, call_json
 
 from inertialcal import load_model
+from inertialcal.campaign.compare import compare
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
+from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
 from inertialcal.files import read
 from inertialcal.rigs.hand_held import FAULTS, Bench, build, draw_unit, held
@@ -92,6 +94,8 @@ def test_models_and_figure_are_written(found: dict[str, Any]) -> None:
     acc, gyro = load_model(folder / "m_acc.json"), load_model(folder / "m_gyro.json")
     assert (acc.kind, gyro.kind) == ("accelerometer", "gyro")
     assert gyro.g_sensitivity is not None
+    with pytest.raises(DataError, match="one is a model of the accelerometer, the other of the gyro"):
+        compare(folder / "m_acc.json", folder / "m_gyro.json")
     rows = {(row["test"], row["quantity"], row["axis"]): row["value"] for row in found["results"]}
     assert acc.matrix[0][0, 0] == pytest.approx(1.0 + 0.01 * rows["accelerometer", "scale_factor_error", "x"])
     assert "<svg" in (folder / "f.svg").read_text(encoding="utf-8")
@@ -174,13 +178,22 @@ def test_labelled_parts_of_faces_and_turns(
 ) -> None:
     path, sections, _ = ferraris
     content = call_json(capsys, "positions", path, *SI, "--sections", sections, *STATED)
-    rows = {(row["test"], row["quantity"], row["axis"]): row for row in content["results"]}
+    rows = {(row["test"], row["quantity"], row["axis"]): row for row in content["results"] if not row["condition"]}
     bench = Bench(variant="ferraris", records=1, dwell=2.0, first=2.0)
     for true in build(bench, 1).truth:
         row = rows[true.test, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
             assert row["value"] == pytest.approx(100.0 * true.value, abs=5.0 * row["u"]), true
     assert "relative_to_fixture" not in {one["code"] for one in content["remarks"]}
+    beside = [row for row in content["results"] if row["condition"] == "as_published"]
+    assert len(beside) == 15 + 15 + 9  # K, R and b of both sensors, K_ga
+    assert {(row["u"], row["interval"]) for row in beside} == {(None, None)}
+    form = {(row["test"], row["quantity"], row["axis"]): row["value"] for row in beside}
+    for true in build(bench, 1).truth:
+        if true.quantity == "scale_factor_error":
+            assert form[true.test, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
+        if true.quantity == "misalignment" and true.test == "accelerometer" and abs(true.value) > 8e-3:
+            assert form[true.test, "direction_cosine", true.axis] == pytest.approx(true.value, abs=4e-3), true
     turned = call_json(capsys, "positions", path, *SI, "--sections", sections, "--turn", "-360 deg")
     assert "turn_sense" in {one["code"] for one in turned["remarks"]}
 

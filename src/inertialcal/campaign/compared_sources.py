@@ -41,6 +41,8 @@ class Compared:
         Sources of Type B uncertainty.
     recordings : mapping of str to str
         SHA-256 -> path of each recording that went in, as far as ``provenance.json`` lies beside.
+    sensor : str
+        What a model senses: ``"accelerometer"``, ``"gyro"``; empty for results.
     """
 
     path: str
@@ -49,6 +51,7 @@ class Compared:
     serial: str
     type_b: frozenset[str]
     recordings: Mapping[str, str]
+    sensor: str = ""
 
 
 def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> tuple[Kind, Compared, Compared]:
@@ -62,7 +65,8 @@ def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> 
     Raises
     ------
     DataError
-        ``different_kinds`` for a model and results; ``no_results`` for a folder that was never run;
+        ``different_kinds`` for a model and results, or models of an accelerometer and a gyro;
+        ``no_results`` for a folder that was never run;
         ``schema`` for a file that is neither; and as ``find_model``.
     """
     kinds = [_kind_of(Path(path)) for path in (first, second)]
@@ -76,6 +80,14 @@ def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> 
                 code="different_kinds",
             )
     one, other = (_model(Path(path)) if kind == "models" else _results(Path(path)) for path in (first, second))
+    if one.sensor != other.sensor:
+        raise DataError(
+            f"one is a model of the {one.sensor}, the other of the {other.sensor}",
+            where=f"{one.path}, {other.path}",
+            why="their figures have the same names, and are of two things",
+            do="Name two models of one kind of sensor",
+            code="different_kinds",
+        )
     return kind, one, other
 
 
@@ -117,6 +129,7 @@ def _model(path: Path) -> Compared:
         model.item.serial,
         frozenset(one.source for one in components if one.kind == "B"),
         _recordings(Path(source.path)),
+        model.kind,
     )
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from ..core.constants import EARTH_ROTATION_RATE
 from ..core.estimate import Array
 from ..procedures import positions
-from ..procedures.positions.at_rest import earth_in_g
+from ..procedures.positions.earth_rate import earth_in_g
 from ..procedures.positions.gyro import FittedGyro, problem_of
 from ..procedures.positions.linear_sensor import LinearSensor
 from ..procedures.positions.plan import AXES, local_gravity

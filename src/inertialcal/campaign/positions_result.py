@@ -58,8 +58,10 @@ class OfSensor:
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json`` of the sensor, SI."""
-        mine = [replace(row, condition="") for row in self.whole.rows() if row.condition == self.kind]
-        return tuple(by_quantity(mine))
+        rows = self.whole.rows()
+        mine = [replace(row, condition="") for row in rows if row.condition == self.kind]
+        beside = [replace(row, test="") for row in rows if row.test == self.kind]  # the published closed form
+        return tuple(by_quantity([*mine, *beside]))
 
     def curves(self) -> list[Curve]:
         """Curves of ``results.json`` of the sensor, SI."""

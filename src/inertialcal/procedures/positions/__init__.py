@@ -33,6 +33,7 @@ from ...sensors.model import Kind, SensorModel
 from .accelerometer import Fitted, fit_known, fit_unknown
 from .at_rest import at_rest
 from .checks import check_units, judged_scale, start_of
+from .earth_rate import apart, joined
 from .gyro import FittedGyro, fit_gyro, problem_of
 from .held_out import HeldOut, held_out
 from .linear_sensor import LinearSensor, rounded_scale, with_ideal
@@ -193,16 +194,18 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
     known = si or plan.gyro_scale_factor is not None
     ideal, zero = by_axis(plan.gyro_scale_factor, 1.0), by_axis(plan.gyro_zero, 0.0)
     start: Array = np.eye(3)
-    rest = None
+    force = acc.sensor.applied(readings.acc.mean)
+    north = apart(force)
     if readings.transitions or readings.turns:
-        rest = at_rest(plan, readings.gyro, acc.sensor.applied(readings.acc.mean), ideal, zero)
-        start = start_of(problem_of(plan, readings, acc, rest, ideal, zero), known)
+        rough = problem_of(plan, readings, acc, at_rest(plan, readings.gyro, force, ideal, zero), ideal, zero)
+        start = start_of(rough, known)
+        north = joined(rough, force, start)
     if not known:  # the scale factor that is found, rounded, is what errors then refer to
         size = float(np.cbrt(abs(np.linalg.det(start))))
-        first = fit_gyro(plan, readings, acc, ideal / size, zero, start / size)
+        first = fit_gyro(plan, readings, acc, ideal / size, zero, start / size, north)
         ideal = rounded_scale(first.sensor, np.ones(3, dtype=bool))
         start = np.asarray(np.linalg.inv(with_ideal(first.sensor, ideal, zero).matrix), dtype=np.float64)
-    fitted = fit_gyro(plan, readings, acc, ideal, zero, start, rest if known else None)
+    fitted = fit_gyro(plan, readings, acc, ideal, zero, start, north)
     if fitted.rotated is None:
         return fitted, []
     return fitted, judged_scale(fitted.rotated.W, fitted.rotated.seen.told[[0, 4, 8]], readings.gyro.unit, known)

@@ -3,7 +3,7 @@
 ``reading_k = b + G f_k + earth rate + scatter between positions``, each sensor by itself. Specific force at rest points
 up, so that the part of the earth rate along the vertical goes with f: where the latitude is known it is taken off,
 ``G = G_seen - A omega sin(latitude) / g``; where it is not, it is an uncertainty of G. What the horizontal part adds
-changes with the heading of each position and belongs to the scatter.
+changes with the heading of each position, which the rotations tell but for the first (``earth_rate``).
 """
 
 from __future__ import annotations
@@ -13,10 +13,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
-from ...core.influence import Influence
 from ...statistics.two_levels import TwoLevels, fit_two_levels
+from .earth_rate import LEVEL, Carried, level_covariance, level_influence
 from .linear_sensor import Source
 from .outliers import found_outliers
 from .plan import Plan, local_gravity
@@ -26,7 +25,6 @@ FEWEST = 6  # positions from which g-sensitivity is told from scatter
 LEAST_SPREAD = 0.05  # least singular value of the directions, one where they are spread evenly
 INSIDE = "noise inside positions"
 BETWEEN = "scatter between positions, gyros at rest"
-EARTH = "earth rate along the vertical"
 NEED = f"needs {FEWEST} positions that point into all directions"
 
 Flags = NDArray[np.bool_]
@@ -68,7 +66,7 @@ class AtRest:
         return None if self.fits is None else np.array([one.between for one in self.fits])
 
 
-def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array) -> AtRest:
+def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, north: Carried | None = None) -> AtRest:
     """Return bias and g-sensitivity from static positions.
 
     Parameters
@@ -81,24 +79,42 @@ def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array) -
         Specific force in the positions, in the body frame [m/s^2].
     ideal, zero : ndarray, shape (3,)
         To which the readings are taken.
+    north : Carried, optional
+        How the earth rate across the vertical is carried through the positions; without it nothing is judged: a start.
     """
     r, inside = (triad.mean - zero) / ideal, (triad.u / ideal) ** 2
     with_g, reason = _wanted(plan, force)
     design = np.hstack([np.ones((len(r), 1)), force]) if with_g else np.ones((len(r), 1))
-    outliers = np.zeros(len(r), dtype=bool)
-    for k in range(3):
-        outliers |= found_outliers(design, r[:, k], {INSIDE: inside[:, k]}, np.arange(len(r)), plan.outlier_risk / 3.0)
+    outliers, fits = np.zeros(len(r), dtype=bool), None
+    if north is not None:
+        outliers, fits = _judged(plan, design, r, inside, level_covariance(plan, north))
     kept = ~outliers
     found = np.linalg.lstsq(design[kept], r[kept], rcond=None)[0]
-    fits = None
-    if np.sum(kept) > design.shape[1] and np.all(np.ptp(r[kept], axis=0) > 0.0):
-        fits = tuple(fit_two_levels(design[kept], r[kept, k], {INSIDE: inside[kept, k]}) for k in range(3))
+    if fits is not None:
         found = np.column_stack([one.coefficients for one in fits])
     residuals = r - design @ found
     centred = r[kept] - r[kept].mean(axis=0)
     share = 1.0 - float(np.sum(residuals[kept] ** 2) / np.sum(centred**2)) if with_g else float("nan")
     G = np.asarray(found[1:].T, dtype=np.float64) if with_g else None
     return AtRest(np.asarray(found[0]), G, fits, residuals, outliers, reason, share)
+
+
+def _judged(
+    plan: Plan, design: Array, r: Array, inside: Array, level: Array
+) -> tuple[Flags, tuple[TwoLevels, ...] | None]:
+    """Return which positions disagree, and the fits of the others, where there are enough of them."""
+    outliers = np.zeros(len(r), dtype=bool)
+    for k in range(3):
+        known = {INSIDE: inside[:, k], LEVEL: level[k]}
+        outliers |= found_outliers(design, r[:, k], known, np.arange(len(r)), plan.outlier_risk / 3.0)
+    kept = ~outliers
+    if np.sum(kept) <= design.shape[1] or not np.all(np.ptp(r[kept], axis=0) > 0.0):
+        return outliers, None
+    some = np.ix_(kept, kept)
+    fits = tuple(
+        fit_two_levels(design[kept], r[kept, k], {INSIDE: inside[kept, k], LEVEL: level[k][some]}) for k in range(3)
+    )
+    return outliers, fits
 
 
 def _wanted(plan: Plan, force: Array) -> tuple[bool, str]:
@@ -111,17 +127,7 @@ def _wanted(plan: Plan, force: Array) -> tuple[bool, str]:
     return (True, "") if smallest >= LEAST_SPREAD else (False, f"the positions lie in one plane: {NEED}")
 
 
-def earth_in_g(plan: Plan, matrix: Array) -> tuple[Array, Source | None]:
-    """Return what the vertical earth rate adds to G, shape (3, 3), and its uncertainty over bias and G, (12, 12)."""
-    per_force = matrix * EARTH_ROTATION_RATE.value / local_gravity(plan)
-    if plan.latitude is not None:
-        return np.asarray(per_force * np.sin(plan.latitude)), None
-    change = np.concatenate([np.zeros(3), (per_force / np.sqrt(3.0)).ravel()])  # sine of a place anywhere: flat
-    influence = Influence(EARTH_ROTATION_RATE.value / np.sqrt(3.0), "rad/s", distribution="rectangular")
-    return np.zeros((3, 3)), Source(EARTH, "B", np.outer(change, change), np.inf, influence)
-
-
-def sources_of(rest: AtRest) -> tuple[Source, ...]:
+def sources_of(plan: Plan, rest: AtRest) -> tuple[Source, ...]:
     """Return the uncertainty of bias and G, in the order b_x, b_y, b_z, G_xx, ..., G_zz, shape (12, 12).
 
     Where the noise inside explains more than the positions scatter, their mean square decides all the same, with its
@@ -133,14 +139,16 @@ def sources_of(rest: AtRest) -> tuple[Source, ...]:
     for name, parts in (
         (BETWEEN, [one.between_part for one in rest.fits]),
         (INSIDE, [_by_mean_square(one) * one.parts[INSIDE] for one in rest.fits]),
+        (LEVEL, [one.parts[LEVEL] for one in rest.fits]),
     ):
         covariance, dof = np.zeros((12, 12)), np.full(12, np.inf)
         for k, (one, part) in enumerate(zip(rest.fits, parts, strict=True)):
             at = np.array([k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k])[: len(part)]
             covariance[np.ix_(at, at)] = 0.5 * (part + part.T)
-            own = one.between_dof
-            dof[[k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k]] = own if name == BETWEEN or one.between == 0.0 else np.inf
-        found.append(Source(name, "A", covariance, dof))
+            judged = name == BETWEEN or (name == INSIDE and one.between == 0.0)
+            dof[[k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k]] = one.between_dof if judged else np.inf
+        stated = level_influence(plan) if name == LEVEL else None
+        found.append(Source(name, "B" if stated else "A", covariance, dof, stated))
     return tuple(found)
 
 

@@ -10,7 +10,6 @@ a known covariance of the readings it costs little where the readings are good e
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -95,8 +94,3 @@ def earth_in_g(plan: Plan, matrix: Array) -> tuple[Array, Source | None]:
     change = np.concatenate([np.zeros(3), (per_force / np.sqrt(3.0)).ravel()])  # sine of a place anywhere: flat
     influence = Influence(EARTH_ROTATION_RATE.value / np.sqrt(3.0), "rad/s", distribution="rectangular")
     return np.zeros((3, 3)), Source(VERTICAL, "B", np.outer(change, change), np.inf, influence)
-
-
-def influences(plan: Plan) -> Mapping[str, Influence]:
-    """Return what is known of the sources that the fit at rest carries, by their names."""
-    return {LEVEL: level_influence(plan)}

@@ -13,7 +13,8 @@ import numpy as np
 
 from ...core.estimate import Array
 from .accelerometer import Fitted, mounting_source
-from .at_rest import EARTH, AtRest, at_rest, earth_in_g, sources_of
+from .at_rest import AtRest, at_rest, sources_of
+from .earth_rate import VERTICAL, Carried, apart, earth_in_g
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source
 from .plan import Plan, local_gravity
 from .readings import Readings, Rotation
@@ -69,7 +70,7 @@ def fit_gyro(
     ideal: Array,
     zero: Array,
     start: Array,
-    rest: AtRest | None = None,
+    north: Carried | None = None,
 ) -> FittedGyro:
     """Return the gyros.
 
@@ -85,12 +86,12 @@ def fit_gyro(
         To which readings of the gyros are taken.
     start : ndarray, shape (3, 3)
         Inverse of the matrix to begin with.
-    rest : AtRest, optional
-        Of the same readings, to the same ideal scale factor, where it is there already.
+    north : Carried, optional
+        How the earth rate is carried through the positions; absent: they are not joined.
     """
     assert readings.gyro is not None  # noqa: S101 - the caller has looked
     force = acc.sensor.applied(readings.acc.mean)
-    rest = rest or at_rest(plan, readings.gyro, force, ideal, zero)
+    rest = at_rest(plan, readings.gyro, force, ideal, zero, north or apart(force))
     if not readings.transitions and not readings.turns:
         return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
     problem = problem_of(plan, readings, acc, rest, ideal, zero)
@@ -144,9 +145,9 @@ def _sensor(
     G = seen_g - earth if rest.g_sensitivity is not None else seen_g
     values = np.concatenate([A.ravel(), rest.bias, G.ravel()])
     forward: Array = np.asarray(-np.kron(A, A.T), dtype=np.float64)  # dA = -A dW A, row by row
-    found = [*_of_rotations(plan, rotated, forward), *_of_rest(rest, rotated, forward)]
+    found = [*_of_rotations(plan, rotated, forward), *_of_rest(plan, rest, rotated, forward)]
     if unknown is not None and rest.g_sensitivity is not None:
-        found.append(_widened(unknown, EARTH))
+        found.append(_widened(unknown, VERTICAL))
     if rotated is not None:
         found.append(_of_accelerometers(acc, rotated, force, forward))
     found += _common(plan, readings, values, rotated is not None)
@@ -170,16 +171,16 @@ def _of_rotations(plan: Plan, rotated: Rotated | None, forward: Array) -> list[S
     return found
 
 
-def _of_rest(rest: AtRest, rotated: Rotated | None, forward: Array) -> list[Source]:
+def _of_rest(plan: Plan, rest: AtRest, rotated: Rotated | None, forward: Array) -> list[Source]:
     back = np.zeros((21, 12))
     back[9:] = np.eye(12)
     if rotated is not None:
         back[:9] = forward @ rotated.by_rest
     found = []
-    for one in sources_of(rest):
+    for one in sources_of(plan, rest):
         own = np.broadcast_to(np.asarray(one.dof, dtype=float), (12,))
         dof = np.concatenate([np.full(9, own[:3].min()), own])
-        found.append(Source(one.name, one.kind, _moved(back, one.covariance), dof))
+        found.append(Source(one.name, one.kind, _moved(back, one.covariance), dof, one.influence))
     return found
 
 

@@ -22,10 +22,14 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.results import Row
+from ...core.units import normalise
 from .plan import AXES
 from .readings import Readings, Rotation
 
 CONDITION = "as_published"
+REASON = "the closed form has no uncertainty"
+UNIT = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 ALONG = 0.999  # cosine of the angle from an axis
 
 
@@ -76,6 +80,39 @@ def ferraris(readings: Readings, gravity: float) -> Ferraris:
         sums[:, k] = interval * (one.gyro - b_g - force @ K_ga.T).sum(axis=0) / _angle(one)
     K_g, R_g = _split(sums)
     return Ferraris(K_a, R_a, b_a, K_g, R_g, K_ga, b_g)
+
+
+def published_rows(readings: Readings, gravity: float) -> list[Row]:
+    """Return the closed form as rows beside the default, in the unit of the readings; none where it cannot be had.
+
+    ``scale_factor`` is K, ``direction_cosine`` R, ``bias`` b and ``g_sensitivity`` K_ga, each with the sensor as test.
+    """
+    try:
+        found = ferraris(readings, gravity)
+    except DataError:
+        return []  # other positions than its six faces and three turns: the closed form is not asked for
+    assert readings.gyro is not None  # noqa: S101 - else it is refused
+    acc, gyro = readings.acc.unit, readings.gyro.unit
+    return [
+        *_of("accelerometer", acc, {"scale_factor": found.K_a, "direction_cosine": found.R_a, "bias": found.b_a}),
+        *_of("gyro", gyro, {"scale_factor": found.K_g, "direction_cosine": found.R_g, "bias": found.b_g}),
+        *_of("gyro", normalise(f"({gyro})/(m/s^2)"), {"g_sensitivity": found.K_ga}),
+    ]
+
+
+def _of(kind: str, unit: str, values: dict[str, Array]) -> list[Row]:
+    """Return the rows of one sensor, row by row of each matrix."""
+    ratio = "1" if unit == UNIT[kind] else normalise(f"({unit})/({UNIT[kind]})")
+    units = {"scale_factor": ratio, "direction_cosine": "1"}
+    rows = []
+    for quantity, numbers in values.items():
+        axes = AXES if numbers.ndim == 1 else [a + b for a in AXES for b in AXES]
+        rows += [
+            Row(quantity, axis, float(value), None, units.get(quantity, unit), reason=REASON, test=kind,
+                condition=CONDITION)
+            for axis, value in zip(axes, numbers.ravel(), strict=True)
+        ]  # fmt: skip
+    return rows
 
 
 def _split(matrix: Array) -> tuple[Array, Array]:

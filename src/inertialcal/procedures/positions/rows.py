@@ -1,6 +1,6 @@
 """Rows of a result of positions: every quantity with its uncertainty, or the reason why there is none.
 
-The condition says whose: ``accelerometer`` or ``gyro``.
+The condition says whose: ``accelerometer`` or ``gyro``. Of the published closed form beside them the test does.
 """
 
 from __future__ import annotations
@@ -14,7 +14,8 @@ from ...core.results import Row, not_estimated
 from ...sensors.model import Kind
 from ...statistics.intervals import chi_square_interval, t_interval
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor
-from .plan import AXES, INFLUENCES
+from .plan import AXES, INFLUENCES, local_gravity
+from .published import published_rows
 from .quantities import SCALE, UNIT, reasons, units_of
 
 if TYPE_CHECKING:
@@ -30,7 +31,7 @@ def rows(result: Result) -> list[Row]:
     if result.gyro is not None:
         found += _of_sensor(result, "gyro", result.gyro.sensor, result.estimates.get("gyro"))
         found += _gyro_scatter(result)
-    return found
+    return found + published_rows(result.readings, local_gravity(result.plan))
 
 
 def _of_sensor(result: Result, kind: Kind, sensor: LinearSensor, estimate: Estimate | None) -> list[Row]:

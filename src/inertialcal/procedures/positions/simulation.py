@@ -8,6 +8,7 @@ acts always, its horizontal part at rest.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -100,15 +101,15 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     sine = rng.uniform(-1.0, 1.0) if truth.sine_of_latitude is None else truth.sine_of_latitude
     G_seen = truth.g_sensitivity + truth.gyro_matrix * EARTH_ROTATION_RATE.value * sine / g
     gyro_mean = force @ G_seen.T + truth.gyro_bias + rng.normal(0.0, truth.gyro_between, (m, 3))
-    gyro_mean = gyro_mean + _level_earth_rate(lain, sine, rng) @ truth.gyro_matrix.T
-    acc = _triad(acc_mean, truth.acc_noise, truth.samples, "m/s^2", rng)
-    gyro = _triad(gyro_mean, truth.gyro_noise, truth.samples, "rad/s", rng)
     if truth.turns is None:
         vectors = [_between(lain[k], lain[k + 1]) for k in range(m - 1)]
         starts = lain[:-1]
     else:
         vectors = [_turned(plan, one, mounting, rng) for one in truth.turns]
         starts = np.array([one / np.linalg.norm(one) for one in truth.turns])
+    gyro_mean = gyro_mean + _level_earth_rate(truth, lain, vectors, sine, rng) @ truth.gyro_matrix.T
+    acc = _triad(acc_mean, truth.acc_noise, truth.samples, "m/s^2", rng)
+    gyro = _triad(gyro_mean, truth.gyro_noise, truth.samples, "rad/s", rng)
     rotations = [
         _rotation(truth, vector, start, g, clock, k, G_seen, rng)
         for k, (vector, start) in enumerate(zip(vectors, starts, strict=True))
@@ -117,10 +118,20 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     return Readings(acc, gyro, tuple(rotations), truth.directions if truth.known else None, where=where)
 
 
-def _level_earth_rate(up: Array, sine: float, rng: np.random.Generator) -> Array:
-    """Return the horizontal part of the earth rate in positions of any heading, along the body axes, shape (m, 3)."""
+def _level_earth_rate(
+    truth: Truth, up: Array, vectors: Sequence[Array], sine: float, rng: np.random.Generator
+) -> Array:
+    """Return the horizontal part of the earth rate along the body axes, shape (m, 3).
+
+    The first position has any heading, and transitions carry it; where turns are made apart, each has its own.
+    """
     heading = np.cross(up, rng.normal(size=up.shape))
     heading /= np.linalg.norm(heading, axis=1)[:, None]
+    if truth.turns is None:
+        for k, vector in enumerate(vectors):
+            angle = float(np.linalg.norm(vector))
+            axis = vector / angle if angle > 0.0 else up[k]
+            heading[k + 1] = _carried(heading[k], axis, np.array([angle]))[0]
     return np.asarray(EARTH_ROTATION_RATE.value * np.sqrt(1.0 - sine**2) * heading)
 
 
