@@ -99,3 +99,13 @@ def test_each_of_several_records_has_its_column_in_a_table_of_its_own() -> None:
     assert "day1 day2 angle random walk x deg/h 0.300 ± 0.010 0.400 ± 0.010" in rendered(
         "alone", lines=section.lines, names=section.alone
     )
+
+
+def test_what_only_single_records_have_is_no_empty_line_of_the_table_of_all() -> None:
+    rows = [row("angle_random_walk", 0.2), row("rate_ramp", 0.1, condition="run day1 alone")]
+    rows += [row("bias_instability", 0.3, condition="as_published")]
+    (section,) = sections(wrap(rows, "/results"), [], [], [])
+    assert [line.quantity for line in section.together] == ["angle_random_walk", "bias_instability"]
+    table = rendered("lines", lines=section.together, ways=section.ways, elsewhere=set())
+    assert "bias instability x" in table
+    assert "rate ramp" not in table

@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.recording import Recording
 from ..core.remarks import Remark
 from ..core.result_tables import figures, told
@@ -57,8 +57,7 @@ class RateTableFile:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which column was what, the figures in the unit of the file, how many remarks."""

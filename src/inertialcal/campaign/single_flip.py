@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.influence import Influence
 from ..core.recording import Recording
 from ..core.remarks import Remark, gather
@@ -65,8 +65,7 @@ class FlipFile:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: the figures in the unit of the files, how many remarks."""

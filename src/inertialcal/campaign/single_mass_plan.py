@@ -14,7 +14,7 @@ from typing import Any
 from ..core.curve import Curve
 from ..core.errors import UsageError
 from ..core.estimate import Array
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.remarks import Remark, gather
 from ..core.result_tables import told
 from ..core.results import Row
@@ -99,8 +99,7 @@ class MassPlan:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: body, field and drive, budget, forecast, how many remarks."""

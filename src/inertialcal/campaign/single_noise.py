@@ -8,7 +8,7 @@ from typing import Any
 
 from ..core.curve import Curve
 from ..core.errors import DataError, Problem, UsageError
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.recording import Recording
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
@@ -122,8 +122,7 @@ class NoiseFile:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: the figures of each sensor, how long to record, how many remarks."""

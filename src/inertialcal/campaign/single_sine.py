@@ -8,7 +8,7 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import UsageError
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
 from ..core.results import Row
@@ -55,8 +55,7 @@ class SineFile:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: what was fitted, the figures, how many remarks."""

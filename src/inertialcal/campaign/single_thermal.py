@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
@@ -59,8 +59,7 @@ class ThermalFile:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which channel was what, the figures in the unit of the files, how many remarks."""

@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from . import figures
 from .options import Json, Quiet, Units
-from .output import clean, json_out, wrapped
-
-if TYPE_CHECKING:
-    from ..campaign.single_mass_attraction import MassAttractionFile
+from .output import json_out
 
 Files = Annotated[list[Path], typer.Argument(help="Records with the mass moved, each a run.", show_default=False)]
 
@@ -59,6 +56,7 @@ def mass_attraction(
     """Scale factor from a moved mass: its line in the drift, with the error from the lines beside it."""
     from ..campaign.single_mass_attraction import mass_attraction as reduce_files
     from .recordings import units_of
+    from .summary import print_reduced
 
     figures.check_figure(output, {"--figure": figure})
     found = reduce_files(
@@ -76,18 +74,6 @@ def mass_attraction(
         content |= {"remarks": [one.to_dict() for one in found.remarks], "columns": dict(found.columns)}
         json_out("mass-attraction", content | ({"written": str(output)} if line else {}))
     elif not quiet:
-        _print(found, line)
+        rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
+        print_reduced(found.columns, rows, remarks, line)
     return 0
-
-
-def _print(found: MassAttractionFile, line: str) -> None:
-    """Print which channel was what, the figures, what there is to say of them, and what was written."""
-    from .summary import remarks_text, results_text
-
-    taken = ", ".join(f"{what} = {clean(name)}" for what, name in found.columns.items())
-    print(wrapped(f"columns: {taken}"))
-    print(results_text({"results": [row.to_dict() for row in found.rows]}))
-    for text in remarks_text([remark.to_dict() for remark in found.remarks]):
-        print(text)
-    if line:
-        print(line)

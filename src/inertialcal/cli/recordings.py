@@ -9,7 +9,7 @@ import typer
 
 from . import figures
 from .options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
-from .output import clean, json_out, wrapped
+from .output import json_out
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
 
@@ -160,10 +160,7 @@ def _by_axis(value: Any) -> list[tuple[str, Any]]:
 
 
 def _print(columns: dict[str, Any], rows: list[dict[str, Any]], remarks: list[dict[str, Any]]) -> None:
-    from .summary import remarks_text, results_text
+    from .summary import print_reduced
 
-    taken = {f"{what} {key}".strip(): name for what, value in columns.items() for key, name in _by_axis(value)}
-    print(wrapped("columns: " + ", ".join(f"{what} = {clean(str(name))}" for what, name in taken.items())))
-    print(results_text({"results": rows}))
-    for text in remarks_text(remarks):
-        print(text)
+    taken = {f"{what} {key}".strip(): str(name) for what, value in columns.items() for key, name in _by_axis(value)}
+    print_reduced(taken, rows, remarks)

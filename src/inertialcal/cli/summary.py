@@ -10,7 +10,7 @@ from ..core.remarks import Remark
 from ..core.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ..core.rounding import number
 from ..core.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
-from .output import table, wrapped
+from .output import clean, table, wrapped
 
 DOUBT = "in doubt"  # beginning of the reason of a figure that may not hold
 
@@ -149,3 +149,15 @@ def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     order = {"error": 0, "warning": 1, "info": 2}
     for remark in sorted(remarks, key=lambda one: order[str(one["severity"])]):
         yield wrapped(str(Remark(**remark)), "    ")
+
+
+def print_reduced(
+    columns: Mapping[str, str], rows: Sequence[Mapping[str, Any]], remarks: Sequence[Mapping[str, Any]], line: str = ""
+) -> None:
+    """Print which channel was what, the figures, what there is to say of them, and what was written."""
+    print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in columns.items())))
+    print(results_text({"results": rows}))
+    for text in remarks_text(remarks):
+        print(text)
+    if line:
+        print(line)

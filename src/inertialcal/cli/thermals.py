@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import Annotated, Any
 
 import typer
 
 from . import figures
 from .options import Json, Quiet, Start, Stop, Units
-from .output import clean, json_out, wrapped
-
-if TYPE_CHECKING:
-    from ..campaign.single_thermal import ThermalFile
+from .output import json_out
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings, each of a power-up of its own.", show_default=False)]
 
@@ -53,6 +50,7 @@ def thermal(
     from ..campaign.single_thermal import thermal as reduce_files
     from .pairs import pairs
     from .recordings import units_of
+    from .summary import print_reduced
 
     figures.check_figure(output, {"--figure": figure, "--axis": axis})
     found = reduce_files(
@@ -70,18 +68,6 @@ def thermal(
         content |= {"remarks": [one.to_dict() for one in found.remarks], "columns": dict(found.columns)}
         json_out("thermal", content | ({"written": str(output)} if line else {}))
     elif not quiet:
-        _print(found, line)
+        rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
+        print_reduced(found.columns, rows, remarks, line)
     return 0
-
-
-def _print(found: ThermalFile, line: str) -> None:
-    """Print which channel was what, the figures, what there is to say of them, and what was written."""
-    from .summary import remarks_text, results_text
-
-    taken = ", ".join(f"{what} = {clean(name)}" for what, name in found.columns.items())
-    print(wrapped(f"columns: {taken}"))
-    print(results_text({"results": [row.to_dict() for row in found.rows]}))
-    for text in remarks_text([remark.to_dict() for remark in found.remarks]):
-        print(text)
-    if line:
-        print(line)

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from .errors import UsageError
+from .results import Row
 
 
 def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> Any:
@@ -23,3 +24,9 @@ def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> Any
             "to_frame() needs pandas, which is not installed", do="Type: pip install 'inertialcal[frame]'"
         ) from None
     return pd.DataFrame(dict(columns), index=None if index is None else list(index))
+
+
+def frame_of_rows(rows: Sequence[Row]) -> Any:
+    """Return a pandas DataFrame, a row a figure; errors as `frame`."""
+    told = [row.to_dict() for row in rows]
+    return frame({name: [one[name] for one in told] for name in told[0]})

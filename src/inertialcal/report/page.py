@@ -212,8 +212,7 @@ def _of_all_tests(page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
 
 def _quantities(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
     """Yield the table of a test, and that of each of its records alone."""
-    lines = [line for line in section.lines if line.row is not None or line.beside.keys() & set(section.ways)]
-    own = {"lines": lines, "ways": section.ways, "elsewhere": sections.told_in(page["reaches"])}
+    own = {"lines": section.together, "ways": section.ways, "elsewhere": sections.told_in(page["reaches"])}
     yield f"lines-{section.anchor}", _block("lines", page, **own)
     if section.alone:
         beside = [line for line in section.lines if any(way in line.beside for way, _ in section.alone)]

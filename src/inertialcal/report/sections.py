@@ -69,6 +69,11 @@ class Section:
     remarks: list[Any]
     pairs: dict[tuple[str, str], dict[str, Any]]
 
+    @property
+    def together(self) -> list[Line]:
+        """Lines of the whole test; what only single records have stands in the table of these."""
+        return [line for line in self.lines if line.row is not None or not line.beside.keys().isdisjoint(self.ways)]
+
 
 @dataclass(frozen=True)
 class Reach:

@@ -19,7 +19,7 @@ SHOWS = (
     "Above, readings over time with the drift that was fitted; in the middle, the readings without it and the line;"
     " below, amplitude over frequency: the line of the drive and those beside it, that its noise is told from"
 )
-HEIGHTS = (1.5, 1.5, 1.7)  # of the panels [in]
+HEIGHTS = (2.2, 2.2, 2.2)  # of the panels [in]
 HOURS, MINUTES = 7200.0, 300.0  # [s] from which time is shown in them
 POINTS = 400  # readings from which they are joined
 ROLES: dict[str, tuple[str, dict[str, Any]]] = {
