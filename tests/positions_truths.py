@@ -10,6 +10,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions import Plan, Readings, Truth
 from inertialcal.procedures.positions.simulation import FACES, spread
+from inertialcal.rigs.hand_held import Bench, draw_unit, held
 
 G = 9.8
 LOWER = np.array([[1.01, 0.0, 0.0], [0.008, 0.99, 0.0], [-0.012, 0.006, 1.02]])
@@ -71,3 +72,18 @@ def changed(readings: Readings, acc: Array, gyro: Array, time: float = 1.0) -> R
         gyro=replace(readings.gyro, mean=readings.gyro.mean @ gyro),
         rotations=rotations,
     )
+
+
+def protocol(bench: Bench, seed: int = 1) -> dict[str, dict[str, int]]:
+    """Which samples of the first record of a bench are which face or turn, as a file of sections says it."""
+    of_unit, _, of_records = np.random.default_rng(seed).spawn(3)
+    parts = held(bench, draw_unit(bench, of_unit), bench.gravity, 1.0, 0, of_records).parts
+    sections = {}
+    for part in parts:
+        vector = part.axis if part.angle is not None else part.direction
+        if vector is None:
+            continue
+        axis = "xyz"[int(np.argmax(np.abs(vector)))]
+        label = f"{axis}_rot" if part.angle is not None else f"{axis}_{'p' if sum(vector) > 0 else 'a'}"
+        sections[label] = {"start": part.start, "end": part.stop}
+    return sections

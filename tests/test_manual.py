@@ -25,7 +25,7 @@ from pydantic_core import PydanticUndefined
 from typer.main import get_command
 
 import inertialcal as ic
-from inertialcal.campaign import schema
+from inertialcal.campaign import schema, schema_recordings, schema_sensors, schema_standards, schema_words
 from inertialcal.campaign.example import build
 from inertialcal.campaign.plans import plan_settings
 from inertialcal.campaign.publish import ROW_COLUMNS
@@ -43,26 +43,26 @@ FENCE = re.compile(r"^```(?P<kind>\{?[\w-]+\}?)[^\n]*\n(?P<body>.*?)^```$", re.M
 ELLIPSIS = "..."
 REFUSED = (2, 3)
 COMMANDS: dict[str, Any] = get_command(app).commands  # type: ignore[attr-defined]
-CAMPAIGN_TABLES: dict[str, type[schema.Strict]] = {
+CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "Top level": schema.CampaignFile,
     "`[campaign]`": schema.CampaignHead,
     "`[item]`": schema.Item,
     "`[site]`": schema.Site,
-    "Each is a table with one of": schema.StandardEntry,
-    "`[sensors.NAME]`": schema.Sensor,
-    "`chain`, the": schema.Chain,
-    "`thermometer`:": schema.Thermometer,
-    "`ground`, of": schema.Ground,
-    "`gains.GAIN`, of": schema.AtGain,
-    "`[recordings.NAME]`": schema.RecordingEntry,
-    "`rows`, of": schema.Rows,
-    "`means`, of": schema.Means,
-    "`positions`, of": schema.Position,
-    "`channels`, of": schema.ChannelEntry,
-    "`clock`, of": schema.Clock,
-    "`schedule`, of": schema.Schedule,
-    "`lines`, of": schema.Lines,
-    "`mass`, of": schema.MovedMass,
+    "Each is a table with one of": schema_standards.StandardEntry,
+    "`[sensors.NAME]`": schema_sensors.Sensor,
+    "`chain`, the": schema_sensors.Chain,
+    "`thermometer`:": schema_sensors.Thermometer,
+    "`ground`, of": schema_sensors.Ground,
+    "`gains.GAIN`, of": schema_sensors.AtGain,
+    "`[recordings.NAME]`": schema_recordings.RecordingEntry,
+    "`rows`, of": schema_recordings.Rows,
+    "`means`, of": schema_recordings.Means,
+    "`positions`, of": schema_recordings.Position,
+    "`channels`, of": schema_recordings.ChannelEntry,
+    "`clock`, of": schema_recordings.Clock,
+    "`schedule`, of": schema_recordings.Schedule,
+    "`lines`, of": schema_recordings.Lines,
+    "`mass`, of": schema_recordings.MovedMass,
     "`[[tests]]`": schema.Test,
     "`[model]`": schema.Model,
     "`[[requirements]]`": schema.Requirement,
@@ -237,7 +237,7 @@ def as_toml(value: Any) -> str:
         return f'`"{value}"`'
     if isinstance(value, int | float):
         return f"`{value}`"
-    if isinstance(value, schema.Chain):
+    if isinstance(value, schema_sensors.Chain):
         return f'`{{ kind = "{value.kind}" }}`'
     return "none" if value == [] else "empty"
 
@@ -269,13 +269,15 @@ def test_every_key_of_the_campaign_file_is_documented(mark: str) -> None:
 
 def test_every_standard_is_documented() -> None:
     page = (DOCS / "campaign.md").read_text(encoding="utf-8")
-    known = {f"{standard}.{name}" for standard, inner in schema.STANDARDS.items() for name in inner}
+    known = {f"{standard}.{name}" for standard, inner in schema_standards.STANDARDS.items() for name in inner}
     assert set(rows_after(page, "`[standards.NAME]`")) == known
 
 
 def test_the_schema_has_no_table_without_a_page() -> None:
-    models = {one for one in vars(schema).values() if isinstance(one, type) and issubclass(one, schema.Strict)}
-    assert models - {schema.Strict} == set(CAMPAIGN_TABLES.values())
+    modules = (schema, schema_recordings, schema_sensors, schema_standards)
+    every = [one for module in modules for one in vars(module).values()]
+    models = {one for one in every if isinstance(one, type) and issubclass(one, schema_words.Strict)}
+    assert models - {schema_words.Strict} == set(CAMPAIGN_TABLES.values())
 
 
 def page_of(procedure: str) -> str:
@@ -430,13 +432,16 @@ def test_every_command_has_a_page_and_every_page_a_command() -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
     page = (DOCS / "commands" / f"{name}.md").read_text(encoding="utf-8")
-    table = {key.split()[0]: cells for key, cells in rows_after(page, "Options").items()}
-    known = {"--help"}
-    inner = getattr(COMMANDS[name], "commands", {})  # of a command for several tests: plan mass-attraction
-    for parameter in [*COMMANDS[name].params, *(one for command in inner.values() for one in command.params)]:
-        options = [*parameter.opts, *parameter.secondary_opts]
-        known |= {str(parameter.name).upper()} if parameter.param_type_name == "argument" else set(options)
-    assert set(table) == known
+    tests = getattr(COMMANDS[name], "commands", {})  # of a command for several: plan mass-attraction
+    for mark, command in {f"Options of {name} {test}": one for test, one in tests.items()}.items() or [
+        ("Options", COMMANDS[name])
+    ]:
+        table = {key.split()[0] for key in rows_after(page, mark)}
+        known = {"--help"}
+        for parameter in command.params:
+            options = [*parameter.opts, *parameter.secondary_opts]
+            known |= {str(parameter.name).upper()} if parameter.param_type_name == "argument" else set(options)
+        assert table == known, mark
 
 
 @pytest.mark.parametrize("path", PAGES, ids=name_of)

@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from .campaign.single_mass_plan import plan_mass_attraction
     from .campaign.single_noise import allan
     from .campaign.single_positions import positions
+    from .campaign.single_positions_plan import plan_positions
     from .campaign.single_sine import sine
     from .campaign.single_spectrum import psd
     from .campaign.single_thermal import thermal
@@ -46,6 +47,7 @@ __all__ = [
     "load_model",
     "mass_attraction",
     "plan_mass_attraction",
+    "plan_positions",
     "plot",
     "positions",
     "positions_batch",
@@ -73,6 +75,7 @@ _HOMES = {
     "mass_attraction": ("campaign.single_mass_attraction", "mass_attraction"),
     "load_model": ("campaign.models", "load_model"),
     "plan_mass_attraction": ("campaign.single_mass_plan", "plan_mass_attraction"),
+    "plan_positions": ("campaign.single_positions_plan", "plan_positions"),
     "plot": ("report.plot", "plot"),
     "positions": ("campaign.single_positions", "positions"),
     "positions_batch": ("procedures.positions.batch", "positions_batch"),

@@ -15,7 +15,8 @@ from inertialcal.campaign.chains import build_chain
 from inertialcal.campaign.ground import after_model, chain_model
 from inertialcal.campaign.load import load
 from inertialcal.campaign.run import run
-from inertialcal.campaign.schema import RecordingEntry, Sensor
+from inertialcal.campaign.schema_recordings import RecordingEntry
+from inertialcal.campaign.schema_sensors import Sensor
 from inertialcal.campaign.score import score
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError

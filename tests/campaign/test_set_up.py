@@ -9,7 +9,8 @@ from pathlib import Path
 import pytest
 
 from inertialcal.campaign.load import load
-from inertialcal.campaign.schema import Sensor, Site
+from inertialcal.campaign.schema import Site
+from inertialcal.campaign.schema_sensors import Sensor
 from inertialcal.campaign.set_up import sensors_content, site_content
 from ran_campaigns import Ran
 

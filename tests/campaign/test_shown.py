@@ -51,6 +51,21 @@ def moved(folder: Path) -> tuple[Path, Path]:
     return path, schedule
 
 
+def readings(units: int) -> np.ndarray[Any, np.dtype[np.float64]]:
+    """What accelerometers of several units read in 20 positions."""
+    rng = np.random.default_rng(1)
+    up = rng.normal(size=(units, 20, 3))
+    up /= np.linalg.norm(up, axis=2, keepdims=True)
+    return 9.81 * up * 1.01 + 0.1 + rng.normal(0.0, 0.002, up.shape)
+
+
+def laid(folder: Path) -> Path:
+    """A table of one unit, a row a position."""
+    path, head = folder / "positions.csv", "acc_x [m/s2],acc_y [m/s2],acc_z [m/s2]"
+    np.savetxt(path, readings(1)[0], fmt="%.6f", delimiter=",", header=head, comments="")
+    return path
+
+
 @pytest.fixture(scope="module")
 def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
     folder = tmp_path_factory.mktemp("shown") / EXAMPLE.name
@@ -76,6 +91,9 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, unit="rad/s"),
         "mass_attraction": ic.mass_attraction(*moved(tmp_path_factory.mktemp("moved")), gate="100 s"),
         "plan_mass_attraction": ic.plan_mass_attraction(cube="5 cm", count=40, stand_off="8 cm", shape=True),
+        "positions": ic.positions(laid(tmp_path_factory.mktemp("laid")), units={"acc": "m/s2"}, gravity="9.81 m/s2"),
+        "positions_batch": ic.positions_batch(readings(20), 9.81),
+        "plan_positions": ic.plan_positions(scatter="0.1 mg", have="faces", following=3),
         "result": one.result,
         "estimate": one.result.estimate,
         "check": ic.check(folder),
@@ -89,7 +107,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
 
 
 NAMES = ("read", "clock", "read_table", "info", "rate_table", "flip", "thermal", "allan", "psd", "sine",
-         "mass_attraction", "plan_mass_attraction",
+         "mass_attraction", "plan_mass_attraction", "positions", "positions_batch", "plan_positions",
          "result", "estimate",
          "check", "run", "model", "compare", "judged", "simulate", "score")  # fmt: skip
 

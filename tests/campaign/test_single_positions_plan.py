@@ -2,99 +2,81 @@
 
 from __future__ import annotations
 
-import json
 from typing import Any
 
 import numpy as np
 import pytest
-import typer
-from typer.testing import CliRunner
 
-from inertialcal.campaign.single_positions_plan import in_words, positions_plan
-from inertialcal.cli.plans_positions import plan_positions
+import inertialcal as ic
+from inertialcal.campaign.single_positions_plan import in_words
 from inertialcal.core.errors import PlanError, UsageError
 
 
 def test_target_in_units_of_the_user_is_met() -> None:
-    found = positions_plan("0.2 mg", {"bias": "0.1 mg", "misalignment_yx": "0.02 deg"}, have="faces")
-    u = {row["parameter"]: row["u"] for row in found.rows()}
+    found = ic.plan_positions(scatter="0.2 mg", target={"bias": "0.1 mg", "misalignment_yx": "0.02 deg"}, have="faces")
+    u = dict(zip(found.prediction.names, found.prediction.u, strict=True))
     assert all(u[f"bias_{axis}"] <= 0.1e-3 * 9.80665 * (1.0 + 1e-9) for axis in "xyz")
     assert u["misalignment_yx"] <= np.radians(0.02)
+    shown = {(row.quantity, row.axis): (row.value, row.unit) for row in found.rows}
+    assert shown["bias_uncertainty", "x"] == (pytest.approx(u["bias_x"] / 9.80665e-3), "mg")
+    assert shown["misalignment_uncertainty", "yx"] == (pytest.approx(np.degrees(u["misalignment_yx"])), "deg")
+    assert shown["misalignment_uncertainty", "zx"] == (None, "rad")
+    assert shown["scale_factor_error_uncertainty", "z"] == (pytest.approx(100.0 * u["scale_factor_error_z"]), "%")
     assert found.steps()[0]["number"] == 7
     assert len(found.steps()) == len(found.directions) - 6
     assert "positions to take" in str(found)
 
 
 def test_six_faces_name_what_they_do_not_tell() -> None:
-    shown = str(positions_plan("0.1 mg", have="faces"))
-    assert "6 of 9" in shown
-    assert shown.count("not told: misalignment") == 3
-    assert "9 of 9" in str(positions_plan("0.1 mg", have="faces", following=3))
-    assert "12 of 12" in str(positions_plan("0.1 mg", have="faces", known=True))
+    found = ic.plan_positions(scatter="0.1 mg", have="faces")
+    assert "6 of 9" in str(found)
+    assert "not told: misalignment_yx, misalignment_zx, misalignment_zy" in str(found)
+    left = {row.axis: row.reason for row in found.rows if row.status == "not_estimated"}
+    assert left == {axis: f"these positions do not tell misalignment_{axis}" for axis in ("yx", "zx", "zy")}
+    assert "9 of 9" in str(ic.plan_positions(scatter="0.1 mg", have="faces", following=3))
+    assert "12 of 12" in str(ic.plan_positions(scatter="0.1 mg", have="faces", known=True))
+
+
+def test_one_axis_laid_up_and_down_by_hand() -> None:
+    """Two readings at plus and minus g: bias is half their sum, scale factor half their difference over 2 g."""
+    found = ic.plan_positions(scatter="1 mg", following=2, goal="bias_z", gravity_u="2 mg")
+    assert [step["up"] for step in found.steps()] == ["z up", "z down"]
+    u = dict(zip(found.prediction.names, found.prediction.u, strict=True))
+    assert u["bias_z"] / 9.80665e-3 == pytest.approx(np.sqrt(0.5))
+    assert u["scale_factor_error_z"] == pytest.approx(np.hypot(1e-3 * np.sqrt(0.5), 2e-3))
+    assert found.remarks == ()
+
+
+def test_what_is_not_stated_is_remarked() -> None:
+    assert "--gravity-u" in ic.plan_positions(scatter="1 mg", have="faces").remarks[0].what
+    (remark,) = ic.plan_positions(scatter="1 mg", have="faces", known=True, gravity_u="1 mGal").remarks
+    assert (remark.code, "--pose" in remark.what) == ("no_standard_uncertainty", True)
+    stated = {"gravity_u": "1 mGal", "pose": "0.1 deg"}
+    assert ic.plan_positions(scatter="1 mg", have="faces", known=True, **stated).remarks == ()
+
+
+def test_figures_as_a_data_frame() -> None:
+    pandas = pytest.importorskip("pandas")
+    found = ic.plan_positions(scatter="1 mg", have="faces").to_frame()
+    assert isinstance(found, pandas.DataFrame)
+    assert list(found["quantity"].unique())[-1] == "bias_uncertainty"
 
 
 def test_positions_in_words() -> None:
     assert in_words(np.array([0.0, 0.0, -1.0])) == "z down"
     assert in_words(np.array([1.0, -1.0, 0.0]) / np.sqrt(2.0)) == "between x up and y down"
-    assert in_words(np.ones(3) / np.sqrt(3.0)) == "between x up and y up and z up"
+    assert in_words(np.ones(3) / np.sqrt(3.0)) == "between x up, y up and z up"
 
 
 @pytest.mark.parametrize(
     ("words", "error", "match"),
     [
-        ({"scatter": "0.1 deg"}, UsageError, "scatter"),
-        ({"scatter": "much"}, UsageError, "scatter"),
-        ({"have": "all"}, UsageError, "positions 'all'"),
+        ({"scatter": None}, UsageError, "--scatter is not given"),
         ({"have": "none"}, UsageError, "nothing to plan"),
-        ({"target": {"bias": "1 deg"}}, UsageError, "bias"),
-        ({"target": {"drift": "1"}}, PlanError, "target drift"),
-        ({"following": 1, "goal": "speed"}, PlanError, "goal 'speed'"),
+        ({"target": {"bias": "1 ng"}}, PlanError, "after 200 positions"),
     ],
 )
-def test_what_cannot_be_meant_is_refused(words: dict[str, Any], error: type[Exception], match: str) -> None:
+def test_python_refuses_as_the_command_does(words: dict[str, Any], error: type[Exception], match: str) -> None:
     given: dict[str, Any] = {"scatter": "0.1 mg", "have": "faces"} | words
     with pytest.raises(error, match=match):
-        positions_plan(**given)
-
-
-@pytest.fixture(scope="module")
-def app() -> typer.Typer:
-    """The command by itself."""
-    made = typer.Typer(rich_markup_mode=None)
-    made.command("positions")(plan_positions)
-    made.callback()(lambda: None)
-    return made
-
-
-def test_command_prints_the_plan(app: typer.Typer) -> None:
-    done = CliRunner().invoke(app, ["positions", "--scatter", "0.1 mg", "--target", "bias=0.2 mg"])
-    assert done.exit_code == 0
-    assert "positions to take" in done.output
-    assert "bias_x" in done.output
-    silent = CliRunner().invoke(app, ["positions", "--scatter", "0.1 mg", "--have", "faces", "--quiet"])
-    assert (silent.exit_code, silent.output) == (0, "")
-
-
-def test_command_prints_one_json_object(app: typer.Typer) -> None:
-    done = CliRunner().invoke(app, ["positions", "--scatter", "0.1 mg", "--have", "faces", "--next", "1", "--json"])
-    found = json.loads(done.output)
-    assert [one["number"] for one in found["positions"]] == [7]
-    assert len(found["predicted"]) == 9
-    assert all(one["u"] is None or one["u"] > 0.0 for one in found["predicted"])
-    bare = CliRunner().invoke(app, ["positions", "--scatter", "0.1 mg", "--have", "faces", "--json"])
-    assert len(json.loads(bare.output)["not_told"]) == 3
-
-
-def test_command_tells_every_option_and_refuses(app: typer.Typer) -> None:
-    shown = CliRunner().invoke(app, ["positions", "--help"]).output
-    for option in ("--scatter", "--target", "--have", "--known", "--pose", "--gravity-u", "--next", "--goal", "--most"):
-        assert option in shown
-    for words, refused, said in (
-        (["--scatter", "1 m"], UsageError, "scatter '1 m'"),
-        (["--scatter", "0.1 mg", "--target", "bias"], UsageError, "--target bias"),
-        (["--scatter", "0.1 mg", "--target", "bias=0.001 mg"], PlanError, "after 200 positions"),
-    ):
-        done = CliRunner().invoke(app, ["positions", *words])
-        assert isinstance(done.exception, refused)
-        assert done.exception.exit_status == (2 if refused is UsageError else 3)
-        assert said in str(done.exception)
+        ic.plan_positions(**given)

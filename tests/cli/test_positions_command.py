@@ -20,9 +20,11 @@ from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
 from inertialcal.files import read
-from inertialcal.rigs.hand_held import FAULTS, Bench, build, draw_unit, held
+from inertialcal.rigs.hand_held import FAULTS, Bench, build
+from positions_truths import protocol
 
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
+ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.0, first=2.0)
 SI = ("--unit", "acc=m/s2", "--unit", "gyro=rad/s", "--gravity", "9.807 m/s2")
 SCALE = 0.1  # of the accelerometers, and of the gyros five times that, by which a short record may be off [%]
 MISTAKES = {"unit_slip", "axes_disagree", "sample_rate_suspect", "rotations_do_not_close", "duplicate_recording"}
@@ -148,20 +150,9 @@ def test_two_files_of_one_clock_are_one_recording(
 def ferraris(tmp_path_factory: pytest.TempPathFactory) -> tuple[str, str, list[str]]:
     """Return a record of six faces and three turns, its protocol, and its labels in order."""
     folder = tmp_path_factory.mktemp("ferraris")
-    bench = Bench(variant="ferraris", records=1, dwell=2.0, first=2.0)
-    path = written(folder, bench)[0]
-
-    of_unit, _, of_records = np.random.default_rng(1).spawn(3)
-    parts = held(bench, draw_unit(bench, of_unit), bench.gravity, 1.0, 0, of_records).parts
-    sections, labels = {}, []
-    for part in parts:
-        vector = part.axis if part.angle is not None else part.direction
-        if vector is None:
-            continue
-        axis = "xyz"[int(np.argmax(np.abs(vector)))]
-        label = f"{axis}_rot" if part.angle is not None else f"{axis}_{'p' if sum(vector) > 0 else 'a'}"
-        sections[label] = {"start": part.start, "end": part.stop}
-        labels += [] if part.angle is not None else [label]
+    path = written(folder, ONCE)[0]
+    sections = protocol(ONCE)
+    labels = [label for label in sections if not label.endswith("rot")]
     (folder / "sections.json").write_text(json.dumps(sections), encoding="utf-8")
     return path, str(folder / "sections.json"), labels
 
@@ -179,8 +170,7 @@ def test_labelled_parts_of_faces_and_turns(
     path, sections, _ = ferraris
     content = call_json(capsys, "positions", path, *SI, "--sections", sections, *STATED)
     rows = {(row["test"], row["quantity"], row["axis"]): row for row in content["results"] if not row["condition"]}
-    bench = Bench(variant="ferraris", records=1, dwell=2.0, first=2.0)
-    for true in build(bench, 1).truth:
+    for true in build(ONCE, 1).truth:
         row = rows[true.test, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
             assert row["value"] == pytest.approx(100.0 * true.value, abs=5.0 * row["u"]), true
@@ -189,7 +179,7 @@ def test_labelled_parts_of_faces_and_turns(
     assert len(beside) == 15 + 15 + 9  # K, R and b of both sensors, K_ga
     assert {(row["u"], row["interval"]) for row in beside} == {(None, None)}
     form = {(row["test"], row["quantity"], row["axis"]): row["value"] for row in beside}
-    for true in build(bench, 1).truth:
+    for true in build(ONCE, 1).truth:
         if true.quantity == "scale_factor_error":
             assert form[true.test, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
         if true.quantity == "misalignment" and true.test == "accelerometer" and abs(true.value) > 8e-3:
@@ -273,4 +263,4 @@ def test_wrong_word_is_told(
 def test_words_before_files(capsys: pytest.CaptureFixture[str], clean: str) -> None:
     assert "given twice" in call(capsys, "positions", clean, clean, *SI)[2]
     assert "is no name of a file's part" in call(capsys, "positions", f"top={clean}", *SI)[2]
-    assert "some are named acc or gyro" in call(capsys, "positions", f"acc={clean}", *SI)[2]
+    assert "gyros alone" in call(capsys, "positions", f"gyro={clean}", *SI)[2]

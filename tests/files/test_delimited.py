@@ -116,6 +116,16 @@ def test_a_ragged_row(row: str) -> None:
     assert caught.value.problems[0].code == "ragged_row"
 
 
+def test_a_last_row_that_was_not_written_to_its_end_is_left_out_and_told() -> None:
+    content = parse("t,x,y\n1,2,3\n3,4,5\n6,7", "a.csv")
+    assert [column.values.tolist() for column in content.columns] == [[1, 3], [2, 4], [3, 5]]
+    (remark,) = content.remarks
+    assert (remark.code, remark.where) == ("row_cut_off", "a.csv:4")
+    assert not parse("t,x,y\n1,2,3\n3,4,5", "a.csv").remarks
+    with pytest.raises(DataError, match="cell\\(s\\) in this row"):
+        parse("t,x,y\n1,2,3\n3,4,5\n6,7\n", "a.csv")  # it has its end
+
+
 def test_a_name_that_appears_twice() -> None:
     with pytest.raises(DataError, match="column name 'x' appears twice") as caught:
         parse("x,x\n1,2\n", "a.csv")

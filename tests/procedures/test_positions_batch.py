@@ -13,17 +13,17 @@ from scipy.stats import t as student
 
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
+from inertialcal.core.tables import Grid
 from inertialcal.procedures.positions import batch as module
-from inertialcal.procedures.positions.batch import (
+from inertialcal.procedures.positions.batch import Form, positions_batch
+from inertialcal.procedures.positions.batch_result import (
     FEW,
     ILL_POSED,
     NO_SCATTER,
     OK,
     OTHER_UNIT,
     STATUS,
-    Form,
     PositionsBatch,
-    positions_batch,
 )
 from inertialcal.statistics.intervals import covers
 
@@ -284,3 +284,35 @@ def test_ten_thousand_triads_take_less_than_a_sixth_of_a_second() -> None:
     assert np.max(np.abs(own - peers)) < AGREE
     assert own_time <= 0.15
     assert peer >= 50.0 * own_time
+
+
+def test_what_is_shown_of_many() -> None:
+    readings = triads(40, 24)["readings"]
+    readings[3, 5:] = np.nan
+    found = positions_batch(readings, GRAVITY)
+    grid = found.parts()[0]
+    assert isinstance(grid, Grid)
+    assert grid.caption == "39 of 40 units estimated"
+    bias = next(row for row in grid.rows if row[0] == "bias_x")
+    good = np.delete(found.values[:, found.names.index("bias_x")], 3)
+    assert [float(cell) for cell in bias[1:3]] == pytest.approx([np.median(good), good.std(ddof=1)], rel=5e-3)
+    assert "remarks: 1 warning" in str(found)
+    none = positions_batch(readings[3], GRAVITY)
+    assert "0 of 1 units estimated" in str(none)
+
+
+def test_many_as_a_data_frame() -> None:
+    pytest.importorskip("pandas")
+    found = positions_batch(triads(3, 24)["readings"], GRAVITY)
+    table = found.to_frame()
+    assert table.shape == (3, 19)
+    assert list(table["u_bias_z"]) == pytest.approx(list(found.u[:, found.names.index("bias_z")]))
+    assert set(table["status"]) == {"estimated"}
+
+
+def test_condition_is_that_of_the_jacobian_from_one_to_three_times() -> None:
+    found = positions_batch(triads(30, 12)["readings"], GRAVITY, scatter=NOISE)
+    size = np.array([NOISE / GRAVITY] * 6 + [NOISE] * 3)  # of the parameters, in units of gravity
+    inverse = found.covariance / (size[:, None] * size)
+    ratio = found.condition / np.sqrt(np.linalg.cond(inverse))
+    assert np.all((ratio >= 1.0 - 1e-9) & (ratio <= 3.0))

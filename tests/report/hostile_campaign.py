@@ -16,7 +16,8 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from pydantic import BaseModel
 
-from inertialcal.campaign.schema import CampaignFile, Text
+from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.schema_words import Text
 from inertialcal.files.schedule_csv import write_schedule
 from inertialcal.procedures.mass_attraction import repeated
 
@@ -27,13 +28,20 @@ Keys = tuple[str | int, ...]
 NOT_FREE = {"Requirement.where"}
 # Texts that stand in place of another table: a model in a file, instead of `ground`.
 INSTEAD = {"Chain.model"}
-FILES = {"RecordingEntry.file": ".parquet", "Schedule.file": ".parquet", "MovedMass.schedule": ".csv"}
+FILES = {
+    "RecordingEntry.file": ".parquet",
+    "RecordingEntry.sections": ".json",
+    "Schedule.file": ".parquet",
+    "MovedMass.schedule": ".csv",
+}
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
 RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
 DWELL = 20  # s
 AXES = ("x", "y", "z")
 STOOD = 300  # s, a head at each position
 ANGLES = ("0 deg", "180 deg")
+FACES = ("x+", "x-", "y+", "y-", "z+", "z-")
+LAID = 200  # samples, a unit on each face, twice
 MOVED = repeated((0.1, 0.4), (7e-7, 2e-7), cycles=40, dwell=100.0, move=20.0, drive="abab")
 
 
@@ -76,6 +84,7 @@ def document() -> dict[str, Any]:
                 "unit": "g",
                 "chain": {"kind": "pulse_rate", "gate": "100 s", "scale_factor": "10.21 count/s/ug"},
             },
+            "unit": {"kind": "accelerometer", "axes": list(AXES), "unit": "m/s2", "chain": {"kind": "none"}},
         },
         "recordings": {
             "table": {"sensor": "suite", "rows": {"unit": "deg/s"}},
@@ -102,6 +111,13 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "mass": {"begin": 0.5},
             },
+            "laid": {
+                "sensor": "unit",
+                "channels": {axis: {"unit": "m/s2"} for axis in AXES},
+                "clock": {},
+                "orientations": list(FACES * 2),
+                "sections": "",
+            },
         },
         "tests": [
             {"id": "rows", "procedure": "rate_table", "recordings": ["table"], "groups": [0, 1], "plan": plan},
@@ -122,6 +138,7 @@ def document() -> dict[str, Any]:
                 "use": "report_only",
                 "plan": {"tilt": "ignored"},
             },
+            {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
         ],
         "requirements": [
             {"id": "R1", "quantity": "rate_error", "limit": "5 %"},
@@ -176,6 +193,8 @@ def filled(give: Give) -> dict[str, Any]:
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
     for name in ("table", "means", "lines"):
         del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
+    for name in made["recordings"].keys() - {"laid"}:
+        del made["recordings"][name]["sections"]
     turned = made["recordings"]["turned"]["positions"]
     turned[1]["flip"] = turned[0]["flip"]
     made["recordings"]["means"]["means"]["angles"] = {
@@ -222,6 +241,10 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     _save(folder / moved["file"], _moved(moved))
     (folder / moved["mass"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
     write_schedule(folder / moved["mass"]["schedule"], MOVED)
+    laid = made["recordings"]["laid"]
+    _save(folder / laid["file"], _laid(laid))
+    (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)
+    (folder / laid["sections"]).write_text(json.dumps(_sections()), encoding="utf-8")
     return folder
 
 
@@ -264,6 +287,23 @@ def _lines(lines: dict[str, Any], runs: tuple[str, ...]) -> dict[str, Any]:
 def _moved(moved: dict[str, Any]) -> dict[str, Any]:
     pulses = 1000.0 + 1.0e8 * MOVED.applied + np.random.default_rng(6).normal(0.0, 3.0, len(MOVED))
     return {moved["clock"]["column"]: MOVED.middle + 0.5, moved["channels"]["x"]["column"]: np.rint(pulses)}
+
+
+def _laid(laid: dict[str, Any]) -> dict[str, Any]:
+    rng = np.random.default_rng(7)
+    up = np.repeat(
+        np.vstack([np.eye(3)[AXES.index(face[0])] * float(f"{face[1]}1") for face in FACES * 2]), LAID, axis=0
+    )
+    place = np.repeat(rng.normal(0.0, 1e-3, (len(FACES) * 2, 3)), LAID, axis=0)
+    readings = 9.79 * up + place + rng.normal(0.0, 5e-3, up.shape)
+    columns = {laid["channels"][axis]["column"]: readings[:, i] for i, axis in enumerate(AXES)}
+    return {laid["clock"]["column"]: np.arange(len(up)) / 50.0, **columns}
+
+
+def _sections() -> dict[str, Any]:
+    """Return where each position lies; a label may stand once, so that the second of a face has blanks around."""
+    labels = [*FACES, *(f" {face}" for face in FACES)]
+    return {label: {"start": i * LAID, "end": (i + 1) * LAID} for i, label in enumerate(labels)}
 
 
 def _rows(rows: dict[str, str], groups: list[str], runs: tuple[str, ...]) -> dict[str, Any]:

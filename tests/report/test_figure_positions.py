@@ -65,7 +65,8 @@ def test_residuals_are_told_in_ug_and_a_position_left_out_is_none_of_them() -> N
     curve = positions_curve(FACES, [10.0, -20.0, 30.0, -40.0, 50.0, 5000.0], left_out=(5,))
     (picture,) = positions_residuals.pictures({"curves": [curve]})
     rms = np.sqrt(np.mean(np.square([10, 20, 30, 40, 50])))
-    assert picture.finding == f"residuals rms {rms:.3g} ug, each left out {2 * rms:.3g} ug; largest in position 5"
+    said = f"residuals rms {rms:.3g} ug, from the fit without it {2 * rms:.3g} ug; largest in position 5"
+    assert picture.finding == said
     (sphere,) = positions_sphere.pictures({"curves": [curve]})
     assert sphere.finding.startswith("6 positions, 1 left out; no direction is farther than 55 deg")
 

@@ -94,12 +94,13 @@ def test_ferraris_turns_have_the_angle_and_the_axis_that_are_told() -> None:
     bench = replace(IDEAL, variant="ferraris")
     one, _, data = made(bench)
     turns = [part for part in one.parts if part.angle is not None]
-    assert [part.axis for part in turns] == [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)]
+    assert [part.axis for part in turns] == [(1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0)] * 2
+    assert [part.angle for part in turns] == [2 * np.pi] * 3 + [-2 * np.pi] * 3
     for part in turns:
         angle = data[part.start : part.stop, 3:].sum(axis=0) / bench.sample_rate
-        np.testing.assert_allclose(angle, 2 * np.pi * np.array(part.axis), atol=0.06)
+        np.testing.assert_allclose(angle, part.angle * np.array(part.axis), atol=0.06)
     faces = [part.direction for part in one.parts if part.direction is not None]
-    assert len(set(faces)) == 6
+    assert (len(faces), len(set(faces))) == (12, 6)
     for part in one.parts:
         if part.direction is not None:
             mean = data[part.start : part.stop, :3].mean(axis=0) / bench.gravity

@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
+from statistics import median
 
 import h5py
 import numpy as np
@@ -19,6 +20,7 @@ from scipy import stats
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
+from inertialcal.signals.placements import placements, shortest_placement
 from inertialcal.signals.segments import (
     Detection,
     Segmentation,
@@ -445,8 +447,23 @@ class TestRealRecordings:
 
     @pytest.mark.bench
     def test_xsens_takes_less_than_50_ms(self, shared: Path) -> None:
-        _, counts = self.xsens(shared)
-        assert best_time(lambda: static_intervals(detect(counts, sample_interval=0.01)), 20) < 0.05
+        time_ns, counts = self.xsens(shared)
+        gyro = np.asfortranarray(np.loadtxt(shared / "data" / "imu_tk_xsens_mti" / "xsens_gyro.mat")[:, 1:])
+        counts = np.asfortranarray(counts)
+        wall, cpu = [], []
+        for _ in range(21):
+            clocks = time.perf_counter(), time.process_time()
+            found = detect(counts, time_ns)
+            placed = placements(found, shortest_placement(found), gyro)
+            wall.append(time.perf_counter() - clocks[0])
+            cpu.append(time.process_time() - clocks[1])
+        busy = os.getloadavg()[0]
+        print(
+            f"\n{len(counts)} samples into {len(placed)} placements: median of 20 {1e3 * median(wall[1:]):.1f} ms, of"
+            f" the processor {1e3 * median(cpu[1:]):.1f} ms, least {1e3 * min(cpu):.1f} ms; load {busy:.1f}"
+        )
+        assert len(placed) == 38
+        assert min(cpu) < 0.05  # the median of the clock is that of all who share the machine
 
     def test_disturbance_of_an_unmoved_sensor(self, shared: Path) -> None:
         folder = shared / "data" / "sunsided_mpu6050_static" / "set-1__unmoved-x-pointing-up"

@@ -23,8 +23,8 @@ def test_equal_noise_gives_the_mean_square_of_the_residuals_less_the_noise() -> 
     assert found.chi_square_known == pytest.approx(np.sum((y - y.mean()) ** 2) / 0.01)
     total = found.parts["noise"] + found.between_part
     assert total == pytest.approx(found.covariance)
-    share = found.between**2 / y.var(ddof=1)
-    assert found.dof[0] == pytest.approx(29.0 * share**2, rel=1e-3)
+    assert found.dof_of(np.eye(1))[0] == pytest.approx(29.0, rel=1e-3)
+    assert found.hidden == pytest.approx(y.var(ddof=1) * np.sqrt(2.0 / 29.0), rel=1e-3)
 
 
 def test_noise_that_explains_everything_leaves_nothing_between() -> None:
@@ -32,6 +32,27 @@ def test_noise_that_explains_everything_leaves_nothing_between() -> None:
     found = fit_two_levels(np.ones((5, 1)), y, {"noise": np.full(5, 1.0)})
     assert found.between == 0.0
     assert found.covariance[0, 0] == pytest.approx(0.2)  # not smaller than the known noise allows
+
+
+def test_a_number_that_two_readings_decide_is_not_judged_by_the_others() -> None:
+    """Mean and slope from one good reading at each end; four bad ones between agree with anything."""
+    x = np.array([-1.0, 1.0, 0.0, 0.0, 0.0, 0.0])
+    design = np.column_stack([np.ones(6), x, np.abs(x) < 0.5])  # the middle has an offset of its own
+    noise = np.array([1e-3, 1e-3, 1.0, 1.0, 1.0, 1.0])
+    found = fit_two_levels(design, np.array([0.0, 2.0, 0.5, -0.9, 1.4, 0.2]), {"noise": noise**2})
+    mean, slope, _ = found.dof_of(np.eye(3))
+    assert mean == pytest.approx(slope)
+    assert mean < 1e-4
+    middle = np.array([[1.0, 0.0, 1.0]])  # the mean of four readings, whatever the ends say
+    assert found.dof_of(middle)[0] == pytest.approx(3.0, rel=0.01)
+    assert found.by_between(middle)[0, 0] == pytest.approx(0.25)
+
+
+def test_a_scatter_that_is_given_is_known_for_good() -> None:
+    found = fit_two_levels(np.eye(2), np.ones(2), {"noise": np.ones(2)}, between=0.5)
+    assert np.isinf(found.dof_of(np.eye(2))).all()
+    assert found.hidden == 0.0
+    assert found.covariance == pytest.approx(1.25 * np.eye(2))
 
 
 def test_a_noisy_reading_counts_less() -> None:

@@ -10,8 +10,8 @@ from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.units import parse_quantity, si_unit
 from ..sensors.chain import Chain, Thermometer, pulse_counter
-from .schema import Chain as Chain_
-from .schema import Sensor
+from .schema_sensors import Chain as Chain_
+from .schema_sensors import Sensor
 
 TEMPERATURE = ("temperature",)
 

@@ -20,7 +20,9 @@ from ..sensors.on_recordings import apply_chain
 from .chains import build_chain
 from .ground import ChainModel, after_model, chain_model
 from .origins import Origin
-from .schema import Clock, RecordingEntry, Schedule, Sensor, Test
+from .schema import Test
+from .schema_recordings import Clock, RecordingEntry, Schedule
+from .schema_sensors import Sensor
 
 AXES = ("x", "y", "z")
 TEMPERATURE, GAIN, PRESSURE, TILT = "temperature", "gain", "pressure", "tilt"

@@ -118,7 +118,8 @@ def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tupl
     """Return the differences with a verdict where a change is allowed, and a remark on those without one.
 
     A change stated for all judges the figures that could be compared, without other ways of reduction beside them
-    (``as_published``, ``all_readings``); one stated for a quantity judges every figure of it.
+    (``as_published``, ``all_readings``); one stated for a quantity judges every figure of it that has an
+    uncertainty, and is INCONCLUSIVE of a result that has none.
 
     Raises
     ------
@@ -139,8 +140,9 @@ def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tupl
 
 
 def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
-    general = one.word != "not compared" and not is_beside(one.row.condition)
-    if not (general or is_named(one.row, stated)):
+    compared, beside = one.word != "not compared", is_beside(one.row.condition)
+    named = is_named(one.row, stated) and (compared or not beside)  # a figure without u beside the result is none
+    if not (named or (compared and not beside)):
         return None
     limit = allowed_for(one.first, stated)
     if limit is None:

@@ -44,8 +44,9 @@ def _own_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     """Return the unit that people tell a quantity in, whatever else has that kind of unit; empty where none."""
     if quantity in TURNED:
         return stated_unit(unit, sensor_unit)
-    if quantity == PER_FORCE:
-        return normalise(f"({sensor_unit})/g")
+    if quantity == PER_FORCE:  # of readings in counts whose scale factor is not told it stays in counts
+        told = normalise(f"({sensor_unit})/g")
+        return told if same_dimension(told, unit) else ""
     noise = noise_unit(quantity, sensor_unit)
     return noise if noise and same_dimension(noise, unit) else ""
 

@@ -21,7 +21,7 @@ from .load import Campaign
 from .modelling import Prepared
 from .prepare import sensor_of
 from .requirements import Tested
-from .schema import Chain
+from .schema_sensors import Chain
 
 # Rules on a dwell, by the code of their remark: the key of the plan that decided, and why.
 RULES = {

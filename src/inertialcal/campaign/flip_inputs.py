@@ -26,7 +26,9 @@ from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin
 from .plans import plan_values
-from .schema import Means, Position, RecordingEntry, Sensor, Test
+from .schema import Test
+from .schema_recordings import Means, Position, RecordingEntry
+from .schema_sensors import Sensor
 
 
 def prepared_flip(campaign: Campaign, test: Test, sensor: Sensor) -> Prepared:

@@ -20,7 +20,8 @@ from ..sensors.model import SensorModel
 from ..signals.block_statistics import block_statistics
 from ..signals.gain_changes import gain_changes
 from .chains import gains, per_axis, scale_factors
-from .schema import AtGain, Ground, Polynomial, RecordingEntry, Sensor
+from .schema_recordings import RecordingEntry
+from .schema_sensors import AtGain, Ground, Polynomial, Sensor
 
 BLOCK = 1.0  # [s] that the gain is looked at in
 

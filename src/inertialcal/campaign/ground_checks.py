@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 from ..core.errors import InertialcalError, Problem
 from .ground import chain_model, has_model
-from .schema import CampaignFile, Sensor
+from .schema import CampaignFile
+from .schema_sensors import Sensor
+from .toml_lines import At
 
-At = Callable[..., str]
 WITH_MODEL = ("flip", "static_noise")  # procedures that take readings after a ground model
 
 

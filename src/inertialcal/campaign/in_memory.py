@@ -32,7 +32,10 @@ from .noise_inputs import noise_plan, records_at_rest
 from .positions_inputs import Part, positions_plan, readings_of
 from .positions_result import OfSensor
 from .rate_table_inputs import rate_table_plan
-from .schema import STANDARDS, CampaignFile, RecordingEntry, Sensor, Test
+from .schema import CampaignFile, Test
+from .schema_recordings import RecordingEntry
+from .schema_sensors import Sensor
+from .schema_standards import STANDARDS
 from .thermal_inputs import felt_in_body, thermal_plan, warmed_recording
 
 Result = rate_table.Result | flip.Result | thermal.Result | static_noise.Result | mass_attraction.Result | OfSensor

@@ -15,7 +15,8 @@ from pydantic import BaseModel, ValidationError
 from ..core.errors import DataError, PlanError, Problem
 from ..core.influence import Influence, Standards
 from .cross_checks import cross_checks
-from .schema import STANDARDS, CampaignFile
+from .schema import CampaignFile
+from .schema_standards import STANDARDS
 from .toml_lines import Path as KeyPath
 from .toml_lines import key_lines, nearest_line
 

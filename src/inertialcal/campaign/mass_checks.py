@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 
 from ..core.errors import DataError, Problem
 from ..core.units import kind, parse_quantity, same_dimension
-from .schema import CampaignFile, Lines, RecordingEntry, Test
-
-At = Callable[..., str]
+from .schema import CampaignFile, Test
+from .schema_recordings import Lines, RecordingEntry
+from .toml_lines import At
 
 
 def mass_checks(file: CampaignFile, test: Test, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:

@@ -24,7 +24,9 @@ from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin
 from .plans import plan_values
-from .schema import Lines, RecordingEntry, Sensor, Test
+from .schema import Test
+from .schema_recordings import Lines, RecordingEntry
+from .schema_sensors import Sensor
 
 SAME = 0.01  # relative difference of gate and averaging time that is none
 YES, NO = ("yes", "true", "1"), ("no", "false", "0")

@@ -27,7 +27,8 @@ from .after import Bias
 from .chains import body_scale_factors
 from .load import Campaign
 from .origins import Origin
-from .schema import Sensor, Test
+from .schema import Test
+from .schema_sensors import Sensor
 from .tables import together
 from .temperature_terms import with_temperature
 from .thermal_loop import ThermalLoop, judged_loops

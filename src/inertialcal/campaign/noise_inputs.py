@@ -17,7 +17,8 @@ from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin
 from .plans import plan_values
-from .schema import Sensor, Test
+from .schema import Test
+from .schema_sensors import Sensor
 
 MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
 

@@ -71,9 +71,11 @@ def taken(
     UsageError
         If it is not clear which channel is what, or in which unit.
     DataError
-        ``clocks_differ`` if two files are not of one clock.
+        ``clocks_differ`` if two files are not of one clock; ``no_values``; ``too_few_samples``.
     """
     _check_roles(columns)
+    _check_columns(columns, recordings)
+    _check_length(recordings)
     found: dict[str, tuple[Recording, Channel]] = {}
     remarks: list[Remark] = []
     for recording, sensor in zip(recordings, sensors, strict=True):
@@ -88,9 +90,14 @@ def taken(
         raise _lacking(recordings, found)
     check_clock(recordings)
     spoken = _units(found, units)
+    _check_values(found)
     made = [_in_si(role, channel, spoken[_sensor(role)]) for role, (_, channel) in sorted(found.items())]
     whole = replace(recordings[0], channels=tuple(made), remarks=_unique(recordings))
-    named = {role: channel.name for role, (_, channel) in sorted(found.items())}
+    several = len(recordings) > 1
+    named = {
+        role: f"{channel.name} of {Path(recording.source.path).name}" if several else channel.name
+        for role, (recording, channel) in sorted(found.items())
+    }
     return Taken(whole, named, {s: spoken[s] for s in SENSORS if s in spoken}, tuple(remarks))
 
 
@@ -101,19 +108,36 @@ def _check_roles(columns: Mapping[str, str]) -> None:
         raise UsageError(f"column {wrong[0]!r}", do=do, code="unknown_name")
 
 
+def _check_columns(columns: Mapping[str, str], recordings: Sequence[Recording]) -> None:
+    known = [name for one in recordings for name in one.names]
+    for role, name in columns.items():
+        if name not in known:
+            paths = ", ".join(one.source.path for one in recordings)
+            raise UsageError(f"{role}={name}: no channel {name!r} in {paths}", do=f"There are: {', '.join(known)}",
+                             code="no_column")  # fmt: skip
+
+
+def _check_length(recordings: Sequence[Recording]) -> None:
+    for one in recordings:
+        if len(one) < 2:
+            what = f"{len(one)} sample(s)"
+            why = "positions are told by stretches at rest"
+            raise DataError(what, one.source.path, why, "Record again, or name another file", "too_few_samples")
+
+
 def _roles(recording: Recording, sensor: str, columns: Mapping[str, str], remarks: list[Remark]) -> dict[str, Channel]:
     """Return the channels of one file by role: as said, else by their names, else by the file."""
     said = {role: recording.channel(name) for role, name in columns.items() if name in recording.names}
-    if any(role.startswith(tuple(SENSORS)) for role in said):
-        return said
     own: dict[str, Channel] = {}
     for one in SENSORS if not sensor else (sensor,):
+        if any(_sensor(role) == one for role in said):
+            continue
         named = [c for c in recording.channels if c.quantity == one and c.axis in AXES]
         if len({c.axis for c in named}) == len(named):
             own |= {f"{one}_{c.axis}": c for c in named}
     warm = [c for c in recording.channels if c.quantity == TEMPERATURE]
     own |= {TEMPERATURE: warm[0]} if len(warm) == 1 else {}
-    if any(role != TEMPERATURE for role in own):
+    if any(role != TEMPERATURE for role in (*own, *said)):
         return own | said
     return _in_order(recording, sensor, remarks) | said
 
@@ -130,7 +154,7 @@ def _in_order(recording: Recording, sensor: str, remarks: list[Remark]) -> dict[
     by = "as said" if sensor else "by the name of the file"
     what = f"{listed} taken for x, y, z of the {'gyros' if one == 'gyro' else 'accelerometers'} ({by}, in their order)"
     remarks.append(
-        Remark("axes_in_order", "info", what, recording.source.path, do="Else say it: --column acc_x=COLUMN")
+        Remark("axes_in_order", "info", what, recording.source.path, do=f"Else say it: --column {one}_x=COLUMN")
     )
     return {f"{one}_{axis}": channel for axis, channel in zip(AXES, bare, strict=True)}
 
@@ -174,8 +198,16 @@ def _apart(one: Recording, other: Recording) -> bool:
 
 def _span(one: Recording) -> str:
     times = one.time_ns
-    when = "" if times is None or not len(times) else f" from {times[0] / SECOND:.6g} to {times[-1] / SECOND:.6g} s"
-    return f"{Path(one.source.path).name}: {len(one)} samples{when}"
+    ends = "" if times is None or not len(times) else f" from {times[0] / SECOND:.12g} to {times[-1] / SECOND:.12g} s"
+    return f"{Path(one.source.path).name}: {len(one)} samples{ends}"
+
+
+def _check_values(found: Mapping[str, tuple[Recording, Channel]]) -> None:
+    for role, (recording, channel) in found.items():
+        if not np.isfinite(np.asarray(channel.data, dtype=np.float64)).any():
+            what = f"{channel.name!r}, taken for {role}, holds no value"
+            do = f"Say which column it is, --column {role}=COLUMN, or record again"
+            raise DataError(what, recording.source.path, do=do, code="no_values")
 
 
 def _units(found: Mapping[str, tuple[Recording, Channel]], said: Mapping[str, str]) -> dict[str, str]:
@@ -205,7 +237,13 @@ def _units(found: Mapping[str, tuple[Recording, Channel]], said: Mapping[str, st
 
 def _unit_of(role: str, channel: Channel, sensor: str, said: Mapping[str, str]) -> str | None:
     given = said.get(role) or said.get(channel.name) or said.get(sensor)
-    return channel.unit if given is None else normalise(given)
+    if given is None:
+        return channel.unit
+    try:
+        return normalise(given)
+    except DataError as error:
+        problems = [replace(one, what=f"--unit {sensor}={given}: {one.what}") for one in error.problems]
+        raise UsageError(problems) from None
 
 
 def _check_kind(sensor: str, unit: str, name: str) -> None:

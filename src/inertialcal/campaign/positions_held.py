@@ -73,7 +73,11 @@ def held_out(plan: Plan, readings: Readings, first: int) -> Held:
     DataError
         As ``procedures.positions.held_out``.
     """
-    whole = fit_and_judge(plan, readings, first)
+    try:
+        whole = fit_and_judge(plan, readings, first)
+    except DataError as error:
+        few = f"held out are {len(readings) - first} of {len(readings)} positions; the other {first}: "
+        raise DataError([replace(one, what=few + one.what, do="Hold out fewer") for one in error.problems]) from None
     without = None
     if readings.gyro is not None and plan.g_sensitivity is not False and len(whole.angles):
         try:

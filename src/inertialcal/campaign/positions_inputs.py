@@ -28,12 +28,14 @@ from .modelling import Prepared
 from .origins import Origin
 from .plans import plan_values
 from .positions_channels import check_clock
+from .positions_site import site_problems
 from .positions_sources import named_section, section_of
-from .positions_words import of_words, runs_of, sections_of
-from .schema import CampaignFile, RecordingEntry, Sensor, Test
+from .positions_words import FACES, of_words, runs_of, sections_of
+from .schema import CampaignFile, Test
+from .schema_recordings import RecordingEntry
+from .schema_sensors import Sensor
 
 PREFIX: dict[Kind, str] = {"accelerometer": "acc", "gyro": "gyro"}
-FACES = ["faces"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +91,7 @@ def readings_of(plan: positions.Plan, parts: Sequence[Part], test: str, folder: 
     pairs = _paired(parts, test)
     joined = [_joined(pair) for pair in pairs]
     sections = [_sections(folder, pair, one) for pair, one in zip(pairs, joined, strict=True)]
-    faces = any(one.entry.orientations == FACES for one in parts)
+    faces = any(one.entry.orientations == [FACES] for one in parts)
     return _oriented(readings_from(plan, joined, sections, faces), parts)
 
 
@@ -105,7 +107,10 @@ def positions_plan(file: CampaignFile, standards: Standards, test: Test) -> posi
     if problems:
         raise PlanError(problems)
     place: dict[str, Any] = {"gravity": file.site.gravity, "height": file.site.height or 0.0} | values
-    return positions.Plan(**place, latitude=file.site.latitude, standards=standards)
+    plan = positions.Plan(**place, latitude=file.site.latitude, standards=standards)
+    if site_problems(plan):
+        raise PlanError(site_problems(plan))
+    return plan
 
 
 def _part(campaign: Campaign, name: str, test: Test) -> Part:
@@ -174,7 +179,7 @@ def _oriented(readings: Readings, parts: Sequence[Part]) -> Readings:
     DataError
         ``wrong_value`` if there are not as many as positions.
     """
-    said = [one.entry.orientations for one in parts if one.entry.orientations not in (None, FACES)]
+    said = [one.entry.orientations for one in parts if one.entry.orientations not in (None, [FACES])]
     words = [word for one in said for word in one or ()]
     if not words:
         return readings

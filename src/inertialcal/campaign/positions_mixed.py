@@ -21,7 +21,7 @@ from ..procedures.positions.earth_rate import earth_in_g
 from ..procedures.positions.gyro import FittedGyro, problem_of
 from ..procedures.positions.linear_sensor import LinearSensor
 from ..procedures.positions.plan import AXES, local_gravity
-from ..procedures.positions.rotations import errors
+from ..procedures.positions.rotation_errors import errors
 
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 
@@ -109,7 +109,7 @@ def _missed(fitted: positions.Result, gyro: FittedGyro, held: positions.Readings
     seen = None if gyro.rest.g_sensitivity is None else G + earth_in_g(fitted.plan, A)[0]
     rest = replace(gyro.rest, bias=values[9:12], g_sensitivity=seen)
     problem = problem_of(fitted.plan, held, fitted.acc, rest, gyro.sensor.ideal, gyro.sensor.zero)
-    rows = errors(problem, np.asarray(np.linalg.inv(A)))[0]
+    rows = errors(problem, np.asarray(np.linalg.inv(A))).e
     moves, turns = problem.sizes
     of_moves = np.column_stack([rows[: 2 * moves].reshape(-1, 2), np.zeros(moves)])
     return np.vstack([of_moves, rows[2 * moves :].reshape(turns, 3)])

@@ -18,7 +18,7 @@ from .modelling import Modelled
 from .positions_loop import loops_of
 from .positions_result import OfSensor
 from .requirements import Tested
-from .schema import Sensor
+from .schema_sensors import Sensor
 
 UNIT = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 NOT_RUN = "not run"

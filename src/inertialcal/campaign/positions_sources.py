@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from ..procedures.positions.plan import Plan
 from ..procedures.positions.readings import Readings
 from ..procedures.positions.recordings import Section, readings_from
 from .positions_channels import SENSORS, Taken, taken
+from .positions_site import site_problems, turn_problems
 from .positions_table import is_table, readings_columns, table_readings
 from .positions_words import Section as Said
 from .positions_words import direction_of, runs_of, sections_of, turn_of
@@ -124,6 +126,9 @@ def sources(plan: Plan, files: Sequence[File], asked: Asked) -> Sources:
     DataError
         As ``positions.recordings.readings_from``, and where files cannot be read.
     """
+    problems = [*site_problems(plan), *turn_problems(asked.turn)]
+    if problems:
+        raise UsageError(problems)
     recordings = [_read(file, asked) for file in files]
     inputs = {str(f.path): r.source.sha256 for f, r in zip(files, recordings, strict=True)}
     if len(files) == 1 and is_table(recordings[0]) and asked.sections is None:
@@ -131,15 +136,37 @@ def sources(plan: Plan, files: Sequence[File], asked: Asked) -> Sources:
         own = taken([readings_columns(recordings[0])], [""], asked.columns, asked.units)
         return Sources(table_readings(table, own), own.columns, own.units, inputs)
     takens = _takens(files, recordings, asked)
+    with _placed(files[0].path if len(files) == 1 else None):
+        readings = _readings(plan, files, takens, asked)
+    remarks = (*(remark for one in takens for remark in one.remarks), *readings.remarks)
+    return Sources(replace(readings, remarks=remarks), takens[0].columns, takens[0].units, inputs)
+
+
+def _readings(plan: Plan, files: Sequence[File], takens: Sequence[Taken], asked: Asked) -> Readings:
+    """Return static intervals and rotations of files, each of a position or all as they were recorded."""
     labelled = [file.called for file in files if file.called not in ("", *SENSORS)]
     whole = [one.recording for one in takens]
     if labelled:
-        readings = _of_labelled(plan, files, whole, asked)
-    else:
-        sections = [_sections(files[0].path, whole[0], asked)] if asked.sections is not None else []
-        readings = readings_from(plan, whole, sections, asked.faces)
-    remarks = (*(remark for one in takens for remark in one.remarks), *readings.remarks)
-    return Sources(replace(readings, remarks=remarks), takens[0].columns, takens[0].units, inputs)
+        return _of_labelled(plan, files, whole, asked)
+    sections = [_sections(files[0].path, whole[0], asked)] if asked.sections is not None else []
+    return readings_from(plan, whole, sections, asked.faces)
+
+
+@contextmanager
+def _placed(path: Path | None) -> Iterator[None]:
+    """Put the file before what is refused without it, and say settings as they are said of files."""
+    try:
+        yield
+    except DataError as error:
+        ways = {"no_rest": "Let it rest in each position, or say which rest counts: --shortest '2 s'"}
+        found = [replace(one, do=ways.get(one.code, one.do)) for one in error.problems]
+        if path is not None:
+            found = [one if str(path) in one.where else replace(one, where=_before(path, one.where)) for one in found]
+        raise DataError(found) from None
+
+
+def _before(path: Path, where: str) -> str:
+    return f"{path}: {where}" if where else str(path)
 
 
 def _read(file: File, asked: Asked) -> Recording:
@@ -160,8 +187,12 @@ def _takens(files: Sequence[File], recordings: Sequence[Recording], asked: Asked
         ``wrong_unit`` if recordings of one test differ in their units.
     """
     sensors = [file.called if file.called in SENSORS else "" for file in files]
-    if len(files) == 2 and (any(sensors) or _of_one_sensor_each(recordings)):
+    pair = len(files) == 2 and (any(sensors) or _of_one_sensor_each(recordings))
+    if pair or sensors == ["acc"]:
         return [taken(recordings, sensors, asked.columns, asked.units)]
+    if sensors == ["gyro"]:
+        do = "Give the accelerometers of the same clock too: acc=FILE"
+        raise UsageError(f"{files[0].path}: gyros alone", why="gravity is what calibrates", do=do, code="no_column")
     if any(sensors):
         do = "Give one acc=FILE and one gyro=FILE of the same clock"
         raise UsageError(f"{len(files)} file(s), of which some are named acc or gyro", do=do, code="wrong_value")
@@ -211,7 +242,7 @@ def _sections(path: Path, recording: Recording, asked: Asked) -> tuple[Section, 
 
 
 def section_of(said: Said, recording: Recording, turn: float) -> Section:
-    """Return a labelled part in samples; a turn by the angle given [rad].
+    """Return a labelled part in samples; a turn by its own angle, else by the one given [rad].
 
     Raises
     ------
@@ -225,7 +256,7 @@ def section_of(said: Said, recording: Recording, turn: float) -> Section:
             do = "Give the sample rate, or samples"
             raise DataError(f"section {said.label!r} is in seconds, the recording has no time", do=do, code="no_time")
         start, stop = (float(np.searchsorted(seconds, one)) for one in (start, stop))
-    return named_section(said.label, round(start), round(stop), turn)
+    return named_section(said.label, round(start), round(stop), turn if said.angle is None else said.angle)
 
 
 def named_section(label: str, start: int, stop: int, turn: float) -> Section:

@@ -7,9 +7,10 @@ about x. ``?``: not known.
 from __future__ import annotations
 
 import json
+import math
 import re
-from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -18,18 +19,21 @@ import numpy as np
 
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
-from ..core.units import parse_quantity
+from ..core.units import factor, parse_quantity
 from ..files.table import Table, read_table
+from .positions_site import turn_problems
 
 AXES = ("x", "y", "z")
+FACES = "faces"  # in place of words: each position lies on the face that is nearest
 POSITION = re.compile(
     r"(?P<sign>[+-]?)(?P<axis>[xyz])[ _]?(?P<way>\+|-|p|a|up|down|plus|minus|pos|neg)?", re.IGNORECASE
 )
 TURN = re.compile(r"(?P<sign>-?)(?P<axis>[xyz])[ _]?(?:rot|turn|rotation)", re.IGNORECASE)
 DOWN = ("-", "a", "down", "minus", "neg")
 LIKE = "x+, x-, y+, y-, z+, z- (the axis that points up), ? for one that is not known"
+LIKE_JSON = '{"x_p": {"start": 540, "end": 1271}}'
 LABELS = ("section", "label", "name", "part", "position", "orientation")
-STARTS, STOPS = ("start", "begin", "from"), ("end", "stop", "to")
+STARTS, STOPS, ANGLES = ("start", "begin", "from"), ("end", "stop", "to"), ("angle", "turn")
 
 
 @dataclass(frozen=True)
@@ -44,12 +48,15 @@ class Section:
         Samples counted from 0, or [s].
     seconds : bool
         Which of both.
+    angle : float or None
+        Of a turn, where it is said of this one [rad].
     """
 
     label: str
     start: float
     stop: float
     seconds: bool = False
+    angle: float | None = None
 
 
 def direction_of(text: str) -> Array | None:
@@ -87,10 +94,12 @@ def directions(given: str) -> Array:
     Raises
     ------
     UsageError
-        ``wrong_value`` if one is neither; ``no_column`` if the file has none.
+        ``wrong_value`` if one is neither; ``missing_file``; ``no_column`` if the file has none.
     """
     if Path(given).is_file():
         return _from_file(read_table(Path(given)))
+    if "," not in given and Path(given).suffix:
+        raise UsageError(f"orientations: no file {given!r}", do=f"Name a file, or words: {LIKE}", code="missing_file")
     return of_words(given.split(","), "orientations")
 
 
@@ -138,15 +147,32 @@ def sections_of(path: Path) -> tuple[Section, ...]:
     Raises
     ------
     DataError
-        ``missing_file``, ``not_json``, ``wrong_value`` if one has no start or end, ``no_column``.
+        ``missing_file``, ``not_json``, ``wrong_value`` if one has no start or end, or an angle that is none;
+        ``no_column``, ``no_unit`` if the angles of a table have none.
     """
     if path.suffix.lower() == ".json":
         return _of_json(path)
     table = read_table(path)
     label, start, stop = (_named(table, names) for names in (LABELS, STARTS, STOPS))
     timed = table.unit(start) == "s"
-    ends = zip(table.text(label), table.numbers(start), table.numbers(stop), strict=True)
-    return tuple(_checked(Section(name, float(a), float(b), timed), str(path)) for name, a, b in ends)
+    ends = zip(table.text(label), table.numbers(start), table.numbers(stop), _angles(table), strict=True)
+    return tuple(
+        _checked(Section(name, float(a), float(b), timed, angle), table.where(k))
+        for k, (name, a, b, angle) in enumerate(ends)
+    )
+
+
+def _angles(table: Table) -> list[float | None]:
+    """Return the angle of each turn that a table says it of [rad]."""
+    name = next((one for one in table.names if one.lower().partition("[")[0].strip() in ANGLES), None)
+    if name is None:
+        return [None] * len(table)
+    unit = table.unit(name)
+    if unit is None:
+        do = "Name the column with its unit: angle [deg]"
+        raise DataError(f"column {name!r} has no unit", table.source.path, "a turn by 360 could be either", do, "no_unit")
+    scale = factor(unit, "rad")
+    return [None if math.isnan(one) else float(one) * scale for one in table.numbers(name)]
 
 
 def _named(table: Table, names: Sequence[str]) -> str:
@@ -159,21 +185,23 @@ def _named(table: Table, names: Sequence[str]) -> str:
 
 def _of_json(path: Path) -> tuple[Section, ...]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"))
+        content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=tuple)  # a label may stand twice
     except OSError as error:
         raise DataError(f"cannot read the sections: {error.strerror}", str(path), code="missing_file") from None
     except (ValueError, RecursionError) as error:
-        raise DataError(f"no JSON: {error}", str(path), code="not_json") from None
-    if not isinstance(content, dict):
-        do = 'Write it like {"x_p": {"start": 540, "end": 1271}}'
-        raise DataError("no sections: the file holds no object", str(path), do=do, code="wrong_value")
-    return tuple(_checked(_section(str(label), ends, str(path)), str(path)) for label, ends in content.items())
+        do = f"Write it like {LIKE_JSON}"
+        raise DataError(f"no JSON: {error}", str(path), do=do, code="not_json") from None
+    if not isinstance(content, tuple) or not content:
+        what = "no sections: the file holds no object" if not isinstance(content, tuple) else "no section in the file"
+        raise DataError(what, str(path), do=f"Write it like {LIKE_JSON}", code="wrong_value")
+    return tuple(_checked(_section(str(label), ends, str(path)), str(path)) for label, ends in content)
 
 
 def _section(label: str, ends: Any, where: str) -> Section:
     pair: list[Any] = []
-    if isinstance(ends, Mapping):
-        pair = [next((ends[name] for name in names if name in ends), None) for names in (STARTS, STOPS)]
+    given: Any = None
+    if isinstance(ends, tuple):
+        *pair, given = (next((v for k, v in ends if k in names), None) for names in (STARTS, STOPS, ANGLES))
     elif isinstance(ends, list) and len(ends) == 2:
         pair = ends
     read = [_place(one) for one in pair]
@@ -181,7 +209,16 @@ def _section(label: str, ends: Any, where: str) -> Section:
         do = 'Write it like {"start": 540, "end": 1271}, samples from 0, or {"start": "5.4 s", "end": "12.7 s"}'
         raise DataError(f"section {label!r}: no start and end", where, do=do, code="wrong_value")
     (start, seconds), (stop, _) = read  # type: ignore[misc]
-    return Section(label, start, stop, seconds)
+    return Section(label, start, stop, seconds, None if given is None else _angle(label, given, where))
+
+
+def _angle(label: str, given: Any, where: str) -> float:
+    """Return the angle of a turn with its unit [rad]."""
+    try:
+        return float(parse_quantity(given if isinstance(given, str) else "").to("rad"))
+    except DataError:
+        do = 'Write it with its unit: "angle": "-360 deg"'
+        raise DataError(f"section {label!r}: {given!r} is no angle", where, do=do, code="wrong_value") from None
 
 
 def _place(given: Any) -> tuple[float, bool] | None:
@@ -196,13 +233,25 @@ def _place(given: Any) -> tuple[float, bool] | None:
 
 
 def _checked(section: Section, where: str) -> Section:
-    if direction_of(section.label) is None and turn_of(section.label) is None:
+    known = direction_of(section.label) is not None or turn_of(section.label) is not None
+    if not known or not section.label.strip():
         do = f"There are: {LIKE}; x_rot, y_rot, z_rot for turns"
         raise DataError(f"section {section.label!r} is no position and no turn", where, do=do, code="unknown_name")
     if not section.stop > section.start:
         what = f"section {section.label!r}: from {section.start:g} to {section.stop:g}"
         raise DataError(what, where, do="Give the end after the start", code="wrong_value")
+    if section.angle is not None:
+        _check_angle(section, section.angle, where)
     return section
+
+
+def _check_angle(section: Section, angle: float, where: str) -> None:
+    """Refuse the angle of a position, and of a turn one by which nothing is turned."""
+    if turn_of(section.label) is None:
+        what = f"section {section.label!r} is a position, and has an angle"
+        raise DataError(what, where, do="Leave it out, or name the turn: x_rot", code="wrong_value")
+    if problems := turn_problems(angle):
+        raise DataError([replace(one, what=f"section {section.label!r}: {one.what}", where=where) for one in problems])
 
 
 def runs_of(labels: Sequence[str]) -> tuple[Section, ...]:

@@ -17,7 +17,8 @@ from .modelling import Prepared
 from .noise_inputs import prepared_static_noise
 from .positions_inputs import prepared_positions
 from .rate_table_inputs import prepared_rate_table
-from .schema import Sensor, Test
+from .schema import Test
+from .schema_sensors import Sensor
 from .thermal_inputs import prepared_thermal
 
 WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {

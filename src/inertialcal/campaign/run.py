@@ -17,13 +17,13 @@ from ..procedures import PROCEDURES, positions
 from ..report.page import report_html
 from .after import Bias
 from .contents import results_content
-from .cross_checks import AFTER
 from .load import Campaign, load
 from .modelling import Modelled, Prepared
 from .models_made import model_files, models_of
 from .outcome_tables import outcome_parts
 from .positions_result import OfSensor
 from .prepare import placed, prepare, sensor_of
+from .procedure_checks import AFTER
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst

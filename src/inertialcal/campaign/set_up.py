@@ -6,7 +6,8 @@ from typing import Any
 
 from ..core.units import Quantity, convert
 from .curves import ten_digits
-from .schema import Sensor, Site
+from .schema import Site
+from .schema_sensors import Sensor
 
 SITE = {"latitude": ("rad", "deg"), "height": ("m", "m"), "gravity": ("m/s^2", "m/s^2")}
 CHAIN = {"lsb": "V", "reference": "V", "validity_minimum": "V", "gate": "s"}

@@ -20,7 +20,7 @@ from ..files.table import read_table
 from ..procedures import rate_table as procedure
 from ..procedures.rate_table.plan import AXES
 from .display import displayed
-from .schema import Chain, Sensor
+from .schema_sensors import Chain, Sensor
 from .single_recording import is_stepped, stepped_columns, stepped_readings
 from .single_table import table_columns, table_readings, turned_axis
 from .table_columns import guess

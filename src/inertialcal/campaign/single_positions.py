@@ -12,7 +12,7 @@ import numpy as np
 from ..core.curve import Curve
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
-from ..core.frames import frame
+from ..core.frames import frame_of_rows
 from ..core.influence import Influence
 from ..core.remarks import Remark, gather
 from ..core.result_tables import figures, told
@@ -30,10 +30,9 @@ from .positions_channels import AXES, SENSORS
 from .positions_held import Held, held_out
 from .positions_result import by_quantity
 from .positions_sources import Asked, Sources, named_files, sources
-from .positions_words import directions
-from .schema import STANDARDS, StandardEntry
+from .positions_words import FACES, directions
+from .schema_standards import STANDARDS, StandardEntry
 
-FACES = "faces"
 KINDS = {"acc": "accelerometer", "gyro": "gyro"}
 
 
@@ -69,7 +68,9 @@ class PositionsFile:
     def summary(self) -> str:
         """How much went in, in one line."""
         readings = self.result.readings
-        known = "" if readings.direction is None else " of known orientation"
+        named = 0 if readings.direction is None else int(np.isfinite(readings.direction).all(axis=1).sum())
+        known = "" if not named else " of known orientation"
+        known = f", {named}{known}" if 0 < named < len(readings) else known
         parts = [f"{len(readings)} positions{known}"]
         parts += [f"{len(readings.transitions)} rotations between them"] if readings.transitions else []
         parts += [f"{len(readings.turns)} turns by a known angle"] if readings.turns else []
@@ -122,8 +123,7 @@ class PositionsFile:
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""
-        rows = [row.to_dict() for row in self.rows]
-        return frame({name: [row[name] for row in rows] for name in rows[0]})
+        return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which channel was what, the figures of each sensor, how many remarks."""

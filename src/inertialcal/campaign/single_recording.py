@@ -19,7 +19,9 @@ from ..procedures.rate_table import Plan, Readings
 from ..procedures.rate_table.plan import AXES
 from ..procedures.rate_table.recordings import APPLIED, readings_from
 from .channels import turned_recording
-from .schema import ChannelEntry, RecordingEntry, Sensor, Test
+from .schema import Test
+from .schema_recordings import ChannelEntry, RecordingEntry
+from .schema_sensors import Sensor
 
 SAMPLES_A_STEP = 3.0  # fewer samples between changes of the table's rate: no recording of steps
 FOLLOWS = 0.9  # correlation with the table above which an axis is named as the one that follows

@@ -9,7 +9,9 @@ from typing import Any
 from ..core.errors import UsageError
 from ..core.units import normalise
 from ..procedures.rate_table import Readings
-from .schema import RecordingEntry, Rows, Sensor, Test
+from .schema import Test
+from .schema_recordings import RecordingEntry, Rows
+from .schema_sensors import Sensor
 from .table_columns import Guess
 from .tables import rate_table_readings
 

@@ -13,7 +13,7 @@ from ..procedures.rate_table.rows import applies
 from .load import Campaign
 from .positions_result import OfSensor
 from .requirements import Tested
-from .schema import STANDARDS
+from .schema_standards import STANDARDS
 
 LATITUDE = "site.latitude"
 EFFECTS = rate_table.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}

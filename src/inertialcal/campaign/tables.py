@@ -24,7 +24,9 @@ from ..procedures.rate_table.earth_input import gathered
 from ..procedures.rate_table.taken_off import joined
 from ..sensors.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors
-from .schema import Columns, RecordingEntry, Rows, Sensor, Test
+from .schema import Test
+from .schema_recordings import Columns, RecordingEntry, Rows
+from .schema_sensors import Sensor
 
 Mask = NDArray[np.bool_]
 

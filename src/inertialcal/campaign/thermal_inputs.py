@@ -19,7 +19,9 @@ from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin
 from .plans import plan_values
-from .schema import CampaignFile, RecordingEntry, Sensor, Test
+from .schema import CampaignFile, Test
+from .schema_recordings import RecordingEntry
+from .schema_sensors import Sensor
 
 COUNTED = dict(zip(REFERENCES, ("reference", "temperature_reference"), strict=True))  # voltage -> channel of its codes
 

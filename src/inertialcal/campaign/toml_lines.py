@@ -7,9 +7,10 @@ and brackets to say on which line each path stands.
 from __future__ import annotations
 
 from bisect import bisect_left
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 Path = tuple[str | int, ...]
+At = Callable[..., str]  # place of a key path, told in messages
 
 
 def key_lines(text: str) -> dict[Path, int]:

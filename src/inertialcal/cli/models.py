@@ -162,7 +162,10 @@ def export(
     model: Model,
     output: Output,
     to: Annotated[
-        str, typer.Option("--to", help="Format: json, imucal, kalibr-model, imu-tk, realsense.", show_default=False)
+        str,
+        typer.Option(
+            "--to", help="Format: json, imucal, kalibr-model, imu-tk, realsense, c, python.", show_default=False
+        ),
     ],
     beside: Annotated[
         Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")

@@ -10,6 +10,7 @@ import typer
 from . import figures
 from .options import Json, Quiet
 from .output import clean, json_out
+from .plans_positions import positions
 
 if TYPE_CHECKING:
     from ..campaign.single_mass_plan import MassPlan
@@ -129,6 +130,7 @@ def mass_attraction(
 
 
 plan.command("mass-attraction")(mass_attraction)
+plan.command("positions")(positions)
 
 
 def _figure(name: str | None) -> str | None:

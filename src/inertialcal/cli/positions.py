@@ -10,11 +10,12 @@ import typer
 
 from . import figures
 from .options import Json, Quiet, Start, Stop, Units
-from .output import clean, json_out, wrapped
+from .output import clean, json_out
 
 if TYPE_CHECKING:
     from ..campaign.single_positions import PositionsFile
 
+FIGURES = ("positions_residuals", "positions_sphere", "transitions")
 Files = Annotated[
     list[str],
     typer.Argument(
@@ -80,6 +81,7 @@ def positions(
     from ..campaign.single_positions import positions as reduce_files
     from .pairs import pairs
     from .recordings import units_of
+    from .summary import print_reduced
 
     drawn, models = _outputs(output, figure)
     found = reduce_files(
@@ -94,7 +96,9 @@ def positions(
     if as_json:
         json_out("positions", _content(found, [*drawn, *written]))
     elif not quiet:
-        _print(found, [*lines, *(clean(f"written: {path}") for path in written)])
+        rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
+        said = "\n".join([*lines, *(clean(f"written: {path}") for path in written)])
+        print_reduced(found.columns, rows, remarks, said, found.summary)
     return 0
 
 
@@ -112,6 +116,8 @@ def _outputs(given: Sequence[Path], figure: str | None) -> tuple[list[Path], lis
     drawn = [one for one in given if one not in models]
     for one in drawn:
         figures.check_figure(one)
+    if figure is not None and _named(figure) not in FIGURES:
+        raise UsageError(f"--figure {figure}", do="There are: residuals, sphere, transitions", code="unknown_name")
     if figure is not None and not drawn:
         raise UsageError(f"--figure {figure}: no file for the figure is named", do="Say it: -o figure.png")
     return drawn, models
@@ -128,17 +134,3 @@ def _content(found: PositionsFile, written: Sequence[Path]) -> dict[str, Any]:
     content |= {"curves": found.content()["curves"]}
     content |= {"remarks": [one.to_dict() for one in found.remarks], "columns": dict(found.columns)}
     return content | ({"written": [str(path) for path in written]} if written else {})
-
-
-def _print(found: PositionsFile, lines: Sequence[str]) -> None:
-    """Print which channel was what, the figures of each sensor, what there is to say of them, and what was written."""
-    from .summary import remarks_text, results_text
-
-    taken = ", ".join(f"{what} = {clean(name)}" for what, name in found.columns.items())
-    print(wrapped(f"columns: {taken}"))
-    print(wrapped(found.summary))
-    print(results_text({"results": [row.to_dict() for row in found.rows]}))
-    for text in remarks_text([remark.to_dict() for remark in found.remarks]):
-        print(text)
-    for line in lines:
-        print(line)

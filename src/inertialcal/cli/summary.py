@@ -152,10 +152,16 @@ def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
 
 
 def print_reduced(
-    columns: Mapping[str, str], rows: Sequence[Mapping[str, Any]], remarks: Sequence[Mapping[str, Any]], line: str = ""
+    columns: Mapping[str, str],
+    rows: Sequence[Mapping[str, Any]],
+    remarks: Sequence[Mapping[str, Any]],
+    line: str = "",
+    found: str = "",
 ) -> None:
-    """Print which channel was what, the figures, what there is to say of them, and what was written."""
+    """Print which channel was what, what was found in it, the figures, what there is to say, and what was written."""
     print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in columns.items())))
+    if found:
+        print(wrapped(found))
     print(results_text({"results": rows}))
     for text in remarks_text(remarks):
         print(text)

@@ -34,7 +34,26 @@ def parse(text: str, where: str) -> Content:
     if layout.across:
         return _across(text, layout, where)
     names = column_names(layout, where)
-    return fast(text, layout, names) or exact(text, layout, names, where)
+    text, cut = _whole_rows(text, layout, where)
+    found = fast(text, layout, names) or exact(text, layout, names, where)
+    return replace(found, remarks=(*found.remarks, *cut))
+
+
+def _whole_rows(text: str, layout: Layout, where: str) -> tuple[str, tuple[Remark, ...]]:
+    """Return the text without a last row that was not written to its end, with the remark that says so."""
+    begin = text.rfind("\n") + 1
+    last = text[begin:]
+    if begin <= layout.start or is_blank(last, layout.separator) or last.lstrip().startswith(layout.comment):
+        return text, ()
+    cells = len(split(last, layout.separator))
+    if cells >= layout.width:
+        return text, ()
+    what = (
+        f"the last row has no end, and {cells} of {layout.width} cells: it is left out. The file is still being "
+        "written, or the recording broke off"
+    )
+    where = f"{where}:{text.count(chr(10)) + 1}"
+    return text[: begin - 1], (Remark("row_cut_off", "warning", what, where, do="Read it again when it is whole"),)
 
 
 def column_names(layout: Layout, where: str) -> tuple[str, ...]:

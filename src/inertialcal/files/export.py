@@ -1,8 +1,8 @@
 """A model handed out: judged on recordings held out, or marked by the word of whoever takes it.
 
 ``WRITERS`` is the one place that knows the formats: a name, and the function that makes the file from models and
-their ``model.json``. Those of others stand in ``files.others``; a file of theirs reads as a model too, with ``#gyro``
-or ``#accelerometer`` after its name where it holds both.
+their ``model.json``. ``c`` and ``python`` are code that applies the model. Those of others stand in ``files.others``; a
+file of theirs reads as a model too, with ``#gyro`` or ``#accelerometer`` after its name where it holds both.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from ..core.errors import DataError, UsageError
 from ..core.remarks import Remark
 from ..sensors.model import Kind, SensorModel
+from .apply_text import c_text, python_text
 from .model_json import dump_model, parse_model
 from .others import FORMATS, Foreign, parse_foreign, sensor_named
 from .replacing import replacing
@@ -63,11 +64,25 @@ Written = tuple[bytes, tuple[Remark, ...]]
 Writer = Callable[[Sequence[ModelFile]], Written]
 
 
-def _own(sources: Sequence[ModelFile]) -> Written:
+def _alone(sources: Sequence[ModelFile], name: str) -> ModelFile:
     if len(sources) > 1:
-        raise UsageError("--to json holds one sensor a file", do="Export them one by one", code="one_sensor")
-    source = sources[0]
+        raise UsageError(f"--to {name} holds one sensor a file", do="Export them one by one", code="one_sensor")
+    return sources[0]
+
+
+def _own(sources: Sequence[ModelFile]) -> Written:
+    source = _alone(sources, "json")
     return source.data if source.format == "inertialcal" else dump_model(source.model).encode(), ()
+
+
+def _code(name: str, text: Callable[[SensorModel], str]) -> Writer:
+    def write(sources: Sequence[ModelFile]) -> Written:
+        model = _alone(sources, name).model
+        gone = f"{model.kind}: code in {name} cannot hold: uncertainties"
+        told = () if model.estimate is None else (Remark("not_held", "info", gone),)
+        return text(model).encode(), told
+
+    return write
 
 
 def _others(name: str) -> Writer:
@@ -81,7 +96,12 @@ def _others(name: str) -> Writer:
     return write
 
 
-WRITERS: dict[str, Writer] = {"json": _own} | {name: _others(name) for name in FORMATS}
+WRITERS: dict[str, Writer] = {
+    "json": _own,
+    **{name: _others(name) for name in FORMATS},
+    "c": _code("c", c_text),
+    "python": _code("python", python_text),
+}
 
 
 def load_model_file(path: str | os.PathLike[str]) -> ModelFile:

@@ -1,8 +1,8 @@
 """Rig of an IMU without a turntable: laid by hand into one position after another, and turned in between.
 
-``tumble`` lays it into many positions whose orientation nobody knows; ``ferraris`` on its six faces, and turns it once
-about each axis, by a known angle. The unit has scale factors, misalignments, biases, g-sensitivity and noise at two
-levels: of a sample, and between positions. The accelerometers' own axes are the body where orientations are not known
+``tumble`` lays it into many positions whose orientation nobody knows; ``ferraris`` on its six faces, twice, and turns it
+about each axis by a known angle, there and, laid anew, back. The unit has scale factors, misalignments, biases,
+g-sensitivity and noise at two levels: of a sample, and between positions. The accelerometers' own axes are the body where orientations are not known
 (M lower triangular); a fixture defines it where they are, and M is full.
 """
 
@@ -64,6 +64,8 @@ class Bench:
         Many positions, or six faces and three turns.
     positions : int
         Of a tumble.
+    rounds : int
+        How often each of six faces is laid, and each turn made, there and back.
     records : int
         Recordings; of several the last is held out.
     first, dwell, turn : float
@@ -104,6 +106,7 @@ class Bench:
 
     variant: Literal["tumble", "ferraris"] = "tumble"
     positions: int = 26
+    rounds: int = 2
     records: int = 2
     first: float = 20.0
     dwell: float = 5.0
@@ -299,8 +302,9 @@ def _scattered(directions: Array, spread: float, rng: np.random.Generator) -> Ar
 
 
 def _ferraris(bench: Bench, rng: np.random.Generator) -> Protocol:
-    """Six faces, each once, then a turn about each axis, that axis up; faces and turns off by their errors."""
-    meant = np.vstack([FACES, np.eye(3)])
+    """Six faces, then a turn about each axis, that axis up, each laid anew and off by its errors."""
+    faces = np.vstack([FACES] * bench.rounds)
+    meant = np.vstack([faces, *[np.eye(3)] * bench.rounds])
     ups = meant.copy()
     for k, one in enumerate(meant):
         away = np.array([drawn_error(bench.orientation, rng) for _ in range(3)])
@@ -309,19 +313,19 @@ def _ferraris(bench: Bench, rng: np.random.Generator) -> Protocol:
     legs = []
     for k, up in enumerate(ups):
         dwell = _samples(bench, bench.first if k == 0 else bench.dwell, rng)
-        if k < len(FACES):
+        if k < len(faces):
             vector = turn_between(up, ups[k + 1], float(rng.uniform(-1.0, 1.0)))
             legs.append(Leg(dwell, _samples(bench, bench.turn, rng), vector))
             continue
-        full = 2.0 * np.pi
-        vector = (full + drawn_error(bench.angle, rng)) * up
         axis = (float(meant[k][0]), float(meant[k][1]), float(meant[k][2]))
+        full = 2.0 * np.pi * (-1.0) ** ((k - len(faces)) // 3)
+        vector = (full + drawn_error(bench.angle, rng)) * up
         legs.append(Leg(dwell, _samples(bench, 4.0 * bench.turn, rng), vector, told=(axis, full)))
         after = ups[k + 1] if k + 1 < len(ups) else up
         move = turn_between(up, after, 0.0)
         legs.append(Leg(_samples(bench, bench.dwell, rng), _samples(bench, bench.turn, rng), move))
     legs.append(Leg(_samples(bench, bench.dwell, rng), 0, np.zeros(3)))
-    return ups[0], tuple(legs), {k: (float(d[0]), float(d[1]), float(d[2])) for k, d in enumerate(FACES)}
+    return ups[0], tuple(legs), {k: (float(d[0]), float(d[1]), float(d[2])) for k, d in enumerate(faces)}
 
 
 def _readings(bench: Bench, unit: Unit, motion: Motion, rng: np.random.Generator) -> Array:

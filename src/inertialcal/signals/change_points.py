@@ -115,7 +115,7 @@ def level_changes(
     widening : ndarray, shape (channels,)
         By how much more than white noise the means of the widest windows scatter.
     """
-    room = np.empty_like(total)
+    room = np.empty(total.T.shape)
     widening = np.ones(total.shape[1])
     for w in scales:
         if len(total) <= 2 * w:
@@ -126,15 +126,12 @@ def level_changes(
 
 
 def _fill_jumps(total: Array, w: int, room: Array) -> Array:
-    """Absolute difference of the means of w samples after and before samples w .. n - w, in ``room``."""
-    jumps = room[: len(total) - 2 * w]
-    for k in range(total.shape[1]):
-        jump, running = jumps[:, k], total[:, k]
-        np.subtract(running[2 * w :], running[w:-w], out=jump)
-        jump -= running[w:-w]
-        jump += running[: -2 * w]
-        np.abs(jump, out=jump)
-        jump /= w
+    """Difference, without sign, of the means of w samples after and before samples w .. n - w, a row a channel."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    jumps = room[:, : len(total) - 2 * w]
+    for running, jump in zip(total.T, jumps, strict=True):
+        kernels.fill_jump(running, w, jump)
     return jumps
 
 
@@ -144,12 +141,13 @@ def _changes_at_scale(
     """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own."""
     white = noise.scale * np.sqrt(2.0 / w)
     found, wide = cuts, np.ones(len(white))
+    at = _above(jumps, np.maximum(quantile * white, noise.feigned))  # limits only grow
     for _ in range(ROUNDS):
-        found = _exceedances(jumps, np.maximum(quantile * white * wide, noise.feigned), w, cuts)
+        found = _exceedances(jumps, at, np.maximum(quantile * white * wide, noise.feigned), w, cuts)
         measured = _measured_widening(jumps, white, w, found)
         if measured is None:
             limit = np.maximum(quantile * white * np.maximum(wide, widening), noise.feigned)
-            return _exceedances(jumps, limit, w, cuts), widening
+            return _exceedances(jumps, at, limit, w, cuts), widening
         if w == 1:
             measured = np.minimum(measured, BLUE)
         if np.all(measured <= WIDEN * wide):
@@ -158,33 +156,38 @@ def _changes_at_scale(
     return found, wide
 
 
-def _exceedances(jumps: Array, limit: Array, w: int, cuts: Indices) -> Indices:
-    """Cuts with those added where a jump exceeds its limit and is the largest for w samples around."""
-    over = np.zeros(len(jumps), dtype=bool)
-    for k, bound in enumerate(limit):
-        over |= jumps[:, k] > bound
-    hits = np.flatnonzero(over) + w
+def _above(jumps: Array, limit: Array) -> Indices:
+    """Places at which the jump of any channel exceeds its limit."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    over = np.zeros(jumps.shape[1], dtype=bool)
+    for jump, bound in zip(jumps, limit, strict=True):
+        kernels.mark_above(jump, bound, over)
+    return np.flatnonzero(over)
+
+
+def _exceedances(jumps: Array, at: Indices, limit: Array, w: int, cuts: Indices) -> Indices:
+    """Cuts with those of places ``at`` added whose jump exceeds its limit and is the largest for w samples around."""
+    hits = at[(jumps[:, at] > limit[:, None]).any(axis=0)] + w
     if w == 1:
         return _joined(cuts, hits)
     for _ in range(ROUNDS):
         hits = hits[_clear(hits, w, cuts)]
         if not len(hits):
             break
-        score = (jumps[hits - w] / np.where(limit > 0.0, limit, np.finfo(float).tiny)).max(axis=1)
+        score = (jumps[:, hits - w] / np.where(limit > 0.0, limit, np.finfo(float).tiny)[:, None]).max(axis=0)
         cuts = _joined(cuts, hits[_highest(hits, score, w)])
     return cuts
 
 
 def _highest(at: Indices, score: Array, w: int) -> Indices:
-    """Which of the places ``at`` are the highest for w samples around; empty stretches are left short."""
-    from scipy import signal  # noqa: PLC0415 - heavy import, which commands on tables need not wait for
+    """Which of the places ``at`` are the highest for w samples around, ascending."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
 
-    place = 1 + np.cumsum(np.minimum(np.diff(at, prepend=at[0]), w + 1))
-    dense = np.zeros(place[-1] + 2)  # a zero at each end: find_peaks sees no peak at an end
-    dense[place] = score
-    peaks, _found = signal.find_peaks(dense, distance=w)
-    which: Indices = np.minimum(np.searchsorted(place, peaks), len(at) - 1)
-    return which
+    room, kept = np.empty(len(at), dtype=np.int64), np.empty(len(at), dtype=bool)
+    peaks = room[: kernels.fill_peaks(at, score, room)]
+    kernels.drop_lower(at[peaks], np.argsort(score[peaks]), w, kept[: len(peaks)])
+    return peaks[kept[: len(peaks)]]
 
 
 def _joined(cuts: Indices, new: Indices) -> Indices:
@@ -195,21 +198,30 @@ def _joined(cuts: Indices, new: Indices) -> Indices:
 
 def _clear(at: Indices, w: int, cuts: Indices) -> Flags:
     """Which of the indices are w samples or more from the nearest cut, shape of ``at``."""
-    after = np.minimum(np.searchsorted(cuts, at), len(cuts) - 1)
-    before = np.maximum(after - 1, 0)
-    far: Flags = (np.abs(cuts[after] - at) >= w) & (np.abs(at - cuts[before]) >= w)
-    return far
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    clear = np.empty(len(at), dtype=bool)
+    kernels.fill_clear(at, w, cuts, clear)
+    return clear
 
 
 def _measured_widening(jumps: Array, white: Array, w: int, cuts: Indices) -> Array | None:
     """Ratio of the scatter of jumps between changes to that of white noise; None from too few."""
-    every = np.arange(0, len(jumps), max(1, w // 2, len(jumps) // PROBES))
+    every = np.arange(0, jumps.shape[1], max(1, w // 2, jumps.shape[1] // PROBES))
     free = every[_clear(every + w, w, cuts)]
     if len(free) < FEWEST:
         return None
-    median = np.median(jumps[free], axis=0)
+    median = _medians(jumps[:, free])
     ratio: Array = np.divide(median, HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
     return ratio
+
+
+def _medians(rows: Array) -> Array:
+    """Medians of finite rows, shape (channels,); one partition each, where ``numpy.median`` takes three."""
+    half = rows.shape[1] // 2
+    parted = np.partition(rows, half, axis=1)
+    upper: Array = parted[:, half]
+    return upper if rows.shape[1] % 2 else 0.5 * (parted[:, :half].max(axis=1) + upper)
 
 
 def covered(start: Indices, stop: Indices, n: int) -> Flags:
@@ -282,19 +294,11 @@ def _spread_of_variance() -> tuple[Array, Array]:
 
 def _window_variance(y: Array, cuts: Indices, w: int) -> Array:
     """Variance (w - 1) of samples i .. i + w, shape (n - w + 1,); levels are taken off to keep digits."""
-    size = np.diff(cuts)
-    level = np.add.reduceat(y, cuts[:-1]) / size
-    residual = y - np.repeat(level, size)
-    first = _window_sum(residual, w)
-    second = _window_sum(residual * residual, w)
-    variance: Array = np.maximum(second - first * first / w, 0.0) / (w - 1)
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    variance = np.empty(len(y) - w + 1)
+    kernels.fill_window_variance(y, cuts, w, np.empty(len(y)), variance)
     return variance
-
-
-def _window_sum(x: Array, w: int) -> Array:
-    total = np.cumsum(x)
-    total[w:] -= total[:-w].copy()
-    return total[w - 1 :]
 
 
 def settled_ends(

@@ -86,10 +86,9 @@ def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
 
 
 def _of_channel(y: Array) -> tuple[float, float, float, bool]:
-    blocks = np.ascontiguousarray(y[: len(y) // BLOCK * BLOCK].reshape(-1, BLOCK).T)  # one a column
-    step = _step(y)
-    alive = np.count_nonzero(blocks[1:] != blocks[:-1], axis=0) >= LIVE
-    variance = blocks.var(axis=0, ddof=1)[alive]
+    variance, different, step = _blocks(y)
+    alive = different >= LIVE
+    variance = variance[alive]
     if len(variance) < max(2.0, LIVE_BLOCKS * len(alive)):
         return 0.5 * step, float((BLOCK - 1) * len(alive)), step, False
     pooled, kept = _pool_quiet(variance)
@@ -98,15 +97,17 @@ def _of_channel(y: Array) -> tuple[float, float, float, bool]:
 
 
 def _stated(y: Array, scale: float) -> tuple[float, float, float, bool]:
-    step = _step(y)
+    step = _blocks(y)[2]
     return max(scale, 0.5 * step), KNOWN, step, scale >= 0.5 * step
 
 
-def _step(y: Array) -> float:
-    """Smallest difference of neighbours that is not zero; 0 where all are equal."""
-    difference = np.abs(np.diff(y))
-    step = float(np.min(difference, where=difference > 0.0, initial=np.inf))
-    return step if np.isfinite(step) else 0.0
+def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
+    """Variances of blocks, differences in each that are not zero, smallest of all that is not; 0 if all are."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    count = len(y) // BLOCK
+    variance, different = np.empty(count), np.empty(count, dtype=np.int64)
+    return variance, different, float(kernels.fill_blocks(y, BLOCK, variance, different))
 
 
 def _pool_quiet(variance: Array) -> tuple[float, int]:

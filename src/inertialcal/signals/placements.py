@@ -88,13 +88,12 @@ def shortest_placement(segmentation: Segmentation) -> float:
 def _allan(x: Array) -> tuple[NDArray[np.int64], Array]:
     """Allan deviation of block means at octaves of their size, shapes (q,) and (q, channels)."""
     sizes, found = [], []
-    size = 1
-    while len(x) // size >= FEWEST_BLOCKS:
-        count = len(x) // size
-        means = x[: count * size].reshape(count, size, -1).mean(axis=1)
+    size, means = 1, np.asfortranarray(x)
+    while len(means) >= FEWEST_BLOCKS:
         sizes.append(size)
         found.append(np.sqrt(0.5 * np.mean(np.diff(means, axis=0) ** 2, axis=0)))
-        size *= 2
+        size, pairs = 2 * size, len(means) // 2 * 2
+        means = 0.5 * (means[:pairs:2] + means[1:pairs:2])
     return np.array(sizes, dtype=np.int64), np.array(found)
 
 
@@ -131,7 +130,7 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
         first, last = int(segmentation.start[at]), int(segmentation.stop[at])
         if last - first < shortest:
             continue
-        head, tail = _margins(None if rates is None else rates[first:last], min(longest, (last - first) // 4), interval)
+        head, tail = _margins(rates, first, last, min(longest, (last - first) // 4), interval)
         touched, inside = _touched(segmentation, own, shortest, BRIEF / interval)
         found.append(Placement(first + head, last - tail, touched, inside))
     return tuple(found)
@@ -139,40 +138,32 @@ def placements(segmentation: Segmentation, min_duration: float, rates: Array | N
 
 def _filled(rates: Array) -> Array:
     """Return what gyros read, from about their mean, what is missing taken from its neighbours."""
-    good = np.isfinite(rates).all(axis=1)
-    if not good.all():
+    if not np.isfinite(rates).all():
+        good = np.isfinite(rates).all(axis=1)
         at = np.arange(len(rates))
         rates = np.column_stack([np.interp(at, at[good], own[good]) for own in rates.T])
-    return np.asarray(rates - rates.mean(axis=0))
+    return np.asfortranarray(rates - rates.mean(axis=0))
 
 
-def _margins(rates: Array | None, most: int, interval: float) -> tuple[int, int]:
+def _margins(rates: Array | None, first: int, last: int, most: int, interval: float) -> tuple[int, int]:
     """Return samples at both ends of a still stretch in which it may have moved."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
     size = max(round(BLOCK / interval), 1)
-    blocks = most // size
-    if rates is None or not blocks:
+    if rates is None or most < size:
         return most, most
-    middle = rates[most:-most]
-    level = middle.mean(axis=0)
-    limit = MOVES * np.sqrt(np.einsum("ij,ij->j", middle, middle) / len(middle) - level**2) / np.sqrt(size)
-
-    def margin(end: Array) -> int:
-        means = end[: blocks * size].reshape(blocks, size, -1).mean(axis=1)
-        moves = np.flatnonzero((np.abs(means - level) > limit).any(axis=1))
-        return min(size * (int(moves[-1]) + 2 if len(moves) else 1), most)
-
-    return margin(rates[:most]), margin(rates[::-1][:most])
+    return kernels.margin(rates, first, last, most, size, MOVES)
 
 
 def _parted_by_turns(segmentation: Segmentation, groups: Sequence[Indices], rates: Array) -> list[Indices]:
     """Return the groups, parted where gyros turned by more than a small part of what is usual between groups."""
-    start, stop = segmentation.start, segmentation.stop
-    total = np.vstack([np.zeros(rates.shape[1]), np.cumsum(rates, axis=0)])
-    still = segmentation.still
-    rest = np.median((total[stop[still]] - total[start[still]]) / (stop - start)[still, None], axis=0)
+    length, still = segmentation.stop - segmentation.start, segmentation.still
+    sums = np.column_stack([np.add.reduceat(own, segmentation.start) for own in rates.T])  # of each stretch
+    rest = np.median(sums[still] / length[still, None], axis=0)
+    total = np.vstack([np.zeros(rates.shape[1]), np.cumsum(sums - rest * length[:, None], axis=0)])
 
     def turned(a: int, b: int) -> float:
-        return float(np.linalg.norm(total[start[b]] - total[stop[a]] - rest * (start[b] - stop[a])))
+        return float(np.linalg.norm(total[b] - total[a + 1]))
 
     usual = [turned(int(one[-1]), int(other[0])) for one, other in pairwise(groups)]
     most = TURNED * float(np.median(usual)) if usual else np.inf

@@ -210,23 +210,19 @@ def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection
 
 def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
     """Give mean and standard deviation of the good samples of each stretch, and whether all are equal."""
-    good = samples.finite & ~samples.outlier
-    number = np.concatenate(([0], np.cumsum(good)))
-    count = np.diff(number[edges])
-    filled = count > 0
-    at, size = number[edges[:-1]][filled], count[filled]
-    level = np.full((len(count), samples.values.shape[1]), np.nan)
-    scatter = np.full_like(level, np.nan)
-    frozen = np.zeros(level.shape, dtype=bool)
-    for k in range(level.shape[1]):
-        x = samples.values[good, k]
-        mean = np.add.reduceat(x, at) / size
-        frozen[filled, k] = np.maximum.reduceat(x, at) == np.minimum.reduceat(x, at)
-        x -= np.repeat(mean, size)
-        level[filled, k] = mean
-        with np.errstate(invalid="ignore"):
-            scatter[filled, k] = np.sqrt(np.add.reduceat(x * x, at) / (size - 1.0))
-    return level, scatter, frozen
+    from ._kernels import fill_moments  # noqa: PLC0415 - importing numba takes longer than most records
+
+    left_out = ~samples.finite | samples.outlier
+    shape = len(edges) - 1, samples.values.shape[1]
+    level, variance, low, high = (np.empty(shape, order="F") for _ in range(4))
+    count = np.empty(shape[0], dtype=np.int64)
+    for k in range(shape[1]):
+        x = samples.values[:, k]
+        if left_out.any():
+            x = np.where(left_out, np.nan, x)
+        out = (level[:, k], variance[:, k], low[:, k], high[:, k], count)
+        fill_moments(x, edges[:-1], edges[1:], *out)
+    return np.ascontiguousarray(level), np.sqrt(np.ascontiguousarray(variance)), low == high
 
 
 def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Samples:

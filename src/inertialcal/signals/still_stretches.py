@@ -123,7 +123,7 @@ def still_stretches(x: Array, ticks: Array, plan: Detection) -> Found:
     PlanError
         If the noise is stated for another number of channels.
     """
-    y = np.asfortranarray(x - np.median(x[:: max(1, len(x) // 10_000)], axis=0))
+    y = np.asfortranarray(x - np.median(x.T[:, :: max(1, len(x) // 10_000)], axis=1))
     noise = noise_scale(y, plan.noise)
     outlier = _set_outliers_aside(y, noise, plan)
     start, stop, widening = _judged(y, noise, plan, _walls(ticks, plan))
@@ -177,7 +177,7 @@ def _level_pieces(
     kept, first = _without_short_pieces(first, plan.shortest)
     if not len(kept):
         return kept, kept, widening
-    rest = total if len(kept) == len(y) else running_sum(np.asfortranarray(y[kept]))
+    rest = total if len(kept) == len(y) else running_sum(y.T[:, kept].T)
     if len(plan.scales) > 1:
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
     start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)

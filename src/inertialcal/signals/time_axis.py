@@ -145,16 +145,17 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
     steps = np.diff(time_ns)
     forward = steps[steps > 0].astype(np.float64)
     repeated, backward = np.flatnonzero(steps == 0) + 1, np.flatnonzero(steps < 0) + 1
-    pattern, interval = _pattern(time_ns, forward)
+    median = float(np.median(forward)) if len(forward) else 0.0
+    pattern, interval = _pattern(time_ns, forward, median)
     regular = pattern == "regular"
     gaps = _gaps(steps, interval) if regular else _gaps(steps[:0], 1.0)
-    rms, worst = _jitter(np.delete(steps, gaps.after), interval, regular)
+    rms, worst = _jitter(np.delete(steps, gaps.after) if len(gaps) else steps, interval, regular)
     return TimeAxis(
         n=len(time_ns),
         duration=(last - first) / SECOND,
         pattern=pattern,
         interval=interval / SECOND if interval else None,
-        median_step=float(np.median(forward)) / SECOND if len(forward) else 0.0,
+        median_step=median / SECOND,
         longest_step=float(forward.max()) / SECOND if len(forward) else 0.0,
         jitter_rms=rms / SECOND,
         jitter_max=worst / SECOND,
@@ -166,11 +167,10 @@ def analyse(time_ns: Times, averaging: float | None = None) -> TimeAxis:
     )
 
 
-def _pattern(time_ns: Times, forward: Array) -> tuple[Literal["regular", "bursts", "single"], float]:
+def _pattern(time_ns: Times, forward: Array, median: float) -> tuple[Literal["regular", "bursts", "single"], float]:
     """Kind of axis and its nominal interval [ns]."""
     if not len(forward):
         return "single", 0.0
-    median = float(np.median(forward))
     block = _block_interval(time_ns) or median
     alike = 1.0 / BLOCK_AGREES <= block / median <= BLOCK_AGREES
     off_grid = np.abs(forward - np.rint(forward / median) * median) > ON_GRID * median

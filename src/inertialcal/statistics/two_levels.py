@@ -44,8 +44,8 @@ class TwoLevels:
         What each known covariance contributes, by its name.
     between_part : ndarray, shape (p, p)
         What the scatter between readings contributes.
-    dof : ndarray, shape (p,)
-        Of the part of the scatter between readings.
+    information : float
+        Of tau^2, twice Fisher's: its variance is 2 over this [1/unit of the readings^4]; infinite where tau was given.
     between : float
         tau, standard deviation between readings [unit of the readings].
     chi_square : float
@@ -70,7 +70,7 @@ class TwoLevels:
     covariance: Array
     parts: Mapping[str, Array]
     between_part: Array
-    dof: Array
+    information: float
     between: float
     chi_square: float
     chi_square_known: float
@@ -82,17 +82,27 @@ class TwoLevels:
     projector: Array
 
     @property
-    def between_dof(self) -> float:
-        """Degrees of freedom of the scatter between readings; of one that is not seen, those of the fit.
+    def hidden(self) -> float:
+        """Variance between readings that the residuals would hardly show: the standard uncertainty of tau^2."""
+        return float(np.sqrt(2.0 / self.information))
 
-        Less than one where the known errors nearly explain the readings: joined with these by Welch and Satterthwaite
-        a coefficient then has those that it should, however the two parts share its variance, and never less than one.
-        """
-        if self.between == 0.0:
-            return float(self.free)
-        variance = np.diag(self.covariance)
-        share = np.diag(self.between_part)[variance > 0.0] / variance[variance > 0.0]
-        return max(float(np.min(self.dof)), float(np.max(share)) ** 2)
+    @property
+    def between_dof(self) -> float:
+        """Degrees of freedom of tau^2: twice its square over its variance; none where it is zero, or was given."""
+        found = self.between**4 * self.information
+        return found if np.isfinite(found) else 0.0
+
+    def by_between(self, back: Array) -> Array:
+        """Return the derivative by tau^2 of the covariance of ``back @ coefficients``, shape (q, q)."""
+        moved = back @ self.gain
+        return np.asarray(moved @ moved.T)
+
+    def dof_of(self, back: Array) -> Array:
+        """Return the degrees of freedom of the variances of ``back @ coefficients``, shape (q,)."""
+        slope = np.diag(self.by_between(back))
+        variance = np.diag(back @ self.covariance @ back.T)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            return np.where(slope > 0.0, (variance / slope) ** 2 * self.information, np.inf)
 
 
 def fit_two_levels(
@@ -128,7 +138,7 @@ def fit_two_levels(
     for part in sources.values():
         fixed = fixed + part
     square = _restricted(design, readings, fixed) if between is None else between**2
-    return _solved(design, readings, sources, fixed, square)
+    return _solved(design, readings, sources, fixed, square, found=between is None)
 
 
 def _restricted(design: Array, readings: Array, fixed: Array) -> float:
@@ -143,10 +153,12 @@ def _restricted(design: Array, readings: Array, fixed: Array) -> float:
         )
     floor = 1e-12 * largest
     square = max(total - float(np.trace(fixed)) / n, 1e-3 * largest)
+    free = np.linalg.qr(design, mode="complete")[0][:, p:]  # P = free (free' V free)^-1 free', for every tau
+    known, axes = np.linalg.eigh(free.T @ fixed @ free)
+    pull = (axes.T @ (free.T @ readings)) ** 2
     for _ in range(ITERATIONS):
-        projector = _projector(design, fixed, square)
-        pull = projector @ readings
-        step = (pull @ pull - np.trace(projector)) / np.sum(projector * projector)
+        weight = 1.0 / (np.maximum(known, 0.0) + square)
+        step = float((weight**2 @ pull - np.sum(weight)) / np.sum(weight**2))
         new = max(square + step, floor)
         done = abs(new - square) <= SETTLED * largest
         square = new
@@ -165,7 +177,9 @@ def _inverse(fixed: Array, square: float) -> Array:
     return np.asarray(np.linalg.inv(fixed + square * np.eye(len(fixed))))
 
 
-def _solved(design: Array, readings: Array, sources: Mapping[str, Array], fixed: Array, square: float) -> TwoLevels:
+def _solved(
+    design: Array, readings: Array, sources: Mapping[str, Array], fixed: Array, square: float, found: bool
+) -> TwoLevels:
     n, p = design.shape
     inverse = _inverse(fixed, square)
     weighted = inverse @ design
@@ -177,17 +191,13 @@ def _solved(design: Array, readings: Array, sources: Mapping[str, Array], fixed:
     pull = projector @ readings
     diagonal = np.diag(projector).copy()
     diagonal[diagonal <= n * np.finfo(float).eps * np.diag(inverse)] = np.nan  # a reading that alone decides
-    slope = np.sum(gain**2, axis=1)  # of each variance by tau^2
-    spread = np.sum(projector * projector)
-    variance = np.diag(bare)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        dof = (square * slope) ** 2 * spread / slope**2 if square > 0.0 else variance**2 * spread / slope**2
+    information = float(np.sum(projector * projector)) if found else np.inf
     return TwoLevels(
         coefficients,
         0.5 * (bare + bare.T),
         {name: _part(gain, part) for name, part in sources.items()},
         square * gain @ gain.T,
-        np.asarray(dof),
+        information,
         float(np.sqrt(square)),
         float(residuals @ inverse @ residuals),
         _known_chi_square(design, readings, fixed),

@@ -30,12 +30,13 @@ from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
 from ...core.tables import Part, html, text
 from ...sensors.model import Kind, SensorModel
-from .accelerometer import Fitted, fit_known, fit_unknown
+from .accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .at_rest import at_rest
 from .checks import check_units, judged_scale, start_of
 from .earth_rate import apart, joined
 from .gyro import FittedGyro, fit_gyro, problem_of
 from .held_out import HeldOut, held_out
+from .labels import check_names, missing_faces
 from .linear_sensor import LinearSensor, rounded_scale, with_ideal
 from .plan import AXES, INFLUENCES, Plan, by_axis, local_gravity
 from .published import Ferraris, ferraris
@@ -130,9 +131,10 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     Raises
     ------
     DataError
-        ``too_few_positions``, ``unit_slip``, ``axes_disagree``.
+        ``too_few_positions``, ``unit_slip``, ``position_misnamed``, ``axes_disagree``.
     """
     check_units(readings, local_gravity(plan))
+    check_names(readings)
     acc = _accelerometers(plan, readings)
     gyro, found = _gyros(plan, readings, acc) if readings.gyro is not None else (None, [])
     estimates: dict[str, Estimate] = {}
@@ -143,7 +145,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         if told_of is not None and as_model is not None:
             estimates[kind], models[kind] = told_of, as_model
     bare = Result(plan, readings, acc, gyro, estimates, models, ())
-    remarks = gather([*readings.remarks, *found, *remarks_of(bare)])
+    remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
     return Result(plan, readings, acc, gyro, estimates, models, remarks)
 
 
@@ -161,10 +163,9 @@ def _accelerometers(plan: Plan, readings: Readings) -> Fitted:
     ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
     zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
     direction = readings.direction
-    if direction is not None and not np.isfinite(direction).all():
-        direction = None
-    if direction is not None:
-        fitted = fit_known(plan, readings.acc, direction, ideal, zero)
+    named = np.zeros(len(readings), dtype=bool) if direction is None else np.isfinite(direction).all(axis=1)
+    if direction is not None and np.sum(named) >= FEWEST:
+        fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
     else:
         fitted = fit_unknown(plan, readings.acc, ideal, zero)
     sensor = fitted.sensor

@@ -20,7 +20,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,6 +28,7 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...statistics.two_levels import TwoLevels, fit_two_levels
+from .levels import level_sources
 from .linear_sensor import BIAS, MATRIX, LinearSensor, Source
 from .observability import SMALLEST, USELESS, Observed, observed
 from .outliers import found_outliers, robust_scale, weights
@@ -72,6 +73,8 @@ class Fitted:
         Of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice.
     between : float or None
         Standard deviation between positions [m/s^2].
+    between_dof : float
+        Degrees of freedom of that.
     chi_square, chi_square_known : float
         By both levels, and by the noise inside positions alone.
     free : int
@@ -86,6 +89,7 @@ class Fitted:
     residuals: Array
     deletion: Array
     between: float | None
+    between_dof: float
     chi_square: float
     chi_square_known: float
     free: int
@@ -171,6 +175,25 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
     told = told_forward(seen.told)
     sensor = _sensor(plan, values, to_values @ seen.kept, found, told, ideal, zero, of_frame=True)
     return _fitted(sensor, seen, outliers, e[:, None], found, known=False)
+
+
+def among(fitted: Fitted, named: Flags) -> Fitted:
+    """Return a fit of some positions as one of all: no residual, and no outlier, where it was not fitted.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Of the positions whose orientation is known.
+    named : ndarray of bool, shape (m,)
+        Which these are, among all.
+    """
+    if named.all():
+        return fitted
+    residuals, deletion = (np.full((len(named), 3), np.nan) for _ in range(2))
+    residuals[named], deletion[named] = fitted.residuals, fitted.deletion
+    outliers = np.zeros(len(named), dtype=bool)
+    outliers[named] = fitted.outliers
+    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers)
 
 
 def _scatter(theta: Array, r: Array, inside: Array, g: float) -> float:
@@ -260,18 +283,8 @@ def _sensor(
     if found is None:
         reasons |= {k: NOTHING_LEFT for k in range(12) if k not in reasons}
         return LinearSensor(values, (), reasons, ideal, zero, names)
-    dof = found.between_dof
-    sources = [Source(BETWEEN, "A", _moved(back, found.between_part), dof)]
-    for name, part in found.parts.items():
-        influence = plan.standards.get(name)
-        own = np.inf if found.between > 0.0 or influence is not None else dof
-        sources.append(Source(name, "B" if influence else "A", _moved(back, part), own, influence))
+    sources = level_sources(found, back, plan.standards, BETWEEN)
     return LinearSensor(values, (*sources, *_common(plan, values, of_frame)), reasons, ideal, zero, names)
-
-
-def _moved(back: Array, covariance: Array) -> Array:
-    whole = back @ covariance @ back.T
-    return np.asarray(0.5 * (whole + whole.T))
 
 
 def _common(plan: Plan, values: Array, of_frame: bool) -> list[Source]:
@@ -303,7 +316,7 @@ def _fitted(
 ) -> Fitted:
     deletion = np.full(away.shape, np.nan)
     if found is None:
-        return Fitted(sensor, seen, outliers, away, deletion, None, np.nan, np.nan, 0, known)
+        return Fitted(sensor, seen, outliers, away, deletion, None, 0.0, np.nan, np.nan, 0, known)
     deletion[~outliers] = (1.0 if known else -1.0) * found.deletion.reshape(
         -1, away.shape[1]
     )  # -e is the reading there
@@ -315,6 +328,7 @@ def _fitted(
         away,
         deletion,
         found.between,
+        found.between_dof,
         found.chi_square,
         found.chi_square_known,
         found.free,

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...statistics.two_levels import TwoLevels, fit_two_levels
 from .earth_rate import LEVEL, Carried, level_covariance, level_influence
+from .levels import level_sources, summed
 from .linear_sensor import Source
 from .outliers import found_outliers
 from .plan import Plan, local_gravity
@@ -127,30 +128,30 @@ def _wanted(plan: Plan, force: Array) -> tuple[bool, str]:
     return (True, "") if smallest >= LEAST_SPREAD else (False, f"the positions lie in one plane: {NEED}")
 
 
-def sources_of(plan: Plan, rest: AtRest) -> tuple[Source, ...]:
-    """Return the uncertainty of bias and G, in the order b_x, b_y, b_z, G_xx, ..., G_zz, shape (12, 12).
+def sources_of(plan: Plan, rest: AtRest, back: Array) -> list[Source]:
+    """Return the uncertainty of bias and G as that of numbers that depend on them.
 
     Where the noise inside explains more than the positions scatter, their mean square decides all the same, with its
     own degrees of freedom: cut at the noise, an interval of few positions would hold the truth too often.
+
+    Parameters
+    ----------
+    plan : Plan
+        Latitude.
+    rest : AtRest
+        The fits.
+    back : ndarray, shape (q, 12)
+        Numbers per b_x, b_y, b_z, G_xx, ..., G_zz.
     """
     if rest.fits is None:
-        return ()
-    found = []
-    for name, parts in (
-        (BETWEEN, [one.between_part for one in rest.fits]),
-        (INSIDE, [_by_mean_square(one) * one.parts[INSIDE] for one in rest.fits]),
-        (LEVEL, [one.parts[LEVEL] for one in rest.fits]),
-    ):
-        covariance, dof = np.zeros((12, 12)), np.full(12, np.inf)
-        for k, (one, part) in enumerate(zip(rest.fits, parts, strict=True)):
-            at = np.array([k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k])[: len(part)]
-            covariance[np.ix_(at, at)] = 0.5 * (part + part.T)
-            judged = name == BETWEEN or (name == INSIDE and one.between == 0.0)
-            dof[[k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k]] = one.between_dof if judged else np.inf
-        stated = level_influence(plan) if name == LEVEL else None
-        found.append(Source(name, "B" if stated else "A", covariance, dof, stated))
-    return tuple(found)
+        return []
+    level = level_influence(plan)
+    groups = []
+    for k, fit in enumerate(rest.fits):
+        at = np.array([k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k])[: len(fit.coefficients)]
+        groups.append(level_sources(fit, back[:, at], {LEVEL: level}, BETWEEN, _mean_square(fit)))
+    return summed(groups)
 
 
-def _by_mean_square(fit: TwoLevels) -> float:
+def _mean_square(fit: TwoLevels) -> float:
     return fit.chi_square / fit.free if fit.between == 0.0 and fit.chi_square > 0.0 else 1.0

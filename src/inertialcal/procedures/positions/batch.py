@@ -23,15 +23,14 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Iterator
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass
 from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import DataError, UsageError
-from ...core.estimate import Array, Component, Estimate
-from ...core.remarks import Remark
+from ...core.estimate import Array
+from .batch_result import FEW, ILL_POSED, NO_SCATTER, NOT_CONVERGED, OK, OTHER_UNIT, PositionsBatch, remarks_of
 
 Form = Literal["lower", "upper"]
 AXES = ("x", "y", "z")
@@ -40,96 +39,6 @@ WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
 NORM, KNOWN = 9, 12  # parameters
 LARGEST_CONDITION = 1e4  # of the Jacobian in units of gravity; recordings held by hand have 2 to 1,300
 UNIT_SLIP = 3.0  # readings this many times too long or too short are in another unit
-SOURCE = "scatter between positions"
-
-OK, FEW, NO_SCATTER, ILL_POSED, NOT_CONVERGED, OTHER_UNIT = range(6)
-STATUS = (
-    "estimated",
-    "too few positions: fewer than parameters",
-    "as many positions as parameters: no scatter, so no uncertainty",
-    "the positions cannot tell all parameters apart",
-    "the search did not settle",
-    "the readings are not near gravity in size: another unit?",
-)
-_CODES = ("", "too_few_positions", "no_scatter", "ill_posed", "not_converged", "unit_slip")
-_DO = (
-    "",
-    "Add positions",
-    "Add positions, or give the scatter of a position",
-    "Add positions with gravity between the axes",
-    "Look at these readings for outliers",
-    "Convert the readings to the unit of gravity",
-)
-
-
-@dataclass(frozen=True, eq=False)
-class PositionsBatch:
-    """Parameters of many triads with their covariance.
-
-    Parameters
-    ----------
-    names, units : tuple of str, length k
-        Parameters as ``sensors.terms`` names them, and their units.
-    values : ndarray, shape (n, k)
-        NaN where a unit has no estimate.
-    covariance : ndarray, shape (n, k, k)
-        NaN where it has none.
-    squares : ndarray, shape (n,)
-        Sum of squared residuals [unit of the readings squared].
-    chi_square : ndarray, shape (n,)
-        The same over the square of the scatter that was given; NaN where none was.
-    dof : ndarray, shape (n,)
-        Residuals less parameters.
-    positions : ndarray, shape (n,)
-        Positions without a missing reading.
-    condition : ndarray, shape (n,)
-        Of the Jacobian, in units of gravity: up to three times the ratio of its singular values.
-    status : ndarray, shape (n,)
-        Index into ``STATUS``.
-    remarks : tuple of Remark
-        Units without estimate or without uncertainty, counted by cause.
-    """
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    values: Array
-    covariance: Array
-    squares: Array
-    chi_square: Array
-    dof: NDArray[np.int64]
-    positions: NDArray[np.int64]
-    condition: Array
-    status: NDArray[np.int64]
-    remarks: tuple[Remark, ...]
-    _given: bool = False
-
-    def __len__(self) -> int:
-        return len(self.values)
-
-    @property
-    def u(self) -> Array:
-        """Standard uncertainties, shape (n, k)."""
-        return np.sqrt(np.diagonal(self.covariance, axis1=1, axis2=2))
-
-    @property
-    def words(self) -> tuple[str, ...]:
-        """Status of each unit, in words."""
-        return tuple(STATUS[one] for one in self.status)
-
-    def estimate(self, unit: int) -> Estimate:
-        """Return the parameters of one unit.
-
-        Raises
-        ------
-        DataError
-            If it has no estimate, or none with an uncertainty; with the code of its status.
-        """
-        status = int(self.status[unit])
-        if status != OK:
-            raise DataError(f"unit {unit}: {STATUS[status]}", do=_DO[status], code=_CODES[status])
-        dof = np.inf if self._given else float(self.dof[unit]) / (1.0 if len(self.names) == NORM else 3.0)
-        component = Component(SOURCE, "A", self.covariance[unit], dof)
-        return Estimate(self.names, self.values[unit], self.units, (component,))
 
 
 def positions_batch(
@@ -317,18 +226,8 @@ def _result(
     chi_square = np.full(len(values), np.nan) if scatter is None else squares / scatter**2
     return PositionsBatch(
         names, units, values, covariance, squares, chi_square, dof, positions, condition, status,
-        _remarks(status), scatter is not None,
+        remarks_of(status), scatter is not None,
     )  # fmt: skip
-
-
-def _remarks(status: NDArray[np.int64]) -> tuple[Remark, ...]:
-    found = []
-    for code in range(1, len(STATUS)):
-        units = np.flatnonzero(status == code)
-        if len(units):
-            what = f"{len(units)} of {len(status)} unit(s) not estimated: {STATUS[code]}"
-            found.append(Remark(_CODES[code], "warning", what, f"unit {units[0]}", len(units), _DO[code]))
-    return tuple(found)
 
 
 def _known(r: Array, g: Array, directions: Array, scatter: float | None) -> PositionsBatch:

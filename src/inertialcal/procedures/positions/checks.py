@@ -18,9 +18,11 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
+from .attitudes import Packed, packed
 from .plan import AXES
 from .readings import Readings
-from .rotations import Packed, Problem, angles, converged, packed, sums
+from .rotation_errors import Problem, angles
+from .rotations import converged
 
 CLOSE = np.radians(8.0)  # median error from which the start is good enough to fit from
 FOUND = np.radians(6.0)  # median error after a fit, below which another start explains the rotations
@@ -163,7 +165,7 @@ def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
     """Inverse matrix from turns by known angles: their mean scale, unless they turn about other axes than named."""
     if not problem.sizes[1]:
         return np.eye(3)
-    total = sums(problem.turns)[0]
+    total = problem.turns.sums[0]
     along = np.argmax(np.abs(problem.turned), axis=1)
     read = np.argmax(np.abs(total), axis=1)
     rows = np.arange(len(total))
@@ -214,6 +216,13 @@ def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> 
         if abs(np.log(factor / ratio)) < np.log(1.1):
             way = f"{ratio:g} times too high" if ratio > 1.0 else f"{1.0 / ratio:g} times too low"
             what = f"{size}: the sample rate is probably {way}"
-            return [Remark("sample_rate_suspect", "warning", what, do="Find out the true sample rate")]
+            return [
+                Remark(
+                    "sample_rate_suspect",
+                    "warning",
+                    what,
+                    do="Find out the true sample rate; of known turns, their angle",
+                )
+            ]
     what = f"{size}: the time axis, the unit or the scale factor of the gyros is wrong ({unit})"
     return [Remark("rotations_do_not_close", "warning", what, do="Check sample rate, stamps and unit")]

@@ -17,7 +17,7 @@ import numpy as np
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from .gyro import FittedGyro, fit_gyro
-from .rotations import across
+from .rotation_errors import across
 
 if TYPE_CHECKING:
     from . import Result

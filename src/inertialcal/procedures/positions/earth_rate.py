@@ -18,9 +18,10 @@ from numpy.typing import NDArray
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
 from ...core.influence import Influence
+from .attitudes import carried
 from .linear_sensor import Source
 from .plan import Plan, local_gravity
-from .rotations import Problem, across, carried
+from .rotation_errors import Problem, across
 
 VERTICAL = "earth rate along the vertical"
 LEVEL = "earth rate across the vertical"

@@ -14,26 +14,20 @@ import numpy as np
 from ...core.estimate import Array
 from .accelerometer import Fitted, mounting_source
 from .at_rest import AtRest, at_rest, sources_of
+from .attitudes import Packed, packed
 from .earth_rate import VERTICAL, Carried, apart, earth_in_g
+from .levels import level_sources
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source
 from .plan import Plan, local_gravity
 from .readings import Readings, Rotation
-from .rotations import (
-    BETWEEN,
-    Packed,
-    Problem,
-    Rotated,
-    angles,
-    ends_of,
-    packed,
-    solve,
-)
+from .rotation_errors import Problem, angles, ends_of
+from .rotations import BETWEEN, Rotated, solve
 
 NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"
 NO_ROTATIONS = "no rotations: gyros that rest tell their bias alone"
 NOT_TOLD = "these rotations do not tell it"
-NOTHING_LEFT = "no rotation was repeated and the turns have no stated uncertainty: nothing judges it"
+NOTHING_LEFT = "no rotation was repeated, and turn.angle and fixture.orientation are not both stated: nothing judges it"
 NO_GRAVITY = "the accelerometers are not wholly known, so that the direction of gravity is not"
 ONE_PLACE = "as many positions as unknowns: nothing is left to judge it by"
 
@@ -95,7 +89,8 @@ def fit_gyro(
     if not readings.transitions and not readings.turns:
         return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
     problem = problem_of(plan, readings, acc, rest, ideal, zero)
-    rotated = solve(plan, problem, start)
+    whole = acc.seen.whole or not readings.transitions  # else errors of the accelerometers make the ends disagree
+    rotated = solve(plan, problem, start, judge=whole)
     sensor = _sensor(plan, readings, acc, rest, rotated, force, ideal, zero)
     return FittedGyro(sensor, rest, rotated, problem, angles(problem, rotated.W))
 
@@ -161,14 +156,7 @@ def _of_rotations(plan: Plan, rotated: Rotated | None, forward: Array) -> list[S
         return []
     back = np.zeros((21, rotated.seen.rank))
     back[:9] = forward @ rotated.seen.kept
-    fit = rotated.found
-    dof = fit.between_dof if fit.free else np.inf
-    found = [Source(BETWEEN, "A", _moved(back, fit.between_part), dof)] if fit.free else []
-    for name, part in fit.parts.items():
-        influence = plan.standards.get(name)
-        own = dof if fit.between == 0.0 and influence is None else np.inf
-        found.append(Source(name, "B" if influence else "A", _moved(back, part), own, influence))
-    return found
+    return level_sources(rotated.found, back, plan.standards, BETWEEN)
 
 
 def _of_rest(plan: Plan, rest: AtRest, rotated: Rotated | None, forward: Array) -> list[Source]:
@@ -176,12 +164,7 @@ def _of_rest(plan: Plan, rest: AtRest, rotated: Rotated | None, forward: Array) 
     back[9:] = np.eye(12)
     if rotated is not None:
         back[:9] = forward @ rotated.by_rest
-    found = []
-    for one in sources_of(plan, rest):
-        own = np.broadcast_to(np.asarray(one.dof, dtype=float), (12,))
-        dof = np.concatenate([np.full(9, own[:3].min()), own])
-        found.append(Source(one.name, one.kind, _moved(back, one.covariance), dof, one.influence))
-    return found
+    return sources_of(plan, rest, back)
 
 
 def _of_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Source:

@@ -11,7 +11,7 @@ from ...core.estimate import Array
 from .gyro import problem_of
 from .plan import Plan, local_gravity
 from .readings import Readings
-from .rotations import angles
+from .rotation_errors import angles
 
 
 @dataclass(frozen=True, eq=False)

@@ -40,8 +40,8 @@ def weights(residuals: Array, free: int) -> Array:
 
 def robust_scale(residuals: Array, free: int) -> float:
     """Return the scatter of residuals by their median size, those that a fit uses up set aside."""
-    sizes = np.sort(np.abs(residuals))
-    return float(MAD * np.median(sizes[len(sizes) - max(free, 1) :]))
+    sizes = np.sort(np.abs(residuals))[-max(free, 1) :]
+    return float(MAD * 0.5 * (sizes[(len(sizes) - 1) // 2] + sizes[len(sizes) // 2]))
 
 
 def tukey_coefficients(design: Array, readings: Array) -> Array:

@@ -64,11 +64,9 @@ def ferraris(readings: Readings, gravity: float) -> Ferraris:
     DataError
         ``not_ferraris`` if a face or a turn is missing.
     """
-    if readings.gyro is None or readings.direction is None:
-        raise _missing("gyros and known positions")
-    up, down = _faces(readings, readings.acc.mean)
-    K_a, R_a = _split((up - down) / (2.0 * gravity))
-    b_a = 0.5 * np.diag(up + down)
+    if readings.gyro is None:
+        raise _missing("gyros")
+    K_a, R_a, b_a = six_faces(readings, gravity)
     gyro_up, gyro_down = _faces(readings, readings.gyro.mean)
     K_ga = (gyro_up - gyro_down) / (2.0 * gravity)
     b_g = np.average(readings.gyro.mean, axis=0, weights=readings.gyro.samples)
@@ -82,21 +80,55 @@ def ferraris(readings: Readings, gravity: float) -> Ferraris:
     return Ferraris(K_a, R_a, b_a, K_g, R_g, K_ga, b_g)
 
 
+def six_faces(readings: Readings, gravity: float) -> tuple[Array, Array, Array]:
+    """Return the part of the closed form that is about accelerometers: K, shape (3,), R, shape (3, 3), b, shape (3,).
+
+    Parameters
+    ----------
+    readings : Readings
+        Six faces, each once.
+    gravity : float
+        [m/s^2]
+
+    Raises
+    ------
+    DataError
+        ``not_ferraris`` if a face is missing, or laid twice.
+    """
+    if readings.direction is None:
+        raise _missing("known positions")
+    up, down = _faces(readings, readings.acc.mean)
+    K_a, R_a = _split((up - down) / (2.0 * gravity))
+    return K_a, R_a, 0.5 * np.diag(up + down)
+
+
 def published_rows(readings: Readings, gravity: float) -> list[Row]:
     """Return the closed form as rows beside the default, in the unit of the readings; none where it cannot be had.
 
     ``scale_factor`` is K, ``direction_cosine`` R, ``bias`` b and ``g_sensitivity`` K_ga, each with the sensor as test.
+    Six faces are enough for the accelerometers.
     """
+    return [*_accelerometer_rows(readings, gravity), *_gyro_rows(readings, gravity)]
+
+
+def _accelerometer_rows(readings: Readings, gravity: float) -> list[Row]:
+    try:
+        K, R, b = six_faces(readings, gravity)
+    except DataError:
+        return []  # other positions than its six faces: the closed form is not asked for
+    return _of("accelerometer", readings.acc.unit, {"scale_factor": K, "direction_cosine": R, "bias": b})
+
+
+def _gyro_rows(readings: Readings, gravity: float) -> list[Row]:
     try:
         found = ferraris(readings, gravity)
     except DataError:
-        return []  # other positions than its six faces and three turns: the closed form is not asked for
+        return []  # no gyros, or other turns
     assert readings.gyro is not None  # noqa: S101 - else it is refused
-    acc, gyro = readings.acc.unit, readings.gyro.unit
+    unit = readings.gyro.unit
     return [
-        *_of("accelerometer", acc, {"scale_factor": found.K_a, "direction_cosine": found.R_a, "bias": found.b_a}),
-        *_of("gyro", gyro, {"scale_factor": found.K_g, "direction_cosine": found.R_g, "bias": found.b_g}),
-        *_of("gyro", normalise(f"({gyro})/(m/s^2)"), {"g_sensitivity": found.K_ga}),
+        *_of("gyro", unit, {"scale_factor": found.K_g, "direction_cosine": found.R_g, "bias": found.b_g}),
+        *_of("gyro", normalise(f"({unit})/(m/s^2)"), {"g_sensitivity": found.K_ga}),
     ]
 
 

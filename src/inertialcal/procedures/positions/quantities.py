@@ -66,15 +66,12 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         values = np.concatenate([sensor.ideal * np.diag(sensor.matrix), values])
         derivative = np.vstack([rows, derivative])
         names, units = [*SCALE, *names], [f"{output_unit}/({UNIT[kind]})"] * 3 + units
-    told = [k for k, name in enumerate(names) if not _reason(sensor, name)]
+    why = reasons(sensor)
+    told = [k for k, name in enumerate(names) if not why.get(name)]
     if not told or not sensor.sources:
         return None
     components = tuple(_components(sensor, derivative[told]))
     return Estimate(tuple(names[k] for k in told), values[told], tuple(normalise(units[k]) for k in told), components)
-
-
-def _reason(sensor: LinearSensor, name: str) -> str:
-    return reasons(sensor).get(name, "")
 
 
 def reasons(sensor: LinearSensor) -> Mapping[str, str]:

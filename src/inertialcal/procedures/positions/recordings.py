@@ -21,6 +21,7 @@ from ...signals.dwells import dwell_of
 from ...signals.placements import Placement, between, disturbed_inside, placements, shortest_placement
 from ...signals.samples import Samples, samples_of
 from ...signals.segments import detect
+from .labels import check_sections, pointing
 from .plan import AXES, Plan
 from .readings import Readings, Rotation, Triad
 
@@ -86,10 +87,7 @@ def on_faces(readings: Readings) -> Readings:
     DataError
         ``no_face`` if a position lies between faces.
     """
-    middle = 0.5 * (readings.acc.mean.max(axis=0) + readings.acc.mean.min(axis=0))
-    near_zero = np.abs(middle) < 0.2 * np.ptp(readings.acc.mean, axis=0)
-    x = readings.acc.mean - np.where(near_zero, 0.0, middle)
-    unit = x / np.linalg.norm(x, axis=1)[:, None]
+    unit = pointing(readings.acc.mean)
     axis = np.argmax(np.abs(unit), axis=1)
     size = np.abs(unit[np.arange(len(unit)), axis])
     if np.any(size < FACE_WITHIN):
@@ -136,15 +134,15 @@ def _by_sections(
     recording: Recording, values: Mapping[str, Array], seconds: Array, sections: Sequence[Section]
 ) -> Readings:
     """Cut by protocol; transitions are known between static sections that follow one another."""
-    n = len(seconds)
-    for one in sections:
-        if not 0 <= one.start < one.stop <= n or one.stop - one.start < 2:
-            raise DataError(
-                f"section {one.name or 'without name'}: samples {one.start} to {one.stop} of {n}",
-                recording.source.path,
-                code="wrong_section",
-            )
+    path = recording.source.path
     still = sorted((one for one in sections if one.angle is None), key=lambda one: one.start)
+    for alike in (still, [one for one in sections if one.angle is not None]):
+        check_sections(alike, len(seconds), path)
+    if not still:
+        do = "Name the parts in which it rests: x_p, x_a, ..."
+        raise DataError(
+            "no section is a position", path, "gravity at rest calibrates the accelerometers", do, "wrong_section"
+        )
     placed = [Placement(one.start, one.stop) for one in still]
     samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval)
     turns = tuple(

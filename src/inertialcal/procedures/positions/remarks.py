@@ -7,18 +7,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...core.remarks import Remark
+from .levels import NOT_JUDGED
 from .plan import INFLUENCES
 from .rows import missing
 
 if TYPE_CHECKING:
     from . import Result
 
+HIDDEN = 0.5  # share of a variance that nothing shows, from which on it is told
 ALONE = 0.8  # leverage of a position on which some combination rests
 
 
 def remarks_of(result: Result) -> list[Remark]:
     """Return the remarks, the gravest first."""
-    return [*_not_told(result), *_outliers(result), *_of_gyros(result), *_alone(result), *_standards(result)]
+    return [
+        *_not_told(result),
+        *_not_judged(result),
+        *_outliers(result),
+        *_of_gyros(result),
+        *_alone(result),
+        *_standards(result),
+    ]
 
 
 def _not_told(result: Result) -> list[Remark]:
@@ -37,6 +46,21 @@ def _unobserved(who: str, rank: int, count: int, combinations: tuple[str, ...], 
     text = "; ".join(combinations)
     what = f"{who} tell {rank} of {count} numbers of the {of}; they do not tell: {text}"
     return Remark("not_observable", "warning", what, do="Add orientations between the faces, about all axes")
+
+
+def _not_judged(result: Result) -> list[Remark]:
+    """Say which numbers rest on one reading at each place that decides them, so that most of their u is a bound."""
+    found = []
+    for kind, one in result.estimates.items():
+        unseen = sum(
+            (np.diag(part.covariance) for part in one.components if part.source.endswith(NOT_JUDGED)),
+            np.zeros(len(one.names)),
+        )
+        names = [name for name, part, u in zip(one.names, unseen, one.u, strict=True) if part > HIDDEN * u**2]
+        if names:
+            what = f"nothing shows how the {kind} repeats in {', '.join(names)}: they carry as much as may be hidden"
+            found.append(Remark("scatter_not_judged", "warning", what, do="Lay each face, make each turn, twice"))
+    return found
 
 
 def _outliers(result: Result) -> list[Remark]:

@@ -13,6 +13,7 @@ from ...core.estimate import Array, Estimate
 from ...core.results import Row, not_estimated
 from ...sensors.model import Kind
 from ...statistics.intervals import chi_square_interval, t_interval
+from .levels import FEWEST
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor
 from .plan import AXES, INFLUENCES, local_gravity
 from .published import published_rows
@@ -22,12 +23,13 @@ if TYPE_CHECKING:
     from . import Result
 
 NO_LEVEL = "nothing was repeated that it could be told from"
+NOT_SEEN = "hardly seen above what is known of each: less than one degree of freedom"
 
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI, accelerometers first."""
     found = _of_sensor(result, "accelerometer", result.acc.sensor, result.estimates.get("accelerometer"))
-    found.append(_scatter("scatter_position", "", "m/s^2", result.acc.between, result.acc.free, "accelerometer"))
+    found.append(_scatter("scatter_position", "", "m/s^2", result.acc.between, result.acc.between_dof, "accelerometer"))
     if result.gyro is not None:
         found += _of_sensor(result, "gyro", result.gyro.sensor, result.estimates.get("gyro"))
         found += _gyro_scatter(result)
@@ -67,7 +69,7 @@ def _row(result: Result, estimate: Estimate, name: str, quantity: str, axis: str
 def missing(result: Result) -> list[str]:
     """Return the standards that this test is subject to and that are not stated."""
     readings, wanted = result.readings, ["gravity.value"]
-    if readings.direction is not None:
+    if result.acc.known:
         wanted += ["fixture.orientation", "fixture.mounting"]
     if readings.turns:
         wanted += ["turn.angle", "fixture.orientation", "fixture.mounting"]
@@ -77,10 +79,10 @@ def missing(result: Result) -> list[str]:
 
 
 def _scatter(quantity: str, axis: str, unit: str, std: float | None, dof: float, condition: str) -> Row:
-    if std is None or dof <= 0.0:
+    if std is None:
         return not_estimated(quantity, axis, unit, NO_LEVEL, condition)
-    if std == 0.0:
-        return not_estimated(quantity, axis, unit, "not seen above the noise inside the intervals", condition)
+    if dof < FEWEST:
+        return not_estimated(quantity, axis, unit, NOT_SEEN, condition)
     u = std / float(np.sqrt(2.0 * dof))
     return Row(quantity, axis, std, u, unit, dof, chi_square_interval(std, dof), condition=condition)
 
@@ -92,17 +94,16 @@ def _gyro_scatter(result: Result) -> list[Row]:
     found = []
     for k, axis in enumerate(AXES):
         std = None if between is None else float(between[k])
-        free = 0 if gyro.rest.fits is None else gyro.rest.fits[k].free
-        found.append(_scatter("scatter_position", axis, "rad/s", std, free, "gyro"))
+        dof = 0.0 if gyro.rest.fits is None else gyro.rest.fits[k].between_dof
+        found.append(_scatter("scatter_position", axis, "rad/s", std, dof, "gyro"))
     fit = None if gyro.rotated is None else gyro.rotated.found
-    found.append(
-        _scatter("scatter_rotation", "", "rad", None if fit is None else fit.between, fit.free if fit else 0, "gyro")
-    )
+    turned = fit.between if fit is not None and fit.free > 0 else None
+    found.append(_scatter("scatter_rotation", "", "rad", turned, fit.between_dof if fit else 0.0, "gyro"))
     used = used_angles(result)
     if len(used):
         rms = float(np.sqrt(np.mean(used**2)))
-        dof = max(2 * len(used) - 9, 0)
-        found.append(_scatter("transition_error", "", "rad", rms, dof, "gyro"))
+        free = 2 * len(used) - 9
+        found.append(_scatter("transition_error", "", "rad", rms if free > 0 else None, free, "gyro"))
     return found
 
 

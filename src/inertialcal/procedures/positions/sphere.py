@@ -15,6 +15,7 @@ from .linear_sensor import BIAS, MATRIX
 from .plan import AXES
 
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
+ROW, COLUMN = np.array(LOWER).T
 NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, told in the words of A
 COARSE = 0.02  # singular value over the largest, below which the first steps leave a combination alone
 PLANE = 0.06  # spread of the positions across a plane [gravities], below which they lie in it
@@ -48,8 +49,7 @@ def nominal(g: float) -> Array:
 def parts(theta: Array, g: float) -> tuple[Array, Array]:
     """Return T and b of scaled parameters."""
     T = np.zeros((3, 3))
-    for value, (i, j) in zip(theta[:6], LOWER, strict=True):
-        T[i, j] = value / g
+    T[ROW, COLUMN] = theta[:6] / g
     return T, theta[6:]
 
 
@@ -58,10 +58,12 @@ def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
     T, b = parts(theta, g)
     d = r - b
     x = d @ T.T
-    length = np.sqrt(np.sum(x * x, axis=1))
+    length = np.sqrt(np.einsum("mi,mi->m", x, x))
     u = x / length[:, None]
-    columns = [u[:, i] * d[:, j] / g for i, j in LOWER]
-    return length - g, np.column_stack([*columns, -(u @ T)]), u
+    jacobian = np.empty((len(r), 9))
+    jacobian[:, :6] = u[:, ROW] * d[:, COLUMN] / g
+    jacobian[:, 6:] = -(u @ T)
+    return length - g, jacobian, u
 
 
 def converged(r: Array, g: float, root: Array, theta: Array, cut: float) -> Array:

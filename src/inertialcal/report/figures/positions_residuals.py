@@ -22,7 +22,7 @@ SHOWS = (
     "Residual of each position in the order of time, filled with it in the fit, hollow from the fit without it;"
     " the band is twice the scatter between positions"
 )
-MILLI = 1e4  # [ug], above which mg are shown
+MILLI = 1e3  # [ug], above which mg are shown
 ACROSS = (("residual_across_1", "across, 1"), ("residual_across_2", "across, 2"))
 
 
@@ -59,7 +59,7 @@ def finding(curve: Curve) -> str:
         float(np.sqrt(np.mean(finite(one[used]) ** 2))) / scale for one in (inside, without) if len(finite(one[used]))
     ]
     said = f"residuals rms {number(rms[0], 3)} {name}"
-    said += f", each left out {number(rms[1], 3)} {name}" if len(rms) > 1 else ""
+    said += f", from the fit without it {number(rms[1], 3)} {name}" if len(rms) > 1 else ""
     worst = np.where(used, np.abs(inside), -1.0)
     place = f"; largest in position {int(np.nanargmax(worst)) + 1}" if len(finite(inside[used])) else ""
     return said + place
@@ -84,11 +84,16 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
     if len(between):
         wide = 2.0 * float(between[0]) / scale
         ax.axhspan(-wide, wide, color=COLOURS["sky"], alpha=0.3, linewidth=0.0, zorder=0,
-                   label="±2 scatter between positions")  # fmt: skip
+                   label="±2 scatter of positions")  # fmt: skip
     ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.8, zorder=1)
     ax.vlines(at, inside / scale, without / scale, color=COLOURS["quiet"], linewidth=0.7, zorder=2)
     looks: tuple[tuple[str, Any, Array, dict[str, Any]], ...] = (
-        ("without it", ~left, without, {"marker": "o", "markerfacecolor": "none", "markeredgecolor": COLOURS["blue"]}),
+        (
+            "fitted without it",
+            ~left,
+            without,
+            {"marker": "o", "markerfacecolor": "none", "markeredgecolor": COLOURS["blue"]},
+        ),
         ("in the fit", ~left, inside, {"marker": "o", "color": COLOURS["blue"], "markersize": 4.0}),
         ("left out", left, inside, {"marker": "D", "markerfacecolor": "none", "markeredgecolor": COLOURS["vermilion"]}),
     )

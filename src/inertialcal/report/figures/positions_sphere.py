@@ -20,6 +20,7 @@ from matplotlib.patches import Ellipse
 
 from ...core.estimate import Array
 from ...core.rounding import number
+from .beside import Box, placed
 from .data import Curve, curves, finite, flags, numbers
 from .picture import Picture
 from .positions_residuals import in_ug
@@ -34,6 +35,8 @@ ACROSS, HIGH = 2.0 * np.sqrt(2.0), np.sqrt(2.0)  # half axes of the map
 SMALLEST, LARGEST, LEFT_OUT = 12.0, 110.0, 45.0  # areas of marks [pt^2]
 GRID = 12_000  # directions tried for the largest gap
 POLES = {"+x": (1, 0, 0), "+y": (0, 1, 0), "-y": (0, -1, 0), "+z": (0, 0, 1), "-z": (0, 0, -1)}
+POINTS = 56.0  # in a unit of the map, about
+MARGIN = 1.13  # of half the map, so that marks and names at its edge are whole
 NUMBERED = 60  # positions, above which no number could be read
 APART = 0.16  # on the map: marks that are nearer have one number
 
@@ -116,12 +119,16 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
     for label, mask, look in groups:
         if mask.any():
             ax.scatter(x[mask], y[mask], s=sizes[mask], alpha=0.85, label=label, zorder=4, **look)  # type: ignore[arg-type]
-    if np.sum(seen) <= NUMBERED:
-        _number(ax, x, y, seen)
+    radius = 0.5 * np.sqrt(sizes)
+    taken = [Box(POINTS * a, POINTS * b, r, r) for a, b, r in zip(x[seen], y[seen], radius[seen], strict=True)]
     far = largest_gap(directions(curve))[0]
     fx, fy = on_map(far[None, :])
     ax.plot(fx, fy, "x", color=COLOURS["ink"], markersize=7, markeredgewidth=1.4, linestyle="none",
             label="farthest from all", zorder=5)  # fmt: skip
+    taken.append(Box(POINTS * float(fx[0]), POINTS * float(fy[0]), 4.0, 4.0))
+    taken += _name_axes(ax, taken)
+    if np.sum(seen) <= NUMBERED:
+        _number(ax, x, y, radius, seen, taken)
     set_title(ax, title)
     set_labels(ax, "up in body axes; marks grow with the residual")
     set_legend(ax, below=-22.0)
@@ -151,26 +158,50 @@ def _globe(ax: Axes) -> None:
         turn = np.linspace(-np.pi + 1e-6, np.pi - 1e-6, 121)
         ring = np.column_stack([np.cos(tilt) * np.cos(turn), np.cos(tilt) * np.sin(turn), np.full(121, np.sin(tilt))])
         ax.plot(*on_map(ring), color=COLOURS["grid"], linewidth=0.6, zorder=1)
-    for name, vector in POLES.items():
-        x, y = on_map(np.array([vector], dtype=np.float64))
-        text = plain(name).replace("-", "−")
-        ax.plot(x, y, "+", color=COLOURS["quiet"], markersize=6, zorder=2)
-        ax.annotate(text, (float(x[0]), float(y[0])), (4, 3), textcoords="offset points", color=COLOURS["quiet"],
-                    size=TEXT - 1, zorder=2, parse_math=False)  # fmt: skip
-    ax.set_xlim(-1.02 * ACROSS, 1.02 * ACROSS)
-    ax.set_ylim(-1.12 * HIGH, 1.16 * HIGH)
+    ax.set_xlim(-MARGIN * ACROSS, MARGIN * ACROSS)
+    ax.set_ylim(-1.14 * HIGH, 1.16 * HIGH)
     ax.set_xticks([])
     ax.set_yticks([])
     for side in ax.spines.values():
         side.set_visible(False)
 
 
-def _number(ax: Axes, x: Array, y: Array, seen: Any) -> None:
+def _name_axes(ax: Axes, marks: Sequence[Box]) -> list[Box]:
+    """Write the names of the body's axes where they cover no mark; return where they stand."""
+    found: list[Box] = []
+    for name, vector in POLES.items():
+        x, y = (float(one[0]) for one in on_map(np.array([vector], dtype=np.float64)))
+        ax.plot(x, y, "+", color=COLOURS["quiet"], markersize=6, zorder=2)
+        found.append(_word(ax, name, (x, y), 3.0, TEXT - 1.0, COLOURS["quiet"], [*marks, *found]))
+    for side in (-1.0, 1.0):  # -x is the edge of the map, on both sides
+        at = Box(side * (POINTS * ACROSS + 13.0), 0.0, 7.0, 4.5)
+        _write(ax, "-x", (side * ACROSS, 0.0), at, TEXT - 1.0, COLOURS["quiet"])
+        found.append(at)
+    return found
+
+
+def _number(ax: Axes, x: Array, y: Array, radius: Array, seen: Any, taken: Sequence[Box]) -> None:
     """Write the numbers of positions beside their marks; of those that lie on one another that of the first."""
     told: list[tuple[float, float]] = []
+    boxes = list(taken)
     for k in np.flatnonzero(seen):
         if any(np.hypot(x[k] - a, y[k] - b) < APART for a, b in told):
             continue
         told.append((float(x[k]), float(y[k])))
-        ax.annotate(f"{k + 1}", (x[k], y[k]), (4.5, -8.0), textcoords="offset points", size=TEXT - 3.0,
-                    color=COLOURS["ink"], zorder=6, parse_math=False)  # fmt: skip
+        place = (float(x[k]), float(y[k]))
+        boxes.append(_word(ax, f"{k + 1}", place, float(radius[k]), TEXT - 3.0, COLOURS["ink"], boxes))
+
+
+def _word(
+    ax: Axes, text: str, place: tuple[float, float], radius: float, size: float, colour: str, taken: Sequence[Box]
+) -> Box:
+    """Write a word beside a mark; return where it stands."""
+    box = placed(POINTS * place[0], POINTS * place[1], radius, text, size, taken)
+    _write(ax, text, place, box, size, colour)
+    return box
+
+
+def _write(ax: Axes, text: str, place: tuple[float, float], box: Box, size: float, colour: str) -> None:
+    away = (box.x - POINTS * place[0], box.y - POINTS * place[1])
+    ax.annotate(plain(text).replace("-", "\N{MINUS SIGN}"), place, away, textcoords="offset points", color=colour,
+                size=size, ha="center", va="center", zorder=6, parse_math=False)  # fmt: skip

@@ -1,0 +1,167 @@
+"""What a person may say or do wrong to `positions`: each has one clear message and the right exit status."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from typed_commands import call, call_json
+
+from inertialcal.campaign.twin import csv_text
+from inertialcal.rigs.hand_held import Bench, build
+from positions_truths import protocol
+
+ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.0, first=2.0)
+SI = ("--unit", "acc=m/s2", "--unit", "gyro=rad/s")
+G = ("--gravity", "9.807 m/s2")
+Sections = dict[str, Any]
+
+
+@pytest.fixture(scope="module")
+def record(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """A record of six faces and three turns."""
+    path = tmp_path_factory.mktemp("mistakes") / "hand.csv"
+    (recording,) = build(ONCE, 1).recordings.values()
+    path.write_text(csv_text(recording), encoding="utf-8")
+    return path
+
+
+def exchanged(one: str, other: str) -> Sections:
+    sections: Sections = dict(protocol(ONCE))
+    return sections | {one: sections[other], other: sections[one]}
+
+
+def without(*labels: str) -> Sections:
+    return {label: ends for label, ends in protocol(ONCE).items() if label not in labels}
+
+
+def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
+    left, _, err = call(capsys, "positions", *words)
+    return left, " ".join(err.split())
+
+
+@pytest.mark.parametrize(
+    ("sections", "text"),
+    [
+        ({}, "no section in the file"),
+        (exchanged("x_p", "x_a"), "2 of 6 positions do not lie as they are named"),
+        (exchanged("x_a", "y_p"), "is named y+ and reads x-"),
+        (without("x_p", "x_a", "y_p", "y_a", "z_p", "z_a"), "no section is a position"),
+        (without("x_a") | {"x_a": {"start": 100, "end": 10**6}}, "the protocol is of another recording"),
+        (without("x_a") | {"x_a": {"start": 10, "end": 60}}, "overlap"),
+        (without("x_a") | {"": {"start": 10, "end": 60}}, "section '' is no position"),
+        (without("x_a") | {"x_a": {"start": 60, "end": 10}}, "Give the end after the start"),
+    ],
+)
+def test_wrong_sections_are_told(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path, sections: Sections, text: str
+) -> None:
+    (tmp_path / "p.json").write_text(json.dumps(sections), encoding="utf-8")
+    status, message = said(capsys, str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
+    assert (status, text in message) == (3, True), message
+
+
+def test_signs_that_are_all_turned_are_told_as_such(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path
+) -> None:
+    turned = {label[:2] + ("a" if label[2] == "p" else "p"): ends for label, ends in protocol(ONCE).items()
+              if not label.endswith("rot")}  # fmt: skip
+    (tmp_path / "p.json").write_text(json.dumps(turned), encoding="utf-8")
+    status, message = said(capsys, str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
+    assert status == 3
+    assert "All read the opposite: turn the signs of the accelerometers" in message
+
+
+def test_a_face_that_is_missing_is_told(capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path) -> None:
+    (tmp_path / "p.json").write_text(json.dumps(without("y_p")), encoding="utf-8")
+    content = call_json(capsys, "positions", str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
+    remarks = {one["code"]: one["what"] for one in content["remarks"]}
+    assert "5 of the six faces: y+ missing" in remarks["face_missing"]
+    assert not [row for row in content["results"] if row["condition"]]
+
+
+@pytest.mark.parametrize(
+    ("words", "status", "text"),
+    [
+        (("--latitude", "500 deg"), 2, "latitude of 500 deg: need -90 to 90 deg"),
+        (("--gravity", "-9.8 m/s2"), 2, "gravity of -9.8 m/s2: need more than 0"),
+        (("--gravity", "0 m/s2"), 2, "need more than 0"),
+        (("--shortest", "-1 s"), 2, "shortest rest of -1 s"),
+        (("--shortest", "60 s"), 3, "--shortest '2 s'"),
+        (("--turn", "0 deg"), 2, "a turn by 0 deg"),
+        (("--column", "acc_x=ax"), 2, "no channel 'ax'"),
+        (("--unit", "acc=mss"), 2, "--unit acc=mss: unit 'mss'"),
+        (("--orientations", "up.csv"), 2, "no file 'up.csv'"),
+        (("-o", "f.png", "--figure", "allan"), 2, "There are: residuals, sphere, transitions"),
+        (("--hold-out", "11"), 3, "Hold out fewer"),
+    ],
+)
+def test_wrong_words_are_told(
+    capsys: pytest.CaptureFixture[str], record: Path, words: tuple[str, ...], status: int, text: str
+) -> None:
+    left, message = said(capsys, str(record), *SI, *words)
+    assert (left, text in message) == (status, True), message
+
+
+@pytest.mark.parametrize(
+    ("change", "text"),
+    [
+        ("empty", "the file is empty"),
+        ("header", "holds a header and no row"),
+        ("one", "one.csv: 1 sample(s)"),
+        ("no_value", "'acc_z', taken for acc_z, holds no value"),
+        ("back", "back.csv: sample 300: time runs backwards"),
+    ],
+)
+def test_files_that_hold_nothing_are_told(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path, change: str, text: str
+) -> None:
+    lines = record.read_text(encoding="utf-8").splitlines()
+    made = {
+        "empty": [],
+        "header": lines[:1],
+        "one": lines[:2],
+        "no_value": lines[:1] + [",".join([*one.split(",")[:3], "nan", *one.split(",")[4:]]) for one in lines[1:]],
+        "back": lines[:301] + lines[101:],
+    }
+    path = tmp_path / f"{change}.csv"
+    path.write_text("\n".join(made[change]), encoding="utf-8")
+    status, message = said(capsys, str(path), *SI, *G)
+    assert (status, text in message) == (3, True), message
+
+
+def test_channels_named_for_one_sensor_leave_the_other_as_it_is(
+    capsys: pytest.CaptureFixture[str], record: Path
+) -> None:
+    named = [word for axis in "xyz" for word in ("--column", f"acc_{axis}=acc_{axis}")]
+    content = call_json(capsys, "positions", str(record), *SI, *G, *named)
+    assert content["columns"]["gyro_z"] == "gyro_z"
+    alone = call_json(capsys, "positions", f"acc={record}", "--unit", "acc=m/s2", *G)
+    assert set(alone["columns"]) == {"acc_x", "acc_y", "acc_z"}
+
+
+def test_annotated_session_of_imucal_by_the_closed_form(capsys: pytest.CaptureFixture[str], shared: Path) -> None:
+    folder = shared / "data" / "imucal_ferraris"
+    content = call_json(
+        capsys, "positions", str(folder / "annotated_session.csv"), "--sample-rate", "204.8", "--unit", "acc=count",
+        "--unit", "gyro=count", "--sections", "part", "--turn", "-360 deg", "--gravity", "9.81 m/s2",
+    )  # fmt: skip
+    expected = json.loads((folder / "expected_snapshot_example_cal.json").read_text(encoding="utf-8"))
+    per_degree = {"count/(rad/s)": np.pi / 180.0}  # theirs is per deg/s
+    names = {
+        ("accelerometer", "scale_factor"): "K_a", ("accelerometer", "direction_cosine"): "R_a",
+        ("accelerometer", "bias"): "b_a", ("gyro", "scale_factor"): "K_g", ("gyro", "direction_cosine"): "R_g",
+        ("gyro", "bias"): "b_g", ("gyro", "g_sensitivity"): "K_ga",
+    }  # fmt: skip
+    for (test, quantity), name in names.items():
+        rows = [
+            row["value"] * per_degree.get(row["unit"], 1.0)
+            for row in content["results"]
+            if (row["test"], row["quantity"], row["condition"]) == (test, quantity, "as_published")
+        ]
+        theirs = np.array(expected[name])
+        wanted = np.diag(theirs) if quantity == "scale_factor" else theirs.ravel()
+        assert rows == pytest.approx(wanted, rel=1e-6), name
