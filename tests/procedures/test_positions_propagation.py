@@ -76,8 +76,8 @@ def test_bias_and_g_sensitivity(result: Result) -> None:
     assert result.gyro.rest.fits is not None
     level = np.zeros((12, 12))
     for k, fit in enumerate(result.gyro.rest.fits):
-        at = np.ix_(*[[k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k]] * 2)
-        level[at] = fit.parts[LEVEL]
+        own = [k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k]
+        level[np.ix_(own, own)] = fit.parts[LEVEL]
     expected = derivative @ level @ derivative.T
     (found,) = (one.covariance for one in result.gyro.sensor.sources if one.name == LEVEL)
     for part in (np.s_[:9, :9], np.s_[:9, 9:12], np.s_[:9, 12:], np.s_[9:12, 9:12], np.s_[12:, 12:]):
@@ -89,14 +89,14 @@ def test_accelerometers() -> None:
     result = reduced("by hand")
     sensor = result.acc.sensor
     derivative = np.zeros((21, 12))
-    for at in range(12):
+    for number in range(12):
         ends = []
         for step in (LENGTH, -LENGTH):
             values = sensor.values.copy()
-            values[at] += step
+            values[number] += step
             changed = replace(result.acc, sensor=replace(sensor, values=values))
             ends.append(fitted(result, result.readings, changed))
-        derivative[:, at] = (ends[0] - ends[1]) / (2.0 * LENGTH)
+        derivative[:, number] = (ends[0] - ends[1]) / (2.0 * LENGTH)
     expected = (derivative @ sensor.covariance @ derivative.T)[:9, :9]
     assert result.gyro is not None
     (found,) = (one.covariance for one in result.gyro.sensor.sources if one.name == MODEL)

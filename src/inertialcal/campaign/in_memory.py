@@ -31,6 +31,7 @@ from .mass_inputs import mass_plan, moved_mass
 from .noise_inputs import noise_plan, records_at_rest
 from .positions_inputs import Part, positions_plan, readings_of
 from .positions_result import OfSensor
+from .positions_words import Section
 from .rate_table_inputs import rate_table_plan
 from .schema import CampaignFile, Test
 from .schema_recordings import RecordingEntry
@@ -213,7 +214,8 @@ def _positions(twin: Twin, plan: positions.Plan, fit: _Fit) -> OfSensor:
     for (name, entry, chain), sensor in zip(fit.entries, fit.sensors, strict=True):
         body = in_body_axes(twin.recordings[entry.file], name, entry, sensor, chain)
         parts.append(Part(name, entry, body, len(body), sensor.kind))
-    readings = readings_of(plan, parts, fit.test, Path())
+    said = {file: [Section(**vars(one)) for one in named] for file, named in twin.protocols.items()}
+    readings = readings_of(plan, parts, fit.test, Path(), said)
     return OfSensor(positions.reduce(plan, readings), fit.sensor.kind)
 
 

@@ -6,7 +6,7 @@ paired in their order.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -31,6 +31,7 @@ from .positions_channels import check_clock
 from .positions_site import site_problems
 from .positions_sources import named_section, section_of
 from .positions_words import FACES, of_words, runs_of, sections_of
+from .positions_words import Section as Said
 from .schema import CampaignFile, Test
 from .schema_recordings import RecordingEntry
 from .schema_sensors import Sensor
@@ -69,7 +70,13 @@ def prepared_positions(campaign: Campaign, test: Test, sensor: Sensor) -> Prepar
     return Prepared(test, plan, readings_of(plan, parts, test.id, campaign.folder), inputs, origins)
 
 
-def readings_of(plan: positions.Plan, parts: Sequence[Part], test: str, folder: Path) -> Readings:
+def readings_of(
+    plan: positions.Plan,
+    parts: Sequence[Part],
+    test: str,
+    folder: Path,
+    said: Mapping[str, Sequence[Said]] | None = None,
+) -> Readings:
     """Return the readings of the recordings of a test.
 
     Parameters
@@ -82,6 +89,8 @@ def readings_of(plan: positions.Plan, parts: Sequence[Part], test: str, folder: 
         Its name, for messages.
     folder : Path
         In which sections lie.
+    said : mapping of str to sequence of Section, optional
+        Sections that are no files, by the name that an entry gives them.
 
     Raises
     ------
@@ -90,7 +99,7 @@ def readings_of(plan: positions.Plan, parts: Sequence[Part], test: str, folder: 
     """
     pairs = _paired(parts, test)
     joined = [_joined(pair) for pair in pairs]
-    sections = [_sections(folder, pair, one) for pair, one in zip(pairs, joined, strict=True)]
+    sections = [_sections(folder, pair, one, said or {}) for pair, one in zip(pairs, joined, strict=True)]
     faces = any(one.entry.orientations == [FACES] for one in parts)
     return _oriented(readings_from(plan, joined, sections, faces), parts)
 
@@ -158,15 +167,18 @@ def _joined(pair: Sequence[Part]) -> Recording:
     return replace(first, channels=tuple(made), remarks=remarks)
 
 
-def _sections(folder: Path, pair: Sequence[Part], recording: Recording) -> tuple[Section, ...]:
+def _sections(
+    folder: Path, pair: Sequence[Part], recording: Recording, known: Mapping[str, Sequence[Said]]
+) -> tuple[Section, ...]:
     """Return the labelled parts that an entry of a pair names; none where none does."""
     entry = next((one.entry for one in pair if one.entry.sections is not None), None)
     if entry is None or entry.sections is None:
         return ()
     turn = 2.0 * np.pi if entry.turn is None else entry.turn
     path = folder / entry.sections
-    if path.is_file():
-        return tuple(section_of(one, recording, turn) for one in sections_of(path))
+    if entry.sections in known or path.is_file():
+        found = known.get(entry.sections) or sections_of(path)
+        return tuple(section_of(one, recording, turn) for one in found)
     said = runs_of(read_table(folder / entry.file).text(entry.sections))
     return tuple(named_section(one.label, round(one.start), round(one.stop), turn) for one in said)
 

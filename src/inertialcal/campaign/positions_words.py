@@ -170,9 +170,20 @@ def _angles(table: Table) -> list[float | None]:
     unit = table.unit(name)
     if unit is None:
         do = "Name the column with its unit: angle [deg]"
-        raise DataError(f"column {name!r} has no unit", table.source.path, "a turn by 360 could be either", do, "no_unit")
+        raise DataError(
+            f"column {name!r} has no unit", table.source.path, "a turn by 360 could be either", do, "no_unit"
+        )
     scale = factor(unit, "rad")
     return [None if math.isnan(one) else float(one) * scale for one in table.numbers(name)]
+
+
+def sections_text(sections: Sequence[Section]) -> str:
+    """Return labelled parts, counted in samples, as the table that `sections_of` reads."""
+    rows = ["section,start,end,angle [deg]"]
+    for one in sections:
+        angle = "" if one.angle is None else f"{math.degrees(one.angle):.15g}"
+        rows.append(f"{one.label},{one.start:.0f},{one.stop:.0f},{angle}")
+    return "\n".join([*rows, ""])
 
 
 def _named(table: Table, names: Sequence[str]) -> str:

@@ -24,6 +24,7 @@ from ..procedures.mass_attraction.schedule import Schedule
 from ..rigs import RIGS
 from ..rigs.twin import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load
+from .positions_words import Section, sections_text
 from .publish import json_text
 
 TRUTH = ".truth/truth.json"
@@ -133,6 +134,7 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
         FILE: twin.campaign.replace(SEED, str(seed)).replace(SEAL, seal),
         TRUTH: truth,
         **{file: csv_text(recording) for file, recording in twin.recordings.items()},
+        **{file: sections_text([Section(**vars(one)) for one in parts]) for file, parts in twin.protocols.items()},
     }
     _write(target, texts, {file: Schedule(**vars(one)) for file, one in twin.schedules.items()})
     return Written(target, tuple(twin.recordings), seal, fault)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import hand_held, mesa, npsat1, rate_table, sams_tsh, sams_tsh_model, still_gyro
+from . import hand_held, mesa, npsat1, rate_table, sams_tsh, sams_tsh_model, six_faces, still_gyro
 
 RIGS: dict[str, ModuleType] = {
     "rate_table": rate_table,
@@ -19,4 +19,5 @@ RIGS: dict[str, ModuleType] = {
     "still_gyro": still_gyro,
     "mesa": mesa,
     "hand_held": hand_held,
+    "six_faces": six_faces,
 }

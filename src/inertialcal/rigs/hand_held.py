@@ -2,8 +2,8 @@
 
 ``tumble`` lays it into many positions whose orientation nobody knows; ``ferraris`` on its six faces, twice, and turns it
 about each axis by a known angle, there and, laid anew, back. The unit has scale factors, misalignments, biases,
-g-sensitivity and noise at two levels: of a sample, and between positions. The accelerometers' own axes are the body where orientations are not known
-(M lower triangular); a fixture defines it where they are, and M is full.
+g-sensitivity and noise at two levels: of a sample, and between positions. The accelerometers' own axes are the body
+where orientations are not known (M lower triangular); a fixture defines it where they are, and M is full.
 """
 
 from __future__ import annotations
@@ -18,8 +18,9 @@ from ..core.estimate import Array
 from ..core.influence import Influence
 from ..core.recording import SECOND, Channel, Recording
 from ..core.units import factor
-from .hand_held_campaign import campaign_text, recording_file
-from .hand_held_motion import Leg, Motion, Part, moved, turn_between
+from .hand_held_campaign import campaign_text, protocol_file, recording_file
+from .hand_held_motion import Motion, Part, moved
+from .hand_held_protocol import FACES, named_parts, protocol
 from .twin import Drawn, Fault, TrueValue, Twin, drawn_error, with_fault
 
 TITLE = "an IMU laid by hand into many positions, without a turntable"
@@ -28,7 +29,7 @@ __all__ = ["FAULTS", "TITLE", "Bench", "Held", "Unit", "build", "draw_unit", "he
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 AXES = ("x", "y", "z")
 CHANNELS = tuple(f"{sensor}_{axis}" for sensor in ("acc", "gyro") for axis in AXES)
-FACES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float64)
+RIG = {"tumble": "hand_held", "ferraris": "six_faces"}
 APART = 3_600  # from record to record [s]
 UNITS = {"acc": "m/s^2", "gyro": "rad/s"}
 
@@ -86,8 +87,8 @@ class Bench:
         The same [m/s2], [rad/s], [(rad/s)/(m/s2)].
     latitude, gravity : float
         Of the site [rad]; as it is told [m/s2].
-    gravity_error, angle, orientation, clock : Influence
-        Uncertainties of local gravity, of a known turn, of a face, of the logger's clock.
+    gravity_error, angle, orientation, mounting, clock : Influence
+        Uncertainties of local gravity, of a known turn, of a face, of all faces and turns alike, of the logger's clock.
     wiring : tuple of str
         Which gyro each channel of the gyros holds.
     sign : tuple of int
@@ -95,7 +96,13 @@ class Bench:
     flat : bool
         Whether all positions have the z axis level.
     knocked : bool
-        Whether the table is knocked in one position.
+        Whether the table is knocked in one position; of six faces, on one of them.
+    left_out : str
+        Face on which it is never laid: ``"y-"``.
+    misnamed : bool
+        Whether two faces are written down for one another.
+    sense : int
+        Sign of the angles that are written down of turns.
     said : mapping
         Unit that a sensor is truly recorded in, where it is not the one that is said.
     pace : float
@@ -128,11 +135,15 @@ class Bench:
     gravity_error: Influence = field(default=Influence(3e-4, "m/s^2", certificate="gravity map"))
     angle: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
     orientation: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
+    mounting: Influence = field(default=Influence(1e-3, "rad", certificate="square block"))
     clock: Influence = field(default=Influence(2e-5, "1", certificate="data sheet of the logger"))
     wiring: tuple[str, str, str] = AXES
     sign: tuple[int, int, int] = (1, 1, 1)
     flat: bool = False
     knocked: bool = False
+    left_out: str = ""
+    misnamed: bool = False
+    sense: int = 1
     said: Mapping[str, str] = field(default_factory=dict)
     pace: float = 1.0
     copies: int = 1
@@ -195,12 +206,20 @@ def build(bench: Bench, seed: int) -> Twin:
     unit = draw_unit(bench, of_unit)
     gravity = bench.gravity + drawn_error(bench.gravity_error, of_bench)
     pace = bench.pace * (1.0 + drawn_error(bench.clock, of_bench))
-    records = [held(bench, unit, gravity, pace, number, of_records) for number in range(bench.records)]
-    lots = [one.recording for one in records for _ in range(bench.copies)]
     drawn: Drawn = {"gravity": gravity, "clock": pace}
+    mounting = np.zeros(3)
+    if bench.variant == "ferraris":
+        mounting = np.array([drawn_error(bench.mounting, of_bench) for _ in AXES])
+        drawn = drawn | {"mounting": mounting.tolist()}
+    records = [held(bench, unit, gravity, pace, number, of_records, mounting) for number in range(bench.records)]
+    lots = [one.recording for one in records for _ in range(bench.copies)]
     files = {recording_file(number): recording for number, recording in enumerate(lots, 1)}
-    protocols = tuple(one.parts for one in records for _ in range(bench.copies))
-    return Twin("hand_held", seed, "", campaign_text(bench, protocols), files, true_values(bench, unit), drawn)
+    text = campaign_text(bench, RIG[bench.variant], len(lots))
+    protocols = {}
+    if bench.variant == "ferraris":
+        named = [named_parts(one.parts) for one in records for _ in range(bench.copies)]
+        protocols = {protocol_file(number): one for number, one in enumerate(named, 1)}
+    return Twin(RIG[bench.variant], seed, "", text, files, true_values(bench, unit), drawn, protocols=protocols)
 
 
 def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:
@@ -222,7 +241,15 @@ def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:
     )
 
 
-def held(bench: Bench, unit: Unit, gravity: float, pace: float, number: int, rng: np.random.Generator) -> Held:
+def held(
+    bench: Bench,
+    unit: Unit,
+    gravity: float,
+    pace: float,
+    number: int,
+    rng: np.random.Generator,
+    mounting: Array | None = None,
+) -> Held:
     """Return one record.
 
     Parameters
@@ -233,8 +260,10 @@ def held(bench: Bench, unit: Unit, gravity: float, pace: float, number: int, rng
         Stamps over true time.
     number : int
         Of the record, from 0.
+    mounting : ndarray, shape (3,), optional
+        By which all faces and turns are off alike [rad]; absent: not at all.
     """
-    up, legs, meant = _protocol(bench, rng)
+    up, legs, meant = protocol(bench, np.zeros(3) if mounting is None else mounting, rng)
     lifts = bench.lift * rng.normal(size=(len(legs), 3)) / np.sqrt(3.0)
     motion = moved(legs, up, 1.0 / bench.sample_rate, gravity, bench.latitude, lifts)
     readings = _readings(bench, unit, motion, rng)
@@ -261,73 +290,6 @@ def _as_meant(parts: tuple[Part, ...], meant: Mapping[int, tuple[float, float, f
     return tuple(found)
 
 
-Protocol = tuple[Array, tuple[Leg, ...], dict[int, tuple[float, float, float]]]
-
-
-def _protocol(bench: Bench, rng: np.random.Generator) -> Protocol:
-    return _ferraris(bench, rng) if bench.variant == "ferraris" else _tumble(bench, rng)
-
-
-def _samples(bench: Bench, seconds: float, rng: np.random.Generator) -> int:
-    return round(seconds * (1.0 + 0.5 * rng.random()) * bench.sample_rate)
-
-
-def _tumble(bench: Bench, rng: np.random.Generator) -> Protocol:
-    """Many directions, spread over the sphere, in an order that turns much, with a hand's scatter."""
-    ups = _scattered(_spread(bench.positions, bench.flat), bench.spread, rng)
-    legs = []
-    for k, up in enumerate(ups):
-        dwell = _samples(bench, bench.first if k == 0 else bench.dwell, rng)
-        last = k == len(ups) - 1
-        vector = np.zeros(3) if last else turn_between(up, ups[k + 1], float(rng.uniform(-1.0, 1.0)))
-        legs.append(Leg(dwell, 0 if last else _samples(bench, bench.turn, rng), vector))
-    return ups[0], tuple(legs), {}
-
-
-def _spread(n: int, flat: bool) -> Array:
-    """Return n directions on the sphere, or around one circle, neighbours in time far apart."""
-    k = np.arange(n) + 0.5
-    height = np.zeros(n) if flat else 1.0 - 2.0 * k / n
-    around = 2.0 * np.pi * k / n if flat else np.pi * (1.0 + np.sqrt(5.0)) * k
-    ring = np.sqrt(1.0 - height**2)
-    order = np.argsort((np.arange(n) * 0.381966) % 1.0, kind="stable")
-    return np.column_stack([ring * np.cos(around), ring * np.sin(around), height])[order]
-
-
-def _scattered(directions: Array, spread: float, rng: np.random.Generator) -> Array:
-    """Return directions turned by small angles about axes across them."""
-    away = spread * rng.normal(size=directions.shape)
-    found = directions + np.cross(away, directions)
-    return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
-
-
-def _ferraris(bench: Bench, rng: np.random.Generator) -> Protocol:
-    """Six faces, then a turn about each axis, that axis up, each laid anew and off by its errors."""
-    faces = np.vstack([FACES] * bench.rounds)
-    meant = np.vstack([faces, *[np.eye(3)] * bench.rounds])
-    ups = meant.copy()
-    for k, one in enumerate(meant):
-        away = np.array([drawn_error(bench.orientation, rng) for _ in range(3)])
-        ups[k] = one + np.cross(away, one)
-        ups[k] /= np.linalg.norm(ups[k])
-    legs = []
-    for k, up in enumerate(ups):
-        dwell = _samples(bench, bench.first if k == 0 else bench.dwell, rng)
-        if k < len(faces):
-            vector = turn_between(up, ups[k + 1], float(rng.uniform(-1.0, 1.0)))
-            legs.append(Leg(dwell, _samples(bench, bench.turn, rng), vector))
-            continue
-        axis = (float(meant[k][0]), float(meant[k][1]), float(meant[k][2]))
-        full = 2.0 * np.pi * (-1.0) ** ((k - len(faces)) // 3)
-        vector = (full + drawn_error(bench.angle, rng)) * up
-        legs.append(Leg(dwell, _samples(bench, 4.0 * bench.turn, rng), vector, told=(axis, full)))
-        after = ups[k + 1] if k + 1 < len(ups) else up
-        move = turn_between(up, after, 0.0)
-        legs.append(Leg(_samples(bench, bench.dwell, rng), _samples(bench, bench.turn, rng), move))
-    legs.append(Leg(_samples(bench, bench.dwell, rng), 0, np.zeros(3)))
-    return ups[0], tuple(legs), {k: (float(d[0]), float(d[1]), float(d[2])) for k, d in enumerate(faces)}
-
-
 def _readings(bench: Bench, unit: Unit, motion: Motion, rng: np.random.Generator) -> Array:
     """Return what is saved, shape (n, 6)."""
     n, places = len(motion.rate), int(motion.place.max()) + 1
@@ -337,7 +299,8 @@ def _readings(bench: Bench, unit: Unit, motion: Motion, rng: np.random.Generator
     gyro = motion.rate @ unit.gyro_matrix.T + unit.gyro_bias + shift_g[motion.place]
     gyro += motion.force @ unit.g_sensitivity.T
     if bench.knocked:
-        start, stop = _middle(motion.parts[len(motion.parts) // 2])
+        laid = len(FACES) * bench.rounds if bench.variant == "ferraris" else len(motion.parts)
+        start, stop = _middle(motion.parts[laid // 2])
         swing = np.sin(np.arange(stop - start) * 0.9)[:, np.newaxis] * [0.6, -0.4, 0.3]
         acc[start:stop] += swing
         gyro[start:stop] += 0.2 * swing

@@ -9,9 +9,23 @@ from .twin import SEAL, SEED
 
 if TYPE_CHECKING:
     from .hand_held import Bench
-    from .hand_held_motion import Part
 
 TIME = "unix_s"
+TITLES = {"hand_held": "Positions of a simulated IMU", "six_faces": "Six faces and three turns of a simulated IMU"}
+LAID = {"hand_held": "into many positions", "six_faces": "on its six faces, and turned about its axes"}
+REQUIRED = {
+    "hand_held": """\
+text = "gravity, carried by the gyros through a turn by hand, arrives within half a degree (rms)"
+quantity = "transition_error"
+upper = "0.5 deg"
+""",
+    "six_faces": """\
+text = "scale factors within 5 % of the nominal ones"
+quantity = "scale_factor_error"
+lower = "-5 %"
+upper = "5 %"
+""",
+}
 SENSORS = {"acc": ("accelerometer", "m/s^2"), "gyro": ("gyro", "rad/s")}  # kind, and unit of the channels
 
 
@@ -25,9 +39,21 @@ def recording_file(number: int) -> str:
     return f"recordings/{recording_name(number)}.csv"
 
 
-def campaign_text(bench: Bench, protocols: Sequence[Sequence[Part]]) -> str:
-    """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
-    count = len(protocols)
+def protocol_file(number: int) -> str:
+    """Return the file of the protocol of a record, in the campaign folder."""
+    return f"protocols/{recording_name(number)}.csv"
+
+
+def campaign_text(bench: Bench, rig: str, count: int) -> str:
+    """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth.
+
+    Parameters
+    ----------
+    rig : str
+        Its name.
+    count : int
+        Recordings.
+    """
     held = (count,) if bench.records > 1 and bench.copies == 1 else ()
     fitted = [number for number in range(1, count + 1) if number not in held]
     records = "\n".join(_entry(bench, number, sensor) for number in range(1, count + 1) for sensor in SENSORS)
@@ -39,16 +65,17 @@ angle = {{ u = "{bench.angle.u:g} rad", certificate = "{bench.angle.certificate}
 
 [standards.fixture]
 orientation = {{ u = "{bench.orientation.u:g} rad", certificate = "{bench.orientation.certificate}" }}
+mounting = {{ u = "{bench.mounting.u:g} rad", certificate = "{bench.mounting.certificate}" }}
 """
     return f"""\
-# A simulated campaign: an IMU laid by hand into many positions.
+# A simulated campaign: an IMU laid by hand {LAID[rig]}.
 # The true values lie in .truth/, which nothing but `inertialcal score` reads. Delete it, and `run` gives the same.
 schema = 1
 
 [campaign]
-id = "hand_held-{SEED}"
-title = "Positions of a simulated IMU"
-source = "simulated: rig hand_held, seed {SEED}; truth sealed with SHA-256 {SEAL}"
+id = "{rig}-{SEED}"
+title = "{TITLES[rig]}"
+source = "simulated: rig {rig}, seed {SEED}; truth sealed with SHA-256 {SEAL}"
 
 [item]
 maker = "inertialcal"
@@ -80,10 +107,7 @@ unit = "deg/s"
 {_tests(held, "hold_out", "_held_out") if held else ""}\
 [[requirements]]
 id = "R1"
-text = "gravity, carried by the gyros through a turn by hand, arrives within half a degree (rms)"
-quantity = "transition_error"
-upper = "0.5 deg"
-"""
+{REQUIRED[rig]}"""
 
 
 def _entry(bench: Bench, number: int, sensor: str) -> str:
@@ -91,10 +115,11 @@ def _entry(bench: Bench, number: int, sensor: str) -> str:
     unit = SENSORS[sensor][1]
     interval = f"{bench.pace / bench.sample_rate:g} s"
     clock = f'column = "{TIME}", stamp = "end", interval = "{interval}", averaging = "{interval}"'
+    sections = f'sections = "{protocol_file(number)}"\n' if bench.variant == "ferraris" else ""
     channels = ", ".join(f'{axis} = {{ column = "{sensor}_{axis}", unit = "{unit}" }}' for axis in "xyz")
     return (
         f'[recordings.{sensor}{number}]\nsensor = "{sensor}"\nfile = "{recording_file(number)}"\n'
-        f"clock = {{ {clock} }}\nchannels = {{ {channels} }}\n"
+        f"clock = {{ {clock} }}\nchannels = {{ {channels} }}\n{sections}"
     )
 
 

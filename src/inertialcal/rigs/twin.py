@@ -91,6 +91,19 @@ class PlannedMass:
     u_applied: float | None = None
 
 
+@dataclass(frozen=True)
+class NamedPart:
+    """Samples [start, stop) of a recording with the name that a protocol gives them: ``"x+"``, or ``"x_rot"``.
+
+    A turn has its angle [rad].
+    """
+
+    label: str
+    start: int
+    stop: int
+    angle: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class Twin:
     """One simulated campaign.
@@ -113,6 +126,8 @@ class Twin:
         Errors of the standards, and how the bench really stood, SI: what nobody told the reduction.
     schedules : mapping of str to PlannedMass
         Of a moved mass, by the file that the campaign names.
+    protocols : mapping of str to tuple of NamedPart
+        What is known of positions and turns, by the file that the campaign names.
     """
 
     rig: str
@@ -123,6 +138,7 @@ class Twin:
     truth: tuple[TrueValue, ...]
     drawn: Drawn
     schedules: Mapping[str, PlannedMass] = field(default_factory=dict[str, PlannedMass])
+    protocols: Mapping[str, tuple[NamedPart, ...]] = field(default_factory=dict[str, tuple[NamedPart, ...]])
 
 
 def drawn_error(influence: Influence | None, rng: np.random.Generator) -> float:

@@ -163,7 +163,7 @@ def _accelerometers(plan: Plan, readings: Readings) -> Fitted:
     ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
     zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
     direction = readings.direction
-    named = np.zeros(len(readings), dtype=bool) if direction is None else np.isfinite(direction).all(axis=1)
+    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
     if direction is not None and np.sum(named) >= FEWEST:
         fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
     else:
