@@ -5,10 +5,12 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import Path
 from types import SimpleNamespace
+from typing import get_type_hints
 
 import pytest
 from typed_commands import call, call_json
 
+from inertialcal.cli.twins import simulate
 from inertialcal.rigs import RIGS, rate_table
 from inertialcal.rigs.rate_table_setup import Bench
 from inertialcal.rigs.twin import Twin
@@ -46,6 +48,15 @@ def test_simulate_run_score(capsys: pytest.CaptureFixture[str], tmp_path: Path) 
     assert {"truth", "inside"} <= set(found["results"][0])
     assert found["inside"] == sum(row["inside"] is True for row in found["results"])
     assert call(capsys, "score", folder, "--quiet")[1] == ""
+
+
+def test_help_and_manual_name_every_rig_and_its_mistakes() -> None:
+    own = {name: rig for name, rig in RIGS.items() if name not in ("small", "liar")}
+    said = get_type_hints(simulate, include_extras=True)["rig"].__metadata__[0].help
+    assert sorted(said.removeprefix("Of a rig: ").removesuffix(".").split(", ")) == sorted(own)
+    page = (Path(__file__).parents[2] / "docs" / "commands" / "simulate.md").read_text(encoding="utf-8")
+    named = [*own, *(fault for rig in own.values() for fault in rig.FAULTS)]
+    assert not [name for name in named if f"`{name}`" not in page]
 
 
 def test_simulate_in_json_and_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:

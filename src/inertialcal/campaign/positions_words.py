@@ -169,10 +169,8 @@ def _angles(table: Table) -> list[float | None]:
         return [None] * len(table)
     unit = table.unit(name)
     if unit is None:
-        do = "Name the column with its unit: angle [deg]"
-        raise DataError(
-            f"column {name!r} has no unit", table.source.path, "a turn by 360 could be either", do, "no_unit"
-        )
+        why, do = "an angle may be in deg or rad", "Name the column with its unit: angle [deg]"
+        raise DataError(f"column {name!r} has no unit", table.source.path, why, do, "no_unit")
     scale = factor(unit, "rad")
     return [None if math.isnan(one) else float(one) * scale for one in table.numbers(name)]
 

@@ -18,8 +18,8 @@ def demo(
     rig: Annotated[
         str,
         typer.Argument(
-            help="A rig, simulated: npsat1, rate_table, sams_tsh, still_gyro, mesa; or published: npsat2011, sams1996, "
-            "reinel1969.",
+            help="A rig, simulated: npsat1, rate_table, sams_tsh, still_gyro, mesa, hand_held, six_faces; "
+            "or published: npsat2011, sams1996, reinel1969.",
             show_default="npsat1",
         ),
     ] = "",

@@ -17,7 +17,10 @@ from .progress import progress
 def simulate(
     rig: Annotated[
         str,
-        typer.Argument(help="Of a rig: rate_table, sams_tsh, sams_tsh_model, still_gyro, mesa.", show_default=False),
+        typer.Argument(
+            help="Of a rig: rate_table, sams_tsh, sams_tsh_model, npsat1, still_gyro, mesa, hand_held, six_faces.",
+            show_default=False,
+        ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,

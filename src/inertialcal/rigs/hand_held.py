@@ -1,7 +1,7 @@
 """Rig of an IMU without a turntable: laid by hand into one position after another, and turned in between.
 
-``tumble`` lays it into many positions whose orientation nobody knows; ``ferraris`` on its six faces, twice, and turns it
-about each axis by a known angle, there and, laid anew, back. The unit has scale factors, misalignments, biases,
+``tumble`` lays it into many positions whose orientation nobody knows; ``ferraris`` on its six faces, twice, and turns
+it about each axis by a known angle, there and, laid anew, back. The unit has scale factors, misalignments, biases,
 g-sensitivity and noise at two levels: of a sample, and between positions. The accelerometers' own axes are the body
 where orientations are not known (M lower triangular); a fixture defines it where they are, and M is full.
 """
@@ -21,7 +21,7 @@ from ..core.units import factor
 from .hand_held_campaign import campaign_text, protocol_file, recording_file
 from .hand_held_motion import Motion, Part, moved
 from .hand_held_protocol import FACES, named_parts, protocol
-from .twin import Drawn, Fault, TrueValue, Twin, drawn_error, with_fault
+from .twin import Fault, TrueValue, Twin, drawn_error, with_fault
 
 TITLE = "an IMU laid by hand into many positions, without a turntable"
 __all__ = ["FAULTS", "TITLE", "Bench", "Held", "Unit", "build", "draw_unit", "held", "twin"]
@@ -206,11 +206,11 @@ def build(bench: Bench, seed: int) -> Twin:
     unit = draw_unit(bench, of_unit)
     gravity = bench.gravity + drawn_error(bench.gravity_error, of_bench)
     pace = bench.pace * (1.0 + drawn_error(bench.clock, of_bench))
-    drawn: Drawn = {"gravity": gravity, "clock": pace}
+    drawn: dict[str, float | list[float]] = {"gravity": gravity, "clock": pace}
     mounting = np.zeros(3)
     if bench.variant == "ferraris":
         mounting = np.array([drawn_error(bench.mounting, of_bench) for _ in AXES])
-        drawn = drawn | {"mounting": mounting.tolist()}
+        drawn["mounting"] = mounting.tolist()
     records = [held(bench, unit, gravity, pace, number, of_records, mounting) for number in range(bench.records)]
     lots = [one.recording for one in records for _ in range(bench.copies)]
     files = {recording_file(number): recording for number, recording in enumerate(lots, 1)}
