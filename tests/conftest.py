@@ -26,6 +26,23 @@ if TYPE_CHECKING:
     from playwright.sync_api import Browser
 
 
+# Begun first, so that quick tests are left over for the end and no worker waits for the other's last one.
+LONG = (
+    "test_npsat1_campaign", "test_manual", "test_figures", "test_commands", "test_score", "test_browser_layout",
+    "test_browser_use", "test_browser_injection", "test_page", "test_flip_noise", "test_rate_table", "test_fuzz",
+    "test_flip_coverage", "test_figure_places", "test_thermal_coverage", "test_thermal_held_out", "test_closed_loop",
+    "test_thermal_campaign", "test_noise_coverage", "test_flip_inputs", "test_requirements", "test_noise_campaign",
+    "test_static_noise", "test_flip_bad_input", "test_noise_command", "test_plan_mass_attraction", "test_apply_text",
+    "test_segments", "test_compensated_coverage", "test_positions_campaign", "test_positions_coverage",
+)  # fmt: skip
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put long modules first, each whole; the others stay in order."""
+    place = {name: number for number, name in enumerate(LONG)}
+    items.sort(key=lambda item: place.get(item.path.stem, len(LONG)))
+
+
 def pytest_collection_finish() -> None:
     """Look for garbage as seldom as the command line does, and not among thousands of collected tests."""
     gc.collect()
