@@ -495,8 +495,9 @@ def poisoned(text: str) -> dict[str, Any]:
 
 @pytest.mark.parametrize("text", HOSTILE)
 def test_hostile_texts_stay_texts(text: str) -> None:
+    content = poisoned(text)
     for name, kind in FIGURES.items():
-        svg = kind.svg(poisoned(text))
+        svg = kind.svg(content)
         assert svg is not None, name
         root = ET.fromstring(svg)
         tags = {element.tag.rpartition("}")[2] for element in root.iter()}
@@ -506,7 +507,7 @@ def test_hostile_texts_stay_texts(text: str) -> None:
             assert element.attrib.get("href", "#").startswith("#")
             assert all("url(" not in value or "url(#" in value for key, value in element.attrib.items()
                        if key != "aria-label")  # fmt: skip
-        assert all(c.isprintable() or c in "\n\t" for c in svg)
+        assert svg.replace("\n", "").replace("\t", "").isprintable()
 
 
 def test_a_dollar_does_not_reach_mathtext() -> None:

@@ -108,8 +108,7 @@ def in_body_axes(
     """
     channels = entry.channels or {}
     recording = _timed(recording, entry.clock or Clock())
-    for one in channels.values():
-        recording = recording.with_unit([one.column], one.unit, "campaign")
+    recording = _with_units(recording, {one.column: one.unit for one in channels.values()})
     axes = tuple(axis for axis in sensor.axes if axis in channels)
     if not axes:
         raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
@@ -134,6 +133,15 @@ def in_body_axes(
     if model is not None:
         recording = after_model(recording, entry, model, keep_bias, name)
     return _in_body(recording, sensor, axes)
+
+
+def _with_units(recording: Recording, units: dict[str, str]) -> Recording:
+    """Return the recording with the units that the campaign states, by column."""
+    stated = {recording.channel(column).name: unit for column, unit in units.items()}
+    channels = tuple(
+        replace(c, unit=stated[c.name], unit_from="campaign") if c.name in stated else c for c in recording.channels
+    )
+    return replace(recording, channels=channels)
 
 
 def _declared(recording: Recording, columns: dict[str, str]) -> Recording:

@@ -134,7 +134,8 @@ def dwells_by_reference(
         dwell = dwell_of(masked, start, stop, drop_edge) if stop - start >= shortest else None
         if dwell is not None:
             held = reference[dwell.start : dwell.stop]
-            found.append(replace(dwell, applied=np.nanmean(held, axis=0)))
+            whole = known[dwell.start : dwell.stop].all()
+            found.append(replace(dwell, applied=held.mean(axis=0) if whole else np.nanmean(held, axis=0)))
     if not found:
         raise DataError(
             f"the reference is nowhere constant (within {tolerance:g}) for {shortest} samples",
