@@ -17,6 +17,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from scipy import special
@@ -122,18 +123,37 @@ def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     third = int(np.argmin(np.abs(place - 1.0 / 3.0)))
     curve = design @ np.linalg.pinv(design)  # means to the curve through them
     weights = curve[-1] - curve[0]
-    rise, models = (
-        float(weights @ means),
-        (flicker_covariance(place, 1.0 / BLOCKS), walk_covariance(place, 1.0 / BLOCKS)),
-    )
-    found = [_explained(rise, weights, means, smooth, model) for model in models]
+    rise = float(weights @ means)
+    found = [_explained(rise, weights, means, one) for one in _slow_noise(kept.tobytes())]
     u, chance = min(found)[1], max(one[2] for one in found)
     early = float((curve[third] - curve[0]) @ means) / rise if rise else 0.0
     return (Drift(axis, rise, u, chance, early),)
 
 
-def _explained(rise: float, weights: Array, means: Array, smooth: Array, model: Array) -> tuple[float, float, float]:
-    """Return how well white noise with slow noise of a model explains the means, and the rise.
+@dataclass(frozen=True, eq=False)
+class _Slow:
+    """Slow noise of block means: their covariance, and what a smooth curve leaves of it as independent modes."""
+
+    covariance: Array
+    sizes: Array
+    modes: Array
+
+
+@lru_cache(8)
+def _slow_noise(kept: bytes) -> tuple[_Slow, ...]:
+    """Return flicker and random walk of the blocks that are kept, all in most records."""
+    place = (np.flatnonzero(np.frombuffer(kept, dtype=bool)) + 0.5) / BLOCKS
+    smooth = np.polynomial.legendre.legvander(2.0 * place - 1.0, SMOOTH)
+    rest = np.linalg.qr(smooth, mode="complete")[0][:, SMOOTH + 1 :]
+    found = []
+    for covariance in (flicker_covariance(place, 1.0 / BLOCKS), walk_covariance(place, 1.0 / BLOCKS)):
+        sizes, axes = np.linalg.eigh(rest.T @ covariance @ rest)
+        found.append(_Slow(covariance, sizes, axes.T @ rest.T))
+    return tuple(found)
+
+
+def _explained(rise: float, weights: Array, means: Array, slow: _Slow) -> tuple[float, float, float]:
+    """Return how well white noise with slow noise explains the means, and the rise.
 
     Returns
     -------
@@ -144,14 +164,12 @@ def _explained(rise: float, weights: Array, means: Array, smooth: Array, model: 
     chance : float
         Largest of such a rise, over all shares that explain them.
     """
-    rest = np.linalg.qr(smooth, mode="complete")[0][:, smooth.shape[1] :]
-    sizes, axes = np.linalg.eigh(rest.T @ model @ rest)
-    share = np.concatenate([[0.0], SHARES]) / sizes.max()
-    shape = 1.0 + share[:, None] * np.maximum(sizes, 0.0)
-    squares = (axes.T @ rest.T @ means) ** 2
+    share = np.concatenate([[0.0], SHARES]) / slow.sizes.max()
+    shape = 1.0 + share[:, None] * np.maximum(slow.sizes, 0.0)
+    squares = (slow.modes @ means) ** 2
     level = np.mean(squares / shape, axis=1)
     cost = 0.5 * (np.sum(np.log(shape), axis=1) + len(squares) * np.log(level))
-    u = np.sqrt(level * (weights @ weights + share * max(float(weights @ model @ weights), 0.0)))
+    u = np.sqrt(level * (weights @ weights + share * max(float(weights @ slow.covariance @ weights), 0.0)))
     best = int(np.argmin(cost))
     there = u[cost <= cost[best] + POSSIBLE]
     return float(cost[best]), float(u[best]), 2.0 * float(special.stdtr(len(squares), -abs(rise) / there.max()))
