@@ -89,6 +89,8 @@ def test_report_shows_positions_and_transitions(folder: Path, outcome: Outcome) 
     assert "g-sensitivity" in page
     assert "the closed loop was not run" not in page
     assert outcome.inputs["hand1.csv"] in page
+    assert "Of the <bdi>accelerometer</bdi>, in <code>model.json</code>." in page
+    assert "That of gyro is in <code><bdi>model_gyro</bdi>.json</code>" in page
 
 
 def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:

@@ -301,7 +301,7 @@ def _laid(laid: dict[str, Any]) -> dict[str, Any]:
 
 
 def _sections() -> dict[str, Any]:
-    """Return where each position lies; a label may stand once, so that the second of a face has blanks around."""
+    """Return where each position lies, each face twice: a blank makes another key."""
     labels = [*FACES, *(f" {face}" for face in FACES)]
     return {label: {"start": i * LAID, "end": (i + 1) * LAID} for i, label in enumerate(labels)}
 

@@ -227,7 +227,7 @@ class TestDisturbances:
         assert (dwell.outliers, dwell.n) == (1, 600 - 1 - 2)
         assert dwell.mean == pytest.approx(np.delete(x, (0, 300, 599), axis=0).mean(axis=0))
         assert found.scatter[0] == pytest.approx(np.delete(x, 300, axis=0).std(axis=0, ddof=1))
-        assert "warning: single outlier" in str(found.remarks[0])
+        assert str(found.remarks[0]) == "warning: sample 300: single outlier, left out"
 
     def test_shaking_without_a_change_of_level_moves(self) -> None:
         x = self.quiet(2)

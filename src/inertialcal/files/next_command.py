@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.recording import Recording
+from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
 from ..core.units import factor, kind
 from .hints import Hint
@@ -23,6 +23,7 @@ AXIS_COLUMNS = {"axis", "channel", "sensor"}
 POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
 FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
 ARCHIVED = "PAD"  # triaxial heads in orbit
+GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 SHORT = 1_000  # samples below which a noise analysis says little
 SWING = 10.0  # change of the temperature that nobody makes by accident [K]
 
@@ -67,9 +68,9 @@ def _test_of(recording: Recording, remarks: Sequence[Remark], commands: Collecti
     turned = any(REDUCED.search(channel.name) for channel in recording.channels) and any(
         channel.axis and channel.quantity == "gyro" for channel in recording.channels
     )  # counts need the chain of a campaign file
-    wanted = ["rate-table"] if moving and turned else ["positions"] if moving else ["allan", "psd"]
-    if not moving and len(recording) < SHORT:
-        wanted = []
+    wanted = ["allan", "psd"] if len(recording) >= SHORT else []
+    if moving:
+        wanted = ["rate-table"] if turned else ["positions"] if _is_laid(recording) else []
     return next((word for word in wanted if word in commands), None)
 
 
@@ -103,9 +104,20 @@ def _floats(recording: Recording) -> bool:
     """Whether this is a triad of accelerometers, and nothing of gyros, that feels next to nothing of gravity."""
     if recording.time_ns is None or any(one.quantity == "gyro" for one in recording.channels):
         return False
-    triad = [c for c in recording.channels if c.axis in ("x", "y", "z") and c.unit and kind(c.unit) == "acceleration"]
-    sizes = [abs(float(np.median(c.data))) * factor(c.unit or "", "g") for c in triad]
-    return len(triad) == 3 and max(sizes) < FREE_FALL
+    sizes = [abs(float(np.median(one.data))) * factor(one.unit or "", "g") for one in _triad(recording)]
+    return len(sizes) == 3 and max(sizes) < FREE_FALL
+
+
+def _is_laid(recording: Recording) -> bool:
+    """Whether a triad of accelerometers feels gravity, and no campaign file is there."""
+    sizes = [float(np.max(np.abs(one.data))) * factor(one.unit or "", "g") for one in _triad(recording)]
+    return not _in_campaign(recording) and len(sizes) == 3 and max(sizes) > GRAVITY
+
+
+def _triad(recording: Recording) -> list[Channel]:
+    """Return the accelerometers x, y, z whose unit is known."""
+    named = (one for one in recording.channels if one.axis in ("x", "y", "z") and one.unit)
+    return [one for one in named if kind(one.unit or "") == "acceleration"]
 
 
 def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Sequence[Remark]) -> list[str]:

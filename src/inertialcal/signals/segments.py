@@ -122,7 +122,8 @@ class Segmentation:
         if missing:
             found.append(Remark("missing_samples", "info", "sample without a value, left out", count=missing))
         if outliers:
-            found.append(Remark("outliers", "warning", "single outlier, left out", count=outliers))
+            where = f"sample {np.argmax(self.samples.outlier)}"
+            found.append(Remark("outliers", "warning", "single outlier, left out", where, outliers))
         if np.any(self.widening > NOT_WHITE):
             ratio = float(self.widening.max())
             text = f"window means scatter {ratio:.2g} times as much as white noise: slow motion may hide in it"

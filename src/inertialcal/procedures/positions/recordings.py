@@ -153,7 +153,7 @@ def _by_sections(
     cut = _readings(recording, samples, values, placed, turns)
     nowhere = (np.nan, np.nan, np.nan)
     direction = np.array([one.direction or nowhere for one in still], dtype=float).reshape(-1, 3)
-    named = tuple(one.name or where for one, where in zip(still, cut.where, strict=True))
+    named = tuple(f"{one.name}, {where}" if one.name else where for one, where in zip(still, cut.where, strict=True))
     given = direction if np.isfinite(direction).any() else None
     remarks = gather([*recording.remarks, *_disturbed(cut, values, placed)])
     return replace(cut, direction=given, where=named, remarks=remarks)
