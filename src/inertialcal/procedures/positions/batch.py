@@ -4,7 +4,7 @@ The forward equation is that of ``sensors.model`` without the terms that rest ca
 
     r = b + M f                 row = the sensor that reads, column = the axis that moves
 
-Where only the size of gravity is known, |f| = g, nobody can tell M from M times a rotation: nine parameters are left.
+Where only the size of gravity is known, ``|f| = g``, nobody can tell M from M times a rotation: nine parameters are left.
 Here M is triangular. ``lower`` makes the x sensor the x axis, with the y sensor in the plane of x and y; ``upper``
 makes the z sensor the z axis, with the y sensor in the plane of y and z. What is made small is ``|M^-1 (r - b)| - g``.
 Where f is known in each position, all twelve are told, and the estimate is linear.
@@ -15,7 +15,7 @@ No figure depends on the number of threads or on the other units.
 
 References
 ----------
-.. [1] Frosio, Pedersini and Borghese, IEEE Trans. Instrum. Meas. 58 (2009) 2034-2041 (|f| = g at rest).
+.. [1] Frosio, Pedersini and Borghese, IEEE Trans. Instrum. Meas. 58 (2009) 2034-2041 (``|f| = g`` at rest).
 """
 
 from __future__ import annotations
@@ -59,7 +59,7 @@ def positions_batch(
         Local gravity [m/s2].
     directions : array_like, shape (positions, 3), optional
         Where the specific force points in each position, in body axes: up, at rest. Told, all twelve parameters are
-        estimated; otherwise nine, from |f| = g.
+        estimated; otherwise nine, from ``|f| = g``.
     scatter : float, optional
         Standard uncertainty of one reading of one position, known beforehand [m/s2]. By default it is estimated in
         each unit from its residuals.
@@ -132,7 +132,7 @@ def _shared(work: Callable[[slice], None], n: int) -> None:
 
 
 def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBatch:
-    """Nine parameters of each unit from |f| = g."""
+    """Nine parameters of each unit from ``|f| = g``."""
     from . import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
 
     n, turned = len(r), form == "upper"
