@@ -4,7 +4,7 @@ The forward equation is that of ``sensors.model`` without the terms that rest ca
 
     r = b + M f                 row = the sensor that reads, column = the axis that moves
 
-Where only the size of gravity is known, ``|f| = g``, nobody can tell M from M times a rotation: nine parameters are left.
+Where only the size of gravity is known, ``|f| = g``, nobody can tell M from M times a rotation: nine parameters remain.
 Here M is triangular. ``lower`` makes the x sensor the x axis, with the y sensor in the plane of x and y; ``upper``
 makes the z sensor the z axis, with the y sensor in the plane of y and z. What is made small is ``|M^-1 (r - b)| - g``.
 Where f is known in each position, all twelve are told, and the estimate is linear.
