@@ -9,6 +9,7 @@ import pytest
 
 from inertialcal.report.figures import positions_residuals, positions_sphere, transitions
 from inertialcal.report.figures.picture import on_new_figure
+from inertialcal.report.figures.ticks import ticks_of
 
 G = 9.80665
 FACES = np.vstack([np.eye(3), -np.eye(3)])
@@ -77,6 +78,16 @@ def test_transitions_tell_the_rms_of_what_is_held_out() -> None:
     assert picture.finding == ("2 rotations held out, rms error 0.35 deg, 0.71 deg if g-sensitivity is left out")
     without = transitions_curve([0.3, 0.4], [np.nan, np.nan], [False, False])
     assert transitions.pictures({"curves": [without]})[0].finding == "2 rotations, rms error 0.35 deg"
+
+
+def test_positions_and_rotations_are_counted_in_whole_numbers() -> None:
+    twice = np.vstack([FACES, FACES])
+    results = {"curves": [positions_curve(twice, [10.0] * 12), transitions_curve([0.1] * 12, [0.3] * 12, [False] * 12)]}
+    for module in (positions_residuals, transitions):
+        (ax,) = on_new_figure(module.pictures(results)[0], titled=False).axes
+        places = ticks_of(ax.xaxis)[0]
+        assert len(places) >= 2
+        assert all(float(place).is_integer() for place in places)
 
 
 def test_every_figure_is_drawn_and_none_without_data() -> None:

@@ -16,6 +16,7 @@ from ...core.rounding import number
 from .data import Curve, curves, finite, flags, numbers, scale_to, unit
 from .picture import Picture
 from .style import COLOURS, set_labels, set_legend, set_title, with_unit
+from .ticks import count
 
 NAME = "positions_residuals"
 SHOWS = (
@@ -103,6 +104,7 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
             ax.plot(at[mask], values[mask] / scale, linestyle="none", label=label, zorder=3, **look)
     _across(ax, curve, scale)
     set_title(ax, title)
+    count(ax.xaxis)
     set_labels(ax, "position, in order of time", with_unit("residual", name))
     set_legend(ax)
 

@@ -59,6 +59,11 @@ def is_labelled(axis: Axis) -> bool:
     return bool(shown.get("labelbottom", True) or shown.get("labeltop", False))
 
 
+def count(axis: Axis) -> None:
+    """Tick an axis of numbers in order at whole numbers."""
+    axis.set_major_locator(MaxNLocator(steps=[1, 2, 5, 10], integer=True))
+
+
 def ticks_of(axis: Axis) -> Ticks:
     """Return the places of the ticks that are seen, and their labels; none where an axis shows none."""
     if not is_labelled(axis):

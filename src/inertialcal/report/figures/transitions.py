@@ -17,6 +17,7 @@ from ...core.rounding import number
 from .data import Curve, curves, finite, flags, numbers, scale_to, unit
 from .picture import Picture
 from .style import COLOURS, set_labels, set_legend, set_title, with_unit
+from .ticks import count
 
 NAME = "transitions"
 SHOWS = (
@@ -103,5 +104,6 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
     top = finite(np.concatenate([error, without]))
     ax.set_ylim(0.0, 1.08 * float(top.max()) if len(top) and top.max() > 0.0 else 1.0)
     set_title(ax, title)
+    count(ax.xaxis)
     set_labels(ax, "rotation, in order of time", with_unit("error", "deg"))
     set_legend(ax)
