@@ -463,7 +463,7 @@ class TestRealRecordings:
             f" the processor {1e3 * median(cpu[1:]):.1f} ms, least {1e3 * min(cpu):.1f} ms; load {busy:.1f}"
         )
         assert len(placed) == 38
-        assert min(cpu) < 0.05  # the median of the clock is that of all who share the machine
+        assert median(cpu[1:]) < 0.05  # of the clock it is that of all who share the machine
 
     def test_disturbance_of_an_unmoved_sensor(self, shared: Path) -> None:
         folder = shared / "data" / "sunsided_mpu6050_static" / "set-1__unmoved-x-pointing-up"

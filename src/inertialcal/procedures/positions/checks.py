@@ -56,7 +56,9 @@ def check_units(readings: Readings, gravity: float) -> None:
         f"at rest the accelerometers read {size:.4g} m/s^2, gravity is {gravity:.4g} m/s^2",
         readings.where[0] if readings.where else "",
         f"these are readings in {unit}" if near else "these are not readings in m/s^2, or the unit never rests",
-        f"State the unit: --unit acc={unit}" if near else "State the unit of the accelerometers",
+        f'State the unit: --unit acc={unit}, or unit = "{unit}" of the channels in campaign.toml'
+        if near
+        else "State the unit of the accelerometers",
         "unit_slip",
     )
 
@@ -210,7 +212,7 @@ def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> 
     size = f"the gyros turn the unit by {1.0 / factor:.4g} times what gravity and the known angles show"
     if min(abs(np.log(factor / DEGREE)), abs(np.log(factor * DEGREE))) < np.log(1.0 + MUCH):
         other = "deg/s" if factor < 1.0 else "rad/s"
-        do = f"State the unit: --unit gyro={other}"
+        do = f'State the unit: --unit gyro={other}, or unit = "{other}" of the channels in campaign.toml'
         raise DataError(size, why=f"these are readings in {other}", do=do, code="unit_slip")
     for ratio in (2.0, 0.5, 4.0, 0.25):
         if abs(np.log(factor / ratio)) < np.log(1.1):
