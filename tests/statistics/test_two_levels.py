@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from inertialcal.core.errors import DataError
 from inertialcal.statistics.intervals import coverage_factor, covers
@@ -53,6 +54,28 @@ def test_a_scatter_that_is_given_is_known_for_good() -> None:
     assert np.isinf(found.dof_of(np.eye(2))).all()
     assert found.hidden == 0.0
     assert found.covariance == pytest.approx(1.25 * np.eye(2))
+
+
+def test_interval_of_the_scatter_is_that_of_chi_square_less_the_noise() -> None:
+    y = np.random.default_rng(5).normal(0.0, 0.3, 20)
+    found = fit_two_levels(np.ones((20, 1)), y, {"noise": np.full(20, 0.01)})
+    square = np.sum((y - y.mean()) ** 2)
+    expected = [np.sqrt(square / stats.chi2.ppf(p, 19) - 0.01) for p in (0.975, 0.025)]
+    assert found.between_interval == pytest.approx(expected, rel=1e-6)
+    quiet = fit_two_levels(np.ones((20, 1)), 0.3 * y, {"noise": np.full(20, 0.01)})
+    assert quiet.between_interval[0] == 0.0
+
+
+@pytest.mark.parametrize("scatter", [0.1, 0.7])
+def test_interval_of_the_scatter_holds_it(scatter: float) -> None:
+    """Whether it is seen or not: readings of unequal noise, 0.2 to 1."""
+    rng, n, hits = np.random.default_rng(6), 1000, 0
+    noise = np.linspace(0.2, 1.0, 12)
+    for _ in range(n):
+        y = rng.normal(0.0, noise) + rng.normal(0.0, scatter, 12)
+        low, high = fit_two_levels(np.ones((12, 1)), y, {"noise": noise**2}).between_interval
+        hits += low <= scatter <= high
+    assert covers(hits, n)
 
 
 def test_a_noisy_reading_counts_less() -> None:

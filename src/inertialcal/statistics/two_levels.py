@@ -14,6 +14,7 @@ References
 .. [1] D. A. Harville, J. Am. Stat. Assoc. 72 (1977) 320.
 .. [2] S. R. Searle, G. Casella and C. E. McCulloch, Variance Components, Wiley, 1992, 8.2 and 8.3.
 .. [3] A. Giesbrecht and J. C. Burns, Biometrics 41 (1985) 477.
+.. [4] W. Viechtbauer, Stat. Med. 26 (2007) 37 (interval of tau by its weighted sum of squares).
 """
 
 from __future__ import annotations
@@ -22,6 +23,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy import optimize, stats
 
 from ..core.errors import DataError
 from ..core.estimate import Array
@@ -44,6 +46,8 @@ class TwoLevels:
         What each known covariance contributes, by its name.
     between_part : ndarray, shape (p, p)
         What the scatter between readings contributes.
+    between_interval : tuple of float
+        Holds tau with a probability of 95 %, from zero where none is seen; the given tau twice where it was given.
     information : float
         Of tau^2, twice Fisher's: its variance is 2 over this [1/unit of the readings^4]; infinite where tau was given.
     between : float
@@ -70,6 +74,7 @@ class TwoLevels:
     covariance: Array
     parts: Mapping[str, Array]
     between_part: Array
+    between_interval: tuple[float, float]
     information: float
     between: float
     chi_square: float
@@ -137,12 +142,14 @@ def fit_two_levels(
     fixed = np.zeros((n, n))
     for part in sources.values():
         fixed = fixed + part
-    square = _restricted(design, readings, fixed) if between is None else between**2
-    return _solved(design, readings, sources, fixed, square, found=between is None)
+    if between is not None:
+        return _solved(design, readings, sources, fixed, between**2, (between, between), found=False)
+    square, limits = _restricted(design, readings, fixed)
+    return _solved(design, readings, sources, fixed, square, limits, found=True)
 
 
-def _restricted(design: Array, readings: Array, fixed: Array) -> float:
-    """Variance between readings by restricted maximum likelihood, never below zero."""
+def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[float, float]]:
+    """Variance between readings by restricted maximum likelihood, never below zero, and the interval of its root."""
     n, p = design.shape
     residuals = readings - design @ np.linalg.lstsq(design, readings, rcond=None)[0]
     total = float(residuals @ residuals) / (n - p)
@@ -164,7 +171,23 @@ def _restricted(design: Array, readings: Array, fixed: Array) -> float:
         square = new
         if done:
             break
-    return square if square > 2.0 * floor else 0.0
+    return (square if square > 2.0 * floor else 0.0), _interval(np.maximum(known, 0.0), pull, largest)
+
+
+def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
+    """Interval of tau: at the true one the weighted sum of squares is a chi-square, and it falls with tau [4]_."""
+
+    def beyond(square: float, quantile: float) -> float:
+        return float(np.sum(pull / np.maximum(known + square, 1e-300))) - quantile
+
+    found = []
+    for quantile in stats.chi2.ppf([0.975, 0.025], len(pull)):
+        if beyond(0.0, quantile) <= 0.0:
+            found.append(0.0)
+            continue
+        high = largest + float(np.sum(pull)) / quantile  # there the sum is below the quantile
+        found.append(float(np.sqrt(optimize.brentq(beyond, 0.0, high, args=(quantile,), xtol=1e-9 * largest))))
+    return found[0], found[1]
 
 
 def _projector(design: Array, fixed: Array, square: float) -> Array:
@@ -178,7 +201,13 @@ def _inverse(fixed: Array, square: float) -> Array:
 
 
 def _solved(
-    design: Array, readings: Array, sources: Mapping[str, Array], fixed: Array, square: float, found: bool
+    design: Array,
+    readings: Array,
+    sources: Mapping[str, Array],
+    fixed: Array,
+    square: float,
+    limits: tuple[float, float],
+    found: bool,
 ) -> TwoLevels:
     n, p = design.shape
     inverse = _inverse(fixed, square)
@@ -197,6 +226,7 @@ def _solved(
         0.5 * (bare + bare.T),
         {name: _part(gain, part) for name, part in sources.items()},
         square * gain @ gain.T,
+        limits,
         information,
         float(np.sqrt(square)),
         float(residuals @ inverse @ residuals),

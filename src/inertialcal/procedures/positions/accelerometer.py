@@ -73,8 +73,8 @@ class Fitted:
         Of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice.
     between : float or None
         Standard deviation between positions [m/s^2].
-    between_dof : float
-        Degrees of freedom of that.
+    between_dof, between_interval : float, tuple of float
+        Degrees of freedom of that, and its interval of 95 %.
     chi_square, chi_square_known : float
         By both levels, and by the noise inside positions alone.
     free : int
@@ -90,6 +90,7 @@ class Fitted:
     deletion: Array
     between: float | None
     between_dof: float
+    between_interval: tuple[float, float]
     chi_square: float
     chi_square_known: float
     free: int
@@ -316,7 +317,7 @@ def _fitted(
 ) -> Fitted:
     deletion = np.full(away.shape, np.nan)
     if found is None:
-        return Fitted(sensor, seen, outliers, away, deletion, None, 0.0, np.nan, np.nan, 0, known)
+        return Fitted(sensor, seen, outliers, away, deletion, None, 0.0, (0.0, np.inf), np.nan, np.nan, 0, known)
     deletion[~outliers] = (1.0 if known else -1.0) * found.deletion.reshape(
         -1, away.shape[1]
     )  # -e is the reading there
@@ -329,6 +330,7 @@ def _fitted(
         deletion,
         found.between,
         found.between_dof,
+        found.between_interval,
         found.chi_square,
         found.chi_square_known,
         found.free,

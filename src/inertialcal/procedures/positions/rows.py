@@ -5,14 +5,17 @@ The condition says whose: ``accelerometer`` or ``gyro``. Of the published closed
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.estimate import Array, Estimate
-from ...core.results import Row, not_estimated
+from ...core.results import Interval, Row, not_estimated
 from ...sensors.model import Kind
 from ...statistics.intervals import chi_square_interval, t_interval
+from ...statistics.two_levels import TwoLevels
+from .accelerometer import Fitted
 from .levels import FEWEST
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor
 from .plan import AXES, INFLUENCES, local_gravity
@@ -29,7 +32,7 @@ NOT_SEEN = "hardly seen above what is known of each: less than one degree of fre
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI, accelerometers first."""
     found = _of_sensor(result, "accelerometer", result.acc.sensor, result.estimates.get("accelerometer"))
-    found.append(_scatter("scatter_position", "", "m/s^2", result.acc.between, result.acc.between_dof, "accelerometer"))
+    found.append(_between("scatter_position", "", "m/s^2", result.acc, "accelerometer"))
     if result.gyro is not None:
         found += _of_sensor(result, "gyro", result.gyro.sensor, result.estimates.get("gyro"))
         found += _gyro_scatter(result)
@@ -87,18 +90,23 @@ def _scatter(quantity: str, axis: str, unit: str, std: float | None, dof: float,
     return Row(quantity, axis, std, u, unit, dof, chi_square_interval(std, dof), condition=condition)
 
 
+def _between(quantity: str, axis: str, unit: str, fit: Fitted | TwoLevels | None, condition: str) -> Row:
+    """Return the row of a scatter between readings; what is hardly seen may be zero, and its interval says so."""
+    if fit is None:
+        return not_estimated(quantity, axis, unit, NO_LEVEL, condition)
+    row = _scatter(quantity, axis, unit, fit.between, fit.between_dof, condition)
+    return row if row.value is None else replace(row, interval=Interval(*fit.between_interval))
+
+
 def _gyro_scatter(result: Result) -> list[Row]:
     gyro = result.gyro
     assert gyro is not None  # noqa: S101 - the caller has looked
-    between: Array | None = gyro.rest.between
     found = []
     for k, axis in enumerate(AXES):
-        std = None if between is None else float(between[k])
-        dof = 0.0 if gyro.rest.fits is None else gyro.rest.fits[k].between_dof
-        found.append(_scatter("scatter_position", axis, "rad/s", std, dof, "gyro"))
+        of_rest = None if gyro.rest.fits is None else gyro.rest.fits[k]
+        found.append(_between("scatter_position", axis, "rad/s", of_rest, "gyro"))
     fit = None if gyro.rotated is None else gyro.rotated.found
-    turned = fit.between if fit is not None and fit.free > 0 else None
-    found.append(_scatter("scatter_rotation", "", "rad", turned, fit.between_dof if fit else 0.0, "gyro"))
+    found.append(_between("scatter_rotation", "", "rad", fit if fit is not None and fit.free > 0 else None, "gyro"))
     used = used_angles(result)
     if len(used):
         rms = float(np.sqrt(np.mean(used**2)))
