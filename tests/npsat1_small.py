@@ -5,9 +5,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-from inertialcal.rigs import npsat1
-from inertialcal.rigs.npsat1_setup import AIR, VACUUM, Bench, Chamber
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.npsat1 import rig as npsat1
+from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber
+from inertialcal.rigs.protocol import Twin
 
 QUICK = {
     AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),

@@ -7,8 +7,8 @@ from pathlib import Path
 
 import numpy as np
 
-from inertialcal.rigs.sams_tsh import Bench, build
-from inertialcal.rigs.sams_tsh_campaign import FILE
+from inertialcal.rigs.sams_tsh.campaign import FILE
+from inertialcal.rigs.sams_tsh.rig import Bench, build
 from pad_pairs_made import START, header, pair, stamp, systems
 
 BENCH = replace(Bench(), rate=5.0, duration=1800.0, turn_starts=(600.0, 1200.0), window=200.0, saved="g", said="g")

@@ -10,7 +10,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions import Plan, Readings, Truth
 from inertialcal.procedures.positions.simulation import FACES, spread
-from inertialcal.rigs.hand_held import Bench, draw_unit, held
+from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held
 
 G = 9.8
 LOWER = np.array([[1.01, 0.0, 0.0], [0.008, 0.99, 0.0], [-0.012, 0.006, 1.02]])

@@ -11,9 +11,9 @@ from inertialcal.campaign.modelling import Prepared
 from inertialcal.campaign.prepare import prepare
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import csv_text
-from inertialcal.rigs import rate_table
-from inertialcal.rigs.rate_table_setup import Bench
-from inertialcal.rigs.twin import SEED
+from inertialcal.rigs.protocol import SEED
+from inertialcal.rigs.rate_table import rig as rate_table
+from inertialcal.rigs.rate_table.setup import Bench
 
 SHORT = Bench(rates_deg_s=(0.0, 2.0, -2.0, 6.0, 4.0, -4.0, 0.0), dwell=24.0, runs=5, fit_runs=3)  # 6 is at the rail
 TEST_LOW = 7  # samples, of one recording

@@ -17,10 +17,10 @@ import numpy as np
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.procedures.flip import Plan, Result, Turned, Window, readings_from, reduce
-from inertialcal.rigs.sams_tsh_campaign import windows
-from inertialcal.rigs.sams_tsh_record import Record
-from inertialcal.rigs.sams_tsh_reduced import reduced, reduced_bench
-from inertialcal.rigs.sams_tsh_setup import AXES, Bench
+from inertialcal.rigs.sams_tsh.campaign import windows
+from inertialcal.rigs.sams_tsh.record import Record
+from inertialcal.rigs.sams_tsh.reduced import reduced, reduced_bench
+from inertialcal.rigs.sams_tsh.setup import AXES, Bench
 from inertialcal.statistics.intervals import contains, t_interval
 
 

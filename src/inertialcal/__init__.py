@@ -31,10 +31,10 @@ if TYPE_CHECKING:
     from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
     from .files import read
-    from .files.survey import survey as info
-    from .files.table import read_table
-    from .files.write import write
-    from .procedures.positions.batch import positions_batch
+    from .files.info.survey import survey as info
+    from .files.text.table import read_table
+    from .files.write.recording import write
+    from .procedures.positions.lot.batch import positions_batch
     from .report.plot import plot
 
 __all__ = [
@@ -78,14 +78,14 @@ _HOMES = {
     "plan_positions": ("campaign.single_positions_plan", "plan_positions"),
     "plot": ("report.plot", "plot"),
     "positions": ("campaign.single_positions", "positions"),
-    "positions_batch": ("procedures.positions.batch", "positions_batch"),
+    "positions_batch": ("procedures.positions.lot.batch", "positions_batch"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),
-    "write": ("files.write", "write"),
-    "info": ("files.survey", "survey"),
+    "write": ("files.write.recording", "write"),
+    "info": ("files.info.survey", "survey"),
     "rate_table": ("campaign.single", "rate_table"),
     "read": ("files", "read"),
-    "read_table": ("files.table", "read_table"),
+    "read_table": ("files.text.table", "read_table"),
     "run": ("campaign.run", "run"),
 }
 

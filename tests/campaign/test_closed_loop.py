@@ -13,8 +13,8 @@ from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.rate_table import Plan, Readings, Result, Truth, simulate
 from inertialcal.procedures.rate_table.closed_loop import closed_loop, overall
-from inertialcal.sensors.assemble import model_from
-from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.statistics.intervals import binomial_interval
 
 PLAN = Plan(standards={"rate_table.rate": Influence(3e-4)}, zero_reference=True)

@@ -22,9 +22,9 @@ from inertialcal.campaign.matched_rows import matched
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.results import Row, not_estimated
-from inertialcal.files.model_json import write_model
-from inertialcal.sensors.assemble import model_from
-from inertialcal.sensors.model import Item, SensorModel
+from inertialcal.files.models.model_json import write_model
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.sensor_model import Item, SensorModel
 from inertialcal.statistics.intervals import binomial_interval, covers
 
 

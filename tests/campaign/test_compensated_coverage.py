@@ -11,9 +11,9 @@ from inertialcal.campaign.modelling import Prepared, joint
 from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.rate_table import Plan, Truth, simulate
-from inertialcal.sensors.assemble import model_from
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.uncertainty import compensated_uncertainty
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.uncertainty import compensated_uncertainty
 from inertialcal.statistics.intervals import coverage_factor, covers
 
 AXES = ("x", "y", "z")

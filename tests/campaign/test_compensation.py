@@ -16,11 +16,11 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.units import factor
-from inertialcal.files.model_json import write_model
-from inertialcal.sensors.assemble import model_from
-from inertialcal.sensors.compensate import compensate as inverse
-from inertialcal.sensors.model import Item, Provenance, SensorModel
-from inertialcal.sensors.uncertainty import compensated_uncertainty
+from inertialcal.files.models.model_json import write_model
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.compensate import compensate as inverse
+from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
+from inertialcal.sensors.model.uncertainty import compensated_uncertainty
 from inertialcal.statistics.intervals import t_interval
 
 DEG = factor("deg/s", "rad/s")

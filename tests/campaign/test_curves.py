@@ -19,8 +19,9 @@ from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.curve import Column, Curve
 from inertialcal.procedures.rate_table.traces import BINS
-from inertialcal.rigs import RIGS, rate_table
-from inertialcal.rigs.rate_table_setup import Bench
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.rate_table import rig as rate_table
+from inertialcal.rigs.rate_table.setup import Bench
 from inertialcal.statistics.intervals import coverage_factor
 
 SMALL = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, fit_runs=3)

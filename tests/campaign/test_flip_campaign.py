@@ -17,8 +17,8 @@ from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.results import Row
-from inertialcal.rigs.sams_tsh import build
-from inertialcal.rigs.sams_tsh_campaign import FILE
+from inertialcal.rigs.sams_tsh.campaign import FILE
+from inertialcal.rigs.sams_tsh.rig import build
 from pad_flips import BENCH, records
 
 MEANS = """\

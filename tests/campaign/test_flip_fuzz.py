@@ -20,9 +20,9 @@ from inertialcal.campaign.run import run
 from inertialcal.campaign.single_flip import flip
 from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import InertialcalError
-from inertialcal.rigs.sams_tsh import Bench, build
-from inertialcal.rigs.sams_tsh_campaign import FILE
-from inertialcal.rigs.twin import SEED
+from inertialcal.rigs.protocol import SEED
+from inertialcal.rigs.sams_tsh.campaign import FILE
+from inertialcal.rigs.sams_tsh.rig import Bench, build
 from pad_flips import BENCH, records
 
 SHORT = replace(Bench(), rate=1.0, duration=1800.0, turn_starts=(600.0, 1200.0), window=120.0, settle=5.0)

@@ -20,8 +20,8 @@ from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.sams_tsh import FAULTS, Bench, build
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 
 STAMPS = 1e-8  # UNIX seconds with a fraction are good to 0.1 us in a file
 SMALL = replace(Bench(), rate=5.0)

@@ -21,11 +21,11 @@ from inertialcal.campaign.score import score
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.recording import Channel, Recording
-from inertialcal.files.model_json import dump_model
+from inertialcal.files.models.model_json import dump_model
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.sams_tsh import Bench, build
-from inertialcal.rigs.twin import Twin
-from inertialcal.sensors.model import SensorModel
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.sams_tsh.rig import Bench, build
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 UG = 9.80665e-6
 BENCH = replace(Bench(), rate=5.0, ground="bias_first")

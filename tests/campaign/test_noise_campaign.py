@@ -14,7 +14,7 @@ import pytest
 
 from inertialcal.campaign.run import Outcome, check, run
 from inertialcal.campaign.starter import start
-from inertialcal.cli.summary import results_text
+from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate

@@ -18,11 +18,12 @@ from inertialcal.campaign.run import Outcome, run
 from inertialcal.campaign.score import Coverage, coverage, score
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import InertialcalError
-from inertialcal.rigs import RIGS, npsat1
-from inertialcal.rigs.npsat1_faults import FAULTS
-from inertialcal.rigs.npsat1_setup import Bench
-from inertialcal.rigs.twin import Twin
-from inertialcal.sensors.compensate import compensate
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.npsat1 import rig as npsat1
+from inertialcal.rigs.npsat1.faults import FAULTS
+from inertialcal.rigs.npsat1.setup import Bench
+from inertialcal.rigs.protocol import Twin
+from inertialcal.sensors.model.compensate import compensate
 from npsat1_small import short_twin
 
 AXES = ("x", "y", "z")

@@ -15,10 +15,10 @@ from inertialcal.campaign.load import MARK
 from inertialcal.campaign.run import Outcome, run
 from inertialcal.campaign.starter import start
 from inertialcal.campaign.twin import csv_text
-from inertialcal.cli.summary import results_text
+from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.recording import Recording
-from inertialcal.files.export import load_model_file
-from inertialcal.rigs.hand_held import Bench, build
+from inertialcal.files.models.export import load_model_file
+from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
 
 ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.5, first=2.5)

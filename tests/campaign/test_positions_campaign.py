@@ -17,10 +17,10 @@ from inertialcal.campaign.starter import start
 from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import Recording
-from inertialcal.files.model_json import read_model
+from inertialcal.files.models.model_json import read_model
 from inertialcal.procedures import positions
 from inertialcal.procedures.rate_table.closed_loop import overall
-from inertialcal.rigs.hand_held import Bench, build
+from inertialcal.rigs.hand_held.rig import Bench, build
 
 BENCH = Bench(positions=16, dwell=2.5, first=4.0, records=2)
 GYRO = ("gyro x at rest", "gyro y at rest", "gyro z at rest", "gyro, rotations")

@@ -19,7 +19,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures import rate_table, thermal
 from inertialcal.procedures.rate_table.recordings import Turned
-from inertialcal.rigs.twin import SEED, Twin
+from inertialcal.rigs.protocol import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin
 

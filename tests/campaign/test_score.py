@@ -18,9 +18,10 @@ from inertialcal.campaign.score import Coverage, coverage, score, score_rig
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
-from inertialcal.rigs import RIGS, rate_table
-from inertialcal.rigs.rate_table_setup import Bench, draw_gyro
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.rate_table import rig as rate_table
+from inertialcal.rigs.rate_table.setup import Bench, draw_gyro
 
 # Standards about as uncertain as the scatter lets the estimates be: either kind alone would be seen to fail.
 BALANCED = {

@@ -18,11 +18,11 @@ from inertialcal.campaign.score import Score
 from inertialcal.campaign.twin import read_truth
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
-from inertialcal.core.rounding import with_uncertainty
-from inertialcal.core.tables import WIDTH, Grid
-from inertialcal.files.schedule_csv import write_schedule
+from inertialcal.core.show.rounding import with_uncertainty
+from inertialcal.core.show.tables import WIDTH, Grid
+from inertialcal.files.text.schedule_csv import write_schedule
 from inertialcal.procedures.mass_attraction import repeated
-from inertialcal.sensors.model import Item, SensorModel
+from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"
 FLIPS = EXAMPLE.with_name("sams1996")

@@ -13,8 +13,8 @@ from inertialcal.campaign.single_flip import FlipFile
 from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.results import Row
-from inertialcal.rigs.sams_tsh import Bench, build
-from inertialcal.rigs.sams_tsh_campaign import FILE, instant, windows
+from inertialcal.rigs.sams_tsh.campaign import FILE, instant, windows
+from inertialcal.rigs.sams_tsh.rig import Bench, build
 
 # NASA TM-106980, Table 3, time 2 [ug], and Tables 4 to 6 of it.
 TABLE_3 = """\

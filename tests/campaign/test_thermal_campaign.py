@@ -21,9 +21,10 @@ from inertialcal.campaign.thermal_inputs import felt_axes, thermal_plan
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.procedures import thermal
-from inertialcal.rigs import RIGS, npsat1
-from inertialcal.rigs.npsat1_setup import AIR, VACUUM, Bench, Chamber
-from inertialcal.rigs.twin import SEED, Twin
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.npsat1 import rig as npsat1
+from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber
+from inertialcal.rigs.protocol import SEED, Twin
 
 SHORT = {
     AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),

@@ -18,8 +18,9 @@ from inertialcal.campaign.twin import TRUTH, read_truth, simulate
 from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.units import convert
 from inertialcal.files import read
-from inertialcal.rigs import RIGS, rate_table
-from inertialcal.rigs.rate_table_setup import Bench
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.rate_table import rig as rate_table
+from inertialcal.rigs.rate_table.setup import Bench
 
 SMALL = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, fit_runs=3)
 

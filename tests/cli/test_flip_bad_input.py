@@ -14,9 +14,9 @@ import pytest
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.sams_tsh import FAULTS, Bench, build
-from inertialcal.rigs.sams_tsh_campaign import FILE
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.sams_tsh.campaign import FILE
+from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 from pad_flips import records
 
 SMALL = replace(Bench(), rate=5.0)

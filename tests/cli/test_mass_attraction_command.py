@@ -16,10 +16,11 @@ import inertialcal as ic
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import InertialcalError
-from inertialcal.files.schedule_csv import write_schedule
-from inertialcal.rigs import RIGS, mesa
-from inertialcal.rigs.mesa import Bench, Run
-from inertialcal.rigs.twin import Twin
+from inertialcal.files.text.schedule_csv import write_schedule
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.mesa import rig as mesa
+from inertialcal.rigs.mesa.rig import Bench, Run
+from inertialcal.rigs.protocol import Twin
 
 RUNS = (*(Run(f"run{i}") for i in range(1, 4)), Run("null1", moved=False))
 OPTIONS = ("--gate", "100 s", "--column", "pulses", "--unit", "pulses=count")

@@ -16,11 +16,11 @@ from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.units import factor
 from inertialcal.files import read
-from inertialcal.files.export import WRITERS
-from inertialcal.files.model_json import checksum, write_model
-from inertialcal.sensors.assemble import model_from
+from inertialcal.files.models.export import WRITERS
+from inertialcal.files.models.model_json import checksum, write_model
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.model import Item, Provenance, SensorModel
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
 
 ENVELOPE = {"command", "version", "inputs", "results", "curves", "remarks", "verdicts", "errors", "exit"}
 ROW = {"quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "interval", "status", "reason"}

@@ -20,7 +20,7 @@ from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
 from inertialcal.files import read
-from inertialcal.rigs.hand_held import FAULTS, Bench, build
+from inertialcal.rigs.hand_held.rig import FAULTS, Bench, build
 from positions_truths import protocol
 
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)

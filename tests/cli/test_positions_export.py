@@ -17,10 +17,10 @@ from inertialcal import load_model, read
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.estimate import Array
-from inertialcal.files.export import WRITERS
-from inertialcal.rigs.hand_held import Bench, build
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.model import SensorModel
+from inertialcal.files.models.export import WRITERS
+from inertialcal.rigs.hand_held.rig import Bench, build
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 SENSORS = {"acc": "accelerometer", "gyro": "gyro"}

@@ -11,7 +11,7 @@ import pytest
 from typed_commands import call, call_json
 
 from inertialcal.campaign.twin import csv_text
-from inertialcal.rigs.hand_held import Bench, build
+from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
 
 ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.0, first=2.0)

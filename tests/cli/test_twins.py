@@ -10,10 +10,11 @@ from typing import get_type_hints
 import pytest
 from typed_commands import call, call_json
 
-from inertialcal.cli.twins import simulate
-from inertialcal.rigs import RIGS, rate_table
-from inertialcal.rigs.rate_table_setup import Bench
-from inertialcal.rigs.twin import Twin
+from inertialcal.cli.verbs.twins import simulate
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.rate_table import rig as rate_table
+from inertialcal.rigs.rate_table.setup import Bench
 
 SHORT = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, fit_runs=3)
 

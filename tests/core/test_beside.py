@@ -6,9 +6,9 @@ from typing import Any
 
 import pytest
 
-from inertialcal.core.beside import MOST, columns_of, lines_of, missing_of, names_of
-from inertialcal.core.result_tables import figure_beside, not_estimated
-from inertialcal.core.rounding import near
+from inertialcal.core.show.alternatives import MOST, columns_of, lines_of, missing_of, names_of
+from inertialcal.core.show.result_tables import figure_beside, not_estimated
+from inertialcal.core.show.rounding import near
 
 
 def row(condition: str = "", value: float | None = 1.0, reason: str = "", quantity: str = "bias") -> dict[str, Any]:

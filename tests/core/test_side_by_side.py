@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from inertialcal.core.side_by_side import own_rows, pairs_of, verdict_of
+from inertialcal.core.show.side_by_side import own_rows, pairs_of, verdict_of
 
 
 def row(quantity: str, value: float | None, condition: str = "", axis: str = "y", half: float = 0.0) -> dict[str, Any]:

@@ -5,9 +5,9 @@ from html.parser import HTMLParser
 import pytest
 
 from inertialcal.core.remarks import Remark
-from inertialcal.core.result_tables import dof, figures, folded, told
 from inertialcal.core.results import Interval, Row, not_estimated
-from inertialcal.core.tables import WIDTH, Folded, Grid, Part, aligned, clean, ending, html, short, text
+from inertialcal.core.show.result_tables import dof, figures, folded, told
+from inertialcal.core.show.tables import WIDTH, Folded, Grid, Part, aligned, clean, ending, html, short, text
 
 HOSTILE = (
     "<script>alert(1)</script>",

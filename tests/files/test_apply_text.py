@@ -1,4 +1,4 @@
-"""The code that applies a model, run: the Python by exec, the C by the compiler, both against sensors.compensate."""
+"""The code that applies a model, run: the Python by exec, the C by the compiler, both against compensate."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ import pytest
 from numpy.typing import NDArray
 
 from inertialcal.core.estimate import Array
-from inertialcal.files.apply_text import c_text, python_text
-from inertialcal.files.export import load_model_file
+from inertialcal.files.models.apply_text import c_text, python_text
+from inertialcal.files.models.export import load_model_file
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.equation import Conditions, needed, predict
-from inertialcal.sensors.model import Item, SensorModel, to_output
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.equation import Conditions, needed, predict
+from inertialcal.sensors.model.sensor_model import Item, SensorModel, to_output
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "sensors"))
 from random_models import conditions, inputs, random_model
@@ -147,7 +147,7 @@ def by_c(model: SensorModel, output: Array, here: Conditions, library: ctypes.CD
 
 
 def worst(model: SensorModel, output: Array, here: Conditions, x: Array) -> float:
-    """Largest difference from sensors.compensate, of full scale; infinite where one has NaN the other gives."""
+    """Largest difference from sensors.model.compensate, of full scale; infinite where one has NaN the other gives."""
     expected = compensate(model, output / model.scale_factor, **here)
     whole = ~np.isnan(output).any(axis=1)
     if np.any(np.isnan(expected) & ~np.isnan(x)) or not np.isnan(x[6, 0]):

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
-from inertialcal.files.columns import Content
-from inertialcal.files.delimited import column_names, exact, fast, parse
-from inertialcal.files.layout import sniff
+from inertialcal.files.text.columns import Content
+from inertialcal.files.text.delimited import column_names, exact, fast, parse
+from inertialcal.files.text.layout import sniff
 
 
 def both(text: str) -> tuple[Content | None, Content]:

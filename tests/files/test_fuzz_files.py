@@ -17,7 +17,7 @@ from scipy import io as scipy_io
 
 from inertialcal.core.errors import InertialcalError
 from inertialcal.files import read, read_table
-from inertialcal.files.survey import survey
+from inertialcal.files.info.survey import survey
 
 QUICK = settings(max_examples=150, deadline=2000, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SEEDS = (

@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.core import units
-from inertialcal.files.headers import Heading, bare_name, heading, normal_unit
+from inertialcal.files.text.headers import Heading, bare_name, heading, normal_unit
 
 NAMES = [
     ("gyro_x [deg/s]", "gyro", "x", "deg/s"),

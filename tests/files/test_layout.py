@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.files.layout import Layout, sniff, split
+from inertialcal.files.text.layout import Layout, sniff, split
 
 
 def look(text: str) -> Layout:

@@ -13,7 +13,7 @@ from scipy import io as scipy_io
 
 from inertialcal.core.errors import DataError
 from inertialcal.files import source
-from inertialcal.files.mat5_elements import check_elements
+from inertialcal.files.binary.mat5_elements import check_elements
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
 
@@ -102,7 +102,7 @@ def test_matrices_without_end() -> None:
 
 
 def test_compressed_zeros_stop_early(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inertialcal.files.mat5_elements.LARGEST", 10**6)
+    monkeypatch.setattr("inertialcal.files.binary.mat5_elements.LARGEST", 10**6)
     with pytest.raises(DataError, match=r"holds .* GiB or more") as caught:
         check_elements(HEADER + element(15, zlib.compress(bytes(10**7))), "a.mat")
     assert caught.value.problems[0].code == "too_large"

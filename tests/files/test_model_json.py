@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError, StoreError
 from inertialcal.core.estimate import Component, Estimate
-from inertialcal.files.model_json import checksum, dump_model, parse_model, read_model, write_model
-from inertialcal.sensors.assemble import model_from
+from inertialcal.files.models.model_json import checksum, dump_model, parse_model, read_model, write_model
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.model import Item, Provenance, SensorModel
-from inertialcal.sensors.model_dict import from_dict, to_dict
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
+from inertialcal.sensors.model.serial import from_dict, to_dict
 
 NUMBERS = st.floats(-1e6, 1e6, allow_nan=False)
 

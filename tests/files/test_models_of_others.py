@@ -16,13 +16,14 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
-from inertialcal.files.export import export, load_model_file
-from inertialcal.files.model_json import write_model
-from inertialcal.files.others import FORMATS, imu_tk, imucal, kalibr, parse_foreign, realsense
-from inertialcal.files.others.plain_yaml import dump_yaml, parse_yaml
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.equation import predict
-from inertialcal.sensors.model import INPUT_UNIT, Kind, SensorModel, to_output, to_readings
+from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
+from inertialcal.files.models.export import export, load_model_file
+from inertialcal.files.models.imported import FORMATS, parse_foreign
+from inertialcal.files.models.model_json import write_model
+from inertialcal.files.models.plain_yaml import dump_yaml, parse_yaml
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.equation import predict
+from inertialcal.sensors.model.sensor_model import INPUT_UNIT, Kind, SensorModel, to_output, to_readings
 
 EXACT = 1e-12  # relative
 

@@ -10,7 +10,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.files import read
-from inertialcal.files.survey import Survey, survey
+from inertialcal.files.info.survey import Survey, survey
 
 _MPU6050 = (
     "set-1__rotate-360ccw-around-x-pointing-forward set-1__rotate-360ccw-around-y-pointing-left "

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import InertialcalError
-from inertialcal.files.schedule_csv import read_schedule, write_schedule
+from inertialcal.files.text.schedule_csv import read_schedule, write_schedule
 from inertialcal.procedures.mass_attraction.schedule import Schedule, repeated
 
 ROWS = """dwell,start [s],stop [s],position [cm],applied [ng]

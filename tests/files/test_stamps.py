@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.files.stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_iso, to_ns
+from inertialcal.files.time.stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_iso, to_ns
 
 NOW = 1_283_358_139  # 2010-09-01T16:22:19Z
 

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Array
-from inertialcal.files.survey import Survey, survey
+from inertialcal.files.info.survey import Survey, survey
 
 N = 4000
 RNG = np.random.default_rng(21)

@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.files import read_table
-from inertialcal.files.table import Table
+from inertialcal.files.text.table import Table
 
 TEXT = """# dwells
 set,rate [deg/s],x_dps,note

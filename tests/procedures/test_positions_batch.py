@@ -13,10 +13,10 @@ from scipy.stats import t as student
 
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
-from inertialcal.core.tables import Grid
-from inertialcal.procedures.positions import batch as module
-from inertialcal.procedures.positions.batch import Form, positions_batch
-from inertialcal.procedures.positions.batch_result import (
+from inertialcal.core.show.tables import Grid
+from inertialcal.procedures.positions.lot import batch as module
+from inertialcal.procedures.positions.lot.batch import Form, positions_batch
+from inertialcal.procedures.positions.lot.batch_result import (
     FEW,
     ILL_POSED,
     NO_SCATTER,

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.positions.levels import NOT_JUDGED, level_sources, summed
-from inertialcal.procedures.positions.linear_sensor import Source
+from inertialcal.procedures.positions.fit.levels import NOT_JUDGED, level_sources, summed
+from inertialcal.procedures.positions.fit.linear_sensor import Source
 from inertialcal.statistics.intervals import coverage_factor, covers
 from inertialcal.statistics.two_levels import fit_two_levels
 

@@ -14,9 +14,9 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions import Plan, Rotation
-from inertialcal.procedures.positions._kernels_transitions import through
-from inertialcal.procedures.positions.attitudes import Packed, carried, packed
-from inertialcal.procedures.positions.rotation_errors import (
+from inertialcal.procedures.positions.fit._kernels_transitions import through
+from inertialcal.procedures.positions.fit.attitudes import Packed, carried, packed
+from inertialcal.procedures.positions.fit.rotation_errors import (
     ANGLE,
     GYRO_NOISE,
     ORIENTATION,
@@ -29,7 +29,7 @@ from inertialcal.procedures.positions.rotation_errors import (
     errors,
     known_errors,
 )
-from inertialcal.procedures.positions.rotations import Rotated, solve
+from inertialcal.procedures.positions.fit.rotations import Rotated, solve
 
 EYE = np.eye(3)
 STEP = 1e-5

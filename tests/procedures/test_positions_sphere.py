@@ -7,8 +7,8 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions.linear_sensor import BIAS, MATRIX
-from inertialcal.procedures.positions.sphere import (
+from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX
+from inertialcal.procedures.positions.fit.sphere import (
     NAMES,
     check_plane,
     converged,

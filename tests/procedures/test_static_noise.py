@@ -19,7 +19,7 @@ from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Row, is_beside
 from inertialcal.procedures import static_noise as noise
 from inertialcal.procedures.static_noise.record_length import Reach, sentence
-from inertialcal.sensors.noise.noise_fit import duration
+from inertialcal.sensors.noise.fitting.noise_fit import duration
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,

@@ -10,7 +10,7 @@ import pytest
 from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.report.figure_file import FORMATS, check_ending, write_figure
-from inertialcal.report.figures.picture import Picture
+from inertialcal.report.figures.drawing.picture import Picture
 from inertialcal.report.plot import pictures
 
 MAGIC = {".png": b"\x89PNG", ".svg": b"<?xml", ".pdf": b"%PDF"}

@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from inertialcal.report.figures import FIGURES, on_new_figure
-from inertialcal.report.figures.flip import draw_record, spans
+from inertialcal.report.figures.flip.flip import draw_record, spans
 
 
 def column(values: Any, unit: str = "") -> dict[str, Any]:

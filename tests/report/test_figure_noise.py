@@ -10,9 +10,9 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from inertialcal.report.figures import FIGURES, on_new_figure
-from inertialcal.report.figures.log_axes import label, log_axis
-from inertialcal.report.figures.spectrum import OVER
-from inertialcal.report.figures.style import LINE
+from inertialcal.report.figures.drawing.log_axes import label, log_axis
+from inertialcal.report.figures.drawing.style import LINE
+from inertialcal.report.figures.static_noise.spectrum import OVER
 
 TAU = [0.01 * 2.0**k for k in range(12)]
 FREQUENCY = [0.1 * 2.0**k for k in range(9)]

@@ -15,7 +15,7 @@ from matplotlib.transforms import Affine2D
 from test_figures import poisoned, results
 
 from inertialcal.report.figures import FIGURES, on_new_figure
-from inertialcal.report.figures.metrics import _advance, folded, shortened, width
+from inertialcal.report.figures.drawing.metrics import _advance, folded, shortened, width
 
 SLACK = 2.0  # pt: kerning, rounding
 FINE = 10  # dots a point: letters then stand where they do in a file of shapes

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.report.figures import positions_residuals, positions_sphere, transitions
-from inertialcal.report.figures.picture import on_new_figure
-from inertialcal.report.figures.ticks import ticks_of
+from inertialcal.report.figures.drawing.picture import on_new_figure
+from inertialcal.report.figures.drawing.ticks import ticks_of
+from inertialcal.report.figures.positions import positions_residuals, positions_sphere, transitions
 
 G = 9.80665
 FACES = np.vstack([np.eye(3), -np.eye(3)])

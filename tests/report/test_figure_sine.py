@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from inertialcal.report.figures import FIGURES
-from inertialcal.report.figures.sine import draw
+from inertialcal.report.figures.sine.sine import draw
 
 TIME = 120.0 * np.arange(12)
 LINE = np.tile([0.0, 0.2, 0.0, -0.2], 3)

@@ -13,7 +13,7 @@ import inertialcal as ic
 from inertialcal.campaign.single_mass_plan import MassPlan
 from inertialcal.core.errors import InertialcalError
 from inertialcal.report.figures import FIGURES, on_new_figure, to_svg
-from inertialcal.report.figures.data import curves, numbers
+from inertialcal.report.figures.drawing.data import curves, numbers
 
 NAMES = ("mass_body", "mass_field", "mass_growth", "cube_as_point", "mass_forecast", "proof_mass")
 

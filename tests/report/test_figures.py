@@ -30,10 +30,13 @@ from test_figure_thermal import ROWS as THERMAL_ROWS
 from test_figure_thermal import SEQUENCE as THERMAL_SEQUENCE
 
 from inertialcal.core.errors import DataError
-from inertialcal.report.figures import FIGURES, budget, data, matrix, on_new_figure, prefix, rate_error, to_svg
-from inertialcal.report.figures import dwells as dwell_figure
-from inertialcal.report.figures.scales import signed_log
-from inertialcal.report.figures.style import ROLES, plain, variables
+from inertialcal.report.figures import FIGURES, on_new_figure, prefix, to_svg
+from inertialcal.report.figures.campaign import budget, matrix
+from inertialcal.report.figures.drawing import data
+from inertialcal.report.figures.drawing.scales import signed_log
+from inertialcal.report.figures.drawing.style import ROLES, plain, variables
+from inertialcal.report.figures.rate_table import dwells as dwell_figure
+from inertialcal.report.figures.rate_table import rate_error
 
 RATES = [-4.0, -2.0, -0.5, 0.5, 2.0, 4.0]
 LIMIT = 5.0

@@ -16,8 +16,8 @@ from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.report.figures import FIGURES
-from inertialcal.sensors.assemble import model_from
 from inertialcal.sensors.catalogue import flight_unit
+from inertialcal.sensors.model.assemble import model_from
 
 TABLE = "rate [deg/s],gyro_x [deg/s],run\n" + "".join(
     f"{rate},{1.01 * rate + 0.02 + 0.001 * ((3 * run + rate) % 5)},{run}\n"

@@ -12,8 +12,8 @@ import pytest
 
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Array
-from inertialcal.rigs.hand_held import CHANNELS, FAULTS, Bench, Held, Unit, build, draw_unit, held, twin
-from inertialcal.rigs.hand_held_motion import carried, turn_between
+from inertialcal.rigs.hand_held.motion import carried, turn_between
+from inertialcal.rigs.hand_held.rig import CHANNELS, FAULTS, Bench, Held, Unit, build, draw_unit, held, twin
 
 QUIET = replace(
     Bench(), acc_noise=0.0, gyro_noise=0.0, acc_between=0.0, gyro_between=0.0, lift=0.0, latitude=0.0, positions=8

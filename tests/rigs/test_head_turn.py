@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.procedures.flip.positions import rotation
-from inertialcal.rigs.head_turn import course, felt, swung
+from inertialcal.rigs.parts.head_turn import course, felt, swung
 
 SECONDS = np.arange(5000) / 100.0
 ANGLES = st.floats(-7.0, 7.0)

@@ -14,11 +14,11 @@ from inertialcal.campaign.score import coverage
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.procedures.mass_attraction import Result
-from inertialcal.rigs import mesa
-from inertialcal.rigs.mesa import Bench, Run, build
-from inertialcal.rigs.mesa_record import nominal
-from inertialcal.rigs.mesa_setup import GATE, UG
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.mesa import rig as mesa
+from inertialcal.rigs.mesa.record import nominal
+from inertialcal.rigs.mesa.rig import Bench, Run, build
+from inertialcal.rigs.mesa.setup import GATE, UG
+from inertialcal.rigs.protocol import Twin
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 QUIET = Bench(

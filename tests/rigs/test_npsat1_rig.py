@@ -21,14 +21,14 @@ from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import Recording
-from inertialcal.rigs import npsat1
-from inertialcal.rigs.npsat1_climate import TURN_OVER, Climate, followed, knots, side_of_path, vacuum_part
-from inertialcal.rigs.npsat1_faults import FAULTS
-from inertialcal.rigs.npsat1_logger import column, save_starts
-from inertialcal.rigs.npsat1_names import degrees
-from inertialcal.rigs.npsat1_reading import noise, polynomial_bias, readings, settled_bias
-from inertialcal.rigs.npsat1_recordings import WARMER_DEGC
-from inertialcal.rigs.npsat1_setup import (
+from inertialcal.rigs.npsat1 import rig as npsat1
+from inertialcal.rigs.npsat1.climate import TURN_OVER, Climate, followed, knots, side_of_path, vacuum_part
+from inertialcal.rigs.npsat1.faults import FAULTS
+from inertialcal.rigs.npsat1.logger import column, save_starts
+from inertialcal.rigs.npsat1.names import degrees
+from inertialcal.rigs.npsat1.reading import noise, polynomial_bias, readings, settled_bias
+from inertialcal.rigs.npsat1.recordings import WARMER_DEGC
+from inertialcal.rigs.npsat1.setup import (
     AIR,
     AVERAGING,
     AXES,
@@ -42,7 +42,7 @@ from inertialcal.rigs.npsat1_setup import (
     Chamber,
     chain,
 )
-from inertialcal.rigs.npsat1_tables import (
+from inertialcal.rigs.npsat1.tables import (
     AIR_TORR,
     AMBIENT_VOLTS,
     LATE,
@@ -56,11 +56,11 @@ from inertialcal.rigs.npsat1_tables import (
     VACUUM_VOLTS,
     WALK_DEG_H_SQRT_H,
 )
-from inertialcal.rigs.npsat1_tests import AT_DEGC
-from inertialcal.rigs.npsat1_unit import Run, Unit, draw_unit, powered_up
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.npsat1.tests import AT_DEGC
+from inertialcal.rigs.npsat1.unit import Run, Unit, draw_unit, powered_up
+from inertialcal.rigs.protocol import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
-from inertialcal.sensors.from_counts import Converted, convert
+from inertialcal.sensors.chain.from_counts import Converted, convert
 
 DEG = np.pi / 180.0
 EXACT = {name: Influence(0.0, influence.unit) for name, influence in Bench().standards.items()}

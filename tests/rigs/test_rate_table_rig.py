@@ -19,15 +19,16 @@ from inertialcal.physics.earth import level_to_table
 from inertialcal.procedures.rate_table import Plan
 from inertialcal.procedures.rate_table.earth_input import earth_in_dwells
 from inertialcal.procedures.rate_table.plan import Attitude
-from inertialcal.rigs import RIGS, rate_table
-from inertialcal.rigs.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up
-from inertialcal.rigs.noise import random_walk
-from inertialcal.rigs.rate_table_faults import FAULTS
-from inertialcal.rigs.rate_table_setup import CODES, REFERENCE, Bench, chain, draw_gyro
-from inertialcal.rigs.stepped_table import Motion, motion
-from inertialcal.rigs.twin import Twin, drawn_error
-from inertialcal.sensors.from_counts import convert
-from inertialcal.sensors.model import SensorModel
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up
+from inertialcal.rigs.parts.noise import random_walk
+from inertialcal.rigs.parts.stepped_table import Motion, motion
+from inertialcal.rigs.protocol import Twin, drawn_error
+from inertialcal.rigs.rate_table import rig as rate_table
+from inertialcal.rigs.rate_table.faults import FAULTS
+from inertialcal.rigs.rate_table.setup import CODES, REFERENCE, Bench, chain, draw_gyro
+from inertialcal.sensors.chain.from_counts import convert
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 EXACT = {name: Influence(0.0, unit) for name, unit in (
     ("rate_table.rate", "1"), ("rate_table.mounting", "rad"), ("converter.reference", "1"), ("site.latitude", "rad"),

@@ -13,9 +13,9 @@ from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
 from inertialcal.procedures import flip
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.sams_tsh import Bench, build
-from inertialcal.rigs.sams_tsh_setup import UG
-from inertialcal.rigs.twin import Twin
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.sams_tsh.rig import Bench, build
+from inertialcal.rigs.sams_tsh.setup import UG
 
 BENCH = replace(Bench(), ground="jointly", rate=5.0)
 QUIET = replace(BENCH, standards={}, density_ug=0.01, corner=0.0, pushes=0.0, swing_ug=0.0, drift_ug=0.0)

@@ -16,16 +16,17 @@ from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND
 from inertialcal.core.units import convert
-from inertialcal.rigs import RIGS, sams_tsh
-from inertialcal.rigs.orbit_ambient import add_arm, add_push, line, slow_variation
-from inertialcal.rigs.sams_tsh import FAULTS, Bench, build
-from inertialcal.rigs.sams_tsh_campaign import BEGIN, FILE, windows
-from inertialcal.rigs.sams_tsh_head import hysteresis, low_pass, noise, polynomial, temperature_course, through_filters
-from inertialcal.rigs.sams_tsh_record import record
-from inertialcal.rigs.sams_tsh_reduced import aligned, reduced, reduced_bench
-from inertialcal.rigs.sams_tsh_setup import CODES, UG, draw_head
-from inertialcal.rigs.twin import Twin
-from inertialcal.sensors.from_counts import convert as from_counts
+from inertialcal.rigs import RIGS
+from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.sams_tsh import rig as sams_tsh
+from inertialcal.rigs.sams_tsh.campaign import BEGIN, FILE, windows
+from inertialcal.rigs.sams_tsh.head import hysteresis, low_pass, noise, polynomial, temperature_course, through_filters
+from inertialcal.rigs.sams_tsh.orbit_ambient import add_arm, add_push, line, slow_variation
+from inertialcal.rigs.sams_tsh.record import record
+from inertialcal.rigs.sams_tsh.reduced import aligned, reduced, reduced_bench
+from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
+from inertialcal.rigs.sams_tsh.setup import CODES, UG, draw_head
+from inertialcal.sensors.chain.from_counts import convert as from_counts
 
 RATE = 25.0
 AXES = ("x", "y", "z")

@@ -18,9 +18,9 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.hand_held import CHANNELS, Bench, build
-from inertialcal.rigs.six_faces import FAULTS, twin
-from inertialcal.rigs.twin import NamedPart, Twin
+from inertialcal.rigs.hand_held.rig import CHANNELS, Bench, build
+from inertialcal.rigs.protocol import NamedPart, Twin
+from inertialcal.rigs.six_faces.rig import FAULTS, twin
 
 SHORT = Bench(variant="ferraris", dwell=2.5, first=5.0, sample_rate=50.0)
 IDEAL = replace(

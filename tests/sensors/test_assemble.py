@@ -9,7 +9,7 @@ from random_models import random_model
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.units import factor
-from inertialcal.sensors.assemble import NOT_ESTIMATED, in_units, model_from
+from inertialcal.sensors.model.assemble import NOT_ESTIMATED, in_units, model_from
 
 SEEDS = st.integers(0, 2**32 - 1)
 

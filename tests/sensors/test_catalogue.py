@@ -25,8 +25,8 @@ from inertialcal.sensors.catalogue import (
     qrs11,
     sams_head,
 )
-from inertialcal.sensors.equation import predict
-from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.model.equation import predict
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 # Name in the table of Appendix A -> quantity in the catalogue, where they differ.
 APPENDIX_A = {

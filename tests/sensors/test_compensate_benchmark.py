@@ -21,9 +21,9 @@ from pyarrow import parquet
 from inertialcal.core.estimate import Array
 from inertialcal.core.units import factor
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.equation import Conditions
-from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.equation import Conditions
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 ROWS = 10_000_000
 ROUNDS = 7

@@ -10,11 +10,11 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.equation import predict
-from inertialcal.sensors.ground_correction import correct
-from inertialcal.sensors.ground_model import GroundModel, Polynomials
-from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.ground.correction import correct
+from inertialcal.sensors.ground.model import GroundModel, Polynomials
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.equation import predict
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 AXES = ("x", "y", "z")
 UG = 9.80665e-6

@@ -7,9 +7,9 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording
-from inertialcal.sensors.ground_model import GroundModel, Polynomials
-from inertialcal.sensors.ground_recordings import correct_recording
-from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.ground.model import GroundModel, Polynomials
+from inertialcal.sensors.ground.recordings import correct_recording
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 BASE = SensorModel("accelerometer", ("x", "y"), np.ones(2), "m/s^2", np.array([[1.0, 0.01], [0.0, 1.0]]), np.zeros(2),
                    reference_temperature=np.full(2, 20.0))  # fmt: skip

@@ -8,7 +8,7 @@ from random_models import random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
-from inertialcal.sensors.model import Item, SensorModel, check_item, to_output, to_readings
+from inertialcal.sensors.model.sensor_model import Item, SensorModel, check_item, to_output, to_readings
 
 
 def plain(**terms: object) -> SensorModel:

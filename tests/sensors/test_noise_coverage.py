@@ -7,8 +7,8 @@ import pytest
 from noise_records import GMWM, WALK, curve, fitted, names, record, values
 
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.noise.fit import fit
-from inertialcal.sensors.noise.noise_fit import NoiseFit
+from inertialcal.sensors.noise.fitting.estimator import fit
+from inertialcal.sensors.noise.fitting.noise_fit import NoiseFit
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,

@@ -10,7 +10,7 @@ import pytest
 from noise_records import GMWM, WALK, curve, exact_run, fitted, names, record, values
 
 from inertialcal.core.errors import DataError, PlanError
-from inertialcal.sensors.noise.fit import fit
+from inertialcal.sensors.noise.fitting.estimator import fit
 from inertialcal.sensors.noise.planner import plan_record
 from inertialcal.sensors.noise.runs import Run
 from inertialcal.sensors.noise.terms import (

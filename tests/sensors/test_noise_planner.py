@@ -7,7 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.noise.fit import fit
+from inertialcal.sensors.noise.fitting.estimator import fit
 from inertialcal.sensors.noise.forecast import forecast
 from inertialcal.sensors.noise.planner import deviation_error, plan_record, standard_error, standard_record
 from inertialcal.sensors.noise.simulate import simulate

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.nonlinearity import (
+from inertialcal.sensors.model.nonlinearity import (
     STEEP,
     Curve,
     approached,

@@ -6,9 +6,9 @@ import pytest
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
-from inertialcal.sensors.chain import Chain
-from inertialcal.sensors.model import Item, SensorModel
-from inertialcal.sensors.on_recordings import apply_chain, compensate_recording
+from inertialcal.sensors.chain.converter import Chain
+from inertialcal.sensors.model.on_recordings import apply_chain, compensate_recording
+from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EARLIER = Remark("gaps", "info", "1 gap")
 

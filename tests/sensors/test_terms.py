@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 from random_models import random_model
 
 from inertialcal.core.units import factor, normalise
-from inertialcal.sensors.model import SensorModel
-from inertialcal.sensors.terms import orders, values, with_values
+from inertialcal.sensors.model.sensor_model import SensorModel
+from inertialcal.sensors.model.terms import orders, values, with_values
 
 SEEDS = st.integers(0, 2**32 - 1)
 

@@ -12,9 +12,9 @@ import pytest
 
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.catalogue import M_PERCENT, flight_unit
-from inertialcal.sensors.compensate import compensate, first_order
-from inertialcal.sensors.equation import predict
-from inertialcal.sensors.model import SensorModel
+from inertialcal.sensors.model.compensate import compensate, first_order
+from inertialcal.sensors.model.equation import predict
+from inertialcal.sensors.model.sensor_model import SensorModel
 
 ROUNDING = 0.0005  # [%], of the figures quoted
 PRINTED = np.array(M_PERCENT) / 100.0

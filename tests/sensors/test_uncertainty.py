@@ -10,13 +10,13 @@ from random_models import conditions, inputs, random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array, Component, Estimate
-from inertialcal.sensors.assemble import model_from
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.equation import Conditions, condition_columns, predict
-from inertialcal.sensors.model import SensorModel
-from inertialcal.sensors.sensitivity import point, reading_by
-from inertialcal.sensors.terms import values, with_values
-from inertialcal.sensors.uncertainty import compensated_uncertainty, without_uncertainty
+from inertialcal.sensors.model.assemble import model_from
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.equation import Conditions, condition_columns, predict
+from inertialcal.sensors.model.sensitivity import point, reading_by
+from inertialcal.sensors.model.sensor_model import SensorModel
+from inertialcal.sensors.model.terms import values, with_values
+from inertialcal.sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 
 SEEDS = st.integers(0, 2**32 - 1)
 REACH = 1e-4  # of full scale, by which a step of central differences moves a reading

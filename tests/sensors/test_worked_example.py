@@ -13,9 +13,9 @@ import pytest
 
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.compensate import compensate
-from inertialcal.sensors.from_counts import convert
-from inertialcal.sensors.on_recordings import apply_chain, compensate_recording
+from inertialcal.sensors.chain.from_counts import convert
+from inertialcal.sensors.model.compensate import compensate
+from inertialcal.sensors.model.on_recordings import apply_chain, compensate_recording
 
 TOLERANCE = 1e-7  # [deg/s]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.block_statistics import block_statistics, regrouped
+from inertialcal.signals.segmentation.block_statistics import block_statistics, regrouped
 
 ROUNDING = 1e-12
 

@@ -8,8 +8,8 @@ from scipy import signal as scipy_signal
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.dwells import dwell_of, effective_size, tally
-from inertialcal.signals.samples import samples_of
+from inertialcal.signals.segmentation.dwells import dwell_of, effective_size, tally
+from inertialcal.signals.time.samples import samples_of
 
 
 def test_reading_of_a_dwell() -> None:

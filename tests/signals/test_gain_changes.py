@@ -7,10 +7,10 @@ import pytest
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND
-from inertialcal.rigs import sams_tsh
-from inertialcal.rigs.sams_tsh_campaign import BEGIN, FILE
-from inertialcal.signals.block_statistics import block_statistics
-from inertialcal.signals.gain_changes import GainChange, gain_changes
+from inertialcal.rigs.sams_tsh import rig as sams_tsh
+from inertialcal.rigs.sams_tsh.campaign import BEGIN, FILE
+from inertialcal.signals.segmentation.block_statistics import block_statistics
+from inertialcal.signals.segmentation.gain_changes import GainChange, gain_changes
 
 RATE, NOISE = 25.0, 3.0
 STAMPS = np.rint(np.arange(45_000) / RATE * SECOND).astype(np.int64)

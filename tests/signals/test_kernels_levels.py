@@ -9,8 +9,8 @@ import pytest
 from scipy.signal import find_peaks
 
 from inertialcal.core.estimate import Array
-from inertialcal.signals import _kernels_levels as kernels
-from inertialcal.signals.change_points import _highest
+from inertialcal.signals.segmentation import _kernels_levels as kernels
+from inertialcal.signals.segmentation.change_points import _highest
 
 NAMES = [name for name in vars(kernels) if hasattr(getattr(kernels, name), "py_func")]
 

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.errors import PlanError
-from inertialcal.signals.noise_scale import noise_scale
+from inertialcal.signals.segmentation.noise_scale import noise_scale
 
 
 def white(n: int, seed: int = 1) -> np.ndarray[tuple[int, ...], np.dtype[np.float64]]:

@@ -7,8 +7,14 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.signals.placements import Placement, between, disturbed_inside, placements, shortest_placement
-from inertialcal.signals.segments import detect
+from inertialcal.signals.segmentation.placements import (
+    Placement,
+    between,
+    disturbed_inside,
+    placements,
+    shortest_placement,
+)
+from inertialcal.signals.segmentation.segments import detect
 
 RATE = 100.0  # Hz
 LEVELS = np.array([[0.0, 0, 9.8], [9.8, 0, 0], [0, 9.8, 0], [0, -9.8, 0], [-9.8, 0, 0], [0, 0, -9.8]])

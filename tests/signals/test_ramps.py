@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
-from inertialcal.signals.ramps import find_ramps
+from inertialcal.signals.segmentation.ramps import find_ramps
 
 
 def profile(*points: float, n: int = 200) -> Array:

@@ -5,7 +5,13 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.signals.programme1969 import adjusted_curve
-from inertialcal.signals.reductions import gain_of, without_bands, without_line, without_moving_mean, without_tilt
+from inertialcal.signals.programme1969.reductions import (
+    gain_of,
+    without_bands,
+    without_line,
+    without_moving_mean,
+    without_tilt,
+)
 
 AT = np.arange(100.0)
 SINE = np.tile([0.0, 1.0, 0.0, -1.0], 25)

@@ -7,8 +7,8 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.dwells import tally
-from inertialcal.signals.schedule import dwells_by_reference, dwells_by_windows
+from inertialcal.signals.segmentation.dwells import tally
+from inertialcal.signals.time.schedule import dwells_by_reference, dwells_by_windows
 
 APPLIED = np.concatenate([np.zeros(30), [0.002, 0.004], np.full(30, 0.006), [0.003], np.full(30, -0.006)])
 READING = APPLIED + 0.004 * np.random.default_rng(1).normal(size=93)

@@ -20,8 +20,8 @@ from scipy import stats
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
-from inertialcal.signals.placements import placements, shortest_placement
-from inertialcal.signals.segments import (
+from inertialcal.signals.segmentation.placements import placements, shortest_placement
+from inertialcal.signals.segmentation.segments import (
     Detection,
     Segmentation,
     detect,

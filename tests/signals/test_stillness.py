@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Array
-from inertialcal.signals.stillness import judge
+from inertialcal.signals.segmentation.stillness import judge
 
 
 def _noise(seed: int, n: int = 6000) -> Array:

@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
-from inertialcal.signals.time_axis import analyse
+from inertialcal.signals.time.time_axis import analyse
 
 MS = 1_000_000  # [ns]
 S = 1_000 * MS

@@ -6,7 +6,7 @@ import math
 from collections import Counter
 from collections.abc import Sequence
 
-from inertialcal.core.rounding import with_uncertainty
+from inertialcal.core.show.rounding import with_uncertainty
 
 from .figures import STANDS, WORDS, Document, Figure, Section, Text
 from .verdicts import Verdict, judge, tolerance

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.units import parse_quantity, si_unit
-from ..sensors.chain import Chain, Thermometer, pulse_counter
+from ..sensors.chain.converter import Chain, Thermometer, pulse_counter
 from .schema_sensors import Chain as Chain_
 from .schema_sensors import Sensor
 

@@ -14,9 +14,9 @@ from ..core.times import read_instant
 from ..core.units import convert, kind, si_unit
 from ..files import read, read_table
 from ..procedures.rate_table.recordings import APPLIED, Turned
-from ..sensors.chain import Chain
-from ..sensors.ground_recordings import PREDICTED
-from ..sensors.on_recordings import apply_chain
+from ..sensors.chain.converter import Chain
+from ..sensors.ground.recordings import PREDICTED
+from ..sensors.model.on_recordings import apply_chain
 from .chains import build_chain
 from .ground import ChainModel, after_model, chain_model
 from .origins import Origin

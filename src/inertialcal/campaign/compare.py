@@ -14,7 +14,7 @@ from typing import Any
 from ..core.errors import DataError
 from ..core.remarks import Remark
 from ..core.results import Interval, finite, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.tables import Part, html, text
 from ..statistics.decision import Status, Verdict, no_change, overall
 from ..statistics.intervals import ends
 from .allowed import Allowed, allowed_for, is_named, parse_allowed

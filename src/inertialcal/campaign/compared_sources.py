@@ -12,10 +12,10 @@ from typing import Any, Literal
 from ..core.errors import DataError
 from ..core.remarks import Remark
 from ..core.results import Row
-from ..files.export import load_model_file
+from ..files.models.export import load_model_file
 from ..files.source import load
-from ..sensors.model_dict import FORMAT
-from ..sensors.words import FIELD_UNIT
+from ..sensors.model.serial import FORMAT
+from ..sensors.model.words import FIELD_UNIT
 from .display import displayed
 from .model_rows import model_rows
 from .models import RESULTS, find_model

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..core.remarks import Remark
-from ..core.result_tables import folded, told
 from ..core.results import Row
 from ..core.results import is_beside as is_beside_the_result
-from ..core.rounding import number, with_uncertainty
-from ..core.tables import Grid, Part
+from ..core.show.result_tables import folded, told
+from ..core.show.rounding import number, with_uncertainty
+from ..core.show.tables import Grid, Part
 from .differences import Difference
 
 HEADS = ("quantity", "axis", "first", "second", "difference", "unit", "95 % interval", "verdict")

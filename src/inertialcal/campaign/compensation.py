@@ -16,10 +16,10 @@ from ..core.estimate import Array
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
 from ..core.units import convert, factor
-from ..sensors.equation import Conditions, needed
-from ..sensors.model import SensorModel, check_item
-from ..sensors.on_recordings import compensate_recording, to_input_unit
-from ..sensors.uncertainty import compensated_uncertainty, without_uncertainty
+from ..sensors.model.equation import Conditions, needed
+from ..sensors.model.on_recordings import compensate_recording, to_input_unit
+from ..sensors.model.sensor_model import SensorModel, check_item
+from ..sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from .model_inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
 
 

@@ -15,7 +15,7 @@ from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.times import read_elapsed, read_instant
 from ..core.units import convert, factor, kind, si_unit
-from ..files.table import Table, read_table
+from ..files.text.table import Table, read_table
 from ..procedures import flip
 from ..procedures.flip.plausible import readable
 from ..procedures.flip.recordings import Turned, readings_from

@@ -14,11 +14,11 @@ from ..core.recording import SECOND, Channel, Recording
 from ..core.remarks import Remark
 from ..core.times import elapsed_text, instant_text
 from ..core.units import convert, factor, kind
-from ..files.window import Window as Between
+from ..files.time.window import Window as Between
 from ..procedures import flip
 from ..procedures.flip.plausible import readable
-from ..signals.turn_windows import turn_windows
-from ..signals.turns import Turn, TurnPlan, find_turns
+from ..signals.segmentation.turn_windows import turn_windows
+from ..signals.segmentation.turns import Turn, TurnPlan, find_turns
 
 AXES = ("x", "y", "z")
 MOST = 8  # times told

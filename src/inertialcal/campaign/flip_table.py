@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 
 from ..core.errors import DataError, UsageError
 from ..core.units import parse_quantity
-from ..files.table import Table
+from ..files.text.table import Table
 from .schema_recordings import Means
 
 PATTERNS = {

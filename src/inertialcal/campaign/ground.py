@@ -13,12 +13,12 @@ from ..core.estimate import Array
 from ..core.recording import SECOND, Recording
 from ..core.remarks import Remark
 from ..core.units import parse_quantity, si_unit
-from ..files.export import load_model_file
-from ..sensors.ground_model import STEPS, GroundModel, Polynomials
-from ..sensors.ground_recordings import correct_recording
-from ..sensors.model import SensorModel
-from ..signals.block_statistics import block_statistics
-from ..signals.gain_changes import gain_changes
+from ..files.models.export import load_model_file
+from ..sensors.ground.model import STEPS, GroundModel, Polynomials
+from ..sensors.ground.recordings import correct_recording
+from ..sensors.model.sensor_model import SensorModel
+from ..signals.segmentation.block_statistics import block_statistics
+from ..signals.segmentation.gain_changes import gain_changes
 from .chains import gains, per_axis, scale_factors
 from .schema_recordings import RecordingEntry
 from .schema_sensors import AtGain, Ground, Polynomial, Sensor
@@ -176,7 +176,7 @@ def after_model(
     Raises
     ------
     DataError
-        As ``sensors.ground_correction.correct``.
+        As ``sensors.ground.correction.correct``.
     """
     applied, found = _applied(recording, entry, name)
     recording = _of_one_gain(recording, chain.model.axes, name)

@@ -20,8 +20,8 @@ from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
 from ..procedures.thermal.against import offset_rows, quantity_of
 from ..procedures.thermal.recordings import readings_from as thermal_readings
-from ..rigs.twin import SEED, Twin
-from ..sensors.chain import Chain
+from ..rigs.protocol import SEED, Twin
+from ..sensors.chain.converter import Chain
 from .after import Bias, without_bias
 from .channels import chain_of, in_body_axes
 from .flip_inputs import flip_plan, turned_head

@@ -12,12 +12,12 @@ from ..core.influence import Standards
 from ..core.recording import Channel, Recording
 from ..core.times import read_elapsed, read_instant
 from ..core.units import factor, parse_quantity
-from ..files.schedule_csv import read_schedule
 from ..files.source import load
-from ..files.table import Table, read_table
+from ..files.text.schedule_csv import read_schedule
+from ..files.text.table import Table, read_table
 from ..procedures import mass_attraction as procedure
 from ..procedures.mass_attraction.recordings import READING, TEMPERATURE, TILT
-from ..sensors.chain import Chain
+from ..sensors.chain.converter import Chain
 from .chains import build_chain
 from .channels import chain_of, in_body_axes, raw_recording
 from .load import Campaign

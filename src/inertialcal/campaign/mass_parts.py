@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ..core.results import Row
-from ..core.rounding import with_uncertainty
-from ..core.tables import Grid, Part
+from ..core.show.rounding import with_uncertainty
+from ..core.show.tables import Grid, Part
 
 BLOCKS: dict[str, tuple[str, ...]] = {
     "body": (

@@ -20,9 +20,9 @@ from ..core.remarks import Remark
 from ..procedures import rate_table
 from ..procedures.rate_table.closed_loop import AxisLoop, Find, HeldOut, closed_loop, held_out_errors, overall
 from ..procedures.thermal.closed_loop import Left
-from ..sensors.assemble import model_from
-from ..sensors.compensate import compensate
-from ..sensors.model import Item, Provenance, SensorModel
+from ..sensors.model.assemble import model_from
+from ..sensors.model.compensate import compensate
+from ..sensors.model.sensor_model import Item, Provenance, SensorModel
 from .after import Bias
 from .chains import body_scale_factors
 from .load import Campaign

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from ..core.errors import InertialcalError, PlanError
-from ..files.model_json import dump_model
+from ..files.models.model_json import dump_model
 from .after import Bias
 from .cross_checks import MODELLED
 from .load import Campaign

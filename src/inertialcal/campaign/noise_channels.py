@@ -15,8 +15,8 @@ from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
 from ..core.units import divide, factor, kind, normalise, parse_quantity, si_unit
-from ..files.channel_survey import survey_channel
-from ..files.hints import unit_hints
+from ..files.info.channel_survey import survey_channel
+from ..files.info.hints import unit_hints
 from ..sensors.noise.terms import Kind
 from ..signals.allan.prefix import Quantity
 

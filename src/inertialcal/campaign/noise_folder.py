@@ -11,7 +11,7 @@ from typing import Any
 
 from ..core.errors import StoreError, UsageError
 from ..core.results import finite
-from ..files.replacing import replacing
+from ..files.write.atomic import replacing
 from ..report.figure_file import write_figure
 from ..report.plot import pictures
 from ..sensors.noise.filter_block import FilterBlock

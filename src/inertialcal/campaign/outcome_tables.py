@@ -5,13 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..core.beside import names_of
 from ..core.remarks import Remark
-from ..core.result_tables import estimated, figure, folded, not_estimated, told
 from ..core.results import is_beside
-from ..core.rounding import number
-from ..core.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
-from ..core.tables import Grid, Part
+from ..core.show.alternatives import names_of
+from ..core.show.result_tables import estimated, figure, folded, not_estimated, told
+from ..core.show.rounding import number
+from ..core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
+from ..core.show.tables import Grid, Part
 
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
 

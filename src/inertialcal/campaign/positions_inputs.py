@@ -17,11 +17,11 @@ from ..core.errors import DataError, PlanError
 from ..core.influence import Standards
 from ..core.recording import Channel, Recording
 from ..files.source import load
-from ..files.table import read_table
+from ..files.text.table import read_table
 from ..procedures import positions
 from ..procedures.positions.readings import Readings
 from ..procedures.positions.recordings import Section, readings_from
-from ..sensors.model import Kind
+from ..sensors.model.sensor_model import Kind
 from .channels import AXES, TEMPERATURE, prepare_recording, windowed
 from .load import Campaign
 from .modelling import Prepared

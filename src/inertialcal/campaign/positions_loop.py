@@ -22,9 +22,9 @@ from scipy import special
 
 from ..core.estimate import Array
 from ..procedures import positions
-from ..procedures.positions.linear_sensor import LinearSensor
+from ..procedures.positions.fit.linear_sensor import LinearSensor
 from ..procedures.rate_table.closed_loop import RISK, AxisLoop, judged
-from ..sensors.model import Kind
+from ..sensors.model.sensor_model import Kind
 from ..statistics.decision import holm
 from .positions_mixed import Errors, Judge, as_read, mixed_up, of_accelerometers, of_gyros
 

@@ -1,7 +1,7 @@
 """What positions and rotations held out say of a triad: errors as functions of its matrix, bias and g-sensitivity.
 
-The numbers are those of ``procedures.positions.linear_sensor``: A by rows, b, and G of gyros; ``reading = Ax + b + Gf``
-where a reading is (output - zero) / ideal scale factor. So readings as they are have A = 1, b = 0 and G = 0, and a
+The numbers are those of ``procedures.positions.fit.linear_sensor``: A by rows, b, and G of gyros;
+``reading = Ax + b + Gf`` where a reading is (output - zero) / ideal scale factor. So readings as they are have A = 1, b = 0 and G = 0, and a
 model that is mixed up is another vector of the same numbers.
 """
 
@@ -17,11 +17,11 @@ import numpy as np
 from ..core.constants import EARTH_ROTATION_RATE
 from ..core.estimate import Array
 from ..procedures import positions
-from ..procedures.positions.earth_rate import earth_in_g
-from ..procedures.positions.gyro import FittedGyro, problem_of
-from ..procedures.positions.linear_sensor import LinearSensor
+from ..procedures.positions.fit.earth_rate import earth_in_g
+from ..procedures.positions.fit.gyro import FittedGyro, problem_of
+from ..procedures.positions.fit.linear_sensor import LinearSensor
+from ..procedures.positions.fit.rotation_errors import errors
 from ..procedures.positions.plan import AXES, local_gravity
-from ..procedures.positions.rotation_errors import errors
 
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 

@@ -10,8 +10,8 @@ import numpy as np
 from ..core.errors import PlanError
 from ..core.remarks import Remark
 from ..procedures.rate_table.closed_loop import overall
-from ..sensors.assemble import model_from
-from ..sensors.model import Item, Provenance, SensorModel
+from ..sensors.model.assemble import model_from
+from ..sensors.model.sensor_model import Item, Provenance, SensorModel
 from .chains import body_scale_factors
 from .load import Campaign
 from .modelling import Modelled

@@ -11,7 +11,7 @@ from ..core.remarks import Remark
 from ..core.results import Row
 from ..procedures import positions
 from ..procedures.positions.curves import curves
-from ..sensors.model import Kind, SensorModel
+from ..sensors.model.sensor_model import Kind, SensorModel
 
 OWN = {"accelerometer": "positions", "gyro": "transitions"}  # curve that is about a sensor
 

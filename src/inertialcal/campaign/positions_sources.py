@@ -14,7 +14,7 @@ from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.recording import SECOND, Recording
 from ..files import read
-from ..files.table import read_table
+from ..files.text.table import read_table
 from ..procedures.positions.plan import Plan
 from ..procedures.positions.readings import Readings
 from ..procedures.positions.recordings import Section, readings_from

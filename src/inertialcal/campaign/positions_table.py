@@ -11,7 +11,7 @@ from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.recording import Recording
 from ..core.remarks import Remark
-from ..files.table import Table
+from ..files.text.table import Table
 from ..procedures.positions.readings import Readings, Triad
 from .positions_channels import AXES, Taken
 from .positions_words import LABELS, direction_of, unit_vectors

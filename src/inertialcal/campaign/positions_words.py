@@ -20,7 +20,7 @@ import numpy as np
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.units import factor, parse_quantity
-from ..files.table import Table, read_table
+from ..files.text.table import Table, read_table
 from .positions_site import turn_problems
 
 AXES = ("x", "y", "z")

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.errors import PlanError
 from ..core.influence import Standards
 from ..core.units import parse_quantity, si_unit
-from ..files.table import Table
+from ..files.text.table import Table
 from ..procedures import rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
 from .after import Bias, without_bias

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from ..core.errors import DataError, InertialcalError, Problem
 from ..core.units import kind, parse_quantity
-from ..files.pad_pairs import pairs_of
+from ..files.pad.pairs import pairs_of
 from .chains import build_chain, scale_factors
 from .mass_checks import line_units
 from .schema import CampaignFile

@@ -12,7 +12,7 @@ from typing import Any
 
 from ..core.errors import DataError
 from ..files.source import load
-from ..sensors.model_dict import FORMAT
+from ..sensors.model.serial import FORMAT
 from .models import RESULTS
 from .publish import OUT
 

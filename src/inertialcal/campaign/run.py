@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from ..core.errors import DataError, InertialcalError, Problem
-from ..core.frames import frame
 from ..core.remarks import Remark, gather
-from ..core.result_tables import told
-from ..core.tables import Grid, Part, html, text
+from ..core.show.frames import frame
+from ..core.show.result_tables import told
+from ..core.show.tables import Grid, Part, html, text
 from ..procedures import PROCEDURES, positions
 from ..report.page import report_html
 from .after import Bias

@@ -13,11 +13,11 @@ from typing import Any
 
 from ..core.errors import DataError, UsageError
 from ..core.results import Interval, is_beside
-from ..core.rounding import number, with_uncertainty
-from ..core.tables import Grid, Part, html, text
+from ..core.show.rounding import number, with_uncertainty
+from ..core.show.tables import Grid, Part, html, text
 from ..core.units import convert
 from ..procedures import flip
-from ..rigs.twin import TrueValue, Twin
+from ..rigs.protocol import TrueValue, Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
 from .in_memory import Fitted, Result, fitted_tests
 from .publish import OUT, previous

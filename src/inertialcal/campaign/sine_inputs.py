@@ -12,9 +12,9 @@ from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
-from ..core.rounding import number
-from ..files.headers import bare_name
-from ..files.schedule_csv import read_schedule
+from ..core.show.rounding import number
+from ..files.text.headers import bare_name
+from ..files.text.schedule_csv import read_schedule
 from ..procedures.mass_attraction.schedule import Schedule
 from ..signals.sine import Drive, applied_drive, averaging_response, sine_drive
 
@@ -125,7 +125,7 @@ def driven_by_schedule(recording: Recording, channel: Channel, path: str | Path)
     ------
     DataError
         ``different_length`` if schedule and record do not end together within a dwell and a move; ``gaps`` if more than
-        half of the dwells have no reading; as ``files.schedule_csv`` and ``signals.sine.applied_drive``.
+        half of the dwells have no reading; as ``files.text.schedule_csv`` and ``signals.sine.applied_drive``.
     """
     schedule = read_schedule(path)
     times, there, _ = _present(recording, channel)

@@ -13,8 +13,8 @@ from ..core.curve import Column, Curve
 from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.results import Interval, Row
-from ..core.rounding import number, with_uncertainty
-from ..files.headers import bare_name
+from ..core.show.rounding import number, with_uncertainty
+from ..files.text.headers import bare_name
 from ..procedures.static_noise import FILE_UNIT
 from ..signals.sine import CrossCheck, LineFit, amplitude_of
 from ..statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound

@@ -8,15 +8,15 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame_of_rows
 from ..core.recording import Recording
 from ..core.remarks import Remark
-from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.tables import Part, html, text
 from ..core.units import parse_quantity, si_unit
 from ..files import read
-from ..files.table import read_table
+from ..files.text.table import read_table
 from ..procedures import rate_table as procedure
 from ..procedures.rate_table.plan import AXES
 from .display import displayed

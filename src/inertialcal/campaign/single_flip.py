@@ -10,17 +10,17 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame_of_rows
 from ..core.influence import Influence
 from ..core.recording import Recording
 from ..core.remarks import Remark, gather
-from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.tables import Part, html, text
 from ..core.units import factor, kind, normalise, parse_quantity
 from ..files import read
-from ..files.pad_frames import sensor_frame
-from ..files.table import read_table
+from ..files.pad.frames import sensor_frame
+from ..files.text.table import read_table
 from ..procedures import flip as procedure
 from ..procedures.flip.plan import Axis
 from ..procedures.flip.recordings import Turned, readings_from

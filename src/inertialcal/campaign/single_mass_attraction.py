@@ -11,18 +11,18 @@ from typing import Any
 import numpy as np
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame_of_rows
 from ..core.recording import SECOND, Channel, Recording
 from ..core.remarks import Remark, gather
-from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.tables import Part, html, text
 from ..core.times import read_elapsed, read_instant
 from ..core.units import convert, kind, parse_quantity, same_dimension
 from ..files import read
-from ..files.plausible import time_remarks
-from ..files.schedule_csv import read_schedule
 from ..files.source import load
+from ..files.text.schedule_csv import read_schedule
+from ..files.time.plausible import time_remarks
 from ..procedures import mass_attraction as procedure
 from ..procedures.mass_attraction.plan import Scatter, Tilt
 from ..procedures.mass_attraction.recordings import READING, TEMPERATURE, TILT

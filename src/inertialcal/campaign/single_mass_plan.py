@@ -14,11 +14,11 @@ from typing import Any
 from ..core.curve import Curve
 from ..core.errors import UsageError
 from ..core.estimate import Array
-from ..core.frames import frame_of_rows
 from ..core.remarks import Remark, gather
-from ..core.result_tables import told
 from ..core.results import Row
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import told
+from ..core.show.tables import Part, html, text
 from ..physics.attraction import ProofMass
 from ..physics.budget import Doubts
 from ..physics.mass_shape import Gain, Grid

@@ -8,15 +8,15 @@ from typing import Any
 
 from ..core.curve import Curve
 from ..core.errors import DataError, Problem, UsageError
-from ..core.frames import frame_of_rows
 from ..core.recording import Recording
 from ..core.remarks import Remark, gather
-from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.tables import Part, html, text
 from ..procedures import static_noise as procedure
 from ..sensors.noise.filter_block import FilterBlock
-from ..sensors.noise.noise_fit import duration
+from ..sensors.noise.fitting.noise_fit import duration
 from ..sensors.noise.terms import Term
 from .curves import displayed_curve
 from .display import displayed

@@ -12,19 +12,19 @@ import numpy as np
 from ..core.curve import Curve
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
-from ..core.frames import frame_of_rows
 from ..core.influence import Influence
 from ..core.remarks import Remark, gather
-from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.tables import Part, html, text
 from ..core.units import factor, kind, parse_quantity
-from ..files.model_json import dump_model
-from ..files.replacing import replacing
+from ..files.models.model_json import dump_model
+from ..files.write.atomic import replacing
 from ..procedures import positions as procedure
 from ..procedures.positions.curves import curves
 from ..procedures.positions.readings import Readings
-from ..sensors.model import Provenance, SensorModel
+from ..sensors.model.sensor_model import Provenance, SensorModel
 from .display import displayed
 from .positions_channels import AXES, SENSORS
 from .positions_held import Held, held_out

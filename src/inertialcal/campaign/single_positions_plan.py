@@ -14,12 +14,12 @@ import numpy as np
 
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
-from ..core.frames import frame_of_rows
 from ..core.remarks import Remark
-from ..core.result_tables import told
 from ..core.results import Row, not_estimated
-from ..core.rounding import number
-from ..core.tables import Grid, Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import told
+from ..core.show.rounding import number
+from ..core.show.tables import Grid, Part, html, text
 from ..core.units import factor, parse_quantity
 from ..procedures.positions.planning import (
     DETERMINANT,

@@ -8,14 +8,14 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import UsageError
-from ..core.frames import frame_of_rows
 from ..core.remarks import Remark, gather
-from ..core.result_tables import figures, told
 from ..core.results import Row
-from ..core.rounding import number
-from ..core.tables import Part, html, text
-from ..files.headers import bare_name
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.rounding import number
+from ..core.show.tables import Part, html, text
 from ..files.source import load
+from ..files.text.headers import bare_name
 from ..signals.sine import cross_checks, design_of, fit_line
 from .noise_settings import one_of, quantity
 from .noise_sources import Source, recordings_of

@@ -6,12 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..core.frames import frame
 from ..core.remarks import Remark
-from ..core.result_tables import told
 from ..core.results import Row
-from ..core.rounding import number, with_uncertainty
-from ..core.tables import Grid, Part, html, text
+from ..core.show.frames import frame
+from ..core.show.result_tables import told
+from ..core.show.rounding import number, with_uncertainty
+from ..core.show.tables import Grid, Part, html, text
 from ..core.units import factor
 from ..procedures.static_noise import FILE_UNIT
 from ..procedures.static_noise.curves import density_unit

@@ -10,15 +10,15 @@ from typing import Any, Literal
 import numpy as np
 
 from ..core.errors import DataError, UsageError
-from ..core.frames import frame_of_rows
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark, gather
-from ..core.result_tables import figures, told
 from ..core.results import Row, is_beside
-from ..core.tables import Part, html, text
+from ..core.show.frames import frame_of_rows
+from ..core.show.result_tables import figures, told
+from ..core.show.tables import Part, html, text
 from ..core.units import convert, kind, parse_quantity
 from ..files import read
-from ..files.plausible import time_remarks
+from ..files.time.plausible import time_remarks
 from ..procedures import thermal as procedure
 from ..procedures.thermal.recordings import TEMPERATURE, Warmed, readings_from
 from .display import displayed

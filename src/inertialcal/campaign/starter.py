@@ -13,7 +13,7 @@ from ..core.recording import Recording
 from ..core.remarks import Remark
 from ..core.units import kind
 from ..files import read
-from ..files.table import Table, read_table
+from ..files.text.table import Table, read_table
 from .flip_source import CLOCK_COLUMN, FlipSource
 from .load import FILE, MARK
 from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table

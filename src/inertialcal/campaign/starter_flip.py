@@ -12,8 +12,8 @@ from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
 from ..core.units import kind
 from ..files import read
-from ..files.pad_pairs import pairs_of
-from ..files.table import Table
+from ..files.pad.pairs import pairs_of
+from ..files.text.table import Table
 from ..procedures import flip
 from .flip_record import found_windows, head_recording
 from .flip_source import FlipSource, entry_text, quoted, source_of

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.errors import InertialcalError
 from ..core.recording import Channel, Recording
 from ..core.units import kind
-from ..signals.segments import detect, static_intervals
+from ..signals.segmentation.segments import detect, static_intervals
 from .flip_source import CLOCK_COLUMN, quoted
 from .load import MARK
 from .starter_flip import accelerometers

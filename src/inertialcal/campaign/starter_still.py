@@ -9,9 +9,9 @@ import numpy as np
 
 from ..core.recording import Channel, Recording
 from ..core.units import kind
-from ..files.channel_survey import survey_channel
-from ..files.hints import unit_hints
-from ..signals.stillness import judge
+from ..files.info.channel_survey import survey_channel
+from ..files.info.hints import unit_hints
+from ..signals.segmentation.stillness import judge
 from .flip_source import CLOCK_COLUMN, quoted
 from .load import MARK
 from .starter_flip import AXES, accelerometers

@@ -18,11 +18,11 @@ from ..core.estimate import Array
 from ..core.remarks import Remark
 from ..core.times import read_instant
 from ..core.units import convert, factor, kind, si_unit
-from ..files.table import Table, read_table
+from ..files.text.table import Table, read_table
 from ..procedures.rate_table import Readings
 from ..procedures.rate_table.earth_input import gathered
 from ..procedures.rate_table.taken_off import joined
-from ..sensors.from_counts import convert as convert_counts
+from ..sensors.chain.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors
 from .schema import Test
 from .schema_recordings import Columns, RecordingEntry, Rows

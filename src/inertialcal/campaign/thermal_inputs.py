@@ -12,7 +12,7 @@ from ..core.influence import Standards
 from ..core.recording import Channel, Recording
 from ..procedures import thermal
 from ..procedures.thermal.recordings import REFERENCES, Warmed, readings_from
-from ..sensors.chain import Chain
+from ..sensors.chain.converter import Chain
 from .chains import body_scale_factors, build_chain
 from .channels import AXES, TEMPERATURE, chain_of, in_body_axes, raw_recording, windowed
 from .load import Campaign

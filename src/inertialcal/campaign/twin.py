@@ -18,11 +18,11 @@ from types import ModuleType
 
 from ..core.errors import DataError, StoreError, UsageError
 from ..core.recording import SECOND, Recording
-from ..core.tables import Grid, Part, html, text
-from ..files.schedule_csv import write_schedule
+from ..core.show.tables import Grid, Part, html, text
+from ..files.text.schedule_csv import write_schedule
 from ..procedures.mass_attraction.schedule import Schedule
 from ..rigs import RIGS
-from ..rigs.twin import SEAL, SEED, TrueValue, Twin
+from ..rigs.protocol import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load
 from .positions_words import Section, sections_text
 from .publish import json_text

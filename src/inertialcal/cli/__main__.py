@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from ..core.errors import InertialcalError, Problem, UsageError
-from .output import FOUND, errors_out
+from .shown.output import FOUND, errors_out
 
 SELDOM = 200_000, 20, 20  # new objects to a search for garbage: libraries make many at the start, and keep them all
 

@@ -6,21 +6,9 @@ from typing import Annotated
 
 import typer
 
-from . import (
-    campaigns,
-    demos,
-    flips,
-    mass_attractions,
-    models,
-    noise,
-    plans,
-    positions,
-    recordings,
-    sines,
-    thermals,
-    twins,
-)
-from .output import package_version
+from .nouns import flips, mass_attractions, noise, plans, positions, recordings, sines, thermals
+from .shown.output import package_version
+from .verbs import campaigns, demos, models, twins
 
 app = typer.Typer(
     name="inertialcal",

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ..core.errors import UsageError
-from .output import clean
+from .shown.output import clean
 
 if TYPE_CHECKING:
-    from ..report.figures.picture import Picture
+    from ..report.figures.drawing.picture import Picture
 
 FigureFile = Annotated[
     Path | None,

@@ -7,7 +7,7 @@ import sys
 import webbrowser
 from pathlib import Path
 
-from .output import clean
+from .shown.output import clean
 
 SCREENS = ("DISPLAY", "WAYLAND_DISPLAY", "BROWSER")
 

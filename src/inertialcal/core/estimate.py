@@ -24,10 +24,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import DataError
-from .frames import frame
-from .result_tables import dof
-from .rounding import with_uncertainty
-from .tables import Grid, Part, html, text
+from .show.frames import frame
+from .show.result_tables import dof
+from .show.rounding import with_uncertainty
+from .show.tables import Grid, Part, html, text
 
 Array = NDArray[np.float64]
 

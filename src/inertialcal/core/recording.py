@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from .errors import DataError
 from .estimate import Array
 from .remarks import Remark
-from .result_tables import told
-from .rounding import number
-from .tables import Grid, Part, ending, html, text
+from .show.result_tables import told
+from .show.rounding import number
+from .show.tables import Grid, Part, ending, html, text
 
 Times = NDArray[np.int64]
 SECOND = 1_000_000_000  # [ns]

@@ -30,10 +30,10 @@ from numpy.typing import ArrayLike
 
 from .errors import DataError
 from .estimate import Array
-from .unit_atoms import by_symbol, definitions, kind_of, registry_name
-from .unit_powers import NONE, Powers, product, quotient, raised
-from .unit_spelling import spell
-from .unit_text import read_quantity, read_unit
+from .unit.atoms import by_symbol, definitions, kind_of, registry_name
+from .unit.parse import read_quantity, read_unit
+from .unit.powers import NONE, Powers, product, quotient, raised
+from .unit.spelling import spell
 
 if TYPE_CHECKING:
     from pint import UnitRegistry

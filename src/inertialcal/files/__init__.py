@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from ..core.errors import UsageError
     from ..core.recording import Recording
-    from .pad_name import Pair
-    from .table import Table
-    from .window import Window
+    from .pad.name import Pair
+    from .text.table import Table
+    from .time.window import Window
 
 __all__ = ["read", "read_table"]
 
@@ -82,9 +82,9 @@ def read(
     from ..core.recording import Source  # noqa: PLC0415 - numpy starts slowly
     from .assemble import assemble  # noqa: PLC0415
     from .content import parse_content  # noqa: PLC0415
-    from .pad_pairs import pairs_of  # noqa: PLC0415
+    from .pad.pairs import pairs_of  # noqa: PLC0415
     from .source import load  # noqa: PLC0415
-    from .window import Window, cut  # noqa: PLC0415
+    from .time.window import Window, cut  # noqa: PLC0415
 
     window = Window(start, stop, mission_start)
     pairs = pairs_of(path)
@@ -118,7 +118,7 @@ def _archived(
 ) -> Recording:
     """Return the recording of archive pairs; their time is fixed."""
     from ..core.errors import UsageError  # noqa: PLC0415
-    from .pad import read_pad  # noqa: PLC0415
+    from .pad.reader import read_pad  # noqa: PLC0415
 
     if time_column is not None:
         raise UsageError(
@@ -152,6 +152,6 @@ def read_table(path: str | Path) -> Table:
         By code: ``missing_file``, ``empty_file``, ``unsupported_format``, ``not_text``, ``damaged_file``,
         ``too_large``, ``ragged_row``, ``duplicate_column``.
     """
-    from .table import read_table as read_rows  # noqa: PLC0415 - numpy starts slowly
+    from .text.table import read_table as read_rows  # noqa: PLC0415 - numpy starts slowly
 
     return read_rows(path)

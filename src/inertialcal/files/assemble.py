@@ -12,13 +12,13 @@ from numpy.typing import NDArray
 from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording, Source
 from ..core.remarks import Remark, gather
-from ..signals.time_axis import analyse
-from .axis_remarks import axis_remarks, rate_remark
-from .clock import Clock, find_clock
-from .columns import Content
-from .describe import Described, describe, find_column
-from .missing import missing_remarks, nan_in_required
-from .unfilled import without_unfilled_end
+from ..signals.time.time_axis import analyse
+from .info.axis_remarks import axis_remarks, rate_remark
+from .info.describe import Described, describe, find_column
+from .text.columns import Content
+from .text.missing import missing_remarks, nan_in_required
+from .text.unfilled import without_unfilled_end
+from .time.clock import Clock, find_clock
 
 SHOWN = 5  # texts of a label column in its remark
 

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 
-from .columns import Content
-from .delimited import parse
-from .encoding import decode
 from .formats import recognise
 from .source import Loaded
+from .text.columns import Content
+from .text.delimited import parse
+from .text.encoding import decode
 
 
 def parse_content(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
@@ -33,17 +33,17 @@ def parse_content(loaded: Loaded, variables: Sequence[str] | None = None) -> Con
         content = parse(text, loaded.path)
         return replace(content, remarks=remarks + content.remarks)
     if found == "parquet":
-        from .parquet import read_parquet  # noqa: PLC0415 - heavy import
+        from .binary.parquet import read_parquet  # noqa: PLC0415 - heavy import
 
         return read_parquet(loaded)
     if found == "npy" or found == "npz":  # noqa: PLR1714 - narrows the type
-        from .numpy_file import read_numpy  # noqa: PLC0415 - only where wanted
+        from .binary.numpy_file import read_numpy  # noqa: PLC0415 - only where wanted
 
         return read_numpy(loaded, found, variables)
     if found == "hdf5":
-        from .hdf5 import read_hdf5  # noqa: PLC0415 - heavy import
+        from .binary.hdf5 import read_hdf5  # noqa: PLC0415 - heavy import
 
         return read_hdf5(loaded, variables)
-    from .matlab import read_matlab  # noqa: PLC0415 - heavy import
+    from .binary.matlab import read_matlab  # noqa: PLC0415 - heavy import
 
     return read_matlab(loaded, found, variables)

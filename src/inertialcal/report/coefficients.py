@@ -7,9 +7,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..core.units import divide
-from ..files.apply_text import c_text, python_text
-from ..sensors.model_dict import from_dict
-from ..sensors.words import equation
+from ..files.models.apply_text import c_text, python_text
+from ..sensors.model.serial import from_dict
+from ..sensors.model.words import equation
 from .findings import Figure, Finding
 from .numbers import Number, Text
 from .sections import MODEL

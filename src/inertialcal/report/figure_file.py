@@ -12,10 +12,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..core.errors import UsageError
-from ..files.replacing import replacing
+from ..files.write.atomic import replacing
 
 if TYPE_CHECKING:
-    from .figures.picture import Picture
+    from .figures.drawing.picture import Picture
 
 # ending -> what of its metadata is left out, because it changes from day to day
 FORMATS: dict[str, tuple[str, ...]] = {".png": (), ".svg": ("Date",), ".pdf": ("CreationDate",)}
@@ -58,12 +58,12 @@ def write_figure(
     Raises
     ------
     UsageError, DataError, StoreError
-        As `check_ending` and ``files.replacing``.
+        As `check_ending` and ``files.write.atomic``.
     """
     from matplotlib import rc_context  # noqa: PLC0415 - heavy: only where one is drawn
 
-    from .figures.picture import on_new_figure, stacked  # noqa: PLC0415 - heavy
-    from .figures.svg import SALT  # noqa: PLC0415 - heavy
+    from .figures.drawing.picture import on_new_figure, stacked  # noqa: PLC0415 - heavy
+    from .figures.drawing.svg import SALT  # noqa: PLC0415 - heavy
 
     ending = check_ending(path)
     shown = pictures[:MOST]

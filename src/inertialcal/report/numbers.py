@@ -20,9 +20,9 @@ from typing import Any
 
 from markupsafe import Markup
 
-from ..core.rounding import DIGITS, number, with_uncertainty
+from ..core.show.rounding import DIGITS, number, with_uncertainty
 from ..core.units import factor
-from ..sensors.noise.noise_fit import duration
+from ..sensors.noise.fitting.noise_fit import duration
 
 FEW = 3  # digits of a figure whose uncertainty does not stand beside it
 PAIR = re.compile(r"\(?(?P<value>[^ )]+) ± (?P<u>[^ )]+)\)?(?P<decade>e[+-]\d+)?")

@@ -18,8 +18,8 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..core import output_table
-from ..core.side_by_side import verdict_of
+from ..core.show import output_table
+from ..core.show.side_by_side import verdict_of
 from . import drawings, findings, numbers, sections, wording
 from .coefficients import delivered
 from .drawings import Drawing

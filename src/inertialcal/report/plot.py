@@ -16,14 +16,14 @@ from ..core.errors import DataError, UsageError
 from ..core.estimate import Estimate
 from ..core.recording import Recording
 from ..core.units import factor, kind
-from ..sensors.model import SensorModel
-from ..sensors.words import lines
+from ..sensors.model.sensor_model import SensorModel
+from ..sensors.model.words import lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from .figures.picture import Picture
+    from .figures.drawing.picture import Picture
 
 WITH_CONTENT = ("sensors", "line", "responses")  # of files: noise or spectra, a sine, a moved mass
 OWN_FIGURE = {Recording: "recording", SensorModel: "matrix", Estimate: "estimate"}
@@ -68,7 +68,7 @@ def plot(
     """
     picture = pictures(result, figure, test, axis)[0]
     if ax is None:
-        from .figures.picture import on_new_figure  # noqa: PLC0415 - matplotlib is heavy
+        from .figures.drawing.picture import on_new_figure  # noqa: PLC0415 - matplotlib is heavy
 
         drawn = list(on_new_figure(picture, titled=True, figure=_shown_figure()).axes)
     else:
@@ -157,7 +157,7 @@ def _in_unit(curve: dict[str, Any], unit: str | None) -> dict[str, Any]:
 
 
 def _own_picture(result: Recording | SensorModel | Estimate, axis: str | None) -> Picture:
-    from .figures import estimate, matrix, recording  # noqa: PLC0415 - matplotlib is heavy
+    from .figures.campaign import estimate, matrix, recording  # noqa: PLC0415 - matplotlib is heavy
 
     if isinstance(result, Recording):
         return recording.picture(result, axis)
@@ -187,7 +187,7 @@ def _rows(model: SensorModel) -> list[dict[str, Any]]:
 def _on(picture: Picture, ax: Axes | Sequence[Axes]) -> list[Axes]:
     from matplotlib.axes import Axes as OneAxes  # noqa: PLC0415 - matplotlib is heavy
 
-    from .figures.style import look  # noqa: PLC0415 - matplotlib is heavy
+    from .figures.drawing.style import look  # noqa: PLC0415 - matplotlib is heavy
 
     given = [ax] if isinstance(ax, OneAxes) else list(np.ravel(np.asarray(ax, dtype=object)))
     need = len(picture.heights)

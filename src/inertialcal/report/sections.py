@@ -7,8 +7,8 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..core.beside import columns_of, lines_of, missing_of
-from ..core.side_by_side import own_rows, pairs_of
+from ..core.show.alternatives import columns_of, lines_of, missing_of
+from ..core.show.side_by_side import own_rows, pairs_of
 from .findings import Finding, of_test
 from .numbers import Text
 from .wording import SEVERITIES

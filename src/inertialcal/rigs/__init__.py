@@ -9,7 +9,14 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import hand_held, mesa, npsat1, rate_table, sams_tsh, sams_tsh_model, six_faces, still_gyro
+from .hand_held import rig as hand_held
+from .mesa import rig as mesa
+from .npsat1 import rig as npsat1
+from .rate_table import rig as rate_table
+from .sams_tsh import rig as sams_tsh
+from .sams_tsh_model import rig as sams_tsh_model
+from .six_faces import rig as six_faces
+from .still_gyro import rig as still_gyro
 
 RIGS: dict[str, ModuleType] = {
     "rate_table": rate_table,

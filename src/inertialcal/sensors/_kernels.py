@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from ..core.estimate import Array
-from .nonlinearity import DIGITS, HALLEY_STEPS, LEFT_OVER, STEEP, STEPS, UNDONE
+from .model.nonlinearity import DIGITS, HALLEY_STEPS, LEFT_OVER, STEEP, STEPS, UNDONE
 
 BLOCK = 512  # rows
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")

@@ -27,8 +27,8 @@ from numpy.polynomial import Polynomial
 
 from ..core.constants import REINEL_GRAVITY
 from ..core.units import factor
-from .chain import Chain, Thermometer, pulse_counter
-from .model import Item, Kind, Provenance, SensorModel
+from .chain.converter import Chain, Thermometer, pulse_counter
+from .model.sensor_model import Item, Kind, Provenance, SensorModel
 
 XYZ = ("x", "y", "z")
 BADESCU = "Badescu, NPS thesis, 2011"

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from ..core.rounding import number
+from ..core.show.rounding import number
 
 REPEATS = 2.0  # a step is looked for where values occur at least this often on average
 LEVELS = 2**24  # most levels that a converter has

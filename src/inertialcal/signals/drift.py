@@ -24,7 +24,7 @@ from scipy import special
 
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from ..core.rounding import number
+from ..core.show.rounding import number
 from ..statistics.slow_noise import flicker_covariance, walk_covariance
 
 DEGREE = 3  # of the curve

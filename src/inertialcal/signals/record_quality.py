@@ -20,13 +20,13 @@ from numpy.typing import NDArray
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.remarks import Remark
-from ..core.rounding import number
+from ..core.show.rounding import number
 from .allan.channel import code_remarks
 from .allan.checks import checked_names
 from .codes import is_stuck, longest_run
 from .drift import Drift, drift_of
-from .segments import NOT_WHITE
-from .stillness import Disturbance, Stillness, judge
+from .segmentation.segments import NOT_WHITE
+from .segmentation.stillness import Disturbance, Stillness, judge
 
 __all__ = ["BadSegment", "Drift", "RecordQuality", "record_quality", "stuck_stretches"]
 

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.estimate import Array
-from .block_statistics import Blocks
-from .samples import Flags, Indices
-from .segments import Segmentation
+from .segmentation.block_statistics import Blocks
+from .segmentation.segments import Segmentation
+from .time.samples import Flags, Indices
 
 INSIDE = 0.03  # of the peak of a spike: what is below is no part of it
 

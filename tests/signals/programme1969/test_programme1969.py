@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 import slow_programme as slow
 from inertialcal.core.errors import DataError
-from inertialcal.files.card_images import read_card_images
+from inertialcal.files.text.card_images import read_card_images
 from inertialcal.signals.programme1969 import (
     MeasuredCase,
     SyntheticCase,

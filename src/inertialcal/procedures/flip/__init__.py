@@ -24,9 +24,9 @@ from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
-from ...core.result_tables import figures, told
 from ...core.results import Row
-from ...core.tables import Part, html, text
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
 from .control import checks
 from .curves import curves as curves_of
 from .plan import INFLUENCES, HalfWidths, Plan, Quiet, Readings

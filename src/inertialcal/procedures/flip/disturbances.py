@@ -1,7 +1,7 @@
 """What a record says against its own windows: something moves in one, or the gain of an axis changes.
 
-Both come from the one detector (``signals.turns``, ``signals.gain_changes``). A window in which blocks are not quiet is
-read all the same, and remarked. An axis whose gain changes is not read in any window of the recording: at which gain
+Both come from the one detector (``signals.segmentation.turns``, ``signals.segmentation.gain_changes``).
+A window in which blocks are not quiet is read all the same, and remarked. An axis whose gain changes is not read in any window of the recording: at which gain
 its counts were taken for readings is not known, and at another one its electronics zero and bias are others. Where the
 gain was recorded beside the axis (a channel ``gain_y``), that decides, window by window (``recordings``).
 """
@@ -17,10 +17,10 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
-from ...signals.block_statistics import Blocks, block_statistics
-from ...signals.gain_changes import gain_changes
-from ...signals.turn_windows import quiet_part
-from ...signals.turns import Turns, find_turns
+from ...signals.segmentation.block_statistics import Blocks, block_statistics
+from ...signals.segmentation.gain_changes import gain_changes
+from ...signals.segmentation.turn_windows import quiet_part
+from ...signals.segmentation.turns import Turns, find_turns
 from .quiet import Window
 
 BLOCK = 1.0  # [s]

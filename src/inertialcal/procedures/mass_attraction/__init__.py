@@ -28,14 +28,14 @@ from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
-from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
-from ...core.tables import Part, html, text
-from .as_reduced import published_lines
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
 from .checks import check_source, series_remarks
 from .curves import curves
 from .findings import findings
 from .plan import INFLUENCES, HighG, Line, Plan, Readings, Run, SourceMass
+from .programme1969 import published_lines
 from .recordings import Moved, readings_from, run_of_rows
 from .response import Response, response_of, response_of_line
 from .rows import rows

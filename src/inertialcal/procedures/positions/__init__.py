@@ -26,18 +26,18 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.remarks import Remark, gather
-from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
-from ...core.tables import Part, html, text
-from ...sensors.model import Kind, SensorModel
-from .accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
-from .at_rest import at_rest
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
+from ...sensors.model.sensor_model import Kind, SensorModel
 from .checks import check_units, judged_scale, start_of
-from .earth_rate import apart, joined
-from .gyro import FittedGyro, fit_gyro, problem_of
+from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
+from .fit.at_rest import at_rest
+from .fit.earth_rate import apart, joined
+from .fit.gyro import FittedGyro, fit_gyro, problem_of
+from .fit.linear_sensor import LinearSensor, rounded_scale, with_ideal
 from .held_out import HeldOut, held_out
 from .labels import check_names, missing_faces
-from .linear_sensor import LinearSensor, rounded_scale, with_ideal
 from .plan import AXES, INFLUENCES, Plan, by_axis, local_gravity
 from .published import Ferraris, ferraris
 from .quantities import estimate, model

@@ -18,11 +18,11 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from .attitudes import Packed, packed
+from .fit.attitudes import Packed, packed
+from .fit.rotation_errors import Problem, angles
+from .fit.rotations import converged
 from .plan import AXES
 from .readings import Readings
-from .rotation_errors import Problem, angles
-from .rotations import converged
 
 CLOSE = np.radians(8.0)  # median error from which the start is good enough to fit from
 FOUND = np.radians(6.0)  # median error after a fit, below which another start explains the rotations

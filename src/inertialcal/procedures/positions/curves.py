@@ -16,8 +16,8 @@ import numpy as np
 
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
-from .gyro import FittedGyro, fit_gyro
-from .rotation_errors import across
+from .fit.gyro import FittedGyro, fit_gyro
+from .fit.rotation_errors import across
 
 if TYPE_CHECKING:
     from . import Result

@@ -8,10 +8,10 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .gyro import problem_of
+from .fit.gyro import problem_of
+from .fit.rotation_errors import angles
 from .plan import Plan, local_gravity
 from .readings import Readings
-from .rotation_errors import angles
 
 
 @dataclass(frozen=True, eq=False)

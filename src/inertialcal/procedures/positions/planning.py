@@ -28,7 +28,7 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import PlanError
 from ...core.estimate import Array
-from .observability import observed
+from .fit.observability import observed
 
 AXES = ("x", "y", "z")
 MOST = 200  # positions that a person lays

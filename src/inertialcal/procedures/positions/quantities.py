@@ -13,9 +13,9 @@ import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
 from ...core.units import normalise
-from ...sensors.assemble import model_from
-from ...sensors.model import Kind, SensorModel
-from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
+from ...sensors.model.assemble import model_from
+from ...sensors.model.sensor_model import Kind, SensorModel
+from .fit.linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 from .plan import AXES
 
 SCALE = tuple(f"scale_factor_{a}" for a in AXES)

@@ -1,6 +1,7 @@
 """Recordings of a unit that was laid into positions by hand, as static intervals and the rotations between them.
 
-Static intervals are found by the accelerometers alone (``signals.segments``): at rest the level is that of gravity.
+Static intervals are found by the accelerometers alone (``signals.segmentation.segments``): at rest
+the level is that of gravity.
 Where a protocol says which samples are which position or turn, sections are cut by it instead.
 """
 
@@ -17,10 +18,10 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import Recording
 from ...core.remarks import Remark, gather
-from ...signals.dwells import dwell_of
-from ...signals.placements import Placement, between, disturbed_inside, placements, shortest_placement
-from ...signals.samples import Samples, samples_of
-from ...signals.segments import detect
+from ...signals.segmentation.dwells import dwell_of
+from ...signals.segmentation.placements import Placement, between, disturbed_inside, placements, shortest_placement
+from ...signals.segmentation.segments import detect
+from ...signals.time.samples import Samples, samples_of
 from .labels import check_sections, pointing
 from .plan import AXES, Plan
 from .readings import Readings, Rotation, Triad

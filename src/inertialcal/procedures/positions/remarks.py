@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...core.remarks import Remark
-from .levels import NOT_JUDGED
+from .fit.levels import NOT_JUDGED
 from .plan import INFLUENCES
 from .rows import missing
 

@@ -12,12 +12,12 @@ import numpy as np
 
 from ...core.estimate import Array, Estimate
 from ...core.results import Interval, Row, not_estimated
-from ...sensors.model import Kind
+from ...sensors.model.sensor_model import Kind
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
-from .accelerometer import Fitted
-from .levels import FEWEST
-from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor
+from .fit.accelerometer import Fitted
+from .fit.levels import FEWEST
+from .fit.linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor
 from .plan import AXES, INFLUENCES, local_gravity
 from .published import published_rows
 from .quantities import SCALE, UNIT, reasons, units_of

@@ -25,9 +25,9 @@ from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
-from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
-from ...core.tables import Part, html, text
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
 from .checks import check_agreement
 from .curves import curves
 from .earth_input import with_earth

@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...core.influence import Influence, Standards
 from ...core.remarks import Remark
-from ...signals.dwells import Tally
+from ...signals.segmentation.dwells import Tally
 from .taken_off import TakenOff
 from .traces import Trace
 

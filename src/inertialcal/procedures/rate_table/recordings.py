@@ -20,8 +20,8 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
-from ...signals.dwells import Dwell, Tally, tally
-from ...signals.schedule import dwells_by_reference, dwells_by_windows
+from ...signals.segmentation.dwells import Dwell, Tally, tally
+from ...signals.time.schedule import dwells_by_reference, dwells_by_windows
 from .earth_input import earth_in_dwells, gathered
 from .plan import AXES, Plan, Readings
 from .taken_off import TakenOff, joined

@@ -1,7 +1,7 @@
 """Noise of a sensor at rest: terms with their intervals, what the records cannot tell, how long to record.
 
-Definitions of the terms stand in ``sensors.noise.terms``, the estimator in ``sensors.noise.likelihood``. Several
-records of one sensor are fitted together, with a test that they agree.
+Definitions of the terms stand in ``sensors.noise.terms``, the estimator in ``sensors.noise.fitting.likelihood``.
+Several records of one sensor are fitted together, with a test that they agree.
 
 What is assumed: the sensor stands still, so that all it reads but its mean is its noise; the noise is normal and the
 same throughout. Disturbances are found and left out (counted); lines are found in the spectrum and take part in the
@@ -24,10 +24,10 @@ from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Component, Estimate
 from ...core.remarks import Remark, gather
-from ...core.result_tables import figures, told
 from ...core.results import Interval, Row
-from ...core.tables import Part, html, text
-from ...sensors.noise.noise_fit import duration
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
+from ...sensors.noise.fitting.noise_fit import duration
 from .at_rest import AtRest
 from .axis_noise import AxisNoise, Recorded, noise_of
 from .bounds import interval_at

@@ -9,8 +9,8 @@ import numpy as np
 
 from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
-from ...sensors.noise.fit import fit
-from ...sensors.noise.noise_fit import NoiseFit
+from ...sensors.noise.fitting.estimator import fit
+from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...signals.allan import Allan
 from .deviations import FITTED, fitted, shown
 from .disturbances import Looked, looked_through

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from ...core.errors import DataError
 from ...core.results import Interval, Row
-from ...sensors.noise.fit import fit
+from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.terms import Sinusoid
 from .scale import widened
 

@@ -10,8 +10,8 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
-from ...core.rounding import number
-from ...signals.time_axis import TimeAxis, analyse
+from ...core.show.rounding import number
+from ...signals.time.time_axis import TimeAxis, analyse
 from .at_rest import AtRest
 
 FLAG = "flag"  # where the sample interval comes from, when the user said it

@@ -12,9 +12,9 @@ import numpy as np
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...core.rounding import number
+from ...core.show.rounding import number
 from ...core.units import factor
-from ...sensors.noise.noise_fit import duration
+from ...sensors.noise.fitting.noise_fit import duration
 from ...signals.codes import coarse_steps
 from ...signals.record_quality import BadSegment, Drift, RecordQuality, record_quality
 from .plan import Plan, Run

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from ...sensors.noise.noise_fit import NoiseFit
+from ...sensors.noise.fitting.noise_fit import NoiseFit
 from .plan import Run
 
 CUT = 1e-3  # share of samples at the end of the range from which the noise that is left is no longer whole

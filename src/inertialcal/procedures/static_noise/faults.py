@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.remarks import Remark
-from ...core.rounding import number
+from ...core.show.rounding import number
 from ...signals.codes import levels_of, rails
 from ...signals.record_quality import BadSegment, stuck_stretches
 from .plan import Fault, Plan, Run

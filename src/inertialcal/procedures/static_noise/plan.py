@@ -42,7 +42,8 @@ class Plan:
     seconds : tuple of float
         Averaging times that are shown instead [s].
     terms : list of str, optional
-        Terms that are fitted; all that the record shows, by the criterion of ``sensors.noise.order``, if not said.
+        Terms that are fitted; all that the record shows, by the criterion of ``sensors.noise.fitting.order``,
+        if not said.
     lines : bool
         Whether lines are looked for in the spectrum, and taken into the fit.
     warm_up : float

@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.errors import InertialcalError
-from ...sensors.noise.noise_fit import FoundTerm, duration
+from ...sensors.noise.fitting.noise_fit import FoundTerm, duration
 from ...sensors.noise.planner import plan_record
 from ...sensors.noise.terms import Sinusoid
 from .axis_noise import AxisNoise

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.remarks import Remark, gather
-from ...core.rounding import number
+from ...core.show.rounding import number
 from ...core.units import factor
 from ...signals.allan import on_grid
 from .at_rest import AtRest

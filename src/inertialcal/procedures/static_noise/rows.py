@@ -11,7 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...core.results import Interval, Row, not_estimated
-from ...sensors.noise.noise_fit import FoundTerm, NoiseFit, duration
+from ...sensors.noise.fitting.noise_fit import FoundTerm, NoiseFit, duration
 from ...sensors.noise.terms import TERMS, Kind, Sinusoid, quantity_name
 from ...sensors.noise.units import parameter_unit, sample_unit
 from ...statistics.intervals import t_interval

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...core.rounding import number
+from ...core.show.rounding import number
 from ...signals.allan import Allan
 from ...signals.spectrum import Agreement, Line, Lines, Spectrum, compare_allan, find_lines, psd
 from .plan import Plan

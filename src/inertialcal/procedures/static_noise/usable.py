@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from ...core.errors import DataError, Problem
-from ...sensors.noise.noise_fit import duration
+from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.runs import run_of
 from ...sensors.noise.units import sample_unit
 from ...signals.allan import Allan

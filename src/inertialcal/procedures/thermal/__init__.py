@@ -27,9 +27,9 @@ from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.influence import Influence
 from ...core.remarks import Remark, gather
-from ...core.result_tables import figures, told
 from ...core.results import Row, is_beside
-from ...core.tables import Part, html, text
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
 from .curves import curves
 from .earth import earth_along
 from .law import Law

@@ -5,8 +5,8 @@ run, the cells of one bin and one path share the weight 1, so every bin counts t
 unit stayed in it and how many ramps went through.
 
 Left out, and counted: samples without reading or temperature (``invalid``), before the start-up is over (``warm_up``),
-on no path (``turn_over``, module ``signals.ramps``), in bins that were seen on one path only and lie beyond the others
-(``one_path``), and in cells with few samples (``sparse``).
+on no path (``turn_over``, module ``signals.segmentation.ramps``), in bins that were seen on one path only
+and lie beyond the others (``one_path``), and in cells with few samples (``sparse``).
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...signals.ramps import COOLING, WARMING, find_ramps
+from ...signals.segmentation.ramps import COOLING, WARMING, find_ramps
 from .plan import Plan, Readings, span_of
 
 Indices = NDArray[np.int64]

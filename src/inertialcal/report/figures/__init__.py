@@ -11,15 +11,13 @@ from dataclasses import dataclass
 from hashlib import sha256
 from typing import Any
 
-from . import (
-    allan,
-    budget,
-    compensated,
-    conditions,
+from .campaign import budget, compensated, matrix
+from .drawing.picture import Picture, on_new_figure
+from .drawing.style import variables
+from .drawing.svg import to_svg
+from .flip import conditions, flip, side_by_side
+from .mass_attraction import (
     cube_as_point,
-    dwells,
-    flip,
-    input_output,
     mass_body,
     mass_field,
     mass_forecast,
@@ -27,24 +25,13 @@ from . import (
     mass_line,
     mass_runs,
     mass_series,
-    matrix,
-    overlay,
-    positions_residuals,
-    positions_sphere,
     proof_mass,
-    rate_error,
-    reference_voltage,
-    side_by_side,
-    sine,
-    spectrum,
-    start_up,
-    thermal,
-    thermal_order,
-    transitions,
 )
-from .picture import Picture, on_new_figure
-from .style import variables
-from .svg import to_svg
+from .positions import positions_residuals, positions_sphere, transitions
+from .rate_table import dwells, input_output, rate_error, reference_voltage
+from .sine import sine
+from .static_noise import allan, spectrum
+from .thermal import overlay, start_up, thermal, thermal_order
 
 
 @dataclass(frozen=True)

@@ -8,11 +8,11 @@ to a filter (``state_space``, ``to_kalibr``, ...). Values are SI inside; ``shown
 
 from .allan_of_terms import expected_variance
 from .filter_block import FilterBlock
-from .fit import fit
+from .fitting.estimator import fit
+from .fitting.goodness import ChiSquare
+from .fitting.noise_fit import FoundTerm, NoiseFit, Parameter, duration
 from .flicker_bank import flicker_bank
 from .forecast import Forecast, forecast
-from .goodness import ChiSquare
-from .noise_fit import FoundTerm, NoiseFit, Parameter, duration
 from .planner import RecordPlan, plan_record
 from .runs import AllanLike, Run
 from .simulate import simulate

@@ -18,11 +18,11 @@ import numpy as np
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ...core.rounding import number
-from ...core.tables import Grid, Part, html, text
+from ...core.show.rounding import number
+from ...core.show.tables import Grid, Part, html, text
 from .allan_of_terms import variance_of_phase
-from .covariance_of_allan import covariance_of_allan, model_edf
-from .sandwich import sandwich_of
+from .fitting.covariance_of_allan import covariance_of_allan, model_edf
+from .fitting.sandwich import sandwich_of
 from .terms import Term, total_phase
 
 SHOWN = 0.25  # relative error of a size that is shown to be there

@@ -26,14 +26,14 @@ import numpy as np
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ...core.rounding import number
-from ...core.tables import Grid, Part, html, text
+from ...core.show.rounding import number
+from ...core.show.tables import Grid, Part, html, text
 from ...signals.allan.deviations import KINDS
 from ...signals.allan.edf import degrees_of_freedom
 from .allan_of_terms import variance_of_phase
-from .covariance_of_allan import covariance_of_allan, model_edf
+from .fitting.covariance_of_allan import covariance_of_allan, model_edf
+from .fitting.separation import can_be_chosen, separation
 from .forecast import SPANS, check_terms, free_parameters, relative_errors
-from .separation import can_be_chosen, separation
 from .terms import Term, total_phase
 
 LONGEST = 2.0**34  # samples of a record that is still planned

@@ -9,11 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...core.frames import frame
 from ...core.remarks import Remark
-from ...core.result_tables import dof, told
-from ...core.rounding import number
-from ...core.tables import Grid, Part, html, short, text
+from ...core.show.frames import frame
+from ...core.show.result_tables import dof, told
+from ...core.show.rounding import number
+from ...core.show.tables import Grid, Part, html, short, text
 from .deviations import KINDS, Deviation
 from .prefix import Quantity
 

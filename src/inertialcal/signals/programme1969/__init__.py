@@ -4,7 +4,7 @@ What the report's numbers are made of: two series of up to 100 samples, one of t
 meter; four reductions; correlations, spectrum and Fourier coefficients; scale factor. Rules that are wrong or odd are
 kept and named at each function: wrong positions are closed up (which shifts the phase of all that follows), the highest
 line has twice its weight, the moving mean shrinks towards the ends of the record and takes 1.3 % of the signal with
-it. The right way stands in ``signals.reductions`` and ``signals.sine``.
+it. The right way stands in ``signals.programme1969.reductions`` and ``signals.sine``.
 
 It lies with the signals, not with the procedure that uses it: from cards to numbers it knows of no mass and no
 schedule.

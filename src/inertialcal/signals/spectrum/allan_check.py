@@ -30,8 +30,8 @@ from scipy import special
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...core.rounding import number
-from ...core.tables import Grid, Part, html, text
+from ...core.show.rounding import number
+from ...core.show.tables import Grid, Part, html, text
 from .density import Spectrum
 
 MOST_CONTINUED = 0.1  # of the variance, from below the lowest frequency

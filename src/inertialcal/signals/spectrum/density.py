@@ -11,11 +11,11 @@ from scipy import special
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
-from ...core.frames import frame
 from ...core.remarks import Remark
-from ...core.result_tables import dof, told
-from ...core.rounding import number
-from ...core.tables import Grid, Part, html, text
+from ...core.show.frames import frame
+from ...core.show.result_tables import dof, told
+from ...core.show.rounding import number
+from ...core.show.tables import Grid, Part, html, text
 
 Method = Literal["welch", "multitaper"]
 

@@ -28,8 +28,8 @@ from scipy import special
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...core.rounding import number, with_uncertainty
-from ...core.tables import Grid, Part, html, text
+from ...core.show.rounding import number, with_uncertainty
+from ...core.show.tables import Grid, Part, html, text
 from .background import Background, background_of
 from .density import Spectrum
 

@@ -1,0 +1,42 @@
+"""A survey of a file as text for a terminal."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ...core.show.rounding import number
+from ...core.show.tables import short
+from ...files.info.survey_tables import notes, time_line
+from .output import clean, table, wrapped
+
+if TYPE_CHECKING:
+    from ...files.info.channel_survey import ChannelSurvey
+    from ...files.info.survey import Survey
+
+
+def survey_text(one: Survey) -> str:
+    """Return what a file holds: head, channels, time, hints, remarks, and what to type next."""
+    parts = [
+        f"{clean(one.path)}: {one.source.format}, {one.rows} rows",
+        _channels(one),
+        wrapped(time_line(one), "    "),
+    ]
+    parts += [wrapped(f"hint: {hint}", "    ") for hint in one.hints]
+    parts += [wrapped(str(remark), "    ") for remark in one.remarks]
+    if one.next:
+        parts.append(f"next: {one.next}")
+    return "\n".join(part for part in parts if part)
+
+
+def _channels(one: Survey) -> str:
+    heads = ["  channel", "axis", "what", "unit", "type", "min", "max", "mean", "std", "step", "missing", ""]
+    return table([_channel(channel) for channel in one.channels], heads, right=(5, 6, 7, 8, 9, 10))
+
+
+def _channel(one: ChannelSurvey) -> list[str]:
+    figures = (one.minimum, one.maximum, one.mean, one.std, one.resolution)
+    said = one.unit or "?"
+    return [
+        f"  {short(one.name)}", one.axis, one.quantity, said, one.dtype, *(number(figure, 5) for figure in figures),
+        str(one.missing), notes(one),
+    ]  # fmt: skip

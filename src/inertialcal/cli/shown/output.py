@@ -1,0 +1,94 @@
+"""What a command prints: one JSON object alone on standard output, or text for people."""
+
+from __future__ import annotations
+
+import json
+import os
+import sys
+import textwrap
+from collections.abc import Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from typing import Any
+
+from ...core.errors import Problem
+from ...core.show.tables import aligned as table
+from ...core.show.tables import clean
+
+__all__ = ["clean", "errors_out", "found", "json_out", "package_version", "problem_text", "table", "width", "wrapped"]
+
+# Exit status that the command has found, for a reader that closes the pipe before all is printed.
+FOUND = [0]
+PARTS = ("results", "curves", "remarks", "verdicts", "errors")
+WIDTH = 110  # of wrapped text where there is no terminal
+
+
+def package_version() -> str:
+    """Return the version of inertialcal."""
+    try:
+        return version("inertialcal")
+    except PackageNotFoundError:
+        return "unknown"
+
+
+def json_out(command: str, content: Mapping[str, Any], status: int = 0) -> None:
+    """Print the one object of ``--json``: the same keys for every command, also when refused.
+
+    Parameters
+    ----------
+    command : str
+        Word that was typed.
+    content : mapping
+        ``inputs``, ``results``, ``curves``, ``remarks``, ``verdicts``, ``errors``, and what else it gives.
+    status : int
+        Exit status.
+    """
+    whole: dict[str, Any] = {"command": command, "version": package_version(), "inputs": []}
+    whole |= {name: [] for name in PARTS} | dict(content) | {"exit": status}
+    print(json.dumps(whole, ensure_ascii=False, allow_nan=False))
+
+
+def found(status: int) -> int:
+    """Keep the exit status of the command, before anything is printed; return it."""
+    FOUND[0] = status
+    return status
+
+
+def errors_out(
+    given: Sequence[str],
+    problems: Sequence[Problem],
+    status: int,
+    as_json: bool,
+    inputs: Sequence[tuple[str, str]] = (),
+) -> int:
+    """Print what is wrong, as text or as the JSON object; return the exit status."""
+    words = [word for word in given if not word.startswith("-")]
+    command = " ".join(words[:2] if words[:1] == ["plan"] else words[:1])
+    if as_json:
+        listed = [{"path": path, "sha256": digest} for path, digest in inputs]
+        json_out(command, {"inputs": listed, "errors": [problem.to_dict() for problem in problems]}, status)
+        return status
+    for problem in problems:
+        print(problem_text(problem), file=sys.stderr)
+    if len(problems) > 1:
+        print(f"{len(problems)} problems", file=sys.stderr)
+    return status
+
+
+def problem_text(problem: Problem) -> str:
+    """Return a problem for people: what and where first, why and the way out indented below."""
+    head = f"{problem.where}: {problem.what}" if problem.where else problem.what
+    below = [part for part in (problem.why, problem.do) if part]
+    return "\n".join([f"error: {clean(head)}", *(f"       {clean(part)}" for part in below)])
+
+
+def width() -> int:
+    """Return the width of the terminal, or a fixed one elsewhere."""
+    try:
+        return os.get_terminal_size(sys.stdout.fileno()).columns
+    except (OSError, ValueError):
+        return WIDTH
+
+
+def wrapped(text: str, indent: str = "  ") -> str:
+    """Return text folded to the width, the first line flush and the rest indented."""
+    return textwrap.fill(clean(text), width(), subsequent_indent=indent)

@@ -1,0 +1,169 @@
+"""A campaign's results as text for a terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any
+
+from ...core.remarks import Remark
+from ...core.show.alternatives import columns_of, lines_of, names_of
+from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
+from ...core.show.rounding import number
+from ...core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
+from .output import clean, table, wrapped
+
+DOUBT = "in doubt"  # beginning of the reason of a figure that may not hold
+
+
+def results_text(results: Mapping[str, Any]) -> str:
+    """Return the figures of a campaign, test by test, each result with what stands beside it."""
+    blocks = []
+    tests = list(dict.fromkeys(row["test"] for row in results["results"]))
+    against = {step["test"]: step.get("against") for step in results.get("sequence", [])}
+    for test in tests:
+        rows = [row for row in results["results"] if row["test"] == test]
+        blocks.append(f"{test}\n{_estimated(own_rows(rows))}")
+        missing = "\n".join(part for part in (_in_doubt(rows), _not_estimated(rows)) if part)
+        if missing:
+            blocks[-1] += f"\n{missing}"
+        beside = _side_by_side(rows, test, str(against.get(test) or "the other"))
+        if beside:
+            blocks[-1] += f"\n{beside}"
+    return "\n\n".join(blocks)
+
+
+def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
+    """One line a quantity: the result, and beside it the other ways of reduction and single flips."""
+    lines = lines_of(rows)
+    beside, left = columns_of(lines)
+    cells = [
+        [f"  {_name(quantity, condition)}", axis, figure(ways.get("")), unit, interval(ways.get("")),
+         degrees(ways.get("")), *(figure_beside(ways.get(way), ways.get("")) for way in beside)]
+        for (quantity, condition, axis, unit), ways in lines.items()
+        if not ways.keys() <= set(left)
+    ]  # fmt: skip
+    heads = ["  quantity", "axis", "value ± u", "unit", "95 % interval", "dof"]
+    shown = table(cells, [*heads, *(way.replace("_", " ") for way in beside)])
+    if not left:
+        return shown
+    count = sum(way in left for ways in lines.values() for way in ways)
+    return f"{shown}\n  left out: {count} figures beside the result ({names_of(left)}); --json has them"
+
+
+def _name(quantity: str, condition: str) -> str:
+    return f"{quantity} ({condition})" if condition else quantity
+
+
+def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return a line a reason why figures of axes may not hold."""
+    axes: dict[str, dict[str, None]] = {}
+    for row in own_rows(rows):
+        if row["status"] == "estimated" and row["reason"].startswith(DOUBT):
+            axes.setdefault(row["reason"], {})[row["axis"]] = None
+    return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
+
+
+def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
+    return "\n".join(f"  {line}" for line in not_estimated(rows))
+
+
+def _side_by_side(rows: Sequence[Mapping[str, Any]], test: str, other: str) -> str:
+    """One line an axis: what both ground models leave of the bias, and which of them is nearer to zero."""
+    cells = [
+        [f"  {axis}", figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), interval(pair[CHANGE]),
+         figure(pair.get(REDUCTION)), interval(pair.get(REDUCTION)), pair[CHANGE]["unit"], verdict_of(pair)]
+        for (axis, flip), pair in pairs_of(rows).items()
+        if not flip
+    ]  # fmt: skip
+    heads = ["  axis", test, other, "difference", "95 % interval", "nearer to 0 by", "95 % interval", "unit", "to 0"]
+    return f"  side by side: what both ground models leave of the bias\n{table(cells, heads)}" if cells else ""
+
+
+def verdicts_text(results: Mapping[str, Any]) -> str:
+    """Return one line a requirement, test and axis: where it holds and where not."""
+    lines = []
+    groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
+    for verdict in results["verdicts"]:
+        groups.setdefault((verdict["requirement"], verdict["test"], verdict["axis"]), []).append(verdict)
+    for (requirement, test, axis), verdicts in groups.items():
+        lines.append([f"  {requirement}", test, axis, *_counts(verdicts)])
+    return table(lines, ["  requirement", "test", "axis", "verdict", "where"])
+
+
+def _counts(verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, str]:
+    found = {one["verdict"] for one in verdicts}
+    word = next(w for w in ("FAIL", "INCONCLUSIVE", "OPEN", "PASS") if w in found)
+    parts = []
+    for name in ("PASS", "FAIL", "INCONCLUSIVE", "OPEN"):
+        at = [one for one in verdicts if one["verdict"] == name]
+        rated = [one for one in at if one["at"] is not None]
+        if rated:
+            parts.append(f"{name} at {_rates(rated)}")
+        parts += [one["reason"] for one in at if one["at"] is None]
+    return word, "; ".join(part for part in parts if part)
+
+
+def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
+    unit = verdicts[0]["at_unit"]
+    rates = sorted((one["at"] for one in verdicts), key=lambda rate: (0.0 if unit == "degC" else abs(rate), rate))
+    if len(rates) <= 6:
+        return f"{', '.join(f'{rate:+g}' for rate in rates)} {unit}"
+    if unit == "degC":
+        return f"{len(rates)} temperatures, {min(rates):g} to {max(rates):g} {unit}"
+    return f"{len(rates)} rates, |rate| {abs(rates[0]):g} to {abs(rates[-1]):g} {unit}"
+
+
+def closed_loop_text(results: Mapping[str, Any]) -> str:
+    """Return one line an axis: error before and after compensation, on readings held out."""
+    loop = results["closed_loop"]
+    if not loop["axes"]:
+        return f"closed loop: {loop['verdict']} ({loop['reason']})"
+    rows = [
+        [
+            f"  {one['axis']}", number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+            f"{one['dwells']}", f"{one['runs']}", one["verdict"], one["reason"],
+        ]
+        for one in loop["axes"]
+    ]  # fmt: skip
+    heads = ["  axis", "rms error", "compensated", "unit", "dwells", "runs", "verdict", ""]
+    said = f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
+    return "\n".join([said, *_over_temperature_text(loop.get("over_temperature", ()))])
+
+
+def _over_temperature_text(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield one line an axis of each thermal test held out: bias before and after its polynomial is taken off."""
+    cells = [
+        [
+            f"  {one['axis']}", one["test"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+            f"{one['runs']}", one["verdict"], one["reason"],
+        ]
+        for one in rows
+    ]  # fmt: skip
+    if cells:
+        yield "  bias over temperature, on power-ups held out"
+        yield table(cells, ["  axis", "test", "rms bias", "compensated", "unit", "runs", "verdict", ""])
+
+
+def remarks_text(remarks: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+    """Yield each remark as text, the serious ones first."""
+    order = {"error": 0, "warning": 1, "info": 2}
+    for remark in sorted(remarks, key=lambda one: order[str(one["severity"])]):
+        yield wrapped(str(Remark(**remark)), "    ")
+
+
+def print_reduced(
+    columns: Mapping[str, str],
+    rows: Sequence[Mapping[str, Any]],
+    remarks: Sequence[Mapping[str, Any]],
+    line: str = "",
+    found: str = "",
+) -> None:
+    """Print which channel was what, what was found in it, the figures, what there is to say, and what was written."""
+    print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in columns.items())))
+    if found:
+        print(wrapped(found))
+    print(results_text({"results": rows}))
+    for text in remarks_text(remarks):
+        print(text)
+    if line:
+        print(line)

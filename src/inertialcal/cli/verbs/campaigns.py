@@ -1,0 +1,111 @@
+"""init, check, run, demo: commands that work on a campaign."""
+
+from __future__ import annotations
+
+import shlex
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..options import Folder, Json, Quiet
+from ..shown.output import clean, found, json_out, wrapped
+from ..shown.progress import progress
+
+
+def run(
+    folder: Folder,
+    open_report: Annotated[bool, typer.Option("--open", help="Open the report in the browser.")] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Run a campaign: every test, every requirement, results and report into DIR/out/."""
+    from ...campaign.run import run as run_campaign
+    from ..opening import open_page
+
+    with progress(quiet or as_json) as tell:
+        outcome = run_campaign(folder, tell)
+    found(outcome.exit_status)
+    if as_json:
+        json_out("run", outcome_content(outcome), outcome.exit_status)
+    elif not quiet:
+        print_outcome(outcome)
+    if open_report:
+        open_page(report_path(outcome))
+    return outcome.exit_status
+
+
+def where_text(outcome: Any) -> str:
+    """Return where the results of a run are, and which of them to read."""
+    return clean(f"results in {outcome.campaign.folder / 'out'}; to read: {report_path(outcome)}")
+
+
+def report_path(outcome: Any) -> Path:
+    """Return the page that a run wrote."""
+    return Path(outcome.campaign.folder) / "out" / "report.html"
+
+
+def outcome_content(outcome: Any) -> dict[str, Any]:
+    """Return what ``--json`` says of a run."""
+    inputs = [{"path": path, "sha256": digest} for path, digest in sorted(outcome.inputs.items())]
+    return {"inputs": inputs, **outcome.results, "changed": outcome.changed}
+
+
+def print_outcome(outcome: Any) -> None:
+    """Print figures, remarks, closed loop and verdicts of a run."""
+    from ..shown.summary import closed_loop_text, remarks_text, results_text, verdicts_text
+
+    results = outcome.results
+    print(results_text(results))
+    if results["remarks"]:
+        print("\nremarks")
+        for text in remarks_text(results["remarks"]):
+            print(f"  {text}")
+    print(f"\n{closed_loop_text(results)}")
+    if results["verdicts"]:
+        print(f"\nrequirements ({results['decision_rule']})")
+        print(verdicts_text(results))
+        print(f"overall: {outcome.verdict}")
+    if outcome.changed:
+        print(f"\nchanged since the last run: {len(outcome.changed)}")
+        for line in outcome.changed[:20]:
+            print(f"  {clean(line)}")
+    print(f"\n{where_text(outcome)}")
+
+
+def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
+    """Judge the inputs of a campaign: the campaign file and every recording it names."""
+    from ...campaign.run import check as check_campaign
+
+    campaign, inputs, remarks = check_campaign(folder)
+    if as_json:
+        listed = [{"path": path, "sha256": digest} for path, digest in sorted(inputs.items())]
+        json_out("check", {"inputs": listed, "remarks": [remark.to_dict() for remark in remarks]})
+    elif not quiet:
+        for remark in remarks:
+            print(wrapped(str(remark), "    "))
+        tests, recordings = len(campaign.file.tests), len(campaign.file.recordings)
+        said = f"{tests} test{'s' * (tests != 1)}, {recordings} recording{'s' * (recordings != 1)}"
+        print(f"ok: {said}. Next: inertialcal run {shlex.quote(str(folder))}")
+    return 0
+
+
+def init(
+    folder: Annotated[Path, typer.Argument(help="Folder with recordings.", show_default=False)],
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Write a campaign.toml for the recordings found in a folder; fill in its marked lines."""
+    from ...campaign.starter import start
+
+    path, marked, remarks = start(folder)
+    if as_json:
+        json_out(
+            "init", {"results": [], "written": str(path), "to_fill": marked, "remarks": [r.to_dict() for r in remarks]}
+        )
+    elif not quiet:
+        for remark in remarks:
+            print(wrapped(str(remark), "    "))
+        print(f"written: {path}")
+        print(f"fill in the {len(marked)} lines marked FILL IN, then: inertialcal check {shlex.quote(str(folder))}")
+    return 0

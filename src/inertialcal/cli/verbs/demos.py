@@ -1,0 +1,81 @@
+"""demo: an example built, run and, where its truth is known, scored; offline."""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from ..options import Json, Quiet
+from ..shown.output import json_out
+from ..shown.progress import progress
+from .campaigns import outcome_content, print_outcome, where_text
+
+
+def demo(
+    rig: Annotated[
+        str,
+        typer.Argument(
+            help="A rig, simulated: npsat1, rate_table, sams_tsh, still_gyro, mesa, hand_held, six_faces; "
+            "or published: npsat2011, sams1996, reinel1969.",
+            show_default="npsat1",
+        ),
+    ] = "",
+    output: Annotated[Path, typer.Option("--output", "-o", help="Where to put the published one.")] = Path(
+        "inertialcal-demo"
+    ),
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Build an example, run it, and set what was found beside the truth that was simulated."""
+    from ...campaign.example import demonstrations
+
+    content: dict[str, Any] = {}
+    for name, folder in demonstrations(rig, output):
+        content[name] = _one(name, folder, as_json, quiet)
+    if as_json:
+        first, *others = content.values()
+        json_out("demo", first | {"others": others})
+    return 0
+
+
+def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
+    """Build, run and score one example; return what ``--json`` says of it."""
+    from ...campaign.example import build, has_truth, title
+    from ...campaign.run import run as run_campaign
+    from ...campaign.score import score
+
+    built = build(name, folder)
+    if not as_json and not quiet:
+        print(f"{title(name)}, in {built}", file=sys.stderr)
+    with progress(quiet or as_json) as tell:
+        outcome = run_campaign(built, tell)
+    found = score(built) if has_truth(built) else None
+    if not as_json and not quiet:
+        print_outcome(outcome) if found is None else _print_scored(outcome, found)
+    scored = {} if found is None else {"score": {"inside": found.inside, "estimated": found.estimated}}
+    return {"example": name} | outcome_content(outcome) | scored
+
+
+BESIDE = ("vacuum_offset", "angle_random_walk")  # shown with the model, which has no such terms
+
+
+def _of_others(row: Any) -> bool:
+    return row["quantity"] in BESIDE and "degC" not in row["condition"]
+
+
+def _print_scored(outcome: Any, found: Any) -> None:
+    """Print the model beside the truth, not every figure of every test; those where no model is made."""
+    from ..shown.summary import closed_loop_text
+    from .twins import held_text, truth_table
+
+    model = [row for row in found.rows if row["test"] == "model" or _of_others(row)]
+    model = model if any(row["test"] == "model" for row in model) else []
+    what = "the model that was found" if model else "what was found"
+    print(f"\n{outcome.results['campaign']['title']}: {what} beside the truth that was simulated")
+    print(truth_table(model or found.rows))
+    print(f"\n{held_text(found)}")
+    print(f"\n{closed_loop_text(outcome.results)}")
+    print(f"overall: {outcome.verdict}\n\n{where_text(outcome)}")

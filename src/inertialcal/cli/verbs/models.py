@@ -1,0 +1,250 @@
+"""show, compensate, export, convert, compare: commands that work on models and on what they are applied to."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .. import figures
+from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
+from ..pairs import pairs
+from ..shown.output import clean, json_out, wrapped
+
+Model = Annotated[Path, typer.Argument(help="model.json, or the folder of a campaign.", show_default=False)]
+Data = Annotated[Path, typer.Argument(help="Recording.", show_default=False)]
+Output = Annotated[Path, typer.Option("--output", "-o", help="File to write.", show_default=False)]
+SampleRate = Annotated[
+    float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time.")
+]
+TimeColumn = Annotated[
+    str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
+]
+
+
+def show(
+    model: Annotated[
+        Path, typer.Argument(help="model.json, results.json, or the folder of a campaign.", show_default=False)
+    ],
+    output: figures.FigureFile = None,
+    figure: figures.FigureName = None,
+    test: Annotated[str | None, typer.Option(help="Figure of results: of which test.")] = None,
+    axis: Annotated[str | None, typer.Option(help="Figure of results: of which axis.")] = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Show a model in words, or results as a table; with -o, a figure of either."""
+    from ...campaign.results_file import find_results
+    from ..shown.show_results import show_results
+
+    figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
+    chosen = {"figure": figure, "test": test, "axis": axis}
+    results = find_results(model, of_campaign=any(chosen.values()))
+    if results is not None:
+        return show_results(results, output, chosen, as_json, quiet)
+    return _show_model(model, output, chosen, as_json, quiet)
+
+
+def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:
+    from ...campaign.model_rows import model_rows
+    from ...campaign.models import find_model
+    from ...sensors.model.serial import to_dict
+    from ...sensors.model.words import equation, lines
+    from ..shown.model_text import model_text
+
+    found = find_model(path)
+    rows = [row.to_dict() for row in model_rows(found.model)]
+    line = "" if output is None else figures.write(output, found.model, [found.path], chosen)
+    if as_json:
+        words = [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(found.model)]
+        content = {
+            "inputs": [_input(found)],
+            "remarks": [remark.to_dict() for remark in found.remarks],
+            "results": rows,
+            "equation": equation(found.model),
+            "words": words,
+            "judged": found.model.judged,
+            "model": to_dict(found.model),
+        } | ({} if output is None else {"written": str(output)})
+        json_out("show", content)
+    elif not quiet:
+        _print_remarks(found.remarks)
+        print(line or model_text(found.model, rows))
+    return 0
+
+
+def compensate(
+    model: Model,
+    data: Data,
+    output: Output,
+    unit: Units = [],  # noqa: B006 - typer copies it
+    column: Annotated[
+        list[str],
+        typer.Option(
+            "--column", help="Column of an axis or a condition: x=wx, pressure=p, force_x=ax. May be repeated."
+        ),
+    ] = [],  # noqa: B006 - typer copies it
+    temperature: Annotated[
+        str | None, typer.Option(help='Column with the temperature of the sensor, or one for all: "25 degC".')
+    ] = None,
+    serial: Annotated[
+        str | None, typer.Option(help="Serial number of the sensor that gave the data: checked against the model.")
+    ] = None,
+    uncertainty: Annotated[
+        bool, typer.Option("--uncertainty", help="Add a column with the standard uncertainty of each axis.")
+    ] = False,
+    sample_rate: SampleRate = None,
+    time_column: TimeColumn = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
+    from ...campaign.compensation import compensate as apply
+    from ...campaign.model_inputs import taken
+    from ...campaign.models import find_model
+    from ...files import read
+    from ...files.write.recording import write, writer_for
+
+    writer_for(output)
+    columns, units = pairs(column, "--column", "x=wx"), pairs(unit, "--unit", "gyro=deg/s")
+    found = find_model(model)
+    raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
+    chosen = taken(found.model, raw, columns, temperature)
+    done = apply(found.model, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
+    remarks = [*done.remarks, *write(output, done)]
+    used = dict(chosen.columns) | (
+        {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
+    )
+    if as_json:
+        inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
+        _written("compensate", inputs, output, len(done), remarks, {"columns": used})
+    elif not quiet:
+        print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in used.items())))
+        _print_written(output, len(done), remarks)
+    return 0
+
+
+def convert(
+    source: Data,
+    target: Annotated[Path, typer.Argument(help="File to write: .csv, .parquet or .npz.", show_default=False)],
+    unit: Units = [],  # noqa: B006 - typer copies it
+    sample_rate: SampleRate = None,
+    time_column: TimeColumn = None,
+    start: Start = None,
+    stop: Stop = None,
+    mission_start: MissionStart = None,
+    frame: Frame = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Write a recording in another format; numbers, units, time and gaps stay."""
+    from ...files import read
+    from ...files.write.recording import write, writer_for
+
+    writer_for(target)
+    units = pairs(unit, "--unit", "gyro=deg/s")
+    recording = read(
+        source, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
+        mission_start=mission_start, frame=frame,
+    )  # fmt: skip
+    remarks = [*recording.remarks, *write(target, recording)]
+    if as_json:
+        inputs = [{"path": recording.source.path, "sha256": recording.source.sha256}]
+        _written("convert", inputs, target, len(recording), remarks)
+    elif not quiet:
+        _print_written(target, len(recording), remarks)
+    return 0
+
+
+def export(
+    model: Model,
+    output: Output,
+    to: Annotated[
+        str,
+        typer.Option(
+            "--to", help="Format: json, imucal, kalibr-model, imu-tk, realsense, c, python.", show_default=False
+        ),
+    ],
+    beside: Annotated[
+        Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")
+    ] = None,
+    unjudged: Annotated[
+        bool, typer.Option("--unjudged", help="Hand it out although no recording held out has judged it.")
+    ] = False,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Hand out a model in a format for others; one that was not judged only with --unjudged."""
+    from ...campaign.models import find_model
+    from ...files.models.export import export as export_model
+
+    found = find_model(model)
+    sources = [found] if beside is None else [found, find_model(beside)]
+    handed = export_model(found, to, output, unjudged, sources[1:])
+    if as_json:
+        content = {
+            "inputs": [_input(one) for one in sources],
+            "remarks": [remark.to_dict() for remark in handed.remarks],
+            "written": str(output),
+            "sha256": handed.sha256,
+            "judged": found.model.judged,
+        }
+        json_out("export", content)
+    elif not quiet:
+        _print_remarks(handed.remarks)
+        print(f"written: {clean(str(output))} ({'judged' if found.model.judged else 'not judged'})")
+    return 0
+
+
+def compare(
+    first: Annotated[Path, typer.Argument(help="Model, results.json, or folder of a campaign.", show_default=False)],
+    second: Annotated[Path, typer.Argument(help="The same, to compare with it.", show_default=False)],
+    allowed: Annotated[
+        list[str],
+        typer.Option("--allowed", help='Change that does not matter: "0.1 %", or bias="0.01 deg/s". May be repeated.'),
+    ] = [],  # noqa: B006 - typer copies it
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Compare two models or two results, figure by figure, with the uncertainty of each difference."""
+    from ...campaign.compare import compare as compare_both
+    from ..shown.comparison_text import comparison_text
+
+    found = compare_both(first, second, allowed)
+    if as_json:
+        content = {
+            "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
+            "results": [one.to_dict() for one in found.differences],
+            "remarks": [remark.to_dict() for remark in found.remarks],
+            "verdicts": found.verdicts,
+            "verdict": found.verdict or None,
+        }
+        json_out("compare", content, found.exit_status)
+    elif not quiet:
+        print(comparison_text(found))
+    return found.exit_status
+
+
+def _input(source: Any) -> dict[str, str]:
+    return {"path": source.path, "sha256": source.sha256}
+
+
+def _written(
+    command: str, inputs: list[dict[str, str]], path: Path, rows: int, remarks: list[Any], more: Any = None
+) -> None:
+    content = {"inputs": inputs, "remarks": [remark.to_dict() for remark in remarks], "written": str(path)}
+    json_out(command, content | {"rows": rows} | (more or {}))
+
+
+def _print_remarks(remarks: Iterable[Any]) -> None:
+    from ..shown.summary import remarks_text
+
+    for text in remarks_text([remark.to_dict() for remark in remarks]):
+        print(text)
+
+
+def _print_written(path: Path, rows: int, remarks: list[Any]) -> None:
+    _print_remarks(remarks)
+    print(f"written: {clean(str(path))}, {rows} rows. Next: inertialcal info {clean(str(path))}")

@@ -1,0 +1,32 @@
+"""Tables for pandas users; pandas is an extra, so that the core installs without it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..errors import UsageError
+from ..results import Row
+
+
+def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> Any:
+    """Return a pandas DataFrame of the columns.
+
+    Raises
+    ------
+    UsageError
+        If pandas is not installed.
+    """
+    try:
+        import pandas as pd  # noqa: PLC0415 - an extra
+    except ModuleNotFoundError:
+        raise UsageError(
+            "to_frame() needs pandas, which is not installed", do="Type: pip install 'inertialcal[frame]'"
+        ) from None
+    return pd.DataFrame(dict(columns), index=None if index is None else list(index))
+
+
+def frame_of_rows(rows: Sequence[Row]) -> Any:
+    """Return a pandas DataFrame, a row a figure; errors as `frame`."""
+    told = [row.to_dict() for row in rows]
+    return frame({name: [one[name] for one in told] for name in told[0]})

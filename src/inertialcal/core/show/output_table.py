@@ -1,0 +1,58 @@
+"""The final output table of a rate-sensor suite: what a flight computer needs of each sensor, chosen from the results.
+
+As the thesis collects it in its Table 15 [1]_: bias over the volts of the temperature channel, what is left of it on
+the rate table, scale factor and the row of the matrix; here with what the thesis does not give: the offset in vacuum,
+what compensation leaves, and every uncertainty.
+
+References
+----------
+.. [1] V. V. Badescu, NPS thesis, September 2011, Table 15.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ..results import is_beside
+
+FIRST = "bias_voltage_"  # in volts, volts per volt, ...: of the thermal test
+AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
+OTHERS = ("vacuum_offset", "residual_bias", "angle_random_walk")
+NOTE = {"bias": "left on the rate table"}
+
+
+def output_rows(rows: Sequence[Any], steps: Sequence[Mapping[str, Any]]) -> list[Any]:
+    """Return the rows of the table, sensor by sensor; none without a rate table after a thermal test.
+
+    Parameters
+    ----------
+    rows, steps : sequence of mapping
+        ``results`` and ``sequence`` of ``results.json``.
+    """
+    table = next((step for step in steps if step.get("after") and step.get("use") == "fit"), None)
+    if table is None:
+        return []
+    first = table["after"][0]
+    own = [row for row in rows if not is_beside(row["condition"]) and "degC" not in row["condition"]]
+    turned = {step["test"] for step in steps if step.get("procedure") == table.get("procedure")} - {table["test"]}
+    chosen = [row for row in own if row["test"] not in turned and _is_chosen(row, first, table["test"])]
+    return sorted(chosen, key=_order)
+
+
+def _is_chosen(row: Mapping[str, Any], first: str, table: str) -> bool:
+    if row["test"] == first:
+        return str(row["quantity"]).startswith(FIRST)
+    return row["quantity"] in (AFTER if row["test"] == table else OTHERS)
+
+
+def _order(row: Mapping[str, Any]) -> tuple[str, int, str]:
+    """Return sensor by sensor: polynomial, rate table, others."""
+    name = str(row["quantity"])
+    place = 0 if name.startswith(FIRST) else 1 + [*AFTER, *OTHERS].index(name)
+    return str(row["axis"])[:1], place, f"{name} {row['axis']} {row['test']}"
+
+
+def note(row: Mapping[str, Any]) -> str:
+    """Return what a row is beside its quantity."""
+    return NOTE.get(str(row["quantity"]), "")

@@ -1,0 +1,60 @@
+"""Rows of two ground models side by side, as they are read: an axis a line, both errors and what they differ by.
+
+Rows are mappings as ``results.json`` holds them, those of one test.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from ..results import FLIP, is_beside
+
+ERROR, OTHER, CHANGE = "model_bias_error", "other_model_bias_error", "model_bias_error_change"
+REDUCTION = "model_bias_error_reduction"
+PUBLISHED = "as_published"
+Row = Mapping[str, Any]
+
+
+def pairs_of(rows: Iterable[Row]) -> dict[tuple[str, str], dict[str, Row]]:
+    """Return by axis and flip ("": all of them) the rows of both errors, their change and reduction, by quantity.
+
+    Axes that have no change are left out: there is nothing to set side by side.
+    """
+    every = [row for row in rows if row["quantity"] in (ERROR, OTHER, CHANGE, REDUCTION) and _is_shown(row)]
+    told = {str(row["axis"]) for row in every if row["quantity"] == CHANGE and row["value"] is not None}
+    found: dict[tuple[str, str], dict[str, Row]] = {}
+    for axis in sorted(told):
+        for row in every:
+            if row["axis"] == axis:
+                way = str(row["condition"]) if is_beside(row["condition"]) else ""
+                found.setdefault((axis, way), {})[str(row["quantity"])] = row
+    return {key: pair for key, pair in found.items() if CHANGE in pair}
+
+
+def own_rows(rows: Iterable[Row]) -> list[Row]:
+    """Return the rows without those that stand in the table of both models side by side."""
+    every = list(rows)
+    beside = (OTHER, CHANGE, REDUCTION) if pairs_of(every) else ()
+    return [row for row in every if row["quantity"] not in beside]
+
+
+def verdict_of(pair: Mapping[str, Row]) -> str:
+    """Return ``nearer`` or ``farther``: from zero than the other, by its interval; else ``not shown``."""
+    row = pair.get(REDUCTION)
+    interval = None if row is None else row["interval"]
+    if interval is None:
+        return "not shown"
+    lo, hi = (_plain(interval[end]) for end in ("lo", "hi"))
+    return "nearer" if lo is not None and lo > 0.0 else "farther" if hi is not None and hi < 0.0 else "not shown"
+
+
+def _plain(number: Any) -> float | None:
+    """Return a number that may know its place in a file."""
+    found = getattr(number, "raw", number)
+    return None if found is None else float(found)
+
+
+def _is_shown(row: Row) -> bool:
+    condition = str(row["condition"])
+    return not is_beside(condition) or (FLIP.fullmatch(condition) is not None and not condition.startswith(PUBLISHED))

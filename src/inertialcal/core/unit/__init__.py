@@ -1,0 +1,1 @@
+"""Text of a unit, read and spelled: tokens, atoms, powers."""

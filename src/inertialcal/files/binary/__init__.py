@@ -1,0 +1,1 @@
+"""Readers of MATLAB, HDF5, NumPy and Parquet files."""

@@ -1,0 +1,59 @@
+"""NumPy files: ``npy`` with one array, ``npz`` with several. Pickled objects are never loaded."""
+
+from __future__ import annotations
+
+import io
+import math
+import zipfile
+from collections.abc import Sequence
+from typing import Literal
+
+import numpy as np
+from numpy.lib import format as npy_format
+
+from ..foreign import translated
+from ..source import Loaded, check_size
+from ..text.columns import Content
+from .arrays import NamedArray, columns_of
+
+
+def read_numpy(loaded: Loaded, kind: Literal["npy", "npz"], variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of an array, or of the arrays of one length.
+
+    Raises
+    ------
+    DataError
+        If it is damaged, holds Python objects, or unpacks beyond the limits of ``files.source``.
+    """
+    with translated(loaded.path, f"a NumPy {kind} file"):
+        arrays = _npy("", loaded.data, loaded.path) if kind == "npy" else _npz(loaded)
+    return columns_of(arrays, f"NumPy {kind}", loaded.path, variables=variables)
+
+
+def _npz(loaded: Loaded) -> list[NamedArray]:
+    """All arrays of an archive; sizes are looked at before anything is unpacked."""
+    arrays = []
+    with zipfile.ZipFile(io.BytesIO(loaded.data)) as archive:
+        members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
+        check_size(loaded.path, sum(info.file_size for info in members), len(loaded.data))
+        for info in members:
+            with archive.open(info) as member:
+                data = member.read(info.file_size)
+            arrays += _npy(info.filename.removesuffix(".npy"), data, loaded.path)
+    return arrays
+
+
+def _npy(name: str, data: bytes, path: str) -> list[NamedArray]:
+    """One array, or one for each field of a structured array."""
+    stream = io.BytesIO(data)
+    version = npy_format.read_magic(stream)
+    header = {(1, 0): npy_format.read_array_header_1_0}.get(version, npy_format.read_array_header_2_0)
+    if version in ((1, 0), (2, 0)):
+        shape, _, dtype = header(stream)
+        check_size(path, math.prod(shape) * dtype.itemsize, max(len(data), 1))
+    stream.seek(0)
+    array = np.asarray(np.load(stream, allow_pickle=False))
+    if array.dtype.names is None:
+        return [NamedArray(name, array)]
+    prefix = f"{name}." if name else ""
+    return [NamedArray(f"{prefix}{field}", array[field]) for field in array.dtype.names]

@@ -1,0 +1,122 @@
+"""Parquet files: units in the metadata of a field (``unit`` or ``units``) or in its name."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.remarks import Remark
+from ..foreign import translated
+from ..source import Loaded, check_size
+from ..text.cells import judge
+from ..text.columns import Column, Content
+from ..text.delimited import text_in_numbers
+
+CELL = 8  # bytes of a value in memory
+UNIT_KEYS = (b"unit", b"units")
+RATE_KEYS = (b"sample_rate", b"sample_rate_hz", b"fs")
+
+
+def read_parquet(loaded: Loaded) -> Content:
+    """Return the columns of a Parquet file.
+
+    Raises
+    ------
+    DataError
+        If it is damaged, a name appears twice, text stands among numbers, or it is larger than the limits
+        of ``files.source``.
+    """
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    from pyarrow import parquet  # noqa: PLC0415 - heavy import
+
+    with translated(loaded.path, "a Parquet file"):
+        file = parquet.ParquetFile(pa.BufferReader(loaded.data))
+        check_size(loaded.path, CELL * file.metadata.num_rows * file.metadata.num_columns, len(loaded.data))
+        table = file.read()
+        while any(pa.types.is_struct(kind) for kind in table.schema.types):
+            table = table.flatten()
+        _refuse_twice(table.column_names, loaded.path)
+        columns = [_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
+        rate = _sample_rate(table.schema.metadata or {})
+    kept = tuple(column for column in columns if isinstance(column, Column))
+    left_out = [name for name in columns if isinstance(name, str)]
+    return Content(kept, "Parquet", None, rate, _left_out_remark(left_out, loaded.path))
+
+
+def _refuse_twice(names: list[str], path: str) -> None:
+    twice = sorted({name for name in names if names.count(name) > 1})
+    if twice:
+        raise DataError(f"column name {twice[0]!r} appears twice", where=path, code="duplicate_column")
+
+
+def _column(values: Any, field: Any, path: str) -> Column | str:
+    """One column, or its name if it is neither numbers, dates nor text."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    kind, unit = values.type, _unit(field)
+    if pa.types.is_dictionary(kind):
+        values, kind = values.cast(kind.value_type), kind.value_type
+    empty = np.flatnonzero(values.is_null().to_numpy(zero_copy_only=False))
+    if pa.types.is_timestamp(kind):
+        stamps = values.cast(pa.timestamp("ns")).to_numpy(zero_copy_only=False)
+        return Column(field.name, stamps.astype("datetime64[ns]"), unit, empty=empty)
+    if pa.types.is_duration(kind):
+        values, unit = values.cast(pa.int64()), kind.unit
+    elif pa.types.is_boolean(kind):
+        values = values.cast(pa.uint8())
+    elif pa.types.is_decimal(kind) or pa.types.is_null(kind):
+        values = values.cast(pa.float64(), safe=False)
+    elif pa.types.is_string(kind) or pa.types.is_large_string(kind):
+        return _text_column(values, field.name, unit, path)
+    elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
+        return str(field.name)
+    if len(empty) and not pa.types.is_floating(values.type):
+        values = values.cast(pa.float64(), safe=False)
+    numbers = np.array(values.to_numpy(zero_copy_only=False))
+    return _number_column(field.name, numbers, unit, empty)
+
+
+def _number_column(name: str, numbers: Any, unit: str | None, empty: Any) -> Column:
+    """Numbers, where NaN that is no null is a literal one."""
+    if numbers.dtype.kind != "f":
+        return Column(name, numbers, unit)
+    literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)
+    numbers[literal] = np.nan
+    return Column(name, numbers, unit, empty=empty, not_a_number=literal)
+
+
+def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
+    """Text, or numbers that were stored as text."""
+    cells = ["" if cell is None else cell for cell in values.to_pylist()]
+    judged = judge(cells)
+    if len(judged.text):
+        rows = np.arange(1, len(cells) + 1)
+        raise DataError(text_in_numbers(name, cells, judged.text, rows, path))
+    return Column(name, judged.values, unit, empty=judged.empty, not_a_number=judged.not_a_number)
+
+
+def _unit(field: Any) -> str | None:
+    """Return the unit in the metadata of a field."""
+    metadata = field.metadata or {}
+    return next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
+
+
+def _sample_rate(metadata: dict[bytes, bytes]) -> float | None:
+    """Sample rate in the metadata of the file [Hz]."""
+    for key in RATE_KEYS:
+        try:
+            value = float(metadata[key])
+        except (KeyError, ValueError):
+            continue
+        if np.isfinite(value) and value > 0.0:
+            return value
+    return None
+
+
+def _left_out_remark(names: list[str], path: str) -> tuple[Remark, ...]:
+    if not names:
+        return ()
+    what = f"neither numbers, dates nor text, left out: {', '.join(names)[:120]}"
+    return (Remark("variables_left_out", "info", what, where=path, count=len(names)),)

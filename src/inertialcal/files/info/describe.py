@@ -1,0 +1,182 @@
+"""Description of each column: axis, quantity, unit; a unit said by flag goes before that of the file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...core import units
+from ...core.errors import DataError, UsageError
+from ...core.remarks import Remark
+from ..text.columns import Column
+from ..text.headers import KINDS, Heading, bare_name, heading, normal_unit
+
+GROUPS = {
+    "gyro": "gyro",
+    "gyr": "gyro",
+    "acc": "acc",
+    "accel": "acc",
+    "mag": "magnetometer",
+    "magnetometer": "magnetometer",
+    "temp": "temperature",
+    "temperature": "temperature",
+    "pressure": "pressure",
+    "voltage": "voltage",
+    "time": "time",
+}
+COUNTED_FROM = 3  # rows from which 0, 1, 2, ... is a count of rows
+
+
+@dataclass(frozen=True, eq=False)
+class Described:
+    """A column with what is known of it.
+
+    Parameters
+    ----------
+    column : Column
+        As read.
+    axis, quantity : str
+        As ``Heading`` has them.
+    unit : str or None
+        As ``core.units`` prints it.
+    unit_from : str
+        ``"flag"``, ``"header"``, ``"format"`` or ``""``.
+    """
+
+    column: Column
+    axis: str
+    quantity: str
+    unit: str | None
+    unit_from: str
+
+    @property
+    def name(self) -> str:
+        """Name in the file."""
+        return self.column.name
+
+
+def describe(
+    columns: Sequence[Column], flags: Mapping[str, str], path: str
+) -> tuple[tuple[Described, ...], tuple[Remark, ...]]:
+    """Return each column with its quantity and unit.
+
+    Parameters
+    ----------
+    columns : sequence of Column
+        As read.
+    flags : mapping of str to str
+        Unit by column (name, name without the unit in brackets, or number counted from 1) or by group
+        (``gyro``, ``acc``, ``mag``, ``temp``, ``pressure``, ``voltage``, ``time``).
+    path : str
+        File, for messages.
+
+    Raises
+    ------
+    UsageError
+        If a flag names no column or group, or its unit does not fit the quantity.
+    DataError
+        If its unit is not known.
+    """
+    remarks: list[Remark] = []
+    described = [_from_header(column, path, remarks) for column in columns]
+    by_group = {key: unit for key, unit in flags.items() if not _named(described, key)}
+    by_column = {key: unit for key, unit in flags.items() if key not in by_group}
+    for key, unit in (*by_group.items(), *by_column.items()):  # a column goes before its group
+        chosen = _chosen(described, key)
+        for i in chosen:
+            described[i] = _with_flag(described[i], unit, path, remarks)
+    return tuple(described), tuple(remarks)
+
+
+def find_column(described: Sequence[Described], key: str, path: str) -> int:
+    """Position of a column by name, name without unit, or number counted from 1.
+
+    Raises
+    ------
+    DataError
+        If there is none; the message lists those there are.
+    """
+    found = _named(described, key)
+    if len(found) == 1:
+        return found[0]
+    raise DataError(
+        f"no column {key!r}",
+        where=path,
+        do=f"The file has: {', '.join(d.name for d in described) or 'none'}",
+        code="wrong_column",
+    )
+
+
+def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
+    """Return what name and metadata say."""
+    title = column.name if column.named else column.matrix
+    said = heading(title, column.unit) if title or column.unit else Heading()
+    if said.unknown:
+        what = f"{said.unknown!r} in the header of {column.name!r} is no unit that fits: none taken"
+        remarks.append(Remark("unknown_unit", "info", what, where=path))
+    quantity = "index" if _counts_rows(column, said.quantity) else said.quantity
+    unit = None if quantity in ("index", "status") else said.unit
+    return Described(column, said.axis, quantity, unit, "header" if unit else "")
+
+
+def _counts_rows(column: Column, quantity: str) -> bool:
+    """Whether a column without a meaning holds 0, 1, 2, ... or 1, 2, 3, ..."""
+    if quantity or not column.is_number or len(column.values) < COUNTED_FROM or not column.is_complete:
+        return False
+    first = column.values[0]
+    if first not in (0, 1):
+        return False
+    return bool(np.array_equal(column.values, first + np.arange(len(column.values))))
+
+
+def _named(described: Sequence[Described], key: str) -> list[int]:
+    """Columns of a name; by number where there is none."""
+    exact = [i for i, d in enumerate(described) if d.name == key]
+    bare = exact or [i for i, d in enumerate(described) if bare_name(d.name) == key]
+    if bare or not (key.isascii() and key.isdigit() and len(key) < 6):
+        return bare
+    return [int(key) - 1] if 1 <= int(key) <= len(described) else []
+
+
+def _chosen(described: Sequence[Described], key: str) -> list[int]:
+    """Columns that a flag means."""
+    named = _named(described, key)
+    group = GROUPS.get(key.lower())
+    chosen = named or [i for i, d in enumerate(described) if group and d.quantity == group]
+    if not named and len(chosen) > 1 and chosen[0] == 0 and _runs_like_time(described[0].column):
+        chosen = chosen[1:]  # a matrix is called after its sensor, and its first column is the clock
+    if not chosen:
+        names = ", ".join(d.name for d in described)
+        groups = sorted({d.quantity for d in described if d.quantity in KINDS})
+        raise UsageError(
+            f"no column or group {key!r} to give a unit to",
+            do=f"Columns: {names}." + (f" Groups: {', '.join(groups)}" if groups else ""),
+            code="wrong_column",
+        )
+    return chosen
+
+
+def _runs_like_time(column: Column) -> bool:
+    """Whether a column without a name of its own can be the time of the others: it always increases, in fractions."""
+    if column.named or not column.is_number or not column.is_complete or len(column.values) < COUNTED_FROM:
+        return False
+    values = column.values.astype(np.float64)
+    return bool(np.all(np.diff(values) > 0.0) and not np.all(values == np.rint(values)))
+
+
+def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]) -> Described:
+    """Return the column with the unit of a flag."""
+    unit, quantity = normal_unit(text, described.quantity), described.quantity
+    kind = units.kind(unit)
+    if quantity in KINDS and kind not in KINDS[quantity]:
+        raise UsageError(
+            f"{unit} measures {kind.replace('_', ' ')}, column {described.name!r} is {quantity}",
+            do="Name the column itself, or another unit",
+            code="unit_mismatch",
+        )
+    if described.unit not in (None, unit):
+        what = f"{described.name!r} is {described.unit} by its header, {unit} by the flag: the flag is taken"
+        remarks.append(Remark("unit_overridden", "warning", what, where=path))
+    return replace(described, unit=unit, unit_from="flag")

@@ -1,0 +1,231 @@
+"""Survey of a file: what ``info`` shows. Nothing is judged here that a result depends on."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+
+from ...core.recording import Recording, Source
+from ...core.remarks import Remark, gather
+from ...core.results import finite
+from ...core.show.tables import Part, html, text
+from ...signals.time.time_axis import TimeAxis, analyse
+from .. import read
+from ..time.plausible import time_remarks
+from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
+from .hints import Hint, unit_hints
+from .next_command import next_command
+from .rest import rest_remarks
+from .survey_tables import survey_parts
+
+
+@dataclass(frozen=True)
+class TimeSurvey:
+    """Time of a file.
+
+    Parameters
+    ----------
+    epoch : {"utc", "elapsed"} or None
+        What time zero is; None where the file has no time.
+    start : str or None
+        First stamp: an instant, or seconds.
+    sample_interval : float or None
+        Nominal [s].
+    interval_from : str
+        Where it comes from; empty where there is none.
+    axis : TimeAxis or None
+        What the stamps say; None where there are fewer than two.
+    """
+
+    epoch: Literal["utc", "elapsed"] | None
+    start: str | None
+    sample_interval: float | None
+    interval_from: str
+    axis: TimeAxis | None
+
+    @property
+    def sample_rate(self) -> float | None:
+        """Nominal sampling frequency [Hz]."""
+        return 1.0 / self.sample_interval if self.sample_interval else None
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, for ``--json``; times in s."""
+        said = {
+            "epoch": self.epoch,
+            "start": self.start,
+            "sample_rate": finite(self.sample_rate),
+            "sample_interval": finite(self.sample_interval),
+            "interval_from": self.interval_from,
+        }
+        axis = self.axis
+        if axis is None:
+            return said
+        return said | {
+            "duration": finite(axis.duration),
+            "pattern": axis.pattern,
+            "median_step": finite(axis.median_step),
+            "longest_step": finite(axis.longest_step),
+            "jitter_rms": finite(axis.jitter_rms),
+            "jitter_max": finite(axis.jitter_max),
+            "gaps": len(axis.gaps),
+            "missing_samples": axis.lost,
+            "steps": [{"step": step, "count": count} for step, count in axis.steps],
+            "repeated": len(axis.repeated),
+            "unsorted": len(axis.backward),
+        }
+
+
+@dataclass(frozen=True)
+class Survey:
+    """What a file holds.
+
+    Parameters
+    ----------
+    source : Source
+        Path, SHA-256, format.
+    rows : int
+        Samples.
+    channels : tuple of ChannelSurvey
+        One a channel.
+    time : TimeSurvey
+        Time axis and sample rate.
+    hints : tuple of Hint
+        At units that nobody said.
+    remarks : tuple of Remark
+        Of reading, and of the survey.
+    next : str or None
+        Command to type next.
+    """
+
+    source: Source
+    rows: int
+    channels: tuple[ChannelSurvey, ...]
+    time: TimeSurvey
+    hints: tuple[Hint, ...]
+    remarks: tuple[Remark, ...]
+    next: str | None
+
+    @property
+    def path(self) -> str:
+        """Path as given."""
+        return self.source.path
+
+    @property
+    def sha256(self) -> str:
+        """SHA-256 of the file."""
+        return self.source.sha256
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a channel, the time, hints, how many remarks, what to type next."""
+        return survey_parts(self)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+    def to_dict(self) -> dict[str, Any]:
+        """Return plain values, for ``--json``."""
+        return {
+            "path": self.source.path,
+            "sha256": self.source.sha256,
+            "format": self.source.format,
+            "rows": self.rows,
+            "channels": [channel.to_dict() for channel in self.channels],
+            "time": self.time.to_dict(),
+            "hints": [str(hint) for hint in self.hints],
+            "remarks": [remark.to_dict() for remark in self.remarks],
+            "next": self.next,
+        }
+
+
+def survey(
+    path: str | Path,
+    *,
+    units: Mapping[str, str] | None = None,
+    sample_rate: float | None = None,
+    time_column: str | None = None,
+    commands: Collection[str] = ("info",),
+    start: object = None,
+    stop: object = None,
+    mission_start: object = None,
+    frame: str | None = None,
+) -> Survey:
+    """Return what a file holds.
+
+    Parameters
+    ----------
+    path, units, sample_rate, time_column, start, stop, mission_start, frame
+        As ``files.read`` takes them.
+    commands : collection of str
+        Words that the tool knows: only these are suggested as next.
+
+    Raises
+    ------
+    DataError, UsageError
+        As ``files.read``.
+    """
+    recording = read(
+        path, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
+        mission_start=mission_start, frame=frame,
+    )  # fmt: skip
+    return survey_recording(recording, commands)
+
+
+def survey_recording(recording: Recording, commands: Collection[str] = ("info",)) -> Survey:
+    """Return what a recording holds.
+
+    Parameters
+    ----------
+    recording : Recording
+        As read.
+    commands : collection of str
+        Words that the tool knows.
+    """
+    channels = tuple(survey_channel(channel) for channel in recording.channels)
+    place = _placer(recording)
+    hints = unit_hints(recording, channels)
+    remarks = gather(
+        (
+            *recording.remarks,
+            *time_remarks(recording),
+            *(remark for channel in channels for remark in channel_remarks(channel, place)),
+            *rest_remarks(recording, channels),
+        )
+    )
+    return Survey(
+        source=recording.source,
+        rows=len(recording),
+        channels=channels,
+        time=_time(recording),
+        hints=hints,
+        remarks=remarks,
+        next=next_command(recording, hints, remarks, commands),
+    )
+
+
+def _placer(recording: Recording) -> Any:
+    """Return ``file:row`` of a sample, as far as rows have a meaning."""
+    path, first = recording.source.path, recording.first_row
+    return lambda index: f"{path}:{first + index}" if first else f"{path}: sample {index + 1}"
+
+
+def _time(recording: Recording) -> TimeSurvey:
+    """Time axis, as the recording has it."""
+    stamps = recording.time_ns
+    interval, source = recording.sample_interval, recording.interval_from
+    if stamps is None or not len(stamps):
+        return TimeSurvey(None, None, interval, source, None)
+    utc = recording.epoch == "utc"
+    start = f"{np.datetime64(int(stamps[0]), 'ns')}Z" if utc else f"{stamps[0] / 1e9:.9g} s"
+    axis = analyse(stamps, recording.averaging_time) if len(stamps) > 1 else None
+    return TimeSurvey(recording.epoch, start, interval, source, axis)

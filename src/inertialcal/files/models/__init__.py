@@ -1,0 +1,1 @@
+"""Model files: ours, those of others, and code that applies a model."""

@@ -1,0 +1,198 @@
+"""A model as C99 that needs math.h alone: one raw reading in, the true input out.
+
+M is stated, not its inverse: each number can be held against ``model.json``; elimination with exchange of rows at
+double precision costs no digit that the inverse would keep.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.estimate import Array
+from ...sensors.model.equation import needed
+from ...sensors.model.sensor_model import SensorModel
+from .apply_parts import (
+    CONDITIONS,
+    MISSING,
+    Constant,
+    checked_ranges,
+    constants,
+    head,
+    matrix_at,
+    newton,
+    offset_terms,
+    order,
+    plain,
+    refusal,
+    thermal,
+)
+
+TITLE = ["/* True input from one raw reading of a calibrated sensor; written by inertialcal.", " *"]
+SINGLE = {"pressure", "time"}  # conditions that are one number; the others are arrays
+
+SIGN = """\
+static double sign(double value) { return value > 0.0 ? 1.0 : value < 0.0 ? -1.0 : value; }
+"""
+
+STRAIGHTENED = """\
+/* u of sensor i with u + K1'/2 |u| + K2 u^2 + K3 u^3 = y; NaN beyond the rising branch.
+ * Newton's method inside a bracket that shrinks at each step. */
+static double straightened(int i, double y) {
+    const double k1 = SCALE_FACTOR_ASYMMETRY[i], k2 = SECOND_ORDER[i], k3 = THIRD_ORDER[i];
+    const double side = y < 0.0 ? -1.0 : 1.0;
+    double inner = 0.0, outer = BRANCH[i][y < 0.0 ? 0 : 1], u = y / (1.0 + 0.5 * side * k1);
+    if (isinf(outer)) outer = 2.0 * y / LEAST_SLOPE[i];
+    if (!(side * (outer * (1.0 + outer * (k2 + outer * k3)) + 0.5 * k1 * fabs(outer) - y) >= 0.0)) return NAN;
+    if (side * u > side * outer) u = outer;
+    for (int step = 0; step < 100; step++) {
+        const double excess = side * (u * (1.0 + u * (k2 + u * k3)) + 0.5 * k1 * fabs(u) - y);
+        const double half = u > 0.0 ? 0.5 * k1 : u < 0.0 ? -0.5 * k1 : 0.0;
+        const double slope = 1.0 + half + u * (2.0 * k2 + 3.0 * k3 * u);
+        double next = u - side * excess / slope;
+        if (excess >= 0.0) outer = u;
+        if (excess <= 0.0) inner = u;
+        if (!(slope > 0.0 && side * next >= side * inner && side * next <= side * outer)) next = 0.5 * (inner + outer);
+        const int still = fabs(next - u) <= 4.0 * DBL_EPSILON * fabs(next);
+        u = next;
+        if (still) break;
+    }
+    return u;
+}
+"""
+
+SOLVE = """\
+/* Solve m x = u by elimination with exchange of rows; m and u are used up. */
+static void solve(double m[K][K], double u[K], double x[K]) {
+    for (int i = 0; i < K; i++) {
+        int best = i;
+        for (int row = i + 1; row < K; row++)
+            if (fabs(m[row][i]) > fabs(m[best][i])) best = row;
+        for (int column = 0; column < K; column++) {
+            const double kept = m[i][column];
+            m[i][column] = m[best][column];
+            m[best][column] = kept;
+        }
+        const double kept = u[i];
+        u[i] = u[best];
+        u[best] = kept;
+        for (int row = i + 1; row < K; row++) {
+            const double factor = m[row][i] / m[i][i];
+            for (int column = i; column < K; column++) m[row][column] -= factor * m[i][column];
+            u[row] -= factor * u[i];
+        }
+    }
+    for (int i = K - 1; i >= 0; i--) {
+        x[i] = u[i];
+        for (int column = i + 1; column < K; column++) x[i] -= m[i][column] * x[column];
+        x[i] /= m[i][i];
+    }
+}
+"""
+
+
+def c_text(model: SensorModel) -> str:
+    """Return a C99 file with ``compensate``, which applies this very model to one reading.
+
+    Parameters
+    ----------
+    model : SensorModel
+        Any; where its inverse is not unique the text has no function, but the reason.
+
+    Returns
+    -------
+    str
+        ASCII, coefficients at full digits. ``compensate`` takes outputs v [output unit] and the conditions that
+        the terms need; it fills x [input unit] and ``holds``, whether the model holds there, and returns 1 where it
+        holds on all axes. Compiles with ``-std=c99 -Wall -Wextra -pedantic`` and no warning.
+    """
+    why = refusal(model)
+    comments = [f" * {line}".rstrip() for line in head(model)]
+    if why:
+        return "\n".join([*TITLE, *comments, f" * No function: {why} */", ""])
+    lines = [*TITLE, *comments, " * To compile: cc -std=c99 ... -lm */", "#include <math.h>", ""]
+    lines += [f"enum {{ K = {len(model.axes)} }}; /* sensors, in the order {order(model)} */", ""]
+    lines += [line for constant in constants(model) for line in _constant(constant)]
+    parts = [STRAIGHTENED.replace("DBL_EPSILON", repr(float(np.finfo(float).eps)))] if newton(model) else []
+    parts += [SIGN] if model.bias_hysteresis is not None else []
+    return "\n".join([*lines, "", *parts, SOLVE, *_function(model), ""])
+
+
+def _constant(constant: Constant) -> list[str]:
+    values = constant.values
+    sizes = "".join(f"[{n}]" for n in values.shape)
+    start, comment = f"static const double {constant.name}{sizes} = ", f" /* {constant.comment} */"
+    if values.ndim < 2:
+        text = _numbers(values) if values.ndim else _number(float(values))
+        return [f"{start}{text};{comment}"]
+    rows = [f"    {_numbers(row)}," for row in values]
+    return [f"{start}{{{comment}", *rows, "};"]
+
+
+def _numbers(row: Array) -> str:
+    return f"{{{', '.join(_number(float(value)) for value in row)}}}"
+
+
+def _number(value: float) -> str:
+    return repr(value) if np.isfinite(value) else repr(value).replace("inf", "INFINITY")
+
+
+def _function(model: SensorModel) -> list[str]:
+    arguments = [name for name in CONDITIONS if name in needed(model)]
+    given = ["const double v[K]", *(_argument(name) for name in arguments), "double x[K]", "int holds[K]"]
+    taken = (",\n" + " " * len("int compensate(") if arguments else ", ").join(given)
+    lines = [*_comment(model, arguments), f"int compensate({taken}) {{"]
+    lines += ["    double u[K], m[K][K];", "    int all = 1;", "    for (int i = 0; i < K; i++) {"]
+    if thermal(model):
+        lines.append("        const double away = temperature[i] - REFERENCE_TEMPERATURE[i];")
+    force = " + ".join(f"G_SENSITIVITY[i][{j}] * specific_force[{j}]" for j in range(3))
+    words = {"i": "[i]", "exp": "exp", "sign": "sign", "force": force}
+    terms = [term.replace("away{i}", "away").format(**words) for term in offset_terms(model)]
+    lines.append(f"        double offset = {terms[0]};")
+    lines += [f"        offset += {term};" for term in terms[1:]]
+    lines += ["        u[i] = v[i] / S0[i] - offset;", *_curve(model)]
+    lines.append(f"        for (int j = 0; j < K; j++) m[i][j] = {matrix_at(model, '[i][j]', 'away')};")
+    return [*lines, "    }", "    solve(m, u, x);", *_validity(model), "    return all;", "}"]
+
+
+def _argument(name: str) -> str:
+    if name in SINGLE:
+        return f"double {name}"
+    return f"const double {name}[{3 if name == 'specific_force' else 'K'}]"
+
+
+def _comment(model: SensorModel, arguments: list[str]) -> list[str]:
+    lines = [
+        f"Fill x with the true inputs [{model.unit}], and holds with 1 where the model holds, else 0.",
+        f"v: output of each sensor [{plain(model.output_unit)}]",
+        *(f"{name}: {CONDITIONS[name]}" for name in arguments),
+        MISSING,
+        "Returns 1 where the model holds on all axes.",
+    ]
+    return ["/* " + "\n * ".join(lines) + " */"]
+
+
+def _curve(model: SensorModel) -> list[str]:
+    if newton(model):
+        return ["        u[i] = straightened(i, u[i]);"]
+    if model.linear:
+        return []
+    return ["        u[i] /= 1.0 + 0.5 * SCALE_FACTOR_ASYMMETRY[i] * (u[i] < 0.0 ? -1.0 : 1.0);"]
+
+
+def _validity(model: SensorModel) -> list[str]:
+    lines = []
+    for name in checked_ranges(model):
+        each, ends = "" if name in SINGLE else "[i]", f"{name.upper()}_RANGE"
+        test = f"all = all && {name}{each} >= {ends}[0] && {name}{each} <= {ends}[1];"
+        lines.append(f"    for (int i = 0; i < K; i++) {test}" if each else f"    {test}")
+    inside = "isfinite(x[i])"
+    if model.input_range is not None:
+        inside = "x[i] >= INPUT_RANGE[i][0] && x[i] <= INPUT_RANGE[i][1]"
+    return [
+        *lines,
+        "    const int here = all;",
+        "    for (int i = 0; i < K; i++) {",
+        f"        holds[i] = here && {inside};",
+        "        all = all && holds[i];",
+        "    }",
+    ]

@@ -1,0 +1,171 @@
+"""Kalibr's yaml of an IMU: forward, both sensors, in SI.
+
+::
+
+    a_m = M_a C_i_b a + b_a
+    w_m = M_g C_gyro_i C_i_b w + A C_gyro_i C_i_b a + b_g
+
+M is lower triangular, C are rotations, ``C_i_b`` the rotation in ``T_i_b``; a is specific force. The sensors' own axes
+say what the frames are, so a full matrix of ours is parted into a lower triangular one and a rotation. The biases b
+are curves over time in Kalibr, and not in the file.
+
+References
+----------
+.. [1] Kalibr, ``IccScaledMisalignedImu``; Rehder, Nikolic, Schneider, Hinzmann and Siegwart, ICRA 2016.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...core.units import factor, same_dimension
+from ...sensors.model.sensor_model import INPUT_UNIT, Kind, SensorModel
+from .plain_yaml import dump_yaml, parse_yaml
+from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
+
+NAME = "Kalibr"
+LARGEST_SKEW = 1e-6  # off which a matrix is no rotation
+NO_BIAS = "Kalibr's file holds no bias: taken as 0"
+HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s; noise: inertialcal allan FILE --for kalibr\n"
+HOLDS = {"accelerometer": frozenset({"scale_factor"}), "gyro": frozenset({"g_sensitivity", "scale_factor"})}
+
+
+def matches(text: str) -> bool:
+    """Whether a text is this format."""
+    return any(key in text for key in ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:"))
+
+
+def parse(text: str, where: str) -> Foreign:
+    """Return the models of both sensors of the first IMU.
+
+    Raises
+    ------
+    DataError
+        ``not_yaml``; ``no_model`` for a file that holds noise alone; ``missing_key``, ``schema``, ``not_invertible``,
+        ``not_a_rotation``.
+    """
+    content = parse_yaml(text, where)
+    units = [one for one in content.values() if isinstance(one, Mapping)] if isinstance(content, Mapping) else []
+    own = content if isinstance(content, Mapping) and "model" in content else units[0] if units else {}
+    if "accelerometers" not in own or "gyroscopes" not in own:
+        raise DataError(
+            "no accelerometers and gyroscopes in it",
+            where=where,
+            why=f"model is {own.get('model')!r}: such a file holds noise, and no scale factor",
+            do="Run Kalibr with --imu-models scale-misalignment",
+            code="no_model",
+        )
+    return Foreign(NAME, _models(own, where), _remarks(own, len(units)))
+
+
+def _models(own: Mapping[str, Any], where: str) -> dict[Kind, SensorModel]:
+    gyro = own["gyroscopes"]
+    to_imu = np.eye(3)
+    if own.get("T_i_b") is not None:
+        to_imu = _rotation(numbers(own, "T_i_b", (4, 4), where)[:3, :3], "T_i_b", where)
+    to_gyro = _rotation(numbers(gyro, "C_gyro_i", (3, 3), where), "C_gyro_i", where) @ to_imu
+    parts = {
+        "accelerometer": Triad(_lower(own["accelerometers"], where) @ to_imu, np.zeros(3), np.zeros((3, 3))),
+        "gyro": Triad(_lower(gyro, where) @ to_gyro, np.zeros(3), numbers(gyro, "A", (3, 3), where) @ to_gyro),
+    }
+    kinds: tuple[Kind, ...] = ("accelerometer", "gyro")
+    return {kind: model_of(kind, np.ones(3), parts[kind], INPUT_UNIT[kind], NAME, NO_BIAS) for kind in kinds}
+
+
+def _lower(own: object, where: str) -> Array:
+    m = numbers(own, "M", (3, 3), where)
+    if np.any(np.triu(m, 1)):
+        raise DataError("M is not lower triangular", where=where, code="schema")
+    return invertible(m, "M", where)
+
+
+def _rotation(c: Array, what: str, where: str) -> Array:
+    if not (np.max(np.abs(c @ c.T - np.eye(3))) < LARGEST_SKEW and np.linalg.det(c) > 0.0):
+        raise DataError(f"{what} is no rotation", where=where, code="not_a_rotation")
+    return c
+
+
+def _remarks(own: Mapping[str, Any], units: int) -> tuple[Remark, ...]:
+    found = [Remark("no_bias", "warning", f"bias: {NO_BIAS}", do="Take the bias off before, or measure it at rest")]
+    if any(f"r{axis}_i" in own["accelerometers"] for axis in "xyz"):
+        found.append(Remark("left_out", "warning", "places of the accelerometers (size effect) are left out"))
+    if own.get("time_offset"):
+        found.append(Remark("left_out", "info", f"time_offset {own['time_offset']:g} s is left out"))
+    if units > 1:
+        found.append(Remark("left_out", "warning", f"the file holds {units} units: the first is read"))
+    return tuple(found)
+
+
+def dump(models: Mapping[Kind, SensorModel]) -> str:
+    """Return the text of the file.
+
+    Raises
+    ------
+    DataError
+        ``not_held`` for axes that are left-handed; as ``triad.triad``.
+    """
+    lower_a, to_imu = _parted(_in_si(models.get("accelerometer"))[0])
+    matrix, force = _in_si(models.get("gyro"))
+    lower_g, to_gyro = _parted(matrix)
+    whole = np.eye(4)
+    whole[:3, :3] = to_imu
+    own = {
+        "T_i_b": whole.tolist(),
+        "accelerometers": {"M": lower_a.tolist()},
+        "gyroscopes": {
+            "A": (force @ to_gyro.T).tolist(),
+            "C_gyro_i": (to_gyro @ to_imu.T).tolist(),
+            "M": lower_g.tolist(),
+        },
+        "model": "scale-misalignment",
+        "time_offset": 0.0,
+    }
+    return HEAD + dump_yaml({"imu0": own})
+
+
+def _parted(matrix: Array) -> tuple[Array, Array]:
+    """Return L with a positive diagonal, and Q a rotation, with M = L Q."""
+    q, upper = np.linalg.qr(invertible(matrix, "the matrix of the model", "").T)
+    signs = np.sign(np.diag(upper))
+    lower, turn = (upper.T * signs), (q * signs).T
+    if np.linalg.det(turn) < 0.0:
+        raise DataError(
+            "Kalibr cannot hold this matrix: its axes are left-handed",
+            why="one sensor reads against its axis, and C is a rotation",
+            do="Turn the sign of that sensor's readings first",
+            code="not_held",
+        )
+    return np.tril(lower), turn
+
+
+def _in_si(model: SensorModel | None) -> tuple[Array, Array]:
+    """Return matrix and term in acceleration of readings in SI.
+
+    Outputs that are in a unit of the input are the readings, their nominal scale factor with them; others are readings
+    once divided by it.
+    """
+    own = ideal() if model is None else triad(model)
+    if model is None or not same_dimension(model.output_unit, model.unit):
+        divisor = np.ones((3, 1)) if model is None else model.scale_factor[:, np.newaxis]
+        return own.gain / divisor, own.force / divisor
+    to_si = factor(model.output_unit, model.unit)
+    return own.gain * to_si, own.force * to_si
+
+
+def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
+    """Return what of these models the format leaves out, fills in or takes otherwise."""
+    gone = [remark for kind, model in models.items() for remark in lost(model, NAME, HOLDS[kind])]
+    for kind, model in models.items():
+        if model.output_unit != INPUT_UNIT[kind]:
+            what = f"{kind}: {NAME} takes readings in {INPUT_UNIT[kind]}, not outputs in {model.output_unit}"
+            scale = ", ".join(f"{s:.17g}" for s in model.scale_factor)
+            alike = same_dimension(model.output_unit, model.unit)
+            do = "Convert them" if alike else f"Divide the outputs by scale_factor: {scale}"
+            gone.append(Remark("other_raw_unit", "warning", what, do=do))
+    return (*gone, *filled(models, NAME))

@@ -1,0 +1,95 @@
+"""``model.json``: a sensor model on disk, with a checksum over what it says.
+
+The checksum is the SHA-256 of the content in canonical form (keys sorted, no blanks, UTF-8), without the checksum
+itself: a file that was laid out anew still reads, one in which a number was changed by hand does not.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+from pathlib import Path
+from typing import Any, NoReturn
+
+from ...core.errors import DataError, InertialcalError, StoreError
+from ...sensors.model.sensor_model import SensorModel
+from ...sensors.model.serial import SCHEMA_VERSION, from_dict, to_dict
+
+CHECKSUM = "checksum"
+
+
+def write_model(path: str | os.PathLike[str], model: SensorModel) -> None:
+    """Write a model; the file is complete or not there.
+
+    Raises
+    ------
+    StoreError
+        If it cannot be written.
+    """
+    target = Path(path)
+    aside = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
+        aside.replace(target)
+    except OSError as error:
+        aside.unlink(missing_ok=True)
+        raise StoreError(f"cannot write the model: {error.strerror}", where=str(target), code="not_written") from None
+
+
+def dump_model(model: SensorModel) -> str:
+    """Return the text of ``model.json``: the same model gives the same bytes."""
+    content = to_dict(model)
+    return json.dumps({**content, CHECKSUM: checksum(content)}, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def read_model(path: str | os.PathLike[str]) -> SensorModel:
+    """Read a model.
+
+    Raises
+    ------
+    DataError
+        ``missing_file``; ``not_json``; ``schema_version`` for one that is not known here; ``checksum`` if the
+        content was changed after it was written; ``schema``. Each with the file.
+    """
+    try:
+        text = Path(path).read_text(encoding="utf-8")
+    except (OSError, UnicodeDecodeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else "not UTF-8 text"
+        raise DataError(
+            f"cannot read the model: {reason}", where=str(path), do="Check the path", code="missing_file"
+        ) from None
+    return parse_model(text, str(path))
+
+
+def parse_model(text: str, where: str = "") -> SensorModel:
+    """Return the model of the text of a ``model.json``; Raises as `read_model`."""
+    try:
+        content = json.loads(text, parse_constant=_refuse_constant)
+    except (ValueError, RecursionError) as error:
+        raise DataError(f"no JSON: {error}", where=where, code="not_json") from None
+    if not isinstance(content, dict):
+        raise DataError("no model: the file holds no object", where=where, code="schema")
+    given = content.pop(CHECKSUM, None)
+    try:
+        if content.get("schema_version") == SCHEMA_VERSION and given != checksum(content):
+            raise DataError(
+                "the checksum does not fit the content",
+                why="the file was changed after it was written, so its numbers have no source",
+                do="Take the model as `run` wrote it, or run the campaign again",
+                code=CHECKSUM,
+            )
+        return from_dict(content)
+    except InertialcalError as error:
+        problem = error.problems[0]
+        raise DataError(problem.what, where=where, why=problem.why, do=problem.do, code=problem.code) from None
+
+
+def checksum(content: dict[str, Any]) -> str:
+    """SHA-256 over the canonical form of a content, as ``sha256:...``."""
+    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
+    return "sha256:" + hashlib.sha256(canonical.encode("utf-8", "surrogatepass")).hexdigest()
+
+
+def _refuse_constant(name: str) -> NoReturn:
+    raise ValueError(f"{name} is no number of a model")

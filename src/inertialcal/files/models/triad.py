@@ -1,0 +1,212 @@
+"""What the formats of others have in common: three sensors, a matrix, an offset and perhaps a term in acceleration.
+
+As one equation, in outputs and SI inputs::
+
+    v = gain x + offset + force f        gain = diag(S0) M, offset = S0 bias, force = diag(S0) G
+
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...sensors.model.sensor_model import Kind, SensorModel
+
+XYZ = ("x", "y", "z")
+KINDS: tuple[Kind, ...] = ("accelerometer", "gyro")
+
+# Terms of our equation that a format may lack, in words.
+TERMS = {
+    "bias": "bias",
+    "g_sensitivity": "g-sensitivity",
+    "bias_temperature": "bias over temperature",
+    "bias_pressure": "bias over pressure",
+    "bias_warm_up": "warm-up",
+    "bias_temperature_rate": "bias over the rate of temperature",
+    "bias_hysteresis": "hysteresis of the bias",
+    "bias_run_to_run": "scatter of the bias from run to run",
+    "scale_factor_asymmetry": "scale factor asymmetry",
+    "second_order": "second-order term",
+    "third_order": "third-order term",
+}
+RANGES = ("input_range", "temperature_range", "pressure_range")
+
+
+@dataclass(frozen=True, eq=False)
+class Triad:
+    """v = gain x + offset + force f.
+
+    Parameters
+    ----------
+    gain : ndarray, shape (3, 3)
+        [output unit / SI input unit]
+    offset : ndarray, shape (3,)
+        [output unit]
+    force : ndarray, shape (3, 3)
+        [output unit / (m/s2)]; zero where the model has no such term.
+    """
+
+    gain: Array
+    offset: Array
+    force: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Foreign:
+    """Models read from a format of others.
+
+    Parameters
+    ----------
+    format : str
+        Its name here.
+    models : mapping
+        Kind of sensor -> model.
+    remarks : tuple of Remark
+        What the file holds and a model does not.
+    """
+
+    format: str
+    models: Mapping[Kind, SensorModel]
+    remarks: tuple[Remark, ...] = ()
+
+
+def triad(model: SensorModel) -> Triad:
+    """Return the linear part of a model at its reference conditions.
+
+    Raises
+    ------
+    DataError
+        ``not_three_axes``.
+    """
+    if model.axes != XYZ:
+        raise DataError(
+            f"the model has the axes {', '.join(model.axes)}",
+            why="the formats of others hold the three axes x, y, z",
+            do="Export it as json, or as code",
+            code="not_three_axes",
+        )
+    scale = model.scale_factor
+    force = np.zeros((3, 3)) if model.g_sensitivity is None else scale[:, np.newaxis] * model.g_sensitivity
+    return Triad(scale[:, np.newaxis] * model.matrix[0], scale * model.bias, force)
+
+
+def model_of(kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, reason: str = "") -> SensorModel:
+    """Return the model with a nominal scale factor that outputs of this equation have.
+
+    Parameters
+    ----------
+    kind : {"accelerometer", "gyro"}
+        What it senses.
+    scale : ndarray, shape (3,)
+        S0 [output unit / SI input unit].
+    own : Triad
+        The equation.
+    output_unit : str
+        Unit of the outputs.
+    name : str
+        Whose format it comes from.
+    reason : str
+        Why the bias is not known; empty where it is.
+    """
+    force = own.force / scale[:, np.newaxis]
+    model = SensorModel(
+        kind=kind,
+        axes=XYZ,
+        scale_factor=scale,
+        output_unit=output_unit,
+        matrix=own.gain / scale[:, np.newaxis],
+        bias=own.offset / scale,
+        g_sensitivity=force if np.any(force) else None,
+        source=f"{name} file",
+    )
+    reasons = {one.name: f"{name} holds no uncertainty" for one in model.parameters}
+    if reason:
+        reasons |= {one.name: reason for one in model.parameters if one.quantity == "bias"}
+    return replace(model, not_estimated=reasons)
+
+
+def lost(model: SensorModel, name: str, holds: frozenset[str]) -> tuple[Remark, ...]:
+    """Return a remark for each thing of a model that a format cannot hold.
+
+    Parameters
+    ----------
+    holds : frozenset of str
+        Fields of ``SensorModel`` that the format has beside the matrix.
+    """
+    gone = [words for field, words in TERMS.items() if field not in holds and np.any(model.terms.get(field, 0.0))]
+    if len(model.matrix) > 1 and np.any(model.matrix[1:]):
+        gone.append("matrix over temperature")
+    found = [
+        Remark("not_held", "warning", f"{model.kind}: {name} cannot hold: {words}", do="It is left out")
+        for words in gone
+    ]
+    quiet = ["nominal scale factor apart from its error"] if "scale_factor" not in holds else []
+    quiet += ["uncertainties"] if model.estimate is not None else []
+    quiet += ["ranges that the model holds for"] if any(getattr(model, one) is not None for one in RANGES) else []
+    quiet += ["item and origin of the figures"] if model.item.serial or model.provenance else []
+    if quiet:
+        found.append(Remark("not_held", "info", f"{model.kind}: {name} cannot hold: {', '.join(quiet)}"))
+    return tuple(found)
+
+
+def filled(models: Mapping[Kind, SensorModel], name: str) -> tuple[Remark, ...]:
+    """Return a remark for a sensor that a format wants and nobody gave."""
+    return tuple(
+        Remark(
+            "filled_in",
+            "warning",
+            f"no {kind} given: {name} wants one, and an ideal one is written",
+            do=f"Give the model of the {kind} too: --with MODEL",
+        )
+        for kind in KINDS
+        if kind not in models
+    )
+
+
+def ideal() -> Triad:
+    """Return the equation of a sensor without error, in SI."""
+    return Triad(np.eye(3), np.zeros(3), np.zeros((3, 3)))
+
+
+def numbers(content: Any, key: str, shape: tuple[int, ...], where: str) -> Array:
+    """Return an array of a file.
+
+    Raises
+    ------
+    DataError
+        ``missing_key``; ``schema`` where it is no array of finite numbers of that shape.
+    """
+    if not isinstance(content, Mapping) or key not in content:
+        raise DataError(
+            f"no {key}", where=where, do="Write the file again with the tool it comes from", code="missing_key"
+        )
+    try:
+        found = np.array(content[key], dtype=np.float64)
+    except (TypeError, ValueError):
+        found = np.empty(0)
+    if found.shape != shape or not np.all(np.isfinite(found)):
+        need = " x ".join(str(n) for n in shape)
+        raise DataError(f"{key} is not {need} finite numbers", where=where, code="schema")
+    return found
+
+
+def invertible(matrix: Array, what: str, where: str) -> Array:
+    """Return a matrix that has an inverse.
+
+    Raises
+    ------
+    DataError
+        ``not_invertible``.
+    """
+    if not np.linalg.cond(matrix) < 1e8:
+        raise DataError(
+            f"{what} has no inverse", where=where, why="no reading can be turned back", code="not_invertible"
+        )
+    return matrix

@@ -1,0 +1,1 @@
+"""The acceleration archive's pairs of data and header (PAD)."""

@@ -1,0 +1,132 @@
+"""Numbers of an archive data file: records of 32-bit floats, or text; read in blocks, each byte once."""
+
+from __future__ import annotations
+
+import io
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, Protocol
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError
+from ..source import LARGEST, too_large
+from .header import PadHeader
+
+BLOCK = 2**18  # records
+FLOAT = 4  # bytes
+Numbers = NDArray[Any]
+
+
+class Digest(Protocol):
+    """A hash that bytes are fed to."""
+
+    def update(self, data: Any, /) -> None:
+        """Take more bytes."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """Columns behind the time: names, and unit of those that have one."""
+
+    names: tuple[str, ...]
+    units: tuple[str | None, ...]
+    named: bool = True
+
+
+AXES = Layout(("x", "y", "z"), ("g", "g", "g"))
+RAW = Layout(("x", "y", "z", "temperature", "status"), ("g", "g", "g", None, None))  # ossraw
+RADIATION = Layout(tuple(f"column_{i}" for i in range(2, 15)), (None,) * 13, named=False)  # radgse
+
+
+def layout_of(header: PadHeader) -> Layout:
+    """Return the columns of a sensor: three axes; for ``ossraw`` temperature and status too; 13 for ``radgse``."""
+    said = f"{header.system} {header.sensor}".lower()
+    return RAW if "ossraw" in said else RADIATION if "radgse" in said else AXES
+
+
+def read_numbers(path: Path, header: PadHeader, digest: Digest) -> tuple[Numbers, list[Numbers]]:
+    """Return time [s since the header's time zero], shape (n,), and the columns behind it.
+
+    Parameters
+    ----------
+    path : Path
+        Data file.
+    header : PadHeader
+        Of it.
+    digest : Digest
+        Is fed all bytes of the file.
+
+    Raises
+    ------
+    DataError
+        ``empty_file``; ``truncated``, if the size is no whole number of records; ``damaged_file``; ``too_large``.
+    """
+    columns = 1 + len(layout_of(header).names)
+    try:
+        size = path.stat().st_size
+        if not size:
+            raise DataError("the file is empty", where=str(path), do="Fetch it again", code="empty_file")
+        if size > LARGEST:
+            raise too_large(str(path), size)
+        if not header.number_type:
+            return _from_text(path, columns, digest)
+        _whole_records(path, size, columns)
+        return _from_binary(path, np.dtype(header.number_type), size // (FLOAT * columns), columns, digest)
+    except OSError as error:
+        what = f"cannot be read: {error.strerror or error}"
+        raise DataError(what, where=str(path), code="missing_file") from None
+
+
+def _whole_records(path: Path, size: int, columns: int) -> None:
+    record = FLOAT * columns
+    if size % record:
+        raise DataError(
+            f"{size} bytes are {size // record} records of {columns} numbers and {size % record} bytes more: truncated",
+            where=str(path),
+            why=f"a record has {record} bytes",
+            do="Fetch it again from the archive",
+            code="truncated",
+        )
+
+
+def _from_binary(
+    path: Path, kind: np.dtype[Any], n: int, columns: int, digest: Digest
+) -> tuple[Numbers, list[Numbers]]:
+    """Columns in the machine's byte order, still 32 bits wide."""
+    found = [np.empty(n, dtype=np.float32) for _ in range(columns)]
+    buffer = np.empty((min(BLOCK, n), columns), dtype=kind)
+    with path.open("rb") as stream:
+        for first in range(0, n, BLOCK):
+            block = buffer[: min(BLOCK, n - first)]
+            raw = block.view(np.uint8).data
+            if stream.readinto(raw) != block.nbytes:
+                raise DataError(f"ends before record {n}, while it is read", where=str(path), code="damaged_file")
+            digest.update(raw)
+            for column, numbers in enumerate(found):
+                numbers[first : first + len(block)] = block[:, column]
+    return found[0], found[1:]
+
+
+def _from_text(path: Path, columns: int, digest: Digest) -> tuple[Numbers, list[Numbers]]:
+    data = path.read_bytes()
+    digest.update(data)
+    try:
+        text = data.decode("ascii").replace(",", " ")
+        table = np.loadtxt(io.StringIO(text), dtype=np.float64, ndmin=2, comments=None)
+    except ValueError as error:
+        raise _no_text(path, " ".join(str(error).split())[:160]) from None
+    if not len(table) or table.shape[1] != columns:
+        raise _no_text(path, f"{table.shape[1] if len(table) else 0} numbers in a row, need {columns}")
+    return table[:, 0].copy(), [table[:, column].copy() for column in range(1, columns)]
+
+
+def _no_text(path: Path, what: str) -> DataError:
+    return DataError(
+        f"is not the text that its header says: {what}",
+        where=str(path),
+        do=f"Fetch both files of the pair again ({os.path.basename(path)} and its header)",
+        code="damaged_file",
+    )

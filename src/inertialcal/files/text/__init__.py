@@ -1,0 +1,1 @@
+"""Readers of text: delimited files, headers, tables."""

@@ -1,0 +1,265 @@
+"""Separated text: CSV, tabs, semicolons, blanks; with or without header; decimal point or comma.
+
+A regular file goes through Arrow's reader; whatever that does not take as plain numbers goes cell by cell,
+which is slower and knows the row of each problem. Both give the same columns.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError, Problem
+from ...core.remarks import Remark
+from .cells import judge
+from .columns import Column, Content, Rows
+from .layout import Layout, is_blank, sniff, split
+
+SHOWN = 60  # characters of a cell in a message
+
+
+def parse(text: str, where: str) -> Content:
+    r"""Return the columns of a text with ``\n`` line ends.
+
+    Raises
+    ------
+    DataError
+        If it has no row of data, rows differ in width, a name appears twice, or text stands among numbers;
+        each with ``file:row``.
+    """
+    layout = sniff(text, where)
+    if layout.across:
+        return _across(text, layout, where)
+    names = column_names(layout, where)
+    text, cut = _whole_rows(text, layout, where)
+    found = fast(text, layout, names) or exact(text, layout, names, where)
+    return replace(found, remarks=(*found.remarks, *cut))
+
+
+def _whole_rows(text: str, layout: Layout, where: str) -> tuple[str, tuple[Remark, ...]]:
+    """Return the text without a last row that was not written to its end, with the remark that says so."""
+    begin = text.rfind("\n") + 1
+    last = text[begin:]
+    if begin <= layout.start or is_blank(last, layout.separator) or last.lstrip().startswith(layout.comment):
+        return text, ()
+    cells = len(split(last, layout.separator))
+    if cells >= layout.width:
+        return text, ()
+    what = (
+        f"the last row has no end, and {cells} of {layout.width} cells: it is left out. The file is still being "
+        "written, or the recording broke off"
+    )
+    where = f"{where}:{text.count(chr(10)) + 1}"
+    return text[: begin - 1], (Remark("row_cut_off", "warning", what, where, do="Read it again when it is whole"),)
+
+
+def column_names(layout: Layout, where: str) -> tuple[str, ...]:
+    """Names of the columns; ``column_3`` where the file has none.
+
+    Raises
+    ------
+    DataError
+        If a name appears twice.
+    """
+    names = tuple(name or f"column_{i}" for i, name in enumerate(layout.names, start=1))
+    twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
+    if twice:
+        raise DataError(
+            f"column name {', '.join(map(repr, twice))} appears twice",
+            where=where,
+            why="which column is meant would be a guess",
+            do="Rename one",
+            code="duplicate_column",
+        )
+    return names
+
+
+def fast(text: str, layout: Layout, names: tuple[str, ...]) -> Content | None:
+    """Columns of a regular file by Arrow, or None where the file is not regular."""
+    body = _regular_body(text, layout)
+    table = None if body is None else _arrow(body, layout, names)
+    if table is None or body is None or len(table) != body.count("\n") + 1:
+        return None
+    columns = []
+    for i, name in enumerate(names):
+        column = _from_arrow(table.column(i), layout, name, i)
+        if column is None:
+            return None
+        columns.append(column)
+    rows = np.arange(layout.row, layout.row + len(table), dtype=np.int64)
+    return _content(columns, rows, layout)
+
+
+def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Content:
+    """Columns cell by cell, with the row of each problem.
+
+    Raises
+    ------
+    DataError
+        If rows differ in width, or text stands among numbers.
+    """
+    rows, cells = cell_columns(text, layout, where)
+    columns, problems = [], []
+    for i, name in enumerate(names):
+        judged = judge(cells[i], layout.decimal)
+        if len(judged.text):
+            problems.append(text_in_numbers(name, cells[i], judged.text, rows, where))
+        columns.append(_column(name, judged.values, layout, i, judged.empty, judged.not_a_number))
+    if problems:
+        raise DataError(problems)
+    return _content(columns, rows, layout)
+
+
+def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list[str]]]:
+    """Row of each line of data, and its cells by column; blanks around a cell may be left.
+
+    Raises
+    ------
+    DataError
+        If a row is not as wide as the others.
+    """
+    rows: list[int] = []
+    flat: list[str] = []  # a list for each row would keep the garbage collector busy
+    ragged: list[tuple[int, int]] = []
+    body = text[layout.start :]
+    plain = layout.separator if '"' not in body else None
+    for row, line in enumerate(body.split("\n"), start=layout.row):
+        if is_blank(line, layout.separator) or line.lstrip().startswith(layout.comment):
+            continue
+        parts = line.split(plain) if plain else split(line, layout.separator)
+        if len(parts) != layout.width:
+            ragged.append((row, len(parts)))
+        rows.append(row)
+        flat += parts
+    if ragged:
+        row, width = ragged[0]
+        raise DataError(
+            f"{width} cell(s) in this row, {layout.width} in the others"
+            + (f" ({len(ragged)} such rows)" if len(ragged) > 1 else ""),
+            where=f"{where}:{row}",
+            why="which number belongs to which column is not known",
+            do="Mend or delete the row",
+            code="ragged_row",
+        )
+    return np.array(rows, dtype=np.int64), [flat[i :: layout.width] for i in range(layout.width)]
+
+
+def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where: str) -> Problem:
+    """Return the problem of text in a number column, at its first place."""
+    first = cells[int(at[0])].strip()
+    shown = first if len(first) <= SHOWN else first[:SHOWN] + "..."
+    more = f" ({len(at)} such cells)" if len(at) > 1 else ""
+    return Problem(
+        f"text {shown!r} in number column {name!r}{more}",
+        where=f"{where}:{rows[int(at[0])]}",
+        do="Mend the cell, or leave it empty if the value is missing",
+        code="text_in_numbers",
+    )
+
+
+def _regular_body(text: str, layout: Layout) -> str | None:
+    """Rows of data without quotes, comments and blank lines; None where there are some."""
+    body = text[layout.start :].rstrip("\n ")
+    # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
+    if any(sign in body for sign in '"xX') or "\n\n" in body:
+        return None
+    if any(mark[0] in body and f"\n{mark}" in body for mark in layout.comment):
+        return None
+    if layout.separator is not None:
+        return body
+    body = body.replace("\t", " ")
+    while "  " in body:
+        body = body.replace("  ", " ")
+    return body.replace("\n ", "\n").replace(" \n", "\n").strip(" ")
+
+
+def _arrow(body: str, layout: Layout, names: tuple[str, ...]) -> Any:
+    """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    from pyarrow import csv  # noqa: PLC0415 - heavy import
+
+    data = body.encode()
+    keys = [str(i) for i in range(len(names))]
+    as_text: dict[str, Any] = {}
+    for _ in range(2):
+        try:
+            table = csv.read_csv(
+                pa.BufferReader(data),
+                read_options=csv.ReadOptions(column_names=keys),
+                parse_options=csv.ParseOptions(
+                    delimiter=layout.separator or " ", quote_char=False, ignore_empty_lines=False
+                ),
+                convert_options=csv.ConvertOptions(
+                    null_values=[""],
+                    strings_can_be_null=True,
+                    true_values=[],
+                    false_values=[],
+                    decimal_point=layout.decimal,
+                    column_types=as_text,
+                ),
+            )
+        except pa.ArrowException:
+            return None
+        plain = (pa.int64(), pa.float64(), pa.string(), pa.null())
+        odd = [key for key, kind in zip(keys, table.schema.types, strict=True) if kind not in plain]
+        if not odd:
+            return table
+        as_text = dict.fromkeys(odd, pa.string())  # dates and times are judged by the clock
+    return None
+
+
+def _from_arrow(values: Any, layout: Layout, name: str, i: int) -> Column | None:
+    """One column; None where only the exact way can judge it."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    empty = np.flatnonzero(values.is_null().to_numpy(zero_copy_only=False))
+    if pa.types.is_string(values.type):
+        if layout.width == 1:
+            return None  # a line of blanks is no cell
+        judged = judge(["" if cell is None else cell for cell in values.to_pylist()], layout.decimal)
+        text = bool(len(judged.text))
+        return None if text else _column(name, judged.values, layout, i, judged.empty, judged.not_a_number)
+    if len(empty) or not pa.types.is_int64(values.type):
+        values = values.cast(pa.float64(), safe=False)
+    numbers = values.to_numpy(zero_copy_only=False)
+    if numbers.dtype.kind == "i":
+        return _column(name, np.array(numbers), layout, i, empty, empty[:0])
+    if np.isinf(numbers).any():
+        return None
+    nan = np.setdiff1d(np.flatnonzero(np.isnan(numbers)), empty, assume_unique=True)
+    return _column(name, np.array(numbers), layout, i, empty, nan)
+
+
+def _column(name: str, values: Any, layout: Layout, i: int, empty: Rows, nan: Rows) -> Column:
+    return Column(name, values, layout.units[i] or None, bool(layout.names[i]), empty=empty, not_a_number=nan)
+
+
+def _content(columns: list[Column], rows: Rows, layout: Layout) -> Content:
+    """All columns but those without name and without value (a separator at the line's end)."""
+    kept = [column for column in columns if column.named or len(column.empty) < len(rows)]
+    remarks = layout.remarks
+    if len(kept) < len(columns):
+        what = f"{len(columns) - len(kept)} column(s) without name and value left out"
+        remarks = (*remarks, Remark("empty_column", "info", what))
+    return Content(tuple(kept), layout.words, rows, layout.sample_rate, remarks)
+
+
+def _across(text: str, layout: Layout, where: str) -> Content:
+    """Return a lone line of numbers as one column."""
+    cells = split(text[layout.start :].strip("\n"), layout.separator)
+    while not cells[-1]:
+        cells.pop()
+    downward = replace(layout, separator=None, width=1, names=("",), units=("",), start=0, across=False)
+    content = fast("\n".join(cells), downward, ("column_1",))
+    if content is None:
+        judged = judge(cells, layout.decimal)
+        if len(judged.text):
+            rows = np.full(len(cells), layout.row, dtype=np.int64)
+            raise DataError(text_in_numbers("column_1", cells, judged.text, rows, where))
+        column = _column("column_1", judged.values, downward, 0, judged.empty, judged.not_a_number)
+        content = _content([column], np.arange(len(cells)), downward)
+    remark = Remark("values_across", "info", f"one line of {len(cells)} numbers: read as one column", where)
+    return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))

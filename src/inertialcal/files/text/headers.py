@@ -1,0 +1,289 @@
+"""Headers: what the name of a column says about axis, quantity and unit.
+
+A unit stands in brackets (``gyro_x [deg/s]``, ``Time (s)``) or as the end of the name (``gyro_x_dps``,
+``acc_mps2``, ``temp_degC``, ``slope_volt_per_dps``), from a closed list. A unit that cannot belong to the
+quantity (``gyro_g``) is none. What a name does not say stays unsaid.
+"""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from ...core import units
+from ...core.errors import InertialcalError
+
+GYRO = {"gyro", "gyros", "gyr", "gyroscope", "gyroscopes", "omega", "angvel"}
+ACC = {"acc", "accs", "accel", "accels", "accelerometer", "accelerometers", "acceleration", "accelerations"}
+MAGNETOMETER = {"mag", "magn", "magnetometer", "magnetic"}
+TEMPERATURE = {"temp", "temps", "temperature", "temperatures", "tmp", "thermistor"}
+PRESSURE = {"pressure", "press", "baro", "barometer"}
+VOLTAGE = {"voltage", "volt", "volts", "vref"}
+TIME = {"time", "timestamp", "timestamps", "stamp", "unix", "epoch", "utc", "datetime", "walltime"}
+NOT_TIME = {"sigma", "std", "deviation", "error", "constant", "interval", "step", "delta", "diff", "duration"}
+STATUS = {"status", "state", "flag", "flags", "valid", "validity", "mode", "quality"}
+WORDS = (
+    ("gyro", GYRO),
+    ("acc", ACC),
+    ("magnetometer", MAGNETOMETER),
+    ("temperature", TEMPERATURE),
+    ("pressure", PRESSURE),
+    ("voltage", VOLTAGE),
+    ("time", TIME),
+    ("status", STATUS),
+)
+PHRASES = {"angular velocity": "gyro", "angular rate": "gyro", "rotation rate": "gyro"}
+LETTERS = {"w": "gyro", "g": "gyro", "a": "acc", "m": "magnetometer"}  # wx, gx, ax, mx
+
+# Whole names (letters and digits only, lower case).
+TIME_NAMES = {
+    "t": None,
+    "ts": None,
+    "elapsed": None,
+    "seconds": "s",
+    "secs": "s",
+    "sec": "s",
+    "millis": "ms",
+    "milliseconds": "ms",
+    "msec": "ms",
+    "micros": "us",
+    "microseconds": "us",
+    "usec": "us",
+    "nanos": "ns",
+    "nanoseconds": "ns",
+    "nsec": "ns",
+}
+_INDEX_NAMES = (
+    "nsamples nsample samples sample samplenumber sampleno samplenr sampleindex sampleid sampleidx index idx "
+    "row rows rownumber rowno line frame frames frameno framenumber framecount counter packetcounter packet "
+    "seq sequence sequencenumber i n nr no number tick ticks record recordno unnamed0 indexlevel0"
+)
+INDEX_NAMES = frozenset(_INDEX_NAMES.split())
+
+SUFFIXES = {
+    "dps": "deg/s",
+    "mdps": "mdeg/s",
+    "dph": "deg/h",
+    "mps2": "m/s^2",
+    "g": "g",
+    "mg": "mg",
+    "ug": "ug",
+    "ng": "ng",
+    "degc": "degC",
+    "degf": "degF",
+    "kelvin": "K",
+    "volt": "V",
+    "volts": "V",
+    "mv": "mV",
+    "uv": "uV",
+    "lsb": "count",
+    "count": "count",
+    "counts": "count",
+    "percent": "%",
+    "pct": "%",
+    "ppm": "ppm",
+    "pps": "count/s",
+    "hz": "Hz",
+    "torr": "Torr",
+    "pa": "Pa",
+    "hpa": "hPa",
+    "kpa": "kPa",
+    "mbar": "mbar",
+    "s": "s",
+    "sec": "s",
+    "ms": "ms",
+    "us": "us",
+    "ns": "ns",
+    "deg": "deg",
+    "rad": "rad",
+    "mrad": "mrad",
+    "urad": "urad",
+    "cm": "cm",
+    "mm": "mm",
+    "kg": "kg",
+}
+PAIRS = {("deg", "s"): "deg/s", ("rad", "s"): "rad/s", ("deg", "h"): "deg/h", ("m", "s2"): "m/s^2"}
+
+# Kinds of unit that a quantity can come in, raw ones included; others may come in any.
+KINDS = {
+    "gyro": {"angular_rate", "angle", "voltage", "count", "frequency", "other"},
+    "acc": {"acceleration", "voltage", "count", "frequency", "other"},
+    "temperature": {"temperature", "voltage", "count", "other"},
+    "time": {"time"},
+    "pressure": {"pressure", "voltage", "count"},
+    "voltage": {"voltage", "count"},
+}
+BY_KIND = {
+    "angular_rate": "gyro",
+    "acceleration": "acc",
+    "temperature": "temperature",
+    "time": "time",
+    "pressure": "pressure",
+    "voltage": "voltage",
+}
+# Readings that core.units refuses on its own, and that the quantity settles.
+SETTLED = {("temperature", "C"): "degC", ("temperature", "F"): "degF", ("acc", "G"): "g", ("acc", "mG"): "mg"}
+WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+")
+CLOSING = {"]": "[", ")": "("}
+
+
+@dataclass(frozen=True)
+class Heading:
+    """What a name says.
+
+    Parameters
+    ----------
+    unit : str or None
+        As ``core.units`` prints it; None where the name says none.
+    axis : str
+        ``"x"``, ``"y"``, ``"z"`` or ``""``.
+    quantity : str
+        ``"gyro"``, ``"acc"``, ``"magnetometer"``, ``"temperature"``, ``"pressure"``, ``"voltage"``,
+        ``"time"``, ``"status"``, ``"index"`` or ``""``.
+    unknown : str
+        Text in brackets that is no unit.
+    """
+
+    unit: str | None = None
+    axis: str = ""
+    quantity: str = ""
+    unknown: str = ""
+
+
+def heading(name: str, unit: str | None = None) -> Heading:
+    """Return what the name of a column says.
+
+    Parameters
+    ----------
+    name : str
+        As the file has it.
+    unit : str, optional
+        As a units row or metadata say it; goes before the name.
+    """
+    bare, bracket = bare_name(name), _bracket(name)
+    words = [word.lower() for word in WORD.findall(bare)]
+    given = unit if unit is not None else bracket
+    known, rest = _suffix(bare)
+    known = known if given is None else None
+    quantity = _quantity(bare, [word.lower() for word in WORD.findall(rest)] if known else words)
+    if given is not None and given.strip():
+        known = _known(given.strip(), quantity)
+    known = _by_name(_last(bare, words)) if known is None and given is None else known
+    kind = units.kind(known) if known is not None else ""
+    unknown = given.strip() if given is not None and known is None else ""
+    if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
+        known, unknown = None, given or ""
+    return Heading(known, _axis(words), quantity or BY_KIND.get(kind, ""), unknown)
+
+
+def bare_name(name: str) -> str:
+    """Return the name without a unit in brackets."""
+    at = _opening(name)
+    return name.strip() if at is None else name.strip()[:at].strip(" _,/")
+
+
+def normal_unit(text: str, quantity: str) -> str:
+    """Return a unit as ``core.units`` prints it; the quantity settles what C, F and G mean.
+
+    Raises
+    ------
+    DataError
+        If it is not known.
+    """
+    return units.normalise(SETTLED.get((quantity, text), text))
+
+
+def _opening(name: str) -> int | None:
+    """Index of the bracket that opens the end of a name."""
+    name = name.strip()
+    closing = name[-1:]
+    if closing not in CLOSING:
+        return None
+    depth = 0
+    for at in range(len(name) - 1, 0, -1):
+        depth += (name[at] == closing) - (name[at] == CLOSING[closing])
+        if depth == 0:
+            return at
+    return None
+
+
+def _bracket(name: str) -> str | None:
+    at = _opening(name)
+    return None if at is None else name.strip()[at + 1 : -1]
+
+
+def _known(text: str, quantity: str) -> str | None:
+    try:
+        return normal_unit(text, quantity)
+    except InertialcalError:
+        return None
+
+
+def _last(bare: str, words: list[str]) -> list[str]:
+    """Words of the last part of a path: ``imu.t``."""
+    return [word.lower() for word in WORD.findall(bare.rpartition(".")[2])] if "." in bare else words
+
+
+def _by_name(words: list[str]) -> str | None:
+    """Return the unit of a column named by its unit: ``millis``."""
+    return TIME_NAMES.get("".join(words))
+
+
+def _suffix(bare: str) -> tuple[str | None, str]:
+    """Return the unit at the end of a name, and the name without it."""
+    parts = re.split(r"[_\s.]+", bare)
+    for count in range(min(len(parts) - 1, 5), 0, -1):
+        unit = _words_to_unit([part.lower() for part in parts[-count:]])
+        if unit is not None:
+            return _known(unit, ""), " ".join(parts[:-count])
+    return ("V", " ".join(parts[:-1])) if len(parts) > 1 and parts[-1] == "V" else (None, bare)
+
+
+def _words_to_unit(parts: list[str]) -> str | None:
+    """``["volt", "per", "dps"]`` as ``V/(deg/s)``."""
+    if "per" in parts:
+        at = parts.index("per")
+        above, below = _words_to_unit(parts[:at]), _words_to_unit(parts[at + 1 :])
+        return None if above is None or below is None else f"{above}/({below})"
+    if len(parts) == 1:
+        return SUFFIXES.get(parts[0])
+    return PAIRS.get((parts[0], parts[1])) if len(parts) == 2 else None
+
+
+def _quantity(bare: str, words: list[str]) -> str:
+    """Return what a column measures, by its name."""
+    whole = "".join(_last(bare, words))
+    if whole in INDEX_NAMES or bare == "#":
+        return "index"
+    if whole in TIME_NAMES:
+        return "time"
+    spaced = " ".join(words)
+    for phrase, quantity in PHRASES.items():
+        if phrase in spaced:
+            return quantity
+    for quantity, known in WORDS:
+        if any(_stem(word) in known or word in known for word in words):
+            return "" if quantity == "time" and NOT_TIME.intersection(words) else quantity
+    pairs = [word for word in words if len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"]
+    return LETTERS[pairs[0][0]] if pairs else ""
+
+
+def _stem(word: str) -> str:
+    """``accelx``, ``xgyro`` without the letter of the axis."""
+    if len(word) > 3 and word[-1] in "xyz":
+        return word[:-1]
+    return word[1:] if len(word) > 3 and word[0] in "xyz" else word
+
+
+def _axis(words: list[str]) -> str:
+    """Axis, where the name has one letter x, y or z, or one word that starts or ends with it."""
+    found = {word for word in words if word in ("x", "y", "z")}
+    if not found:
+        found = {word[1] for word in words if len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"}
+    if not found:
+        found = {word[-1] if word.startswith(_stem(word)) else word[0] for word in words if _is_stemmed(word)}
+    return found.pop() if len(found) == 1 else ""
+
+
+def _is_stemmed(word: str) -> bool:
+    return _stem(word) != word and any(_stem(word) in known for _, known in WORDS)

@@ -1,0 +1,340 @@
+"""Layout of a text file: comment lines, header, separator, decimal sign, where the numbers start.
+
+Judged from the first 200 lines that hold something. Candidates for separator and decimal sign are scored by
+the share of lines of equal width times the share of cells that are numbers; at a tie the first in
+``CANDIDATES`` wins. The header is the first of these lines if no cell of it is a number and it is as wide as
+the rows; failing that the last comment line, if it is. Lines before a header that are neither (an export's
+preamble) are left out and counted.
+"""
+
+from __future__ import annotations
+
+import csv
+import re
+from collections import Counter
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from ...core import units
+from ...core.errors import DataError, InertialcalError
+from ...core.remarks import Remark
+from .cells import BLANKS, Decimal, kind
+
+SAMPLE = 200  # lines
+CELLS = 50  # of a line that are looked at
+ACROSS = 16  # numbers in a lone line from which it is a series
+CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
+    (",", "."),
+    ("\t", "."),
+    (";", "."),
+    ("\t", ","),
+    (None, "."),
+    (None, ","),
+    (";", ","),
+)
+WORDS = {",": "comma-separated", "\t": "tab-separated", ";": "semicolon-separated", None: "blank-separated"}
+NUMBER = frozenset("ifn")  # kinds of cells
+COMMENT = ("#", "%", "//")
+SEMICOLON_COMMENT = (*COMMENT, ";")
+SAMPLE_RATE = re.compile(
+    r"\b(?:fs|(?:sampl(?:e|ing)|data)[ _-]*(?:rate|frequency|freq))\b[^0-9=:]{0,12}[=:]?\s*"
+    r"([0-9]+(?:\.[0-9]*)?(?:e[-+]?[0-9]+)?)\s*(k?hz|sps|/s)?",
+    re.IGNORECASE,
+)
+
+
+Table = list[list[str]]  # cells by line
+
+
+@dataclass(frozen=True)
+class Line:
+    """A line that holds something: row in the file from 1, offset of its first character, text."""
+
+    row: int
+    offset: int
+    text: str
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text file is laid out.
+
+    Parameters
+    ----------
+    separator : str or None
+        None for blanks.
+    decimal : {".", ","}
+        Decimal sign.
+    width : int
+        Cells in a row.
+    names, units : tuple of str
+        One a column; empty text where there is none.
+    start, row : int
+        Offset of the first character of the first data row, and its row in the file.
+    comment : tuple of str
+        Starts of a comment line.
+    across : bool
+        Whether the only line is a series of numbers.
+    sample_rate : float or None
+        As comments say it [Hz].
+    remarks : tuple of Remark
+        What was unusual.
+    """
+
+    separator: str | None
+    decimal: Decimal
+    width: int
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    start: int
+    row: int
+    comment: tuple[str, ...]
+    across: bool = False
+    sample_rate: float | None = None
+    remarks: tuple[Remark, ...] = ()
+
+    @property
+    def words(self) -> str:
+        """The layout in words."""
+        sign = ", decimal comma" if self.decimal == "," else ""
+        return f"text, {WORDS[self.separator] if self.width > 1 else 'one column'}{sign}"
+
+
+def sniff(text: str, where: str) -> Layout:
+    r"""Return the layout of a text with ``\n`` line ends.
+
+    Raises
+    ------
+    DataError
+        If it holds no row, or the header is not as wide as the rows.
+    """
+    layout = _sniff(text, where, SEMICOLON_COMMENT)
+    return _sniff(text, where, COMMENT) if layout.separator == ";" else layout
+
+
+def split(line: str, separator: str | None) -> list[str]:
+    """Return the cells of a line, without quotes and outer blanks."""
+    if '"' in line:
+        line = line.strip(BLANKS) if separator is None else line
+        parts = next(csv.reader([line], delimiter=separator or " ", skipinitialspace=True), [])
+    elif separator is None:
+        parts = re.split(r"[ \t]+", line.strip(BLANKS))
+    else:
+        parts = line.split(separator)
+    return [part.strip(BLANKS) for part in parts]
+
+
+def is_blank(line: str, separator: str | None) -> bool:
+    """Whether a line holds nothing, not even empty cells."""
+    return not line.strip(BLANKS if separator != "\t" else " ")
+
+
+def _lines(text: str) -> Iterator[Line]:
+    """Each line, with its row and offset."""
+    row, offset = 1, 0
+    while offset < len(text):
+        end = text.find("\n", offset)
+        end = len(text) if end < 0 else end
+        yield Line(row, offset, text[offset:end])
+        row, offset = row + 1, end + 1
+
+
+def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
+    comments, lines = _head(text, comment)
+    if not lines:
+        raise DataError("holds no row of data", where=where, do="Record again", code="empty_file")
+    separator, decimal, table = _separator(lines)
+    width = _width(table)
+    header, first = _first_data(table, decimal, width)
+    notes = [line.text for line in lines[: first if header is None else header]]
+    names, from_comment = _names(table, header, comments, separator, width)
+    if header is not None and len(names) != width:
+        raise _header_width(len(names), width, f"{where}:{lines[header].row}")
+    units_row = _units(table, header, decimal, width)
+    first += bool(units_row)
+    if first >= len(lines):
+        raise DataError("holds a header and no row of data", where=where, code="empty_file")
+    start = lines[first]
+    return Layout(
+        separator=separator,
+        decimal=_decimal(text, start, separator, decimal),
+        width=width,
+        names=names,
+        units=units_row or ("",) * width,
+        start=start.offset,
+        row=start.row,
+        comment=comment,
+        across=len(lines) == 1 and header is None and width >= ACROSS,
+        sample_rate=_sample_rate(comments + notes),
+        remarks=_remarks(notes, lines, names if from_comment else (), where)
+        + _ambiguous(table[first:], separator, header, where),
+    )
+
+
+def _head(text: str, comment: tuple[str, ...]) -> tuple[list[str], list[Line]]:
+    """Comment lines before the first line that holds something, and the first of these lines."""
+    comments: list[str] = []
+    lines: list[Line] = []
+    for line in _lines(text):
+        stripped = line.text.strip()
+        if stripped.startswith(comment):
+            if not lines:
+                comments.append(stripped)
+        elif stripped:
+            lines.append(line)
+        if len(lines) == SAMPLE:
+            break
+    return comments, lines
+
+
+def _separator(lines: list[Line]) -> tuple[str | None, Decimal, Table]:
+    """Separator and decimal sign with the best score, and the lines cut by it."""
+    tables = {separator: [split(line.text, separator) for line in lines] for separator in WORDS}
+    scores = [_score(tables[separator], decimal) for separator, decimal in CANDIDATES]
+    separator, decimal = CANDIDATES[scores.index(max(scores))]
+    return separator, decimal, tables[separator]
+
+
+def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
+    """Share of alike lines times share of numbers; more than one column; share of alike lines."""
+    width = _width(table)
+    alike = [i for i, cells in enumerate(table) if len(cells) == width]
+    share = len(alike) / len(table)
+    # The first line may be a header, which must fit in width but holds no number.
+    rows = [i for i in alike if i] or alike
+    kinds = Counter(kind(cell, decimal) for i in rows for cell in table[i][:CELLS])
+    filled = kinds.total() - kinds["e"]
+    numbers = (filled - kinds["t"]) / filled if filled else 0.0
+    if width == 1 and decimal == "," and ("," in table[0][0] or numbers < 1.0 or share < 1.0):
+        numbers = 0.0  # 1,5 are two columns, unless a name stands above them that has no comma
+    return round(share * numbers, 6), width > 1, share
+
+
+def _width(table: Table) -> int:
+    """Most frequent number of cells in the later half, where data is."""
+    counts = Counter(len(cells) for cells in table[len(table) // 2 :])
+    return max(counts, key=lambda width: (counts[width], width))
+
+
+def _first_data(table: Table, decimal: Decimal, width: int) -> tuple[int | None, int]:
+    """Index of the header, if there is one, and of the first row of data.
+
+    The header is the last line of words before the numbers if it has several cells, whether it fits or not.
+    """
+    before: int | None = None
+    for i, cells in enumerate(table):
+        kinds = [kind(cell, decimal) for cell in cells[:CELLS]]
+        if not _has_number(kinds):
+            if len(_header(cells, table, width)) == width:
+                return i, i + 1
+            before = i if len(cells) > 1 else None
+        elif i == 0 or kinds[0] in NUMBER or len(cells) == width:
+            return before, i
+    return 0, 1  # words only, and no line as wide as most: the first is the header, and does not fit
+
+
+def _has_number(kinds: list[str]) -> bool:
+    return not NUMBER.isdisjoint(kinds)
+
+
+def _header(cells: list[str], table: Table, width: int) -> list[str]:
+    """Names for a row of ``width`` cells; an empty cell at the end of either is no column."""
+    while cells and not cells[-1] and len(cells) > width:
+        cells = cells[:-1]
+    if len(cells) != width - 1 or width == 1:
+        return cells
+    ends = {row[-1] for row in table if len(row) == width}
+    return [*cells, ""] if ends == {""} else cells
+
+
+def _names(
+    table: Table, header: int | None, comments: list[str], separator: str | None, width: int
+) -> tuple[tuple[str, ...], bool]:
+    """Names of the columns, and whether they come from the last comment."""
+    if header is not None:
+        return tuple(_header(table[header], table, width)), False
+    names = _comment_names(comments[-1], separator, width) if comments else []
+    return tuple(names or [""] * width), bool(names)
+
+
+def _header_width(names: int, width: int, where: str) -> DataError:
+    return DataError(
+        f"the header names {names} column(s), the rows have {width}",
+        where=where,
+        why="which number belongs to which name is not known",
+        do="Give each column one name, separated as the numbers are",
+        code="ragged_row",
+    )
+
+
+def _comment_names(comment: str, separator: str | None, width: int) -> list[str]:
+    """Cells of a comment line, if they can name the columns."""
+    text = comment.lstrip("#%/; \t")
+    for parts in (split(text, separator), re.split(r"\s{2,}|\t", text)):
+        cells = [part.strip() for part in parts]
+        if len(cells) == width and all(kind(cell) == "t" for cell in cells) and len(set(cells)) == width:
+            # One column: a sentence is no name.
+            return cells if width > 1 or len(text.split()) == 1 else []
+    return []
+
+
+def _units(table: Table, header: int | None, decimal: Decimal, width: int) -> tuple[str, ...]:
+    """Units row below a header: every cell is a unit or empty, some are units, and numbers follow."""
+    if header is None or header + 2 >= len(table):
+        return ()
+    names, cells, following = table[header : header + 3]
+    given = [cell.strip("[]() ") for cell in cells]
+    numbers = _has_number([kind(cell, decimal) for cell in cells])
+    if numbers or len(cells) != len(names) or not _has_number([kind(cell, decimal) for cell in following]):
+        return ()
+    known = [_is_unit(unit) for unit in given if unit]
+    return (*given, *[""] * (width - len(given))) if known and all(known) else ()
+
+
+def _is_unit(text: str) -> bool:
+    try:
+        units.normalise(text)
+    except InertialcalError:
+        return False
+    return True
+
+
+def _decimal(text: str, start: Line, separator: str | None, decimal: Decimal) -> Decimal:
+    """Decimal comma also where the first 200 lines hold whole numbers only."""
+    if decimal == "," or separator == "," or text.find(",", start.offset) < 0:
+        return decimal
+    commas = re.compile(r"[0-9],[0-9]").search(text, start.offset)
+    points = re.compile(r"[0-9]\.[0-9]").search(text, start.offset)
+    return "," if commas and not points else decimal
+
+
+def _remarks(notes: list[str], lines: list[Line], from_comment: tuple[str, ...], where: str) -> tuple[Remark, ...]:
+    """Remarks on a preamble and on names from a comment."""
+    remarks = []
+    if notes:
+        what = f"{len(notes)} line(s) before the table left out: {notes[0].strip()[:60]!r} ..."
+        remarks.append(Remark("preamble", "info", what, where=f"{where}:{lines[0].row}"))
+    if from_comment:
+        what = f"columns named by the last comment: {', '.join(from_comment)[:120]}"
+        remarks.append(Remark("header_from_comment", "info", what, where=where))
+    return tuple(remarks)
+
+
+def _ambiguous(table: Table, separator: str | None, header: int | None, where: str) -> tuple[Remark, ...]:
+    """Remark on two columns of whole numbers that may be one of numbers with a decimal comma."""
+    pairs = separator == "," and header is None and all(len(cells) == 2 for cells in table)
+    if not pairs or not all(kind(cell) == "i" for cells in table for cell in cells):
+        return ()
+    if any(cells[1].startswith("-") for cells in table):
+        return ()
+    what = "read as two columns of whole numbers: or is it one column with decimal commas?"
+    return (Remark("decimal_comma", "warning", what, where=where, do="A header line settles it"),)
+
+
+def _sample_rate(comments: list[str]) -> float | None:
+    """Sample rate [Hz] that a comment states."""
+    for comment in comments:
+        match = SAMPLE_RATE.search(comment)
+        if match and float(match[1]) > 0.0:
+            return float(match[1]) * (1e3 if (match[2] or "").lower() == "khz" else 1.0)
+    return None

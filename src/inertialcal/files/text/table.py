@@ -1,0 +1,197 @@
+"""Table: reduced readings, a row a dwell, with the row of the file behind every message.
+
+Cells keep their text until a column is asked for as numbers: what may stand in it depends on who asks.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import Source
+from ...core.remarks import Remark
+from ...core.show.result_tables import told
+from ...core.show.tables import Grid, Part, ending, html, text
+from ..content import parse_content
+from ..formats import recognise
+from ..source import Loaded, load
+from .cells import BLANKS, Decimal, judge, kind, to_float
+from .columns import Content, Rows
+from .delimited import cell_columns, column_names, text_in_numbers
+from .encoding import decode
+from .headers import bare_name, heading
+from .layout import sniff
+from .missing import missing_remarks, nan_in_required
+
+SHOWN = 4  # cells of a column
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Columns of text, to be read as numbers where they are.
+
+    Parameters
+    ----------
+    names : tuple of str
+        As the header has them; ``column_3`` where it has none.
+    cells : tuple of tuple of str
+        By column, without quotes and outer blanks; an empty one is a missing value.
+    rows : ndarray of int64, shape (n,)
+        Row of the file (counted from 1) of each.
+    source : Source
+        File, hash, format.
+    units : tuple of (str or None)
+        As the header or a units row say them, as ``core.units`` prints them.
+    decimal : {".", ","}
+        Decimal sign.
+    remarks : tuple of Remark
+        What reading it brought up.
+    """
+
+    names: tuple[str, ...]
+    cells: tuple[tuple[str, ...], ...]
+    rows: Rows
+    source: Source = field(default_factory=Source)
+    units: tuple[str | None, ...] = ()
+    decimal: Decimal = "."
+    remarks: tuple[Remark, ...] = ()
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a column, its first cells, how many remarks."""
+        rows = [
+            (name, (self.units[i] if i < len(self.units) else None) or "?", ", ".join(cells[:SHOWN]))
+            for i, (name, cells) in enumerate(zip(self.names, self.cells, strict=True))
+        ]
+        caption = f"{ending(self.source.path) or 'table'}: {len(self)} rows, {len(self.names)} columns"
+        return (Grid(("column", "unit", "first cells"), rows, caption), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+    def where(self, index: int) -> str:
+        """``file:row`` of a row of the table, counted from 0."""
+        return f"{self.source.path}:{self.rows[index]}"
+
+    def index(self, name: str) -> int:
+        """Position of a column, by its name with or without the unit in brackets.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name; the message lists those there are.
+        """
+        bare = [bare_name(given) for given in self.names]
+        for names in (list(self.names), bare):
+            if names.count(name) == 1:
+                return names.index(name)
+        raise DataError(
+            f"no column {name!r}",
+            where=self.source.path,
+            do=f"The file has: {', '.join(self.names)}",
+            code="wrong_column",
+        )
+
+    def text(self, name: str) -> tuple[str, ...]:
+        """Cells of a column as they stand in the file.
+
+        Raises
+        ------
+        DataError
+            If there is none of that name.
+        """
+        return self.cells[self.index(name)]
+
+    def unit(self, name: str) -> str | None:
+        """Return the unit of a column as the file says it; None where it does not."""
+        return self.units[self.index(name)] if self.units else None
+
+    def numbers(self, name: str, *, required: bool = True) -> Array:
+        """Numbers of a column, shape (n,), NaN where a cell is empty.
+
+        Parameters
+        ----------
+        name : str
+            Column.
+        required : bool
+            Whether a spelled-out NaN, NA or infinity is refused (the default) or counts as missing.
+
+        Raises
+        ------
+        DataError
+            If there is no such column, it holds text, or, where required, a literal NaN.
+        """
+        at = self.index(name)
+        cells = self.cells[at]
+        kinds = [kind(cell, self.decimal) for cell in cells]
+        numbers = [to_float(c, self.decimal) if k in "if" else np.nan for c, k in zip(cells, kinds, strict=True)]
+        values = np.array(numbers, dtype=np.float64)
+        text = np.flatnonzero(np.array([k == "t" for k in kinds], dtype=bool) | np.isinf(values))
+        if len(text):
+            raise DataError(text_in_numbers(self.names[at], cells, text, self.rows, self.source.path))
+        nan = np.flatnonzero([k == "n" for k in kinds])
+        if required and len(nan):
+            raise nan_in_required(self.names[at], cells[nan[0]], len(nan), self.where(int(nan[0])))
+        return values
+
+    def missing(self, name: str) -> tuple[Remark, ...]:
+        """Remark on the empty cells of a column, and on its literal NaN; none where it is complete."""
+        at = self.index(name)
+        judged = judge(self.cells[at], self.decimal)
+        return missing_remarks(self.names[at], judged.empty, judged.not_a_number, self.where)
+
+
+def read_table(path: str | Path) -> Table:
+    """Return a reduced table: text in any layout that ``files.read`` takes, or a binary format.
+
+    Raises
+    ------
+    DataError
+        If there is no such file, it is empty or no text, rows differ in width, or a name appears twice.
+    """
+    loaded = load(path)
+    if recognise(loaded.data, loaded.path) != "text":
+        return _from_content(parse_content(loaded), loaded)
+    text, remarks = decode(loaded.data, loaded.path)
+    layout = sniff(text, loaded.path)
+    names = column_names(layout, loaded.path)
+    rows, cells = cell_columns(text, layout, loaded.path)
+    units = tuple(heading(name, given or None).unit for name, given in zip(layout.names, layout.units, strict=True))
+    return Table(
+        names=names,
+        cells=tuple(tuple(cell.strip(BLANKS) for cell in column) for column in cells),
+        rows=rows,
+        source=Source(loaded.path, loaded.sha256, layout.words),
+        units=units,
+        decimal=layout.decimal,
+        remarks=remarks + layout.remarks,
+    )
+
+
+def _from_content(content: Content, loaded: Loaded) -> Table:
+    """Return a binary format's columns as text, with full digits."""
+    cells = []
+    for column in content.columns:
+        gone = set(column.empty.tolist())
+        cells.append(tuple("" if i in gone else str(v) for i, v in enumerate(column.values.tolist())))
+    return Table(
+        names=tuple(column.name for column in content.columns),
+        cells=tuple(cells),
+        rows=np.arange(1, len(content) + 1),
+        source=Source(loaded.path, loaded.sha256, content.format),
+        units=tuple(heading(column.name, column.unit).unit for column in content.columns),
+        remarks=content.remarks,
+    )

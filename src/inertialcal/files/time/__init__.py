@@ -1,0 +1,1 @@
+"""Which column is time, and what its stamps mean."""

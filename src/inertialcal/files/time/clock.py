@@ -1,0 +1,294 @@
+"""Clock: which column is time, in which unit, and what its stamps say.
+
+A column is time because it is named so (``t``, ``time``, ``timestamp``, ``unix``, ``epoch``, ...), holds dates,
+or is told to be. Without any header the first column is time only if it is strictly increasing and not in
+whole steps. A count of rows is never time. The unit comes from flag or header; without one only two things
+are taken, and remarked: numbers that are an epoch of 2001 to 2099 by their digits, and fractions as seconds.
+Whole numbers without a unit stay untaken: the remark says what each unit would mean.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core import units
+from ...core.errors import DataError
+from ...core.recording import SECOND, Times
+from ...core.remarks import Remark
+from ..info.describe import Described, find_column
+from ..text.columns import Content
+from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_iso, to_ns
+
+FEWEST = 10  # rows from which an unnamed first column can be time
+BACKWARD = 0.1  # share of backward steps from which a column is no time
+LARGEST_STEP = 1000  # largest step of stamps that are taken for seconds with a digit too many
+SLOWEST, FASTEST = 0.01, 1e5  # sample rates that come into question [Hz]
+UNITS = ("s", "ms", "us", "ns")
+SAID_UTC = re.compile(r"(?:^|[^A-Za-z])(?:unix|epoch|utc)(?:[^A-Za-z]|$)", re.IGNORECASE)
+SAID_FROM = 10**8 * SECOND  # 1973: a smaller number in a column of that name counts from the start of a record
+
+
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """Time of a file.
+
+    Parameters
+    ----------
+    column : int or None
+        Position of the column that is time.
+    time_ns : ndarray of int64, shape (n,), or None
+        Stamps [ns].
+    epoch : {"utc", "elapsed"}
+        What time zero is.
+    remarks : tuple of Remark
+        What was taken, and what was not.
+    """
+
+    column: int | None = None
+    time_ns: Times | None = None
+    epoch: Literal["utc", "elapsed"] = "elapsed"
+    remarks: tuple[Remark, ...] = ()
+
+
+@dataclass(frozen=True)
+class _Place:
+    """The file, for messages."""
+
+    path: str
+    content: Content
+
+    def row(self, index: int) -> str:
+        return self.content.place(self.path, index)
+
+
+class _NotTimeError(Exception):
+    """Why a column is not taken as time."""
+
+    def __init__(self, remark: Remark):
+        self.remark = remark
+        super().__init__(remark.what)
+
+
+def find_clock(described: Sequence[Described], content: Content, path: str, time_column: str | None = None) -> Clock:
+    """Return the time of a file; empty where it has none.
+
+    Raises
+    ------
+    DataError
+        If a stamp has digits too many for an epoch (code ``epoch_digits``), is no instant, or the column
+        that was named is not there or cannot be time.
+    """
+    place = _Place(path, content)
+    if time_column is not None:
+        at = find_column(described, time_column, path)
+        try:
+            return _clock(described[at], at, place)
+        except _NotTimeError as reason:
+            raise DataError(
+                reason.remark.what, where=reason.remark.where, do=reason.remark.do, code=reason.remark.code
+            ) from None
+    remarks: list[Remark] = []
+    for at in _candidates(described):
+        try:
+            clock = _clock(described[at], at, place)
+        except _NotTimeError as reason:
+            remarks.append(reason.remark)
+            continue
+        return replace(clock, remarks=(*remarks, *clock.remarks))
+    return _unnamed(described, place) or Clock(remarks=tuple(remarks))
+
+
+def _candidates(described: Sequence[Described]) -> list[int]:
+    """Columns that are time by name or type, those with a unit or dates first."""
+    found = []
+    for i, column in enumerate(described):
+        dates = column.column.values.dtype.kind == "M"
+        text = column.column.values.dtype.kind == "O"
+        iso = text and (column.quantity == "time" or i == 0) and looks_iso(column.column.values)
+        if dates or iso or (column.quantity == "time" and not text):
+            found.append((not (dates or iso or column.unit), i))
+    return [i for _, i in sorted(found)]
+
+
+def _clock(described: Described, at: int, place: _Place) -> Clock:
+    """Clock of one column, or the reason why it is none."""
+    kind = described.column.values.dtype.kind
+    remarks: tuple[Remark, ...] = ()
+    if kind == "M":
+        _require_complete(described, place)
+        time_ns = described.column.values.astype("datetime64[ns]").astype(np.int64)
+    elif kind == "O":
+        time_ns, remarks = _from_text(described, place)
+    else:
+        time_ns, remarks = _from_numbers(described, place)
+    _require_forward(described, time_ns, place)
+    utc = kind in "MO" or is_utc(time_ns) or _said_utc(described.name, time_ns)
+    return Clock(at, time_ns, "utc" if utc else "elapsed", remarks)
+
+
+def _said_utc(name: str, time_ns: Times) -> bool:
+    """Whether the name says that stamps before 2001 are UTC: their digits alone do not."""
+    return len(time_ns) > 0 and int(time_ns[0]) >= SAID_FROM and SAID_UTC.search(name) is not None
+
+
+def _require_complete(described: Described, place: _Place) -> None:
+    gone = np.concatenate([described.column.empty, described.column.not_a_number])
+    if len(gone):
+        raise _NotTimeError(
+            Remark(
+                "time_missing",
+                "error",
+                f"time column {described.name!r} has cells without a time: not taken as time",
+                where=place.row(int(gone.min())),
+                count=len(gone),
+                do="Fill in the stamps, or delete these rows",
+            )
+        )
+
+
+def _require_forward(described: Described, time_ns: Times, place: _Place) -> None:
+    """Time goes forward, most of the time."""
+    forward = time_ns[1:] > time_ns[:-1]
+    backward = time_ns[1:] < time_ns[:-1]
+    if len(time_ns) > 1 and (not forward.any() or backward.mean() > BACKWARD):
+        share = f"{100 * backward.mean():.0f} % of its steps go backward" if forward.any() else "it stands still"
+        raise _NotTimeError(
+            Remark(
+                "not_time",
+                "warning",
+                f"{described.name!r} is no time: {share}",
+                where=place.path,
+                do="Name the time column (--time-column), or sort the rows",
+            )
+        )
+
+
+def _from_text(described: Described, place: _Place) -> tuple[Times, tuple[Remark, ...]]:
+    """Return the stamps of a column of dates."""
+    time_ns, naive, bad = from_iso(described.column.values)
+    if len(bad):
+        cell = str(described.column.values[bad[0]])[:60]
+        more = f" ({len(bad)} such cells)" if len(bad) > 1 else ""
+        raise DataError(
+            f"{cell!r} in time column {described.name!r} is no instant{more}",
+            where=place.row(int(bad[0])),
+            do="Write it like 2010-04-28T15:10:00Z",
+            code="text_in_numbers",
+        )
+    if not naive:
+        return time_ns, ()
+    what = f"stamps of {described.name!r} have no zone: taken as UTC"
+    return time_ns, (Remark("naive_time", "warning", what, where=place.path, do="Add Z, or the offset"),)
+
+
+def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Remark, ...]]:
+    """Return the stamps of a column of numbers."""
+    values = described.column.values
+    if not len(values) or not described.column.is_number:
+        raise _NotTimeError(Remark("not_time", "warning", f"{described.name!r} holds no numbers", place.path))
+    _require_complete(described, place)
+    unit = described.unit
+    remarks: tuple[Remark, ...] = ()
+    if unit is None:
+        unit, remarks = _unit(described, place)
+    elif units.kind(unit) != "time":
+        raise _NotTimeError(Remark("not_time", "warning", f"{described.name!r} is in {unit}", place.path))
+    if unit == "s":
+        _refuse_digits(described, place, beyond_epoch(values))
+    time_ns = to_ns(values, unit)
+    if time_ns is None:
+        what = f"stamps of {described.name!r} in {unit} reach beyond 292 years"
+        raise _NotTimeError(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
+    return time_ns, remarks
+
+
+def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]:
+    """Return the unit that the numbers alone allow, with its remark."""
+    values, name = described.column.values, described.name
+    epoch = epoch_unit(values)
+    if epoch is not None:
+        stamps = to_ns(values[:1], epoch)
+        first = np.datetime64(int(stamps[0]) if stamps is not None else 0, "ns").astype("datetime64[s]")
+        what = f"{name!r} has no unit; its digits make it an epoch in {epoch}, from {first}Z"
+        return epoch, (Remark("epoch_inferred", "info", what, where=place.path),)
+    _refuse_surplus(described, place)
+    if np.all(values == np.rint(values)):
+        raise _NotTimeError(_unit_unknown(name, values, place.path))
+    what = f"{name!r} has no unit: taken as seconds"
+    do = f"Else say it: --unit {name}=ms"
+    return "s", (Remark("time_unit_assumed", "warning", what, where=place.path, do=do),)
+
+
+def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
+    """Remark that says what each unit would mean."""
+    steps = np.diff(values.astype(np.float64))
+    step = float(np.median(steps)) if len(steps) else 0.0
+    span = float(values.max()) - float(values.min())
+    meant = [
+        f"in {unit} {1.0 / (step * size):.5g} Hz over {span * size:.4g} s"
+        for unit, size in zip(UNITS, (1.0, 1e-3, 1e-6, 1e-9), strict=True)
+        if step > 0.0 and SLOWEST <= 1.0 / (step * size) <= FASTEST
+    ]
+    return Remark(
+        "time_unit_unknown",
+        "warning",
+        f"{name!r} has no unit and whole numbers, so it is not taken as time: {'; '.join(meant) or 'no unit fits'}",
+        where=path,
+        do=f"Say it: --unit {name}=UNIT",
+    )
+
+
+def _refuse_surplus(described: Described, place: _Place) -> None:
+    """Seconds since 1970 with a digit too many: all, or some among good ones."""
+    values = described.column.values.astype(np.float64)
+    size = np.abs(values)
+    eleven = (size >= 1e10) & (size < 1e11)
+    if not eleven.any():
+        return
+    among_epochs = epoch_unit(np.array([np.median(values)])) == "s"
+    step = float(np.median(np.abs(np.diff(values)))) if len(values) > 1 else 0.0
+    if among_epochs or (np.median(eleven) == 1.0 and step <= LARGEST_STEP):
+        _refuse_digits(described, place, np.flatnonzero(eleven))
+
+
+def _refuse_digits(described: Described, place: _Place, at: NDArray[np.int64]) -> None:
+    if not len(at):
+        return
+    value = described.column.values[at[0]]
+    more = f" ({len(at)} such stamps)" if len(at) > 1 else ""
+    raise DataError(
+        f"stamp {value:.0f} in {described.name!r} has {digits(value)} digits{more}",
+        where=place.row(int(at[0])),
+        why="seconds since 1970 have 10 digits, milliseconds 13: a surplus digit?",
+        do=f"Mend the stamp, or say its unit: --unit {described.name}=ns",
+        code="epoch_digits",
+    )
+
+
+def _unnamed(described: Sequence[Described], place: _Place) -> Clock | None:
+    """Clock of a file without header: the first column, if it can be nothing else."""
+    if len(described) < 2 or described[0].column.named or described[0].quantity == "index":
+        return None
+    column = described[0].column
+    if not column.is_number or not column.is_complete or len(column.values) < FEWEST:
+        return None
+    values = column.values.astype(np.float64)
+    if not np.all(np.diff(values) > 0.0):
+        return None
+    if np.all(values == np.rint(values)):
+        what = f"{column.name!r} looks like time, in whole numbers: not taken"
+        do = "If it is: --time-column 1 --unit 1=UNIT"
+        return Clock(remarks=(Remark("time_not_taken", "warning", what, where=place.path, do=do),))
+    given = described[0].unit
+    time_ns = to_ns(values, given or "s") if given is None or units.kind(given) == "time" else None
+    if time_ns is None:
+        return None
+    what = f"{column.name!r} has no name; it always increases: taken as time in {given or 'seconds'}"
+    remark = Remark("time_unnamed", "warning", what, where=place.path, do="Else name the columns in a header")
+    return Clock(0, time_ns, "utc" if is_utc(time_ns) else "elapsed", (remark,))

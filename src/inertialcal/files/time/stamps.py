@@ -1,0 +1,134 @@
+"""Stamps: numbers and ISO 8601 text as int64 nanoseconds; which numbers are an epoch.
+
+Seconds since 1970 have 10 digits (2001 to 2099), milliseconds 13, microseconds 16, nanoseconds 19. Any other
+number of digits is no epoch, and a stamp in seconds beyond them is a misprint.
+"""
+
+from __future__ import annotations
+
+import re
+from datetime import UTC, datetime
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core import units
+from ...core.recording import SECOND, Times
+
+EPOCH_FIRST, EPOCH_LAST = 1_000_000_000, 4_102_444_800  # 2001-09-09 and 2100-01-01 [s]
+EPOCH_UNITS = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
+WIDEST = 9.2e18  # [ns]
+ISO = re.compile(
+    r"[0-9]{4}-[0-9]{2}-[0-9]{2}[T ][0-9]{2}:[0-9]{2}(?::[0-9]{2}(?:[.,][0-9]{1,9})?)?"
+    r"\s*(?P<zone>Z|UTC|[+-][0-9]{2}:?[0-9]{2})?"
+)
+EARLIEST, LATEST = "1700", "2200"  # years that int64 nanoseconds hold
+
+
+def epoch_unit(values: NDArray[Any]) -> str | None:
+    """Return the unit in which all values are an epoch of 2001 to 2099; None where there is none."""
+    if not len(values):
+        return None
+    low, high = float(values.min()), float(values.max())
+    for unit, per_second in EPOCH_UNITS.items():
+        if low >= EPOCH_FIRST * per_second and high < EPOCH_LAST * per_second:
+            return unit
+    return None
+
+
+def is_utc(time_ns: Times) -> bool:
+    """Whether stamps lie in 2001 to 2099."""
+    return epoch_unit(time_ns) == "ns"
+
+
+def beyond_epoch(values: NDArray[Any]) -> NDArray[np.int64]:
+    """Return the index of each stamp [s] that is later than 2099: it has digits too many."""
+    return np.flatnonzero(np.abs(values.astype(np.float64)) >= EPOCH_LAST)
+
+
+def digits(value: float) -> int:
+    """Return the number of digits before the decimal point."""
+    return len(str(abs(int(value))))
+
+
+def to_ns(values: NDArray[Any], unit: str) -> Times | None:
+    """Return stamps in nanoseconds; None where they do not fit int64.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Whole numbers (converted without rounding where the unit is a whole number of ns) or floats.
+    unit : str
+        Of time.
+    """
+    per_unit = units.factor(unit, "s") * SECOND
+    if len(values) and float(np.abs(values.astype(np.float64)).max()) * per_unit >= WIDEST:
+        return None
+    if values.dtype.kind in "iu" and per_unit == round(per_unit):
+        return values.astype(np.int64) * int(per_unit)
+    numbers = values.astype(np.float64)
+    whole = np.floor(numbers)
+    # Apart, so that a stamp of 1e9 s keeps the nanoseconds that float64 holds of it.
+    rest = np.rint((numbers - whole) * per_unit).astype(np.int64)
+    if per_unit == round(per_unit):
+        return whole.astype(np.int64) * int(per_unit) + rest
+    return np.rint(numbers * per_unit).astype(np.int64)
+
+
+def looks_iso(cells: NDArray[Any]) -> bool:
+    """Whether the first and the last cell are ISO 8601 instants."""
+    return bool(len(cells)) and all(ISO.fullmatch(str(cell)) for cell in (cells[0], cells[-1]))
+
+
+def from_iso(cells: NDArray[Any]) -> tuple[Times, int, NDArray[np.int64]]:
+    """Return instants in nanoseconds since 1970 UTC.
+
+    Parameters
+    ----------
+    cells : ndarray of str, shape (n,)
+        ``2010-04-28T15:10:00.5Z``; a blank for the T, an offset for the Z, or no zone.
+
+    Returns
+    -------
+    time_ns : ndarray of int64, shape (n,)
+        0 where a cell is no instant.
+    naive : int
+        How many cells have no zone; they are taken as UTC.
+    bad : ndarray of int64
+        Index of the cells that are no instant.
+    """
+    times = np.zeros(len(cells), dtype=np.int64)
+    bad, naive = [], 0
+    for i, cell in enumerate(cells):
+        match = ISO.fullmatch(str(cell))
+        instant = _instant(str(cell), match["zone"]) if match else None
+        if instant is None or match is None:
+            bad.append(i)
+            continue
+        naive += match["zone"] is None
+        times[i] = instant
+    return times, naive, np.array(bad, dtype=np.int64)
+
+
+def _instant(cell: str, zone: str | None) -> int | None:
+    """Nanoseconds since 1970 UTC; None where the calendar has no such day or time."""
+    if not EARLIEST <= cell[:4] < LATEST:
+        return None
+    body = cell[: len(cell) - len(zone)] if zone else cell
+    seconds, _, fraction = body.strip().replace(",", ".").partition(".")
+    try:
+        instant = datetime.fromisoformat(seconds).replace(tzinfo=UTC)
+    except ValueError:
+        return None
+    since = instant - datetime(1970, 1, 1, tzinfo=UTC)
+    ns = (since.days * 86_400 + since.seconds) * SECOND + int(fraction.ljust(9, "0") or 0)
+    return ns - _offset(zone)
+
+
+def _offset(zone: str | None) -> int:
+    """Offset from UTC [ns]."""
+    if zone is None or zone in ("Z", "UTC"):
+        return 0
+    sign = -1 if zone[0] == "-" else 1
+    return sign * (int(zone[1:3]) * 3600 + int(zone[-2:]) * 60) * SECOND

@@ -1,0 +1,75 @@
+"""A file that is complete or not there: written aside, then put in its place; never over its own input."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+from ...core.errors import DataError, StoreError
+
+
+@contextmanager
+def replacing(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]] = ()) -> Iterator[Path]:
+    """Yield a path to write to; what was written takes the place of ``path`` when all went well.
+
+    Parameters
+    ----------
+    path : path
+        Where the file shall be; one that is there is replaced.
+    inputs : iterable of path
+        Files that it may not replace, because they were read for it.
+
+    Raises
+    ------
+    DataError
+        ``overwrites_input``, if ``path`` is one of the inputs, also by a link.
+    StoreError
+        ``not_written``, if the folder is not there or cannot be written.
+    """
+    target = Path(path)
+    for given in inputs:
+        _refuse_same(target, Path(given))
+    aside = target.with_name(f".{target.name}.{os.getpid()}.part")
+    try:
+        _check_place(target)
+        yield aside
+        aside.replace(target)
+    except OSError as error:
+        raise StoreError(
+            f"cannot be written: {error.strerror or error}", where=str(target), code="not_written"
+        ) from None
+    finally:
+        _remove(aside)
+
+
+def _check_place(target: Path) -> None:
+    if "\0" in str(target):
+        raise OSError(0, "a nul in the name")
+    if target.is_dir():
+        raise IsADirectoryError(0, "this is a folder")
+    if not target.parent.is_dir():
+        raise FileNotFoundError(0, f"there is no folder {str(target.parent)!r}")
+
+
+def _refuse_same(target: Path, given: Path) -> None:
+    try:
+        same = target.samefile(given)
+    except (OSError, ValueError):  # one of them is not there
+        return
+    if same:
+        raise DataError(
+            "the output would replace its own input",
+            where=str(target),
+            why="what was recorded cannot be recorded again",
+            do="Give another name to -o",
+            code="overwrites_input",
+        )
+
+
+def _remove(aside: Path) -> None:
+    try:
+        aside.unlink(missing_ok=True)
+    except (OSError, ValueError):
+        return

@@ -1,0 +1,108 @@
+"""Recording to CSV: a header with units, commas, decimal point, empty cells for missing values.
+
+A float is written with the fewest digits that give back its bits; a column of floats that are all whole keeps
+its points (``2.0``), so that it is not taken for counts. A sample rate that the stamps do not tell stands in a
+comment line above the header.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError, InertialcalError
+from ...core.recording import SECOND, Recording
+from ...core.remarks import Remark
+from ..text.columns import Column
+from ..text.delimited import parse
+from ..text.file_columns import arrow_array, file_columns, stated_rate
+from ..text.layout import SAMPLE
+
+STEPS = (("s", SECOND), ("ms", SECOND // 1000), ("us", SECOND // 1_000_000), ("ns", 1))  # of instants
+
+
+def write_csv(path: Path, recording: Recording) -> tuple[Remark, ...]:
+    """Write a recording as comma-separated text in UTF-8.
+
+    Raises
+    ------
+    DataError
+        ``names_not_writable``, if the names would not be read as a header.
+    """
+    columns, remarks = file_columns(recording, in_names=True, instants=False)
+    cells = [_cells(column, alone=len(columns) == 1) for column in columns]
+    head = _head(columns, stated_rate(recording))
+    _check_header(head, cells, columns, recording)
+    with path.open("wb") as stream:
+        stream.write(head.encode())
+        _write_rows(cells, stream)
+    return remarks
+
+
+def _head(columns: Sequence[Column], rate: float | None) -> str:
+    text = io.StringIO()
+    text.write("" if rate is None else f"# sample rate: {rate!r} Hz\n")
+    csv.writer(text, lineterminator="\n").writerow([column.name for column in columns])
+    return text.getvalue()
+
+
+def _cells(column: Column, alone: bool) -> Any:
+    """Return a column for Arrow that it writes as it shall stand."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    from pyarrow import compute as pc  # noqa: PLC0415 - heavy import
+
+    array = arrow_array(column.values)
+    if pa.types.is_timestamp(array.type):
+        return array.cast(pa.timestamp(_step(column.values.astype(np.int64)), tz="UTC"))
+    if column.values.dtype.kind == "f" and _all_whole(column.values):
+        text = array.cast(pa.float64()).cast(pa.string())
+        array = pc.if_else(pc.match_substring_regex(text, "[.en]"), text, pc.binary_join_element_wise(text, "0", "."))
+    if alone and array.null_count:  # quoted, because a blank line would not be a row
+        array = pc.fill_null(array.cast(pa.string()), "")
+    return array
+
+
+def _all_whole(values: Any) -> bool:
+    finite = values[np.isfinite(values)]
+    return bool(np.all(finite == np.rint(finite)))
+
+
+def _step(time_ns: Any) -> str:
+    """Return the coarsest step of an instant that keeps every stamp."""
+    return next(unit for unit, size in STEPS if not np.any(time_ns % size))
+
+
+def _write_rows(cells: Sequence[Any], stream: Any) -> None:
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    from pyarrow import csv as arrow_csv  # noqa: PLC0415 - heavy import
+
+    table = pa.Table.from_arrays(list(cells), names=[str(i) for i in range(len(cells))])
+    quoted = len(cells) == 1 and pa.types.is_string(cells[0].type)
+    options = arrow_csv.WriteOptions(include_header=False, quoting_style="all_valid" if quoted else "none")
+    arrow_csv.write_csv(table, stream, options)
+
+
+def _check_header(head: str, cells: Sequence[Any], columns: Sequence[Column], recording: Recording) -> None:
+    """Read the beginning as a reader will: its layout is judged from there."""
+    if not len(recording):
+        return
+    beginning = io.BytesIO()
+    _write_rows([column.slice(0, SAMPLE) for column in cells], beginning)
+    names = [column.name for column in columns]
+    try:
+        found = [column.name for column in parse(head + beginning.getvalue().decode(), recording.source.path).columns]
+    except InertialcalError as error:
+        found = [error.problems[0].what]
+    if found != names:
+        raise DataError(
+            f"the names {', '.join(names)[:120]} would not be read as the header of a CSV",
+            where=recording.source.path,
+            why=f"they would read as {', '.join(found)[:120]}",
+            do="Write Parquet (end the name with .parquet), or rename the columns",
+            code="names_not_writable",
+        )

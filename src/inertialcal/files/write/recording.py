@@ -1,0 +1,98 @@
+"""Write a recording: CSV, Parquet or NumPy, by the ending of the name.
+
+What is written reads back the same: numbers with all their digits in their own type (in CSV as the text that
+gives the same bits), time to the nanosecond with its gaps, units in headers or metadata, missing values as empty
+cells or nulls. The first column is the time.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from ...core.errors import DataError, UsageError
+from ...core.recording import Recording
+from ...core.remarks import Remark
+from .atomic import replacing
+from .csv import write_csv
+from .npz import write_npz
+from .parquet import write_parquet
+
+Writer = Callable[[Path, Recording], tuple[Remark, ...]]
+WRITERS: dict[str, Writer] = {".csv": write_csv, ".parquet": write_parquet, ".npz": write_npz}
+
+
+def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, ...]:
+    """Write a recording; the file is complete or not there.
+
+    Parameters
+    ----------
+    path : path
+        Its ending decides: ``.csv``, ``.parquet`` or ``.npz``. A file that is there is replaced, but never the
+        one that the recording was read from.
+    recording : Recording
+        What to write.
+
+    Returns
+    -------
+    tuple of Remark
+        What is not kept or named otherwise.
+
+    Raises
+    ------
+    UsageError
+        ``unsupported_format``, for another ending.
+    DataError
+        ``overwrites_input``; ``not_numbers`` for a channel that is none; ``time_not_writable``;
+        ``names_not_writable`` for names that a CSV cannot hold; ``too_short`` for a NumPy file of one sample.
+    StoreError
+        ``not_written``.
+    """
+    writer = writer_for(path)
+    _check_numbers(recording)
+    inputs = [recording.source.path] if recording.source.path else []
+    with replacing(path, inputs) as aside:
+        remarks = writer(aside, recording)
+    return (*remarks, *_not_kept(recording))
+
+
+def writer_for(path: str | os.PathLike[str]) -> Writer:
+    """Return the writer for the ending of a name.
+
+    Raises
+    ------
+    UsageError
+        ``unsupported_format``, if there is none.
+    """
+    ending = Path(path).suffix.lower()
+    if ending not in WRITERS:
+        raise UsageError(
+            f"{str(path)!r}: {f'the ending {ending!r}' if ending else 'no ending'} tells no format that is written",
+            do=f"End the name with {', '.join(WRITERS)}",
+            code="unsupported_format",
+        )
+    return WRITERS[ending]
+
+
+def _check_numbers(recording: Recording) -> None:
+    for channel in recording.channels:
+        kind, size = channel.data.dtype.kind, channel.data.dtype.itemsize
+        if kind not in "biuf" or size > np.dtype(float).itemsize:
+            raise DataError(
+                f"column {channel.name!r} holds {channel.data.dtype}, need whole numbers or floats of at most 64 bits",
+                where=recording.source.path,
+                do="Convert it, or leave it out",
+                code="not_numbers",
+            )
+    if not recording.channels:
+        raise DataError("a recording without channels", where=recording.source.path, code="no_channel")
+
+
+def _not_kept(recording: Recording) -> tuple[Remark, ...]:
+    if recording.averaging_time is None:
+        return ()
+    what = f"no format written here tells the averaging time ({recording.averaging_time:g} s)"
+    return (Remark("averaging_time_not_kept", "info", what, do="Say it again where the file is used"),)

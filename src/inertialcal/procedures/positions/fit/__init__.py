@@ -1,0 +1,1 @@
+"""What positions and rotations tell of accelerometers and gyros."""

@@ -1,0 +1,327 @@
+"""Accelerometers from static positions: known orientations (linear), or none known but that |f| is gravity.
+
+Known orientations: ``reading_k = A f_k + b`` with ``f_k = g d_k``; all twelve numbers follow from a linear fit.
+
+Unknown orientations: the inverse ``x_k = T (reading_k - b)`` has the length g in every position. A rotation of all
+positions changes no length, so that the frame is a convention: T, and with it A, is lower triangular, which lays the
+body's x along the input axis of the x sensor and its y in the plane of those of x and y. Nine numbers follow, by
+Gauss-Newton with::
+
+    e_k = |x_k| - g        de/dT_ij = u_i (reading - b)_j        de/db = -T' u        u = x / |x|
+
+Each position has the noise inside it (over its effective number of samples), the stated error of its orientation, and
+a scatter between positions of one unknown size [1]_.
+
+References
+----------
+.. [1] ``statistics.two_levels``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ....statistics.two_levels import TwoLevels, fit_two_levels
+from ..plan import Plan, local_gravity
+from ..readings import Triad
+from .levels import level_sources
+from .linear_sensor import BIAS, MATRIX, LinearSensor, Source
+from .observability import SMALLEST, USELESS, Observed, observed
+from .outliers import found_outliers, robust_scale, weights
+from .sphere import COARSE, NAMES, SETTLED, check_plane, converged, forward, lengths, nominal, told_forward, variances
+
+NOTHING_LEFT = "as many positions as unknowns: nothing is left to judge it by"
+OF_FRAME = "the accelerometers' own axes define the body frame: 0 by definition"
+INSIDE = "noise inside positions"
+ORIENTATION = "fixture.orientation"
+BETWEEN = "scatter between positions"
+FEWEST = 4  # positions without which nothing can be told
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Accelerometers, and how each position agrees.
+
+    Parameters
+    ----------
+    sensor : LinearSensor
+        Matrix and offset.
+    seen : Observed
+        What the positions can tell.
+    outliers : ndarray of bool, shape (m,)
+        Positions left out.
+    residuals, deletion : ndarray, shape (m, 1) or (m, 3)
+        Of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice.
+    between : float or None
+        Standard deviation between positions [m/s^2].
+    between_dof, between_interval : float, tuple of float
+        Degrees of freedom of that, and its interval of 95 %.
+    chi_square, chi_square_known : float
+        By both levels, and by the noise inside positions alone.
+    free : int
+        Degrees of freedom.
+    known : bool
+        Whether the orientations were known.
+    """
+
+    sensor: LinearSensor
+    seen: Observed
+    outliers: Flags
+    residuals: Array
+    deletion: Array
+    between: float | None
+    between_dof: float
+    between_interval: tuple[float, float]
+    chi_square: float
+    chi_square_known: float
+    free: int
+    known: bool
+
+
+def normalised(triad: Triad, ideal: Array, zero: Array) -> tuple[Array, Array]:
+    """Return readings and their variances by the noise inside, in units of the input, each shape (m, 3)."""
+    return np.asarray((triad.mean - zero) / ideal), np.asarray((triad.u / ideal) ** 2)
+
+
+def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Array) -> Fitted:
+    """Return the accelerometers from positions of known orientation.
+
+    Parameters
+    ----------
+    plan : Plan
+        Gravity, standards, risk of an outlier.
+    triad : Triad
+        Readings.
+    direction : ndarray, shape (m, 3)
+        Unit vectors of specific force in the body frame.
+    ideal, zero : ndarray, shape (3,)
+        To which the readings are taken.
+    """
+    m, g = len(triad.mean), local_gravity(plan)
+    _check_count(m)
+    r, inside = normalised(triad, ideal, zero)
+    design, usual = _design(g * direction), np.concatenate([np.eye(3).ravel(), np.zeros(3)])
+    scatter = float(np.sqrt(np.mean(inside)))
+    seen = observed(_design(direction), (*MATRIX, *BIAS), scatter / g)
+    known = {INSIDE: inside.ravel()}
+    pose = plan.standards.get(ORIENTATION)
+    if pose is not None:
+        near = np.linalg.lstsq(design, r.ravel() - design @ usual, rcond=1e-6)[0] + usual
+        known[ORIENTATION] = _pose_covariance(near[:9].reshape(3, 3), g * direction, pose.u)
+    scale = np.concatenate([np.ones(9), np.full(3, g)])
+    reduced, y = design * scale @ seen.kept, r.ravel() - design @ usual
+    outliers = _outliers(plan, reduced, y, known, np.repeat(np.arange(m), 3))
+    kept = np.repeat(~outliers, 3)
+    found = _two_levels(reduced[kept], y[kept], known, kept)
+    back = scale[:, None] * seen.kept
+    away = y - reduced @ (found.coefficients if found else np.linalg.lstsq(reduced[kept], y[kept], rcond=None)[0])
+    values = usual + back @ (found.coefficients if found else np.linalg.lstsq(reduced, y, rcond=None)[0])
+    sensor = _sensor(plan, values, back, found, seen.told, ideal, zero)
+    return _fitted(sensor, seen, outliers, away.reshape(m, 3), found, known=True)
+
+
+def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
+    """Return the accelerometers from positions of which only gravity is known.
+
+    Parameters
+    ----------
+    plan : Plan
+        Gravity, risk of an outlier.
+    triad : Triad
+        Readings.
+    ideal, zero : ndarray, shape (3,)
+        To which the readings are taken; near enough to the truth for the readings to lie about a sphere.
+    """
+    m, g = len(triad.mean), local_gravity(plan)
+    _check_count(m)
+    r, inside = normalised(triad, ideal, zero)
+    check_plane(r, g)
+    everyone = np.ones(m)
+    theta = converged(r, g, everyone, nominal(g), COARSE)
+    scatter = _scatter(theta, r, inside, g)
+    cut = max(scatter / (g * USELESS), SMALLEST)
+    theta = converged(r, g, everyone, theta, cut)
+    for _ in range(4):
+        free = max(m - len(theta), 1)
+        theta = converged(r, g, np.sqrt(weights(lengths(theta, r, g)[0], free)), theta, cut)
+    scatter = _scatter(theta, r, inside, g)
+    e, jacobian, u = lengths(theta, r, g)
+    seen = observed(jacobian / g, NAMES, scatter / g)
+    known = {INSIDE: variances(theta, u, inside, g)}
+    outliers = _outliers(plan, jacobian @ seen.kept, -e, known, np.arange(m))
+    kept = ~outliers
+    theta = converged(r[kept], g, everyone[kept], theta, cut)
+    found, seen, theta = _second_level(r[kept], inside[kept], g, theta, scatter)
+    e = lengths(theta, r, g)[0]
+    values, to_values = forward(theta, g)
+    told = told_forward(seen.told)
+    sensor = _sensor(plan, values, to_values @ seen.kept, found, told, ideal, zero, of_frame=True)
+    return _fitted(sensor, seen, outliers, e[:, None], found, known=False)
+
+
+def among(fitted: Fitted, named: Flags) -> Fitted:
+    """Return a fit of some positions as one of all: no residual, and no outlier, where it was not fitted.
+
+    Parameters
+    ----------
+    fitted : Fitted
+        Of the positions whose orientation is known.
+    named : ndarray of bool, shape (m,)
+        Which these are, among all.
+    """
+    if named.all():
+        return fitted
+    residuals, deletion = (np.full((len(named), 3), np.nan) for _ in range(2))
+    residuals[named], deletion[named] = fitted.residuals, fitted.deletion
+    outliers = np.zeros(len(named), dtype=bool)
+    outliers[named] = fitted.outliers
+    return replace(fitted, residuals=residuals, deletion=deletion, outliers=outliers)
+
+
+def _scatter(theta: Array, r: Array, inside: Array, g: float) -> float:
+    """Scatter of a length: that of the residuals, where any are left over, never below the noise inside."""
+    e = lengths(theta, r, g)[0]
+    left = robust_scale(e, len(e) - len(theta)) if len(e) > len(theta) else 0.0
+    return max(left, float(np.sqrt(np.mean(inside))))
+
+
+def _check_count(m: int) -> None:
+    if m < FEWEST:
+        raise DataError(
+            f"{m} position(s), need {FEWEST} or more, and 10 or more for all nine numbers without known orientations",
+            why="bias and scale factor of an axis already need two positions of it each",
+            do="Lay the unit into more orientations, each still for some seconds",
+            code="too_few_positions",
+        )
+
+
+def _design(force: Array) -> Array:
+    """Return the derivatives of the readings by A and b, shape (3 m, 12)."""
+    design = np.zeros((3 * len(force), 12))
+    for i in range(3):
+        design[i::3, 3 * i : 3 * i + 3] = force
+        design[i::3, 9 + i] = 1.0
+    return design
+
+
+def _pose_covariance(matrix: Array, force: Array, u: float) -> Array:
+    """Covariance of the readings from orientations that are each uncertain by u about two axes, shape (3 m, 3 m)."""
+    m = len(force)
+    covariance = np.zeros((3 * m, 3 * m))
+    for k, f in enumerate(force):
+        across = u**2 * (f @ f * np.eye(3) - np.outer(f, f))
+        covariance[3 * k : 3 * k + 3, 3 * k : 3 * k + 3] = matrix @ across @ matrix.T
+    return covariance
+
+
+def _outliers(plan: Plan, design: Array, y: Array, known: Mapping[str, Array], group: NDArray[np.int64]) -> Flags:
+    if not design.shape[1]:
+        return np.zeros(int(group.max()) + 1, dtype=bool)
+    return found_outliers(design, y, known, group, plan.outlier_risk)
+
+
+def _two_levels(design: Array, y: Array, known: Mapping[str, Array], kept: Flags) -> TwoLevels | None:
+    """Fit what is kept; None where nothing is left to judge by."""
+    n, p = design.shape
+    if n <= p or not p:
+        return None
+    some = {name: part[kept] if part.ndim == 1 else part[np.ix_(kept, kept)] for name, part in known.items()}
+    return fit_two_levels(design, y, some)
+
+
+def _second_level(
+    r: Array, inside: Array, g: float, theta: Array, scatter: float
+) -> tuple[TwoLevels | None, Observed, Array]:
+    """Fit again with both levels of variance until nothing moves."""
+    everyone = np.ones(len(r), dtype=bool)
+    for _ in range(10):
+        e, jacobian, u = lengths(theta, r, g)
+        seen = observed(jacobian / g, NAMES, scatter / g)
+        found = _two_levels(jacobian @ seen.kept, -e, {INSIDE: variances(theta, u, inside, g)}, everyone)
+        if found is None:
+            break
+        step = seen.kept @ found.coefficients
+        theta = theta + step
+        if np.max(np.abs(step)) <= SETTLED * g:
+            break
+    return found, seen, theta
+
+
+def _sensor(
+    plan: Plan,
+    values: Array,
+    back: Array,
+    found: TwoLevels | None,
+    told: Flags,
+    ideal: Array,
+    zero: Array,
+    of_frame: bool = False,
+) -> LinearSensor:
+    """Gather values, sources and reasons."""
+    names = (*MATRIX, *BIAS)
+    reasons = {k: "these positions do not tell it" for k in range(12) if not told[k]}
+    if of_frame:
+        reasons |= {3 * i + j: OF_FRAME for i in range(3) for j in range(i + 1, 3)}
+    if found is None:
+        reasons |= {k: NOTHING_LEFT for k in range(12) if k not in reasons}
+        return LinearSensor(values, (), reasons, ideal, zero, names)
+    sources = level_sources(found, back, plan.standards, BETWEEN)
+    return LinearSensor(values, (*sources, *_common(plan, values, of_frame)), reasons, ideal, zero, names)
+
+
+def _common(plan: Plan, values: Array, of_frame: bool) -> list[Source]:
+    """Return sources that move all positions alike: the value of gravity, how the fixture lies."""
+    found = []
+    gravity = plan.standards.get("gravity.value")
+    if gravity is not None:
+        change = np.concatenate([-values[:9], np.zeros(3)]) * gravity.u / local_gravity(plan)
+        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
+    mounting = plan.standards.get("fixture.mounting")
+    if mounting is not None and not of_frame:
+        found.append(mounting_source(values, mounting.u, plan))
+    return found
+
+
+def mounting_source(values: Array, u: float, plan: Plan) -> Source:
+    """Return what a common rotation of all positions and turns does to a matrix: A is taken for A R."""
+    total = np.zeros((len(values), len(values)))
+    for axis in np.eye(3):
+        change = np.zeros(len(values))
+        change[:9] = u * (values[:9].reshape(3, 3) @ np.cross(np.eye(3), axis)).ravel()
+        total += np.outer(change, change)
+    influence = plan.standards["fixture.mounting"]
+    return Source("fixture.mounting", "B", total, influence.dof, influence)
+
+
+def _fitted(
+    sensor: LinearSensor, seen: Observed, outliers: Flags, away: Array, found: TwoLevels | None, known: bool
+) -> Fitted:
+    deletion = np.full(away.shape, np.nan)
+    if found is None:
+        return Fitted(sensor, seen, outliers, away, deletion, None, 0.0, (0.0, np.inf), np.nan, np.nan, 0, known)
+    deletion[~outliers] = (1.0 if known else -1.0) * found.deletion.reshape(
+        -1, away.shape[1]
+    )  # -e is the reading there
+    deletion[outliers] = away[outliers]
+    return Fitted(
+        sensor,
+        seen,
+        outliers,
+        away,
+        deletion,
+        found.between,
+        found.between_dof,
+        found.between_interval,
+        found.chi_square,
+        found.chi_square_known,
+        found.free,
+        known,
+    )

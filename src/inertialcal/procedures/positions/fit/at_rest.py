@@ -1,0 +1,157 @@
+"""Gyros at rest: bias, and what they read of specific force, from the mean readings of static positions.
+
+``reading_k = b + G f_k + earth rate + scatter between positions``, each sensor by itself. Specific force at rest points
+up, so that the part of the earth rate along the vertical goes with f: where the latitude is known it is taken off,
+``G = G_seen - A omega sin(latitude) / g``; where it is not, it is an uncertainty of G. What the horizontal part adds
+changes with the heading of each position, which the rotations tell but for the first (``earth_rate``).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ....core.estimate import Array
+from ....statistics.two_levels import TwoLevels, fit_two_levels
+from ..plan import Plan, local_gravity
+from ..readings import Triad
+from .earth_rate import LEVEL, Carried, level_covariance, level_influence
+from .levels import level_sources, summed
+from .linear_sensor import Source
+from .outliers import found_outliers
+
+FEWEST = 6  # positions from which g-sensitivity is told from scatter
+LEAST_SPREAD = 0.05  # least singular value of the directions, one where they are spread evenly
+INSIDE = "noise inside positions"
+BETWEEN = "scatter between positions, gyros at rest"
+NEED = f"needs {FEWEST} positions that point into all directions"
+
+Flags = NDArray[np.bool_]
+
+
+@dataclass(frozen=True, eq=False)
+class AtRest:
+    """Bias and g-sensitivity of three gyros, before their matrix is known.
+
+    Parameters
+    ----------
+    bias : ndarray, shape (3,)
+        [rad/s]
+    g_sensitivity : ndarray, shape (3, 3), or None
+        As it was seen, earth rate included [(rad/s)/(m/s^2)].
+    fits : tuple of TwoLevels, or None
+        Of x, y, z; coefficients bias and three of G; None with too few positions for a scatter.
+    residuals : ndarray, shape (m, 3)
+        [rad/s]
+    outliers : ndarray of bool, shape (m,)
+        Positions left out.
+    reason : str
+        Why there is no g-sensitivity.
+    share : float
+        Part of the variance of the mean readings that g-sensitivity explains; NaN without.
+    """
+
+    bias: Array
+    g_sensitivity: Array | None
+    fits: tuple[TwoLevels, ...] | None
+    residuals: Array
+    outliers: Flags
+    reason: str
+    share: float
+
+    @property
+    def between(self) -> Array | None:
+        """Standard deviation between positions of each gyro [rad/s], shape (3,)."""
+        return None if self.fits is None else np.array([one.between for one in self.fits])
+
+
+def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, north: Carried | None = None) -> AtRest:
+    """Return bias and g-sensitivity from static positions.
+
+    Parameters
+    ----------
+    plan : Plan
+        Whether g-sensitivity is wanted.
+    triad : Triad
+        Mean readings of the gyros.
+    force : ndarray, shape (m, 3)
+        Specific force in the positions, in the body frame [m/s^2].
+    ideal, zero : ndarray, shape (3,)
+        To which the readings are taken.
+    north : Carried, optional
+        How the earth rate across the vertical is carried through the positions; without it nothing is judged: a start.
+    """
+    r, inside = (triad.mean - zero) / ideal, (triad.u / ideal) ** 2
+    with_g, reason = _wanted(plan, force)
+    design = np.hstack([np.ones((len(r), 1)), force]) if with_g else np.ones((len(r), 1))
+    outliers, fits = np.zeros(len(r), dtype=bool), None
+    if north is not None:
+        outliers, fits = _judged(plan, design, r, inside, level_covariance(plan, north))
+    kept = ~outliers
+    found = np.linalg.lstsq(design[kept], r[kept], rcond=None)[0]
+    if fits is not None:
+        found = np.column_stack([one.coefficients for one in fits])
+    residuals = r - design @ found
+    centred = r[kept] - r[kept].mean(axis=0)
+    share = 1.0 - float(np.sum(residuals[kept] ** 2) / np.sum(centred**2)) if with_g else float("nan")
+    G = np.asarray(found[1:].T, dtype=np.float64) if with_g else None
+    return AtRest(np.asarray(found[0]), G, fits, residuals, outliers, reason, share)
+
+
+def _judged(
+    plan: Plan, design: Array, r: Array, inside: Array, level: Array
+) -> tuple[Flags, tuple[TwoLevels, ...] | None]:
+    """Return which positions disagree, and the fits of the others, where there are enough of them."""
+    outliers = np.zeros(len(r), dtype=bool)
+    for k in range(3):
+        known = {INSIDE: inside[:, k], LEVEL: level[k]}
+        outliers |= found_outliers(design, r[:, k], known, np.arange(len(r)), plan.outlier_risk / 3.0)
+    kept = ~outliers
+    if np.sum(kept) <= design.shape[1] or not np.all(np.ptp(r[kept], axis=0) > 0.0):
+        return outliers, None
+    some = np.ix_(kept, kept)
+    fits = tuple(
+        fit_two_levels(design[kept], r[kept, k], {INSIDE: inside[kept, k], LEVEL: level[k][some]}) for k in range(3)
+    )
+    return outliers, fits
+
+
+def _wanted(plan: Plan, force: Array) -> tuple[bool, str]:
+    if plan.g_sensitivity is False:
+        return False, "the plan leaves it out"
+    if len(force) < FEWEST:
+        return False, f"{len(force)} position(s): {NEED}"
+    directions = np.hstack([np.ones((len(force), 1)), np.sqrt(3.0) * force / local_gravity(plan)])
+    smallest = float(np.linalg.svd(directions / np.sqrt(len(force)), compute_uv=False)[-1])
+    return (True, "") if smallest >= LEAST_SPREAD else (False, f"the positions lie in one plane: {NEED}")
+
+
+def sources_of(plan: Plan, rest: AtRest, back: Array) -> list[Source]:
+    """Return the uncertainty of bias and G as that of numbers that depend on them.
+
+    Where the noise inside explains more than the positions scatter, their mean square decides all the same, with its
+    own degrees of freedom: cut at the noise, an interval of few positions would hold the truth too often.
+
+    Parameters
+    ----------
+    plan : Plan
+        Latitude.
+    rest : AtRest
+        The fits.
+    back : ndarray, shape (q, 12)
+        Numbers per b_x, b_y, b_z, G_xx, ..., G_zz.
+    """
+    if rest.fits is None:
+        return []
+    level = level_influence(plan)
+    groups = []
+    for k, fit in enumerate(rest.fits):
+        at = np.array([k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k])[: len(fit.coefficients)]
+        groups.append(level_sources(fit, back[:, at], {LEVEL: level}, BETWEEN, _mean_square(fit)))
+    return summed(groups)
+
+
+def _mean_square(fit: TwoLevels) -> float:
+    return fit.chi_square / fit.free if fit.between == 0.0 and fit.chi_square > 0.0 else 1.0

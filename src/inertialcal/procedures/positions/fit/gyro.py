@@ -1,0 +1,223 @@
+"""Gyros: bias and g-sensitivity at rest, matrix from the rotations, and every uncertainty of both in one.
+
+What is wrong with bias and g-sensitivity is wrong in every rotation too, and what is wrong with the accelerometers
+turns the ends of all: both are carried into the matrix with their covariance.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....core.estimate import Array
+from ..plan import Plan, local_gravity
+from ..readings import Readings, Rotation
+from .accelerometer import Fitted, mounting_source
+from .at_rest import AtRest, at_rest, sources_of
+from .attitudes import Packed, packed
+from .earth_rate import VERTICAL, Carried, apart, earth_in_g
+from .levels import level_sources
+from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source
+from .rotation_errors import Problem, angles, ends_of
+from .rotations import BETWEEN, Rotated, solve
+
+NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
+MODEL = "uncertainty of the accelerometers"
+NO_ROTATIONS = "no rotations: gyros that rest tell their bias alone"
+NOT_TOLD = "these rotations do not tell it"
+NOTHING_LEFT = "no rotation was repeated, and turn.angle and fixture.orientation are not both stated: nothing judges it"
+NO_GRAVITY = "the accelerometers are not wholly known, so that the direction of gravity is not"
+ONE_PLACE = "as many positions as unknowns: nothing is left to judge it by"
+
+
+@dataclass(frozen=True, eq=False)
+class FittedGyro:
+    """Gyros, and how positions and rotations agree.
+
+    Parameters
+    ----------
+    sensor : LinearSensor
+        Matrix, bias and g-sensitivity: 21 numbers.
+    rest : AtRest
+        The positions.
+    rotated : Rotated or None
+        The rotations; None where there are none.
+    problem : Problem or None
+        What they are.
+    angles : ndarray, shape (k,)
+        Of each transition, from where gravity was carried to where it is [rad].
+    """
+
+    sensor: LinearSensor
+    rest: AtRest
+    rotated: Rotated | None
+    problem: Problem | None
+    angles: Array
+
+
+def fit_gyro(
+    plan: Plan,
+    readings: Readings,
+    acc: Fitted,
+    ideal: Array,
+    zero: Array,
+    start: Array,
+    north: Carried | None = None,
+) -> FittedGyro:
+    """Return the gyros.
+
+    Parameters
+    ----------
+    plan : Plan
+        Standards, whether g-sensitivity is wanted.
+    readings : Readings
+        With gyros.
+    acc : Fitted
+        Accelerometers of the same readings.
+    ideal, zero : ndarray, shape (3,)
+        To which readings of the gyros are taken.
+    start : ndarray, shape (3, 3)
+        Inverse of the matrix to begin with.
+    north : Carried, optional
+        How the earth rate is carried through the positions; absent: they are not joined.
+    """
+    assert readings.gyro is not None  # noqa: S101 - the caller has looked
+    force = acc.sensor.applied(readings.acc.mean)
+    rest = at_rest(plan, readings.gyro, force, ideal, zero, north or apart(force))
+    if not readings.transitions and not readings.turns:
+        return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
+    problem = problem_of(plan, readings, acc, rest, ideal, zero)
+    whole = acc.seen.whole or not readings.transitions  # else errors of the accelerometers make the ends disagree
+    rotated = solve(plan, problem, start, judge=whole)
+    sensor = _sensor(plan, readings, acc, rest, rotated, force, ideal, zero)
+    return FittedGyro(sensor, rest, rotated, problem, angles(problem, rotated.W))
+
+
+def problem_of(plan: Plan, readings: Readings, acc: Fitted, rest: AtRest, ideal: Array, zero: Array) -> Problem:
+    """Return the rotations as what is to be solved."""
+    assert readings.gyro is not None  # noqa: S101 - the caller has looked
+    force = acc.sensor.applied(readings.acc.mean)
+    up = force / np.linalg.norm(force, axis=1)[:, None]
+    moves = _packed(readings.transitions, acc, rest, ideal, zero)
+    turns = _packed(readings.turns, acc, rest, ideal, zero)
+    turned = np.array(
+        [one.angle * one.axis for one in readings.turns if one.axis is not None and one.angle is not None]
+    )
+    noise = np.median(readings.gyro.scatter / np.abs(ideal), axis=0)
+    inside = np.mean((readings.acc.u / acc.sensor.ideal) ** 2, axis=1)
+    variance = (inside + (acc.between or 0.0) ** 2) / local_gravity(plan) ** 2
+    return Problem(moves, ends_of(readings.transitions, up), turns, turned.reshape(-1, 3), noise, variance)
+
+
+def _packed(rotations: Sequence[Rotation], acc: Fitted, rest: AtRest, ideal: Array, zero: Array) -> Packed:
+    z, f = [], []
+    for one in rotations:
+        force = np.zeros_like(one.gyro) if one.acc is None else acc.sensor.applied(one.acc)
+        rate = (one.gyro - zero) / ideal - rest.bias
+        if rest.g_sensitivity is not None:
+            rate = rate - force @ rest.g_sensitivity.T
+        z.append(rate)
+        f.append(force if rest.g_sensitivity is not None else np.zeros_like(force))
+    return packed(rotations, z, f)
+
+
+def _sensor(
+    plan: Plan,
+    readings: Readings,
+    acc: Fitted,
+    rest: AtRest,
+    rotated: Rotated | None,
+    force: Array,
+    ideal: Array,
+    zero: Array,
+) -> LinearSensor:
+    W = np.eye(3) if rotated is None else rotated.W
+    A = np.asarray(np.linalg.inv(W), dtype=np.float64)
+    seen_g = np.zeros((3, 3)) if rest.g_sensitivity is None else rest.g_sensitivity
+    earth, unknown = earth_in_g(plan, A)
+    G = seen_g - earth if rest.g_sensitivity is not None else seen_g
+    values = np.concatenate([A.ravel(), rest.bias, G.ravel()])
+    forward: Array = np.asarray(-np.kron(A, A.T), dtype=np.float64)  # dA = -A dW A, row by row
+    found = [*_of_rotations(plan, rotated, forward), *_of_rest(plan, rest, rotated, forward)]
+    if unknown is not None and rest.g_sensitivity is not None:
+        found.append(_widened(unknown, VERTICAL))
+    if rotated is not None:
+        found.append(_of_accelerometers(acc, rotated, force, forward))
+    found += _common(plan, readings, values, rotated is not None)
+    return LinearSensor(
+        values, tuple(found), _reasons(rest, rotated, acc, bool(readings.transitions)), ideal, zero, NAMES
+    )
+
+
+def _of_rotations(plan: Plan, rotated: Rotated | None, forward: Array) -> list[Source]:
+    if rotated is None or rotated.found is None:
+        return []
+    back = np.zeros((21, rotated.seen.rank))
+    back[:9] = forward @ rotated.seen.kept
+    return level_sources(rotated.found, back, plan.standards, BETWEEN)
+
+
+def _of_rest(plan: Plan, rest: AtRest, rotated: Rotated | None, forward: Array) -> list[Source]:
+    back = np.zeros((21, 12))
+    back[9:] = np.eye(12)
+    if rotated is not None:
+        back[:9] = forward @ rotated.by_rest
+    return sources_of(plan, rest, back)
+
+
+def _of_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Source:
+    """Return what uncertain accelerometers do to the directions of gravity, and these to the matrix."""
+    length = np.linalg.norm(force, axis=1)
+    u = force / length[:, None]
+    inverse = np.linalg.inv(acc.sensor.matrix)
+    across = (np.eye(3) - u[:, :, None] * u[:, None, :]) / length[:, None, None]
+    by_offset = -across @ inverse  # (m, 3, 3)
+    by_matrix = by_offset[:, :, :, None] * force[:, None, None, :]  # (m, 3, row of A, column of A)
+    wide = np.concatenate([by_matrix.reshape(len(u), 3, 9), by_offset], axis=2)
+    back = np.zeros((21, 12))
+    back[:9] = forward @ np.einsum("wkj,kjq->wq", rotated.by_positions, wide)
+    return Source(MODEL, "A", _moved(back, acc.sensor.covariance), float(acc.free) if acc.free else np.inf)
+
+
+def _common(plan: Plan, readings: Readings, values: Array, rotated: bool) -> list[Source]:
+    found = []
+    clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
+    if clock is not None and rotated:
+        change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
+        found.append(Source("clock.rate", "B", np.outer(change, change), clock.dof, clock))
+    if gravity is not None:
+        change = np.concatenate([np.zeros(12), values[12:] * gravity.u / local_gravity(plan)])
+        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
+    if "fixture.mounting" in plan.standards and readings.turns and not readings.transitions and rotated:
+        found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
+    return found
+
+
+def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool) -> dict[int, str]:
+    found: dict[int, str] = {}
+    if rotated is None:
+        found |= dict.fromkeys(range(9), NO_ROTATIONS)
+    else:
+        found |= {k: NOT_TOLD for k in range(9) if not rotated.seen.told[k]}
+        if by_gravity and (not acc.seen.whole or acc.free == 0):
+            found |= {k: NO_GRAVITY for k in range(9) if k not in found}
+        if rotated.found is None:
+            found |= {k: NOTHING_LEFT for k in range(9) if k not in found}
+    if rest.fits is None:
+        found |= dict.fromkeys(range(9, 12), ONE_PLACE)
+    if rest.g_sensitivity is None or rest.fits is None:
+        found |= dict.fromkeys(range(12, 21), rest.reason or ONE_PLACE)
+    return found
+
+
+def _widened(one: Source, name: str) -> Source:
+    covariance = np.zeros((21, 21))
+    covariance[9:, 9:] = one.covariance
+    return Source(name, one.kind, covariance, one.dof, one.influence)
+
+
+def _moved(back: Array, covariance: Array) -> Array:
+    whole = back @ covariance @ back.T
+    return np.asarray(0.5 * (whole + whole.T))

@@ -1,0 +1,116 @@
+"""Positions that do not agree with the others: found by a robust fit, confirmed by leaving them out.
+
+A fit with Tukey's weights [1]_ is little moved by a few wrong positions, so that they stand out in it. Each one that
+stands out is then judged by the residual that it has from the fit without all that stand out: it is left out only if
+chance explains that at less than the risk, shared among all positions. The others count fully, so that on clean data
+the fit is the plain one and its uncertainty is right.
+
+References
+----------
+.. [1] P. W. Holland and R. E. Welsch, Communications in Statistics A6 (1977) 813-827.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import special
+
+from ....core.estimate import Array
+from ....statistics.two_levels import TwoLevels, fit_two_levels
+
+TUKEY = 4.685  # 95 % efficiency for normal errors
+STANDS_OUT = 3.5  # robust standard deviations
+FREE = 4  # least degrees of freedom of a fit that can judge a position
+STEPS = 15
+MAD = 1.4826
+
+Flags = NDArray[np.bool_]
+
+
+def weights(residuals: Array, free: int) -> Array:
+    """Return Tukey's weights of residuals, shape (n,)."""
+    scale = robust_scale(residuals, free)
+    if scale == 0.0:
+        return np.ones(len(residuals))
+    return np.asarray(np.clip(1.0 - (residuals / (TUKEY * scale)) ** 2, 0.0, None) ** 2)
+
+
+def robust_scale(residuals: Array, free: int) -> float:
+    """Return the scatter of residuals by their median size, those that a fit uses up set aside."""
+    sizes = np.sort(np.abs(residuals))[-max(free, 1) :]
+    return float(MAD * 0.5 * (sizes[(len(sizes) - 1) // 2] + sizes[len(sizes) // 2]))
+
+
+def tukey_coefficients(design: Array, readings: Array) -> Array:
+    """Return coefficients of a linear fit with Tukey's weights, shape (p,)."""
+    n, p = design.shape
+    found = np.linalg.lstsq(design, readings, rcond=None)[0]
+    for _ in range(STEPS):
+        root = np.sqrt(weights(readings - design @ found, n - p))
+        new = np.linalg.lstsq(design * root[:, None], readings * root, rcond=None)[0]
+        done = np.all(np.abs(design @ (new - found)) <= 1e-4 * np.abs(readings).max(initial=1e-300))
+        found = new
+        if done:
+            break
+    return np.asarray(found)
+
+
+def found_outliers(
+    design: Array, readings: Array, known: Mapping[str, Array], group: NDArray[np.int64], risk: float
+) -> Flags:
+    """Return which groups of readings do not agree with the others.
+
+    Parameters
+    ----------
+    design : ndarray, shape (n, p)
+        A column a coefficient.
+    readings : ndarray, shape (n,)
+        In one unit.
+    known : mapping of str to ndarray, shape (n,) or (n, n)
+        As `fit_two_levels` takes it.
+    group : ndarray of int, shape (n,)
+        Number of the position that a reading belongs to, from 0.
+    risk : float
+        Probability that any of a clean set is called an outlier.
+
+    Returns
+    -------
+    ndarray of bool, shape (groups,)
+        None where too few positions would be left to judge by.
+    """
+    n, p = design.shape
+    count = int(group.max()) + 1
+    nobody = np.zeros(count, dtype=bool)
+    if n - p < FREE:
+        return nobody
+    residuals = readings - design @ tukey_coefficients(design, readings)
+    scale = robust_scale(residuals, n - p)
+    suspect = np.zeros(count, dtype=bool)
+    suspect[group[np.abs(residuals) > STANDS_OUT * scale]] = True
+    kept = ~suspect[group]
+    if scale == 0.0 or not suspect.any() or np.sum(kept) - p < FREE:
+        return nobody
+    if np.linalg.matrix_rank(design[kept]) < p:
+        return nobody
+    fitted = fit_two_levels(design[kept], readings[kept], {name: _some(part, kept) for name, part in known.items()})
+    for k in np.flatnonzero(suspect):
+        suspect[k] = _chance(fitted, design, readings, known, group == k) < risk / count
+    return suspect
+
+
+def _some(part: Array, rows: Flags) -> Array:
+    return part[rows] if part.ndim == 1 else part[np.ix_(rows, rows)]
+
+
+def _chance(fitted: TwoLevels, design: Array, readings: Array, known: Mapping[str, Array], rows: Flags) -> float:
+    """Probability that readings like the others lie as far from the fit as these."""
+    away = readings[rows] - design[rows] @ fitted.coefficients
+    spread = design[rows] @ fitted.covariance @ design[rows].T + fitted.between**2 * np.eye(len(away))
+    for part in known.values():
+        own = _some(part, rows)
+        spread = spread + (np.diag(own) if own.ndim == 1 else own)
+    ratio = float(away @ np.linalg.solve(spread, away)) / len(away)
+    return float(special.fdtrc(len(away), fitted.free, ratio))

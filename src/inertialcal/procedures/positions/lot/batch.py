@@ -1,0 +1,314 @@
+"""Many triads at once: scale factors, misalignments and biases from what each read at rest in some positions.
+
+The forward equation is that of ``sensors.model`` without the terms that rest cannot tell::
+
+    r = b + M f                 row = the sensor that reads, column = the axis that moves
+
+Where only the size of gravity is known, ``|f| = g``, nobody can tell M from M times a rotation: nine parameters remain.
+Here M is triangular. ``lower`` makes the x sensor the x axis, with the y sensor in the plane of x and y; ``upper``
+makes the z sensor the z axis, with the y sensor in the plane of y and z. What is made small is ``|M^-1 (r - b)| - g``.
+Where f is known in each position, all twelve are told, and the estimate is linear.
+
+Positions with a NaN are missing, in that unit alone. The uncertainty is that of the scatter between positions, or of a
+scatter that is given; what all positions share (gravity, the frame that known positions are told in) is not in it.
+No figure depends on the number of threads or on the other units.
+
+References
+----------
+.. [1] Frosio, Pedersini and Borghese, IEEE Trans. Instrum. Meas. 58 (2009) 2034-2041 (``|f| = g`` at rest).
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable, Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Literal
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....core.errors import DataError, UsageError
+from ....core.estimate import Array
+from .batch_result import FEW, ILL_POSED, NO_SCATTER, NOT_CONVERGED, OK, OTHER_UNIT, PositionsBatch, remarks_of
+
+Form = Literal["lower", "upper"]
+AXES = ("x", "y", "z")
+CHUNK = 256  # units that a thread takes at once
+WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
+NORM, KNOWN = 9, 12  # parameters
+LARGEST_CONDITION = 1e4  # of the Jacobian in units of gravity; recordings held by hand have 2 to 1,300
+UNIT_SLIP = 3.0  # readings this many times too long or too short are in another unit
+
+
+def positions_batch(
+    readings: ArrayLike,
+    gravity: ArrayLike,
+    *,
+    directions: ArrayLike | None = None,
+    scatter: float | None = None,
+    form: Form = "lower",
+) -> PositionsBatch:
+    """Calibrate many triads from their mean readings at rest.
+
+    Parameters
+    ----------
+    readings : array_like, shape (units, positions, 3) or (positions, 3)
+        Mean of each position [m/s2], nominal scale factor and offset taken off; NaN is missing.
+    gravity : float or array_like, shape (units,)
+        Local gravity [m/s2].
+    directions : array_like, shape (positions, 3), optional
+        Where the specific force points in each position, in body axes: up, at rest. Told, all twelve parameters are
+        estimated; otherwise nine, from ``|f| = g``.
+    scatter : float, optional
+        Standard uncertainty of one reading of one position, known beforehand [m/s2]. By default it is estimated in
+        each unit from its residuals.
+    form : {"lower", "upper"}
+        Shape of M where directions are not told.
+
+    Returns
+    -------
+    PositionsBatch
+        A row a unit; ``status`` tells which have no estimate, and why.
+
+    Raises
+    ------
+    UsageError
+        ``bad_argument`` for shapes that do not fit, gravity or scatter that is not positive.
+    DataError
+        ``ill_posed`` if told directions cannot tell the parameters apart, in any unit.
+    """
+    r, g = _checked(readings, gravity, scatter)
+    if form not in ("lower", "upper"):
+        raise UsageError(f"form {form!r}: no such form", do="Use lower or upper", code="bad_argument")
+    if directions is not None:
+        return _known(r, g, _unit_rows(directions, r.shape[1]), scatter)
+    return _norms(r, g, scatter, form)
+
+
+def _checked(readings: ArrayLike, gravity: ArrayLike, scatter: float | None) -> tuple[Array, Array]:
+    r = np.asarray(readings, dtype=np.float64)
+    r = r[np.newaxis] if r.ndim == 2 else r
+    if r.ndim != 3 or r.shape[2] != 3:
+        raise UsageError(
+            f"readings of shape {np.shape(readings)}: need (units, positions, 3)",
+            do="Give the mean of each position, three sensors a row",
+            code="bad_argument",
+        )
+    g = np.asarray(gravity, dtype=np.float64)
+    if g.ndim > 1 or (g.ndim == 1 and len(g) != len(r)) or not np.all(np.isfinite(g) & (g > 0.0)):
+        raise UsageError(
+            f"gravity of shape {g.shape} for {len(r)} unit(s): need one positive value, or one a unit",
+            code="bad_argument",
+        )
+    if scatter is not None and not (np.isfinite(scatter) and scatter > 0.0):
+        raise UsageError(f"scatter {scatter!r}: need a positive number [m/s2]", code="bad_argument")
+    return r, np.broadcast_to(g, (len(r),))
+
+
+def _unit_rows(directions: ArrayLike, positions: int) -> Array:
+    rows = np.asarray(directions, dtype=np.float64)
+    lengths = np.linalg.norm(rows, axis=-1, keepdims=True) if rows.ndim == 2 else np.zeros(1)
+    if rows.shape != (positions, 3) or not np.all(lengths > 0.0):
+        raise UsageError(
+            f"directions of shape {rows.shape} for {positions} positions: need ({positions}, 3), none of length zero",
+            code="bad_argument",
+        )
+    return np.asarray(rows / lengths)
+
+
+def _lots(n: int) -> Iterator[slice]:
+    for start in range(0, n, CHUNK):
+        yield slice(start, min(start + CHUNK, n))
+
+
+def _shared(work: Callable[[slice], None], n: int) -> None:
+    """Do the work on lots of units, shared by threads."""
+    if n <= CHUNK:
+        work(slice(0, n))
+        return
+    with ThreadPoolExecutor(WORKERS) as pool:
+        list(pool.map(work, _lots(n)))
+
+
+def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBatch:
+    """Nine parameters of each unit from ``|f| = g``."""
+    from ..fit import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
+
+    n, turned = len(r), form == "upper"
+    flipped = r[:, :, ::-1] if turned else r
+    relative = np.ascontiguousarray(flipped / g[:, np.newaxis, np.newaxis])
+    used: NDArray[np.bool_] = np.asarray(np.isfinite(relative).all(axis=2))
+    positions = used.sum(axis=1)
+    start, slipped = _start(relative, used)
+    found, inverse = np.empty((n, NORM)), np.empty((n, NORM, NORM))
+    squares, condition, steps = np.empty(n), np.empty(n), np.empty(n, dtype=np.int64)
+
+    def fit(lot: slice) -> None:
+        _kernels.fit_norms(
+            relative[lot], used[lot], start[lot], found[lot], inverse[lot], squares[lot], condition[lot], steps[lot]
+        )
+
+    _shared(fit, n)
+    ill = ~(condition <= LARGEST_CONDITION)
+    status = _status(positions, NORM, slipped, ill, steps < 0, scatter)
+    dof = np.maximum(positions - NORM, 0)
+    back = np.array([2, 1, 0, 5, 4, 3, 8, 7, 6]) if turned else np.arange(NORM)
+    names = _norm_names(form)
+    lengths = np.ones((n, NORM))
+    lengths[:, 6:] = g[:, np.newaxis]
+    variance = _variance(squares, dof, None if scatter is None else (scatter / g) ** 2)
+    covariance = inverse * variance[:, np.newaxis, np.newaxis] * lengths[:, :, np.newaxis] * lengths[:, np.newaxis, :]
+    values = found * lengths
+    if turned:
+        values, covariance = values[:, back], covariance[:, back][:, :, back]
+    units = ("1",) * 3 + ("rad",) * 3 + ("m/s^2",) * 3
+    return _result(names, units, values, covariance, squares * g**2, scatter, dof, positions, condition, status)
+
+
+def _start(relative: Array, used: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
+    """Where each search starts, and which units read nothing near gravity.
+
+    A scale factor common to the sensors is taken from the size of the readings, so that a search that must fail for
+    another unit still ends.
+    """
+    squares = np.where(used[:, :, np.newaxis], relative, 0.0) ** 2
+    size = np.sqrt(squares.sum(axis=(1, 2)) / np.maximum(used.sum(axis=1), 1))
+    start = np.zeros((len(relative), NORM))
+    start[:, :3] = np.where(size > 0.0, size, 1.0)[:, np.newaxis] - 1.0
+    return start, ~((size < UNIT_SLIP) & (size > 1.0 / UNIT_SLIP))
+
+
+def _norm_names(form: Form) -> tuple[str, ...]:
+    pairs = ("yx", "zx", "zy") if form == "lower" else ("xy", "xz", "yz")
+    scale, bias = (f"scale_factor_error_{a}" for a in AXES), (f"bias_{a}" for a in AXES)
+    return (*scale, *(f"misalignment_{pair}" for pair in pairs), *bias)
+
+
+def _status(
+    positions: NDArray[np.int64],
+    parameters: int,
+    slipped: NDArray[np.bool_],
+    ill: NDArray[np.bool_],
+    lost: NDArray[np.bool_],
+    scatter: float | None,
+) -> NDArray[np.int64]:
+    """First cause that holds for each unit."""
+    bare = (positions == parameters) & (scatter is None)
+    causes = [positions < parameters, slipped, ill, lost, bare]
+    codes = [FEW, OTHER_UNIT, ILL_POSED, NOT_CONVERGED, NO_SCATTER]
+    return np.select(causes, codes, OK).astype(np.int64)
+
+
+def _variance(squares: Array, dof: NDArray[np.int64], known: Array | None) -> Array:
+    if known is not None:
+        return known
+    return np.where(dof > 0, squares / np.maximum(dof, 1), np.nan)
+
+
+def _result(
+    names: tuple[str, ...],
+    units: tuple[str, ...],
+    values: Array,
+    covariance: Array,
+    squares: Array,
+    scatter: float | None,
+    dof: NDArray[np.int64],
+    positions: NDArray[np.int64],
+    condition: Array,
+    status: NDArray[np.int64],
+) -> PositionsBatch:
+    """Blank what is no estimate, and count it."""
+    without = ~np.isin(status, (OK, NO_SCATTER))
+    values[without] = np.nan
+    covariance[status != OK] = np.nan
+    squares = np.where(without, np.nan, squares)
+    chi_square = np.full(len(values), np.nan) if scatter is None else squares / scatter**2
+    return PositionsBatch(
+        names, units, values, covariance, squares, chi_square, dof, positions, condition, status,
+        remarks_of(status), scatter is not None,
+    )  # fmt: skip
+
+
+def _known(r: Array, g: Array, directions: Array, scatter: float | None) -> PositionsBatch:
+    """Twelve parameters of each unit, in positions that are told: units with the same positions at once."""
+    n = len(r)
+    used: NDArray[np.bool_] = np.asarray(np.isfinite(r).all(axis=2))
+    positions = used.sum(axis=1)
+    lines, squares = np.full((n, 3, 4), np.nan), np.full((n, 3), np.nan)
+    inverse, condition = np.full((n, 4, 4), np.nan), np.full(n, np.inf)
+    whole = bool(used.all())
+    patterns, which = (used[:1], np.zeros(n, int)) if whole else np.unique(used, axis=0, return_inverse=True)
+    for number, pattern in enumerate(patterns):
+        units = np.flatnonzero(which.reshape(-1) == number)
+        _solve_known(r, units, pattern, directions, lines, squares, inverse, condition)
+    ill = ~(condition <= LARGEST_CONDITION)
+    if np.all(ill & (positions >= 4)):
+        raise DataError(
+            f"the {r.shape[1]} directions cannot tell the parameters apart",
+            why="with gravity along one line or in one plane, bias and scale factor of some sensor stay mixed",
+            do="Add positions with gravity along the other axes, both ways",
+            code="ill_posed",
+        )
+    lines[:, :, 1:] /= g[:, np.newaxis, np.newaxis]
+    length = np.linalg.norm(lines[:, :, 1:], axis=2).mean(axis=1)
+    slipped = ~((length < UNIT_SLIP) & (length > 1.0 / UNIT_SLIP))
+    status = _status(positions, 4, slipped, ill, np.zeros(n, dtype=bool), scatter)
+    each = np.maximum(positions - 4, 0)
+    known = None if scatter is None else np.full((n, 3), scatter**2)
+    variance = _variance(squares, each[:, np.newaxis], known)
+    values, covariance = _in_words(lines, inverse, variance, g)
+    pairs = [a + b for a in AXES for b in AXES if a != b]
+    names = (
+        *(f"scale_factor_error_{a}" for a in AXES), *(f"misalignment_{p}" for p in pairs), *(f"bias_{a}" for a in AXES)
+    )  # fmt: skip
+    units_of = ("1",) * 3 + ("rad",) * 6 + ("m/s^2",) * 3
+    total = squares.sum(axis=1)
+    return _result(names, units_of, values, covariance, total, scatter, 3 * each, positions, condition, status)
+
+
+def _solve_known(
+    r: Array, units: NDArray[np.int64], pattern: NDArray[np.bool_], directions: Array,
+    lines: Array, squares: Array, inverse: Array, condition: Array,
+) -> None:  # fmt: skip
+    """Fill lines, squares, inverse normal matrix and condition of the units that have the same positions."""
+    from ..fit import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
+
+    design = np.column_stack([np.ones(int(pattern.sum())), directions[pattern]])
+    if len(design) < 4:
+        return
+    singular = np.linalg.svd(design, compute_uv=False)
+    condition[units] = singular[0] / singular[-1] if singular[-1] > 0.0 else np.inf
+    if not singular[0] <= LARGEST_CONDITION * singular[-1]:
+        return
+    hat = np.ascontiguousarray(np.linalg.pinv(design))
+    inverse[units] = hat @ hat.T
+    whole = len(units) == len(r) and bool(pattern.all())
+    own = np.ascontiguousarray(r if whole else r[units][:, pattern])
+    found, left = np.empty((len(units), 3, 4)), np.empty((len(units), 3))
+    _shared(lambda lot: _kernels.apply_known(hat, design, own[lot], found[lot], left[lot]), len(units))
+    lines[units], squares[units] = found, left
+
+
+def _in_words(lines: Array, inverse: Array, variance: Array, g: Array) -> tuple[Array, Array]:
+    """Values and covariance of scale factor errors, misalignments and biases, from the lines b, M f of the sensors.
+
+    The sensors share no scatter: the covariance has a block a sensor.
+    """
+    n = len(lines)
+    values, covariance = np.empty((n, KNOWN)), np.zeros((n, KNOWN, KNOWN))
+    for i in range(3):
+        others = [j for j in range(3) if j != i]
+        own = lines[:, i, 1 + i]
+        ratio = lines[:, i, 1:][:, others] / own[:, np.newaxis]
+        at = np.array([i, 3 + 2 * i, 4 + 2 * i, 9 + i])
+        values[:, at] = np.column_stack([own - 1.0, ratio, lines[:, i, 0]])
+        rows = np.zeros((n, 4, 4))  # derivatives by (b, M_i0 g, M_i1 g, M_i2 g)
+        rows[:, 0, 1 + i] = 1.0 / g
+        rows[:, 3, 0] = 1.0
+        for k, j in enumerate(others):
+            rows[:, 1 + k, 1 + j] = 1.0 / (own * g)
+            rows[:, 1 + k, 1 + i] = -ratio[:, k] / (own * g)
+        block = rows @ inverse @ rows.transpose(0, 2, 1) * variance[:, i, np.newaxis, np.newaxis]
+        covariance[np.ix_(np.arange(n), at, at)] = block
+    return values, covariance

@@ -1,0 +1,1 @@
+"""Figures of a whole campaign or of its model."""

@@ -1,0 +1,129 @@
+"""Budget of uncertainty as bars: the share of the variance that each source has, one bar a quantity.
+
+Type A (observed scatter) is plain, type B (certificates and other knowledge) hatched; the same source has the same
+colour in every bar.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+
+from ..drawing.data import distinct
+from ..drawing.picture import Picture
+from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
+
+NAME = "budget"
+SHOWS = "One bar a quantity, divided into the shares of the variance that each source of uncertainty has"
+ROLES = ("blue", "orange", "green", "vermilion", "sky", "purple", "yellow")
+ROW = 0.3  # height of a bar with its gap [in]
+LEAST = 0.6  # height of the panel [in]
+
+Rows = Sequence[Mapping[str, Any]]
+
+
+@dataclass(frozen=True)
+class Source:
+    """One entry of the legend: a source of one type with its colour."""
+
+    name: str
+    kind: str
+    role: str
+
+    @property
+    def label(self) -> str:
+        """Name and type."""
+        return f"{self.name} ({self.kind})"
+
+
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture a test."""
+    rows = [row for row in results.get("budgets", []) if row.get("share") is not None]
+    return [of_rows([row for row in rows if row["test"] == test], test) for test in distinct(r["test"] for r in rows)]
+
+
+def of_rows(rows: Rows, test: str) -> Picture:
+    """Return the picture of the budgets of one test."""
+
+    def paint(axes: Sequence[Axes], title: str) -> None:
+        draw(axes[0], rows, title)
+
+    height = LEAST + ROW * len(_quantities(rows))
+    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint)
+
+
+def finding(rows: Rows) -> str:
+    """Return the finding: which source gives the most of a quantity, most often."""
+    largest = [max((r for r in rows if _of(r) == what), key=lambda row: row["share"]) for what in _quantities(rows)]
+    names = [row["source"] for row in largest]
+    first = max(distinct(names), key=names.count)
+    return f"{plain(first)} gives the most of the variance in {names.count(first)} of {len(names)} quantities"
+
+
+def draw(ax: Axes, rows: Rows, title: str = "") -> None:
+    """Draw the budgets of one test.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where.
+    rows : sequence of mapping
+        Budgets of one test, of ``results.json``.
+    title : str
+        Above it; empty for none.
+    """
+    quantities, known = _quantities(rows), sources(rows)
+    for place, quantity in enumerate(quantities):
+        left = 0.0
+        for source in known:
+            share = 100.0 * sum(r["share"] for r in rows if _of(r) == quantity and _source(r, known) is source)
+            if share > 0.0:
+                ax.barh(place, share, left=left, height=0.66, **_look(source))
+                left += share
+    ax.set_yticks(range(len(quantities)), labels=[_label(quantity) for quantity in quantities], parse_math=False)
+    ax.set_ylim(len(quantities) - 0.4, -0.6)
+    ax.set_xlim(0.0, 100.0)
+    ax.tick_params(axis="y", length=0)
+    set_title(ax, title)
+    set_labels(ax, "share of the variance [%]")
+    set_legend(ax, [Patch(label=source.label, **_look(source)) for source in known])
+
+
+def sources(rows: Rows) -> list[Source]:
+    """Return the sources, the largest first; from the eighth on they share one entry, which counts them."""
+    totals: dict[tuple[str, str], float] = {}
+    for row in rows:
+        key = (row["source"], row["kind"])
+        totals[key] = totals.get(key, 0.0) + row["share"]
+    order = sorted(totals, key=lambda key: -totals[key])
+    own = order if len(order) <= len(ROLES) else order[: len(ROLES)]
+    found = [Source(plain(name), kind, ROLES[i]) for i, (name, kind) in enumerate(own)]
+    rest = len(order) - len(own)
+    return [*found, Source(f"{rest} smaller sources", "A, B", "quiet")] if rest else found
+
+
+def _source(row: Mapping[str, Any], known: Sequence[Source]) -> Source:
+    name, kind = plain(row["source"]), row["kind"]
+    return next((one for one in known if (one.name, one.kind) == (name, kind)), known[-1])
+
+
+def _of(row: Mapping[str, Any]) -> tuple[str, str]:
+    return row["quantity"], row["axis"]
+
+
+def _quantities(rows: Rows) -> list[tuple[str, str]]:
+    return list(dict.fromkeys(_of(row) for row in rows))
+
+
+def _label(quantity: tuple[str, str]) -> str:
+    name, axis = quantity
+    return plain(f"{name.replace('_', ' ')} {axis}".strip(), 32)
+
+
+def _look(source: Source) -> dict[str, Any]:
+    hatch = "////" if "B" in source.kind else ""
+    return {"facecolor": COLOURS[source.role], "edgecolor": COLOURS["paper"], "hatch": hatch, "linewidth": 0.6}

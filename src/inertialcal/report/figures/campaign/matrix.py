@@ -1,0 +1,169 @@
+"""The matrix as a picture: row = the sensor that reads, column = the axis that moves.
+
+On the diagonal stands the scale-factor error, positive where the sensor reads too much; beside it the misalignment,
+positive where the sensor reads more as the other axis moves more. Strength of colour is the size of an entry, 1 % on
+the diagonal as strong as 0.01 rad beside it; the sign stands in the number too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch, Rectangle
+
+from ....core.errors import DataError
+from ....core.show.rounding import number, with_uncertainty
+from ....core.units import factor
+from ..drawing.data import distinct
+from ..drawing.picture import Picture
+from ..drawing.style import COLOURS, TEXT, plain, set_legend, set_title
+
+NAME = "matrix"
+MODEL = "model"  # test that the rows of the model carry
+DIAGONAL, BESIDE = "scale_factor_error", "misalignment"
+SHOWS = "Rows are the sensors that read, columns the axes that move"
+STRONGEST = 0.55  # opacity of the largest entry: the number on it stays readable
+CELL = 0.85  # height of a row [in]
+
+Rows = Sequence[Mapping[str, Any]]
+
+
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture of the model, and one of each test that gave an entry beside the diagonal."""
+    tests = distinct(row["test"] for row in results.get("results", []))
+    found = []
+    for test in sorted(tests, key=lambda test: test != MODEL):
+        rows = [row for row in results["results"] if row["test"] == test and not row["condition"]]
+        if entries(rows) and (test == MODEL or any(_known(row) for row in rows if row["quantity"] == BESIDE)):
+            found.append(of_rows(rows, test))
+    return found
+
+
+def of_rows(rows: Rows, test: str = MODEL) -> Picture:
+    """Return the picture of the rows of one test or model.
+
+    Raises
+    ------
+    DataError
+        If they hold no entry of a matrix.
+    """
+    cells = entries(rows)
+    if not cells:
+        raise DataError("no scale-factor error and no misalignment: there is no matrix to draw", code="nothing_to_draw")
+
+    def paint(axes: Sequence[Axes], title: str) -> None:
+        draw(axes[0], rows, title)
+
+    height = CELL * len(axes_of(cells))
+    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint)
+
+
+def entries(rows: Rows) -> dict[tuple[str, str], Mapping[str, Any]]:
+    """Return the entries of the matrix by (sensor that reads, axis that moves)."""
+    diagonal = {row["axis"]: row for row in rows if row["quantity"] == DIAGONAL}
+    pairs = {a + b: (a, b) for a in diagonal for b in diagonal if a != b}
+    beside = {pairs[row["axis"]]: row for row in rows if row["quantity"] == BESIDE and row["axis"] in pairs}
+    return {(axis, axis): row for axis, row in diagonal.items()} | beside
+
+
+def axes_of(cells: Mapping[tuple[str, str], Any]) -> list[str]:
+    """Return the axes, in the order of their rows."""
+    return distinct(reads for reads, moves in cells if reads == moves)
+
+
+def finding(rows: Rows) -> str:
+    """Return the finding: the largest entry on the diagonal and beside it, what was not estimated."""
+    cells = entries(rows)
+    parts = []
+    for name, words in ((DIAGONAL, "scale-factor error"), (BESIDE, "misalignment")):
+        known = {key: row for key, row in cells.items() if row["quantity"] == name and _known(row)}
+        if known:
+            (reads, moves), row = max(known.items(), key=lambda item: abs(item[1]["value"]))
+            where = reads if reads == moves else f"{reads} reads {moves}"
+            parts.append(f"largest {words} {number(row['value'], 2)} {row['unit']} ({plain(where)})")
+    missing = len(axes_of(cells)) ** 2 - sum(_known(row) for row in cells.values())
+    parts += [f"{missing} entries not estimated"] if missing else []
+    return ", ".join(parts) or "no entry estimated"
+
+
+def draw(ax: Axes, rows: Rows, title: str = "") -> None:
+    """Draw the matrix.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where.
+    rows : sequence of mapping
+        Rows of one test or model, of ``results.json``; others than the matrix are passed over.
+    title : str
+        Above it; empty for none.
+    """
+    cells = entries(rows)
+    axes = axes_of(cells)
+    largest = max((_size(row) for row in cells.values() if _known(row)), default=0.0)
+    for i, reads in enumerate(axes):
+        for j, moves in enumerate(axes):
+            _cell(ax, (i, j), cells.get((reads, moves)), largest)
+    names = [plain(axis, 12) for axis in axes]
+    ax.set_xlim(0, len(axes))
+    ax.set_ylim(len(axes), 0)
+    places = [i + 0.5 for i in range(len(axes))]
+    ax.set_xticks(places, labels=names, parse_math=False)
+    ax.set_yticks(places, labels=names, parse_math=False)
+    ax.tick_params(length=0, labelsize=TEXT)
+    ax.xaxis.tick_top()
+    ax.xaxis.set_label_position("top")
+    ax.set_xlabel("axis that moves")
+    ax.set_ylabel("sensor that reads")
+    for side in ax.spines.values():
+        side.set_visible(False)
+    set_title(ax, title)
+    hatched = (
+        [Patch(label="not estimated", **_blank())]
+        if any(not _known(cells.get((a, b))) for a in axes for b in axes)
+        else []
+    )
+    tints = [
+        Patch(color=COLOURS[role], alpha=STRONGEST, label=label)
+        for role, label in (("orange", "positive"), ("blue", "negative"))
+    ]
+    set_legend(ax, [*tints, *hatched], below=-8.0)
+
+
+def _known(row: Mapping[str, Any] | None) -> bool:
+    return row is not None and row["value"] is not None and row["status"] != "not_estimated"
+
+
+def _size(row: Mapping[str, Any]) -> float:
+    ratio = "rad" if row["quantity"] == BESIDE else "1"
+    return abs(float(row["value"])) * factor(row["unit"], ratio)
+
+
+def _blank() -> dict[str, Any]:
+    return {"facecolor": "none", "edgecolor": COLOURS["quiet"], "hatch": "////", "linewidth": 0.0}
+
+
+def _cell(ax: Axes, at: tuple[int, int], row: Mapping[str, Any] | None, largest: float) -> None:
+    i, j = at
+    frame: dict[str, Any] = {"xy": (j, i), "width": 1.0, "height": 1.0}
+    middle: dict[str, Any] = {"x": j + 0.5, "y": i + 0.5, "ha": "center", "va": "center", "parse_math": False}
+    if row is None or not _known(row):
+        ax.add_patch(Rectangle(**frame, **_blank()))
+        box = {"facecolor": COLOURS["paper"], "edgecolor": "none", "pad": 2.0}
+        ax.text(s="not\nestimated", color=COLOURS["quiet"], fontsize=TEXT - 1, bbox=box, **middle)
+    else:
+        strength = STRONGEST * _size(row) / largest if largest > 0.0 else 0.0
+        colour = COLOURS["orange" if row["value"] > 0.0 else "blue"]
+        ax.add_patch(Rectangle(**frame, facecolor=colour, alpha=strength, linewidth=0.0))
+        ax.text(s=_figure(row), color=COLOURS["ink"], fontsize=TEXT - 0.5, linespacing=1.35, **middle)
+    ax.add_patch(Rectangle(**frame, facecolor="none", edgecolor=COLOURS["quiet"], linewidth=0.6, clip_on=False))
+
+
+def _figure(row: Mapping[str, Any]) -> str:
+    """Return value, uncertainty and unit on lines of their own."""
+    text = with_uncertainty(row["value"], row["u"]).replace("-", "−")
+    value, sign, u = text.partition(" ± ")
+    unit = plain(row["unit"])
+    return f"{value}\n± {u}\n{unit}" if sign else f"{value}\n{unit}"

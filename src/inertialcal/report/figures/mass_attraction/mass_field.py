@@ -1,0 +1,73 @@
+"""Attraction along the travel of a source mass, with the dwells of a cycle upon it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..drawing.data import Curve, curves, numbers, unit
+from ..drawing.picture import Picture
+from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+
+NAME, DRIVE = "mass_field", "mass_drive"
+SHOWS = "Attraction along the input axis over the position of the mass; points are its dwells, shaded is the stroke"
+
+
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture a test."""
+    return [_picture(results, one) for one in curves(results, NAME)]
+
+
+def _picture(results: Mapping[str, Any], curve: Curve) -> Picture:
+    dwells = [one for one in curves(results, DRIVE) if one.get("test", "") == curve.get("test", "")]
+
+    def paint(axes: Sequence[Axes], title: str) -> None:
+        draw(axes[0], curve, dwells, title)
+
+    return Picture(NAME, str(curve.get("test", "")), "", finding(curve, dwells), SHOWS, (2.4,), paint)
+
+
+def finding(curve: Curve, dwells: Sequence[Curve]) -> str:
+    """Return the finding: which amplitude the stroke gives."""
+    if not dwells:
+        return "attraction along the travel"
+    place, field = (numbers(dwells[0], name) for name in ("position", "attraction"))
+    stroke = f"{np.nanmin(place):.4g} to {np.nanmax(place):.4g} {plain(unit(curve, 'position'))}"
+    amplitude = f"{np.ptp(field) / 2.0:.3g} {plain(unit(curve, 'attraction'))}"
+    return f"moving the mass from {stroke} applies an amplitude of {amplitude}"
+
+
+def draw(ax: Axes, curve: Curve, dwells: Sequence[Curve], title: str = "") -> None:
+    """Draw the field and the dwells.
+
+    Parameters
+    ----------
+    ax : Axes
+        One.
+    curve : mapping
+        ``mass_field`` of ``results.json``.
+    dwells : sequence of mapping
+        ``mass_drive``, or none.
+    title : str
+        Above; empty for none.
+    """
+    place, field = numbers(curve, "position"), numbers(curve, "attraction")
+    ax.plot(place, field, color=COLOURS["blue"], linewidth=1.4, label="attraction", zorder=3)
+    for one in dwells:
+        at, there = numbers(one, "position"), numbers(one, "attraction")
+        ax.axvspan(
+            float(np.nanmin(at)), float(np.nanmax(at)), color=COLOURS["grid"], alpha=0.45, linewidth=0.0, zorder=0
+        )
+        name = f"dwells of the drive ({plain(one.get('of', ''), 12)})"
+        ax.plot(at, there, "o", color=COLOURS["vermilion"], markersize=6.0, label=name, zorder=4)
+    ax.set_ylim(bottom=min(0.0, float(np.nanmin(field))))
+    set_title(ax, title)
+    set_labels(
+        ax,
+        with_unit("position of the mass", unit(curve, "position")),
+        with_unit("attraction", unit(curve, "attraction")),
+    )
+    set_legend(ax)

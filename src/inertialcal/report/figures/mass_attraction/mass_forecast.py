@@ -1,0 +1,76 @@
+"""What a mass-attraction test will give: uncertainty of the scale factor over hours, drive by drive."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ..drawing.data import Curve, curves, numbers, unit
+from ..drawing.log_axes import log_axis
+from ..drawing.picture import Picture
+from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+
+NAME = "mass_forecast"
+SHOWS = "Standard uncertainty of the scale factor over the length of the test, both logarithmic, a line a drive"
+LOOKS = {"sine": ("vermilion", "-"), "square": ("orange", "--"), "abab": ("blue", "-.")}
+
+
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture a test."""
+    every = curves(results, NAME)
+    tests = dict.fromkeys(str(one.get("test", "")) for one in every)
+    return [_picture(test, [one for one in every if one.get("test", "") == test]) for test in tests]
+
+
+def _picture(test: str, mine: Sequence[Curve]) -> Picture:
+    def paint(axes: Sequence[Axes], title: str) -> None:
+        draw(axes[0], mine, title)
+
+    return Picture(NAME, test, "", finding(mine), SHOWS, (2.6,), paint)
+
+
+def finding(mine: Sequence[Curve]) -> str:
+    """Return the finding: what the first drive gives at the end, and the best one."""
+    last = {plain(one.get("of", ""), 12): float(numbers(one, "u")[-1]) for one in mine}
+    hours = float(numbers(mine[0], "time")[-1])
+    best = min(last, key=lambda name: last[name])
+    first = next(iter(last))
+    return (
+        f"after {hours:.3g} h the scale factor is known to {last[first]:.2g} % by {first}, {last[best]:.2g} % by {best}"
+    )
+
+
+def draw(ax: Axes, mine: Sequence[Curve], title: str = "") -> None:
+    """Draw all drives.
+
+    Parameters
+    ----------
+    ax : Axes
+        One.
+    mine : sequence of mapping
+        ``mass_forecast`` of ``results.json``.
+    title : str
+        Above; empty for none.
+    """
+    for one in mine:
+        name = plain(one.get("of", ""), 12)
+        colour, line = LOOKS.get(name, ("green", "-"))
+        ax.plot(numbers(one, "time"), numbers(one, "u"), line, color=COLOURS[colour], label=name, zorder=3)
+    applied = numbers(mine[0], "u_applied")
+    there = bool(np.any(applied > 0.0))
+    if there:
+        name = "what is applied is not known better"
+        ax.plot(numbers(mine[0], "time"), applied, ":", color=COLOURS["quiet"], label=name, zorder=2)
+    every = [numbers(one, "u") for one in mine] + ([applied] if there else [])
+    log_axis(ax, "x", np.concatenate([numbers(one, "time") for one in mine]))
+    log_axis(ax, "y", np.concatenate(every), 1.2)
+    set_title(ax, title)
+    set_labels(
+        ax,
+        with_unit("length of the test", unit(mine[0], "time")),
+        with_unit("u of the scale factor", unit(mine[0], "u")),
+    )
+    set_legend(ax)

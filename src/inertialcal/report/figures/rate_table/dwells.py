@@ -1,0 +1,105 @@
+"""Dwells found on the trace of a recording: what was used and what was left out, over what the channel read.
+
+The trace is the least and the largest value per bin, drawn as one line that goes from one to the other; a gap in
+the recording is a gap in the line.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.patches import Patch
+from numpy.typing import NDArray
+
+from ....core.estimate import Array
+from ..drawing.data import Curve, curves, distinct, finite, flags, numbers, unit, words
+from ..drawing.picture import Picture
+from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
+
+NAME = "dwells"
+SHOWS = "Trace of the channel over time; shaded are the dwells that were used, hatched those that were left out"
+
+
+def pictures(results: Mapping[str, Any]) -> list[Picture]:
+    """Return a picture a recording whose dwells were found."""
+    traces = [curve for curve in curves(results, "trace") if len(finite(numbers(curve, "lo")))]
+    return [_picture(trace, curve) for curve in curves(results, NAME) for trace in [_trace(traces, curve)] if trace]
+
+
+def _trace(traces: Sequence[Curve], dwells: Curve) -> Curve | None:
+    """Return the trace that dwells were found on: of their recording, and of the channel of their axis."""
+    mine = [one for one in traces if all(one.get(key) == dwells.get(key) for key in ("test", "recording"))]
+    return next((one for one in mine if one.get("axis") == dwells.get("axis")), None)
+
+
+def _picture(trace: Curve, dwells: Curve) -> Picture:
+    def paint(axes: Sequence[Axes], title: str) -> None:
+        draw(axes[0], trace, dwells, title)
+
+    test, axis = str(dwells.get("test", "")), str(dwells.get("axis", ""))
+    return Picture(NAME, test, axis, finding(dwells), SHOWS, (2.0,), paint)
+
+
+def finding(dwells: Curve) -> str:
+    """Return the finding: how many dwells were found, and how many of them left out."""
+    used = flags(dwells, "used")
+    left = f", {np.sum(~used)} of them left out" if np.any(~used) else ""
+    return f"{plain(dwells.get('recording', ''))}, {plain(dwells.get('axis', ''))}: {len(used)} dwells found{left}"
+
+
+def draw(ax: Axes, trace: Curve, dwells: Curve, title: str = "") -> None:
+    """Draw one recording.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where.
+    trace, dwells : mapping
+        Of one recording and channel, of ``results.json``.
+    title : str
+        Above it; empty for none.
+    """
+    time, lo, hi = (numbers(trace, name) for name in ("time", "lo", "hi"))
+    ax.plot(*envelope(time, lo, hi), color=COLOURS["ink"], linewidth=0.9, solid_capstyle="projecting", zorder=3)
+    patches = _spans(ax, dwells)
+    set_title(ax, title)
+    set_labels(ax, with_unit("time", unit(trace, "time")), with_unit(plain(trace.get("axis", "")), unit(trace, "lo")))
+    set_legend(ax, patches)
+
+
+def envelope(time: Array, lo: Array, hi: Array) -> tuple[Array, Array]:
+    """Return the line from least to largest and back: shapes (2n,); NaN where a bin has no sample."""
+    at, values = np.repeat(time, 2), np.stack([lo, hi], axis=1)
+    values[1::2] = values[1::2, ::-1].copy()  # so that neighbours join at the same end
+    return at, np.where(np.isfinite(values).all(axis=1, keepdims=True), values, np.nan).ravel()
+
+
+def _spans(ax: Axes, dwells: Curve) -> list[Patch]:
+    start, stop = numbers(dwells, "start"), numbers(dwells, "stop")
+    used, reasons = flags(dwells, "used"), np.array(words(dwells, "reason"))
+    shaded: dict[str, Any] = {"facecolor": COLOURS["green"], "alpha": 0.28, "linewidth": 0.0}
+    hatched: dict[str, Any] = {
+        "facecolor": "none", "edgecolor": COLOURS["vermilion"], "hatch": "////", "linewidth": 0.6
+    }  # fmt: skip
+    found = []
+    if np.any(used):
+        _bars(ax, start[used], stop[used], shaded)
+        found.append(Patch(label=f"dwells used ({np.sum(used)})", **shaded))
+    for reason in distinct(reasons[~used]):
+        mine = ~used & (reasons == reason)
+        _bars(ax, start[mine], stop[mine], hatched)
+        word = plain(reason or "no rule named").replace("_", " ")
+        found.append(Patch(label=f"left out, {word} ({np.sum(mine)})", **hatched))
+    return found
+
+
+def _bars(ax: Axes, start: Array, stop: Array, look: Mapping[str, Any]) -> None:
+    known: NDArray[np.bool_] = np.isfinite(start) & np.isfinite(stop)
+    widths = (stop - start)[known]
+    ax.broken_barh(
+        list(zip(start[known].tolist(), widths.tolist(), strict=True)), (0.0, 1.0),
+        transform=ax.get_xaxis_transform(), zorder=1, **look,
+    )  # fmt: skip

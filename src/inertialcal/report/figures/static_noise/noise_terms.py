@@ -1,0 +1,155 @@
+"""Looks and names of noise terms, the same in every figure: each differs in colour and in stroke.
+
+The Allan deviation of a line falls to nothing at every whole period. Of lines the peaks are drawn, joined, all lines of
+an axis as one; and all terms together at the averaging times of the data, where the two are to be compared.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+
+from ....core.estimate import Array
+from ....core.show.rounding import with_uncertainty
+from ...wording import words
+from ..drawing.data import Curve, numbers
+from ..drawing.style import COLOURS, plain
+
+ALL = "all"
+KNOWN = ("tau", "deviation", "lo", "hi", "edf", "noise", "expected", "frequency", "density", "line", ALL)
+STROKES: dict[str, dict[str, Any]] = {
+    "quantization": {"color": COLOURS["purple"], "linestyle": (0, (1, 1))},
+    "random_walk": {"color": COLOURS["green"], "linestyle": (0, (6, 2))},
+    "bias_instability": {"color": COLOURS["orange"], "linestyle": (0, (6, 2, 1, 2))},
+    "rate_random_walk": {"color": COLOURS["purple"], "linestyle": (0, (3, 2))},
+    "rate_ramp": {"color": COLOURS["quiet"], "linestyle": (0, (6, 2, 1, 2, 1, 2))},
+    "gauss_markov": {"color": COLOURS["sky"], "linestyle": (0, (4, 2))},
+}
+ALIKE = {  # the field's words by kind of sensor
+    "angle_random_walk": "random_walk",
+    "velocity_random_walk": "random_walk",
+    "acceleration_random_walk": "rate_random_walk",
+    "acceleration_ramp": "rate_ramp",
+}
+OTHER: dict[str, Any] = {"color": COLOURS["quiet"], "linestyle": (0, (1, 2))}
+WHOLE: dict[str, Any] = {"color": COLOURS["vermilion"], "linewidth": 1.6}
+LINE = "line at "  # begins the name of the column of a line
+LONGEST = 120  # characters of a finding: two lines
+NAMED = 2  # terms in a finding with their figures: two lines of it
+DOTS: tuple[dict[str, Any], ...] = (
+    {"marker": "o", "color": COLOURS["blue"], "markersize": 3.6},
+    {"marker": "s", "color": COLOURS["blue"], "markersize": 3.4, "markerfacecolor": "none"},
+    {"marker": "^", "color": COLOURS["blue"], "markersize": 4.0},
+    {"marker": "D", "color": COLOURS["blue"], "markersize": 3.2, "markerfacecolor": "none"},
+)  # of records
+
+
+def draw_terms(ax: Axes, at: Array, curve: Curve, compared: tuple[Array, Array] | None = None) -> None:
+    """Draw each term, and all of them together.
+
+    Parameters
+    ----------
+    ax : Axes
+        Where.
+    at : ndarray, shape (n,)
+        Averaging time or frequency.
+    curve : mapping
+        ``allan_terms`` or ``spectrum`` of ``results.json``.
+    compared : tuple of ndarray, shape (m,), optional
+        Averaging times of the data, and what all terms give there: drawn instead where there are lines.
+    """
+    names = terms_of(curve)
+    lines = [name for name in names if name.startswith(LINE)]
+    whole = ALL in curve["columns"]
+    for name in names:
+        stroke = WHOLE if whole and len(names) == 1 else STROKES.get(ALIKE.get(name, name), OTHER)
+        if name not in lines:
+            ax.plot(at, _positive(numbers(curve, name)), label=named(name), **{"linewidth": 1.1, "zorder": 3} | stroke)
+    if lines:
+        power = np.sum([peaks_joined(at, numbers(curve, name)) ** 2 for name in lines], axis=0)
+        ax.plot(at, _positive(np.sqrt(power)), linewidth=1.1, zorder=3, label=_of_lines(lines), **OTHER)
+    if whole and len(names) > 1:
+        x, y = compared if lines and compared is not None else (at, numbers(curve, ALL))
+        ax.plot(x, _positive(y), label="all terms", **{"zorder": 4} | WHOLE)
+
+
+def named(term: str) -> str:
+    """Return the field's word of a term: ``"Gauss-Markov"``."""
+    return plain(words(term))
+
+
+def _of_lines(names: Sequence[str]) -> str:
+    """Return what the joined peaks of lines are called."""
+    return "peaks of the lines" if len(names) > 1 else f"peaks of the {plain(names[0].removeprefix(LINE))} line"
+
+
+def peaks_joined(at: Array, values: Array) -> Array:
+    """Return a ringing curve without what lies below its peaks.
+
+    Parameters
+    ----------
+    at, values : ndarray, shape (n,)
+        Rising, and the curve over it; it rises to its largest value and rings down from there.
+
+    Returns
+    -------
+    ndarray, shape (n,)
+        The curve up to its largest value; from there, on logarithmic axes, its concave hull: straight over peaks that
+        fall with a power of the averaging time.
+    """
+    known = np.where(np.isfinite(values) & (values > 0.0), values, 0.0)
+    if not np.any(known):
+        return known
+    first = int(np.argmax(known))
+    at_last = np.flatnonzero(known[first:] > 0.0) + first
+    x, y = np.log(at[at_last]), np.log(known[at_last])
+    hull: list[int] = []
+    for i in range(len(x)):
+        while len(hull) > 1 and _turns_up(x, y, hull[-2], hull[-1], i):
+            hull.pop()
+        hull.append(i)
+    joined = np.exp(np.interp(np.log(at), x[hull], y[hull]))
+    return np.where(np.arange(len(known)) < first, known, joined)
+
+
+def _turns_up(x: Array, y: Array, a: int, b: int, c: int) -> bool:
+    """Whether the middle one of three points lies on or under the line between the others."""
+    return bool((y[b] - y[a]) * (x[c] - x[a]) <= (y[c] - y[a]) * (x[b] - x[a]))
+
+
+def terms_of(curve: Curve) -> list[str]:
+    """Return the columns of a curve that are terms."""
+    return [name for name in curve["columns"] if name not in KNOWN]
+
+
+def _positive(values: Array) -> Array:
+    return np.where(values > 0.0, values, np.nan)
+
+
+def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) -> str:
+    """Return the finding: the terms of an axis with their uncertainty; ``otherwise`` where none is known.
+
+    Where the terms do not hold, that is the finding: a row says so.
+    """
+    mine = [
+        (term, row)
+        for row in results.get("results", [])
+        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated") and " alone" not in row["condition"]
+        if (term := _term(str(row["quantity"]))) in STROKES
+    ]
+    doubt = next((str(row["reason"]) for _, row in mine if row.get("reason")), "")
+    told = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
+    others = [_size(row) for _, row in mine[NAMED:]]
+    said = doubt or ", ".join([*told[:NAMED], *others]) or otherwise
+    return f"{plain(axis)}: {plain(said, LONGEST)}"
+
+
+def _term(quantity: str) -> str:
+    return ALIKE.get(quantity, quantity.removesuffix("_sigma"))
+
+
+def _size(row: Mapping[str, Any]) -> str:
+    return named(str(row["quantity"]).removesuffix("_sigma"))

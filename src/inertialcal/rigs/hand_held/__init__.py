@@ -1,0 +1,1 @@
+"""An IMU laid down and turned by hand."""

@@ -1,0 +1,172 @@
+"""What an IMU feels that is laid by hand: still in one position after another, and turned from each to the next.
+
+The body is still while it lies. In between it turns about an axis fixed in it, by an angle that rises as
+``(phase - sin phase) / 2 pi`` from rest to rest, and is lifted and put down. Vectors fixed in space (up, the earth's
+rate) are carried along in body axes: a turn by the vector ``v`` of the body takes ``a`` to ``exp(-[v]x) a``. Rates are
+means over a sample interval, of an axis that stays in the body: their sum is the angle, exactly.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.constants import EARTH_ROTATION_RATE
+from ...core.estimate import Array
+
+
+@dataclass(frozen=True)
+class Part:
+    """Samples [start, stop) of a position or a turn.
+
+    Parameters
+    ----------
+    start, stop : int
+        Samples.
+    direction : tuple of float, optional
+        What points up in a position, in body axes, as it was meant.
+    axis : tuple of float, optional
+        Of a turn whose angle is known.
+    angle : float, optional
+        Of that turn [rad].
+    """
+
+    start: int
+    stop: int
+    direction: tuple[float, float, float] | None = None
+    axis: tuple[float, float, float] | None = None
+    angle: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """True inputs, a row a sample.
+
+    Parameters
+    ----------
+    rate : ndarray, shape (n, 3)
+        Against inertial space, along the body axes [rad/s].
+    force : ndarray, shape (n, 3)
+        Specific force along the body axes [m/s2].
+    parts : tuple of Part
+        Positions, and turns by known angles.
+    place : ndarray of int, shape (n,)
+        Number of the position that a sample lies in, or is nearest to.
+    """
+
+    rate: Array
+    force: Array
+    parts: tuple[Part, ...]
+    place: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Leg:
+    """A dwell and the turn after it.
+
+    Parameters
+    ----------
+    dwell, turn : int
+        Samples of each; no turn after the last.
+    vector : ndarray, shape (3,)
+        Turn in the body [rad].
+    direction : tuple of float, optional
+        What points up, as it was meant.
+    told : bool
+        Whether axis and angle of the turn are known.
+    """
+
+    dwell: int
+    turn: int
+    vector: Array
+    direction: tuple[float, float, float] | None = None
+    told: tuple[tuple[float, float, float], float] | None = None
+
+
+def moved(legs: tuple[Leg, ...], up: Array, interval: float, gravity: float, latitude: float, lifts: Array) -> Motion:
+    """Return what the body feels from the first position on.
+
+    Parameters
+    ----------
+    legs : tuple of Leg
+        In order of time.
+    up : ndarray, shape (3,)
+        Up in the first position, in body axes.
+    interval : float
+        From sample to sample [s].
+    gravity : float
+        [m/s2]
+    latitude : float
+        Geodetic [rad].
+    lifts : ndarray, shape (legs, 3)
+        Largest acceleration in each turn, along body axes [m/s2].
+    """
+    fixed = np.column_stack([up, _earth(up, latitude)])  # up and the earth's rate, in body axes
+    rates, forces, parts, place, at = [], [], [], [], 0
+    for number, (leg, lift) in enumerate(zip(legs, lifts, strict=True)):
+        parts.append(Part(at, at + leg.dwell, leg.direction))
+        rates.append(np.broadcast_to(fixed[:, 1], (leg.dwell, 3)))
+        forces.append(np.broadcast_to(gravity * fixed[:, 0], (leg.dwell, 3)))
+        at += leg.dwell
+        if leg.turn:
+            share = (np.arange(leg.turn + 1)) / leg.turn
+            angle = share - np.sin(2.0 * np.pi * share) / (2.0 * np.pi)
+            middle = 0.5 * (angle[1:] + angle[:-1])
+            speed = np.diff(angle)[:, np.newaxis] / interval
+            rates.append(speed * leg.vector + carried(fixed[:, 1], leg.vector, middle))
+            hop = np.sin(4.0 * np.pi * (share[1:] - 0.5 / leg.turn)) * np.sin(np.pi * (share[1:] - 0.5 / leg.turn)) ** 2
+            forces.append(gravity * carried(fixed[:, 0], leg.vector, middle) + hop[:, np.newaxis] * lift)
+            if leg.told is not None:
+                parts.append(Part(at, at + leg.turn, None, *leg.told))
+            at += leg.turn
+            fixed = np.column_stack([carried(one, leg.vector, np.ones(1))[0] for one in fixed.T])
+        place.append(np.repeat([number, number + 1], [leg.dwell + leg.turn // 2, leg.turn - leg.turn // 2]))
+    return Motion(np.vstack(rates), np.vstack(forces), tuple(parts), np.concatenate(place))
+
+
+def _earth(up: Array, latitude: float) -> Array:
+    """Return the earth's rate in body axes, north where it may be."""
+    north = np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    north = north / np.linalg.norm(north)
+    return np.asarray(EARTH_ROTATION_RATE.value * (np.sin(latitude) * up + np.cos(latitude) * north))
+
+
+def carried(fixed: Array, vector: Array, shares: Array) -> Array:
+    """Return a vector fixed in space, seen from a body that has turned by shares of a vector, shape (n, 3)."""
+    angle = float(np.linalg.norm(vector))
+    if angle == 0.0:
+        return np.broadcast_to(fixed, (len(shares), 3))
+    axis = vector / angle
+    along = (axis @ fixed) * axis
+    turned = angle * shares[:, np.newaxis]
+    return np.asarray(along + np.cos(turned) * (fixed - along) - np.sin(turned) * np.cross(axis, fixed))
+
+
+def turn_between(up: Array, then: Array, spin: float) -> Array:
+    """Return a turn of the body that takes up to another direction in it, shape (3,) [rad].
+
+    Parameters
+    ----------
+    up, then : ndarray, shape (3,)
+        Up in the body, before and after.
+    spin : float
+        Turn about the vertical besides, before the other [rad].
+    """
+    cross, cosine = np.cross(up, then), float(up @ then)
+    side = cross if np.linalg.norm(cross) > 1e-9 else np.cross(up, np.eye(3)[np.argmin(np.abs(up))])
+    tilt = -np.arctan2(np.linalg.norm(cross), cosine) * side / np.linalg.norm(side)
+    return _vector(_quaternion(spin * up), _quaternion(tilt))
+
+
+def _quaternion(vector: Array) -> Array:
+    half = 0.5 * float(np.linalg.norm(vector))
+    return np.array([np.cos(half), *(0.5 * np.sinc(half / np.pi) * vector)])
+
+
+def _vector(first: Array, second: Array) -> Array:
+    """Return the vector of the turn by ``first`` and then, about axes that have turned along, by ``second``."""
+    a, u, b, v = first[0], first[1:], second[0], second[1:]
+    scalar, rest = a * b - u @ v, a * v + b * u + np.cross(u, v)
+    size = float(np.linalg.norm(rest))
+    return np.asarray(2.0 * np.arctan2(size, scalar) * rest / size) if size > 0.0 else np.zeros(3)

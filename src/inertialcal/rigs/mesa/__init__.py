@@ -1,0 +1,1 @@
+"""An accelerometer calibrated by a moved mass."""

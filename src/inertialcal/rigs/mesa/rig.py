@@ -1,0 +1,90 @@
+"""Rig of a mass-attraction calibration: a pulse-rate accelerometer on a pad, and lead that is moved before it.
+
+The tilt of the pad in phase with the mass, the mercury of the tilt meter and what is wrong with the mass are drawn as
+their certificates say; so is the scale factor of the instrument, about that of its data sheet.
+
+References
+----------
+.. [1] K. Reinel, NASA TM X-53857, 1969.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from ...core.recording import SECOND, Channel, Recording
+from ..protocol import PlannedMass, TrueValue, Twin, drawn_error, with_fault
+from .campaign import PULSES, SCHEDULE, TEMPERATURE, TILT, begin, campaign_text, recording_file
+from .record import Drawn, amplitude_of_mercury, nominal, record
+from .setup import FAULTS, RUNS, Bench, Run
+from .source import dwells_a_cycle, schedule_table
+
+TITLE = "a pulse-rate accelerometer before a moved mass of lead"
+__all__ = ["FAULTS", "RUNS", "TITLE", "Bench", "Run", "build", "twin"]
+
+SPREAD = 0.01  # of the scale factor about the data sheet, from unit to unit (1)
+
+
+def twin(seed: int, fault: str = "") -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    return with_fault(build, Bench(), FAULTS, seed, fault)
+
+
+def build(bench: Bench, seed: int) -> Twin:
+    """Return the campaign that a bench gives.
+
+    Parameters
+    ----------
+    bench : Bench
+        The campaign as it is made.
+    seed : int
+        Of all draws.
+    """
+    of_unit, of_bench, *of_runs = np.random.default_rng(seed).spawn(2 + len(bench.runs))
+    drawn = _drawn(bench, of_unit, of_bench)
+    own = bench.run_to_run * of_unit.standard_normal(len(bench.runs))
+    recordings = {
+        recording_file(run): _recording(bench, drawn, number, float(own[number]), of_runs[number])
+        for number, run in enumerate(bench.runs)
+    }
+    truth = (TrueValue("scale_factor", "x", drawn.scale_factor, "count/s/(m/s^2)"),)
+    known = {
+        "applied_error": drawn.applied_error, "pad_tilt": drawn.pad_tilt, "mercury": drawn.mercury,
+        "run_to_run": own.tolist(),
+    }  # fmt: skip
+    return Twin("mesa", seed, "", campaign_text(bench), recordings, truth, known, {SCHEDULE: _planned(bench)})
+
+
+def _drawn(bench: Bench, of_unit: np.random.Generator, of_bench: np.random.Generator) -> Drawn:
+    parts = (bench.density, bench.placing, bench.gravitational_constant)
+    error = sum(drawn_error(one, of_bench) for one in parts)
+    mercury = amplitude_of_mercury(bench, drawn_error(bench.mercury, of_bench))
+    tilt = float(of_bench.normal(0.0, bench.pad_tilt))
+    return Drawn(nominal(bench) * (1.0 + float(of_unit.normal(0.0, SPREAD))), error, tilt, mercury)
+
+
+def _planned(bench: Bench) -> PlannedMass:
+    start, position, applied = schedule_table(bench)
+    drive = "abab" if bench.drive == "ABAB" else "sine"
+    return PlannedMass(start, bench.dwell, bench.move, position, applied, drive, dwells_a_cycle(bench))
+
+
+def _recording(bench: Bench, drawn: Drawn, number: int, own: float, rng: np.random.Generator) -> Recording:
+    """Return one run, as the logger saves it: a row a dwell, stamped at its end."""
+    run = bench.runs[number]
+    saved = record(bench, drawn, run, own, rng)
+    step = bench.dwell + bench.move
+    ends = begin(number, run) * SECOND + np.rint((saved.dwell * step + bench.dwell) * SECOND).astype(np.int64)
+    tilt = np.full(len(saved.tilt), np.nan) if run.name == bench.no_tilt else saved.tilt
+    channels = (
+        Channel(PULSES, saved.pulses, "count", "campaign", "x", "acc"),
+        Channel(TILT, tilt, "rad", "campaign"),
+        Channel(TEMPERATURE, saved.temperature, "degC", "campaign"),
+    )
+    return Recording(channels, ends, step, bench.dwell, "utc", "time column 'unix_s'")

@@ -1,0 +1,1 @@
+"""The rate-sensor suite of a small satellite."""

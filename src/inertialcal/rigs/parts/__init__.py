@@ -1,0 +1,1 @@
+"""Parts that several rigs share: noise, tables, turns of a head."""

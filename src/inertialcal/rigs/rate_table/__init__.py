@@ -1,0 +1,1 @@
+"""One gyro triad on a rate table, as reduced readings."""

@@ -1,0 +1,188 @@
+"""Rig of the rate table: a three-axis gyro stepped through known rates about each of its axes.
+
+In every power-up run the unit is turned about each axis in turn; each turn is one recording. The fixture that
+carries the unit is the same throughout, so its angles, like the errors of the other standards, are one unknown for
+the whole campaign. Each recording begins with the table at its index mark; where that points, for each axis that is
+set up, is not known. The first runs are for the fit, the others are held out.
+
+Sizes follow the flight unit of [1]_: 12 bit over 5 V, averages of 1 s saved every 2 s, some not saved, 0.5 V/(deg/s)
+above a reference of 2.5 V, two of the three sensors mounted inverted, a table tilted so that its axis is across that
+of the earth.
+
+References
+----------
+.. [1] V. V. Badescu, NPS thesis, September 2011, sections III and IV.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.recording import SECOND, Channel, Recording
+from ...physics.earth import level_to_table
+from ..parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up, readings
+from ..parts.noise import random_walk
+from ..parts.stepped_table import Motion, motion
+from ..protocol import Drawn, TrueValue, Twin, drawn_error, with_fault
+from .campaign import APPLIED, campaign_text, recording_file, reference_column, validity_column
+from .faults import FAULTS
+from .setup import AXES, REFERENCE, STEP, Bench, chain, draw_gyro
+
+TITLE = "a three-axis rate gyro on a stepped rate table, five power-ups to fit and three held out"
+__all__ = ["FAULTS", "TITLE", "Bench", "build", "true_values", "twin"]
+
+BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
+RUN, SET_UP = 86_400, 7_200  # from run to run, and from axis to axis [s]
+DIGITS = 6  # of the commanded rate [deg/s]
+REFERENCE_WALK = 5e-5  # of a reference voltage [V/sqrt(s)]
+
+
+@dataclass(frozen=True, eq=False)
+class _World:
+    """What the engineer does not know of his bench.
+
+    Parameters
+    ----------
+    table_gain, converter_gain : float
+        True over nominal.
+    latitude : float
+        [rad]
+    C_table_level : ndarray, shape (3, 3)
+        Table from level.
+    C_body_table : mapping of str to ndarray, shape (3, 3)
+        For each axis that is turned.
+    phase : mapping of str to float
+        Table angle of the index mark for each axis that is turned [rad].
+    """
+
+    table_gain: float
+    converter_gain: float
+    latitude: float
+    C_table_level: Array
+    C_body_table: dict[str, Array]
+    phase: dict[str, float]
+
+
+def twin(seed: int, fault: str = "") -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    return with_fault(build, Bench(), FAULTS, seed, fault)
+
+
+def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
+    """Return the campaign that a bench gives.
+
+    Parameters
+    ----------
+    bench : Bench
+        The test as it is made.
+    seed : int
+        Of all draws.
+    gyro : Gyro, optional
+        The unit; drawn by default.
+    """
+    of_unit, of_bench, of_runs = np.random.default_rng(seed).spawn(3)
+    unit = gyro or draw_gyro(bench.inverted, of_unit)
+    world, drawn = _draw_world(bench, of_bench)
+    recordings = {}
+    for run in range(1, bench.runs + 1):
+        powered = powered_up(unit, of_runs)
+        for axis in bench.turned:
+            recordings[recording_file(axis, run)] = _recording(bench, world, powered, axis, run, of_runs)
+    return Twin("rate_table", seed, "", campaign_text(bench), recordings, true_values(unit), drawn)
+
+
+def true_values(gyro: Gyro) -> tuple[TrueValue, ...]:
+    """Return the quantities of a unit as the results name them, SI."""
+    model, found = gyro.model, []
+    asymmetry = np.zeros(3) if model.scale_factor_asymmetry is None else model.scale_factor_asymmetry
+    matrix = model.matrix[0]
+    for i, axis in enumerate(model.axes):
+        own = float(matrix[i, i])
+        found += [
+            TrueValue("bias", axis, float(model.bias[i]), "rad/s"),
+            TrueValue("scale_factor", axis, float(model.scale_factor[i]) * own, "V/(rad/s)"),
+            TrueValue("scale_factor_error", axis, own - 1.0, "1"),
+            TrueValue("scale_factor_asymmetry", axis, float(asymmetry[i]), "1"),
+        ]
+        for j, other in enumerate(model.axes):
+            if j != i:
+                cross = float(matrix[i, j])
+                found.append(TrueValue("cross_axis_sensitivity", axis + other, cross, "1"))
+                found.append(TrueValue("misalignment", axis + other, cross / own, "rad"))
+    return tuple(found)
+
+
+def _draw_world(bench: Bench, rng: np.random.Generator) -> tuple[_World, Drawn]:
+    """Draw what stays the same for the whole campaign."""
+    standards = bench.standards
+    rate = drawn_error(standards.get("rate_table.rate"), rng)
+    converter = drawn_error(standards.get("converter.reference"), rng)
+    latitude = np.radians(bench.latitude_deg) + drawn_error(standards.get("site.latitude"), rng)
+    tilt = np.radians(bench.tilt_deg + rng.normal(0.0, bench.u_tilt_deg))
+    azimuth = np.radians(bench.azimuth_deg + rng.normal(0.0, bench.u_azimuth_deg))
+    mounting = standards.get("rate_table.mounting")
+    angles = {axis: (drawn_error(mounting, rng), drawn_error(mounting, rng)) for axis in AXES}
+    phase = {axis: float(rng.uniform(0.0, 2.0 * np.pi)) for axis in AXES}
+    world = _World(
+        bench.table_gain * (1.0 + rate),
+        1.0 + converter,
+        float(latitude),
+        level_to_table(float(tilt), float(azimuth)),
+        {axis: mounted(i, angles[axis]) for i, axis in enumerate(AXES)},
+        phase,
+    )
+    drawn: dict[str, float | list[float] | list[list[float]]] = {
+        "table_rate_error": rate,
+        "converter_reference_error": converter,
+        "latitude": float(latitude),
+        "tilt": float(tilt),
+        "azimuth": float(azimuth),
+        **{f"mounting_{axis}_turned": list(pair) for axis, pair in angles.items()},
+        **{f"phase_{axis}_turned": angle for axis, angle in phase.items()},
+    }
+    return world, drawn
+
+
+def _recording(bench: Bench, world: _World, gyro: Gyro, axis: str, run: int, rng: np.random.Generator) -> Recording:
+    """Return what the logger saves while one axis is turned in one run."""
+    ramps = bench.interval * rng.integers(1, bench.longest_ramp + 1, len(bench.rates_deg_s) - 1)
+    turning = motion(np.radians(bench.rates_deg_s), bench.dwell, ramps, bench.interval, bench.averaging)
+    rate = body_rate(
+        turning, world.table_gain, world.C_body_table[axis], world.latitude, world.C_table_level, world.phase[axis]
+    )
+    read = readings(gyro, rate, turning, bench.interval, bench.averaging, rng)
+    signals = _signals(bench, read @ gyro.mounting.T * world.converter_gain, rng)
+    signals[APPLIED] = np.asarray(np.round(np.degrees(turning.rate), DIGITS) + 0.0, dtype=np.float64)  # no -0.0
+    saved = rng.random(len(turning.start)) >= bench.skipped
+    return _saved(bench, turning, signals, saved, BEGIN + (run - 1) * RUN + AXES.index(axis) * SET_UP)
+
+
+def _signals(bench: Bench, sensed: Array, rng: np.random.Generator) -> dict[str, Array]:
+    """Mean codes of all columns, of readings along the sensor axes."""
+    n, k = sensed.shape
+    volts = (
+        REFERENCE + rng.normal(0.0, 0.005, k) + random_walk(REFERENCE_WALK, n, k, bench.interval, bench.averaging, rng)
+    )
+    codes, reference = averaged_codes(chain(), sensed, volts, bench.averaged)
+    signals = {column: codes[:, AXES.index(sensor)] for column, sensor in zip(AXES, bench.wiring, strict=True)}
+    if bench.reference_saved:
+        signals |= {reference_column(axis): reference[:, i] for i, axis in enumerate(AXES)}
+    return signals | {validity_column(axis): np.full(n, np.rint(bench.built_in_test / STEP)) for axis in AXES}
+
+
+def _saved(bench: Bench, turning: Motion, signals: dict[str, Array], saved: NDArray[np.bool_], begin: int) -> Recording:
+    """Return the recording of the saved averages, each stamped at its end; the rate comes first."""
+    stamps = np.rint((begin + turning.start[saved] + bench.averaging) * SECOND).astype(np.int64)
+    columns = [APPLIED, *(name for name in signals if name != APPLIED)]
+    channels = tuple(Channel(name, signals[name][saved]) for name in columns)
+    return Recording(channels, stamps, bench.interval, bench.averaging, epoch="utc")

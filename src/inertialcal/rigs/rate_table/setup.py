@@ -1,0 +1,126 @@
+"""How the simulated rate-table test is set up: the bench, its standards, the unit that is drawn for it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from ...core.estimate import Array
+from ...core.influence import Influence
+from ...sensors.chain.converter import Chain
+from ...sensors.model.sensor_model import SensorModel
+from ..parts.gyro_bench import Gyro
+
+AXES = ("x", "y", "z")
+INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
+STEP = 5.0 / 4095.0  # [V]
+CODES = (0, 4095)
+REFERENCE = 2.5  # [V]
+SCALE_FACTOR_V_PER_DEG_S = 0.5
+VALID_VOLTS = 2.4  # of the built-in test
+
+
+def _standards() -> dict[str, Influence]:
+    return {
+        "rate_table.rate": Influence(3e-4, "1", certificate="simulated"),
+        "rate_table.mounting": Influence(1e-3, "rad", certificate="simulated"),
+        "converter.reference": Influence(1e-4, "1", certificate="simulated"),
+        "site.latitude": Influence(1e-4, "rad", certificate="simulated"),
+    }
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The test as it is made.
+
+    Parameters
+    ----------
+    rates_deg_s : tuple of float
+        Rates of the dwells of every recording, in order [deg/s].
+    dwell, interval, averaging : float
+        Length of a dwell, time from save to save, length of the window that is averaged [s].
+    longest_ramp : int
+        A ramp takes one to so many intervals.
+    skipped : float
+        Part of the saves that are skipped.
+    averaged : int
+        Conversions of an average.
+    runs, fit_runs : int
+        Power-ups, and how many of them are for the fit.
+    turned : tuple of str
+        Axes that are turned in every run.
+    latitude_deg, tilt_deg, azimuth_deg : float
+        Of the site, of the table axis from the vertical, of the direction of the tilt [deg].
+    u_tilt_deg, u_azimuth_deg : float
+        How well they are known [deg].
+    standards : mapping of Influence
+        How well the others are known.
+    table_gain : float
+        Rate of the table over the commanded one, but for the error of the standard.
+    wiring : tuple of str
+        Sensor that each of the columns x, y, z really shows.
+    inverted : tuple of int
+        -1 for each sensor that is really mounted inverted; the campaign file says ``INVERTED``.
+    reference_saved : bool
+        Whether the logger saves the reference voltages.
+    built_in_test : float
+        Voltage of the built-in test [V].
+    """
+
+    rates_deg_s: tuple[float, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 0.0, 3.0, -3.0, 4.5, -4.5, 0.0)
+    dwell: float = 60.0
+    interval: float = 2.0
+    averaging: float = 1.0
+    longest_ramp: int = 3
+    skipped: float = 0.01
+    averaged: int = 200
+    runs: int = 8
+    fit_runs: int = 5
+    turned: tuple[str, ...] = AXES
+    latitude_deg: float = 36.6
+    tilt_deg: float = -36.4
+    azimuth_deg: float = 0.0
+    u_tilt_deg: float = 1.0
+    u_azimuth_deg: float = 2.0
+    standards: Mapping[str, Influence] = field(default_factory=_standards)
+    table_gain: float = 1.0
+    wiring: tuple[str, ...] = AXES
+    inverted: tuple[int, ...] = INVERTED
+    reference_saved: bool = True
+    built_in_test: float = 4.2
+
+
+def chain() -> Chain:
+    """Return the signal chain of all three sensors."""
+    return Chain(
+        AXES, STEP, CODES, "rad/s", scale_factor=volts_per_rad_s(), reference="channel", validity_minimum=VALID_VOLTS
+    )
+
+
+def volts_per_rad_s() -> float:
+    """Return the ideal scale factor [V/(rad/s)]."""
+    return float(SCALE_FACTOR_V_PER_DEG_S / np.radians(1.0))
+
+
+def draw_gyro(inverted: tuple[int, ...], rng: np.random.Generator) -> Gyro:
+    """Return a unit of the family: scale factors within some 0.5 %, cross terms of 1 %, biases of 0.02 deg/s."""
+    matrix: Array = np.eye(3) + np.where(np.eye(3) > 0.0, rng.normal(0.0, 0.005, (3, 3)), rng.normal(0.0, 0.01, (3, 3)))
+    model = SensorModel(
+        kind="gyro",
+        axes=AXES,
+        scale_factor=np.full(3, volts_per_rad_s()),
+        output_unit="V",
+        matrix=matrix,
+        bias=rng.normal(0.0, np.radians(0.02), 3),
+        scale_factor_asymmetry=rng.normal(0.0, 1e-3, 3),
+    )
+    return Gyro(
+        model,
+        mounting=np.diag(np.asarray(inverted, dtype=float)),
+        run_bias_std=float(np.radians(0.005)),
+        run_scale_std=1e-4,
+        dwell_std=float(np.radians(0.001)),
+        sample_std=float(np.radians(0.004)),
+    )

@@ -1,0 +1,1 @@
+"""A microgravity head in orbit, turned by pi."""

@@ -1,0 +1,194 @@
+"""One record of a triaxial head that is turned in orbit, before its converter, and the truth behind it.
+
+What the truth means: the bias is the mean over the record of all that a sensor reads without acceleration (its
+polynomial at the temperatures of the record, hysteresis, drift and noise), the ambient acceleration that of the
+quasi-steady acceleration along the axes of the head at position 0. Pushes, lines and the robot arm have mean 0 and
+belong to neither.
+
+Errors of the standards are drawn as ``procedures.flip`` takes them: one angle for all positions but 0, two small angles
+of the axis, a zero and a scale factor for each sensor.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from ...core.estimate import Array
+from ..parts.head_turn import course, felt, swung
+from ..protocol import drawn_error
+from .campaign import windows
+from .head import hysteresis, noise, polynomial, temperature_course, through_filters
+from .orbit_ambient import RINGING, add_arm, add_push, line, slow_variation
+from .setup import AXES, GAINS, REFERENCE_TEMPERATURE, UG, Bench, Head
+
+PUSH_UG = (50.0, 500.0)  # ends of what a push of the crew is drawn from
+PUSH_HZ = (0.5, 3.0)
+PUSH_DECAY = (0.5, 3.0)  # [s]
+OFF = 10.0  # [s] that pushes stay off the windows, beyond their ringing
+SLOWEST = 2e-6  # slope at which hysteresis is seen [degC/s]
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """What the standards are off, and nobody knows; zero where a standard is not given.
+
+    Parameters
+    ----------
+    angle : float
+        Of every position but 0 [rad].
+    axis : ndarray, shape (2,)
+        Of the axis of the turn, towards the other two [rad].
+    zero : ndarray, shape (3,)
+        Of the electronics of each axis [m/s^2].
+    scale : ndarray, shape (3,)
+        Relative, of each scale factor.
+    """
+
+    angle: float
+    axis: Array
+    zero: Array
+    scale: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Record:
+    """One record of the head before its converter, and the truth behind it.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        Since its start [s].
+    readings : ndarray, shape (n, 3)
+        Of the axes, as the stated scale factors have them [m/s^2].
+    temperature : ndarray, shape (n, 3), or (1, 3) where it is constant
+        [degC]
+    bias, ambient : ndarray, shape (3,)
+        The truth, means over the record [m/s^2].
+    errors : Errors
+        Of the standards.
+    """
+
+    seconds: Array
+    readings: Array
+    temperature: Array
+    bias: Array
+    ambient: Array
+    errors: Errors
+
+
+def record(bench: Bench, head: Head, rng: np.random.Generator) -> Record:
+    """Return what the filters of a head let through during one record.
+
+    Parameters
+    ----------
+    bench : Bench
+        The flip as it is made; what is zero or absent there costs no time.
+    head : Head
+        That is turned.
+    rng : numpy.random.Generator
+        All draws come from it.
+    """
+    of_errors, of_world, of_noise = rng.spawn(3)
+    errors = draw_errors(bench, of_errors)
+    n = round(bench.duration * bench.rate)
+    seconds: Array = (np.arange(n, dtype=np.float64) + 0.5) / bench.rate
+    temperature = _temperature(bench, seconds, of_world)
+    steady, shaken = _ambient(bench, seconds, of_world)
+    read = _still_reading(bench, head, seconds, temperature, of_noise)
+    bias = read.mean(axis=0)
+    matrix = head.matrix[0] + head.matrix[1] * (float(temperature.mean()) - REFERENCE_TEMPERATURE)
+    _add_acceleration(bench, head.arms, matrix, errors, seconds, shaken, read)
+    at = [GAINS.index(gain) for gain in bench.gains]
+    read *= polynomial(head.scale[at, :, range(3)].T, temperature - REFERENCE_TEMPERATURE) * (1.0 + errors.scale)
+    if bench.filtered:
+        read = through_filters(read, bench.rate)
+    read += errors.zero
+    return Record(seconds, read, temperature, bias, steady.mean(axis=0), errors)
+
+
+def draw_errors(bench: Bench, rng: np.random.Generator) -> Errors:
+    """Draw what the standards are off."""
+    names = ("turn.angle", "turn.axis", "converter.zero", "sensor.scale_factor")
+    sizes = zip(names, (1, 2, 3, 3), strict=True)
+    found = {name: np.array([drawn_error(bench.standards.get(name), rng) for _ in range(k)]) for name, k in sizes}
+    return Errors(float(found[names[0]][0]), *(found[name] for name in names[1:]))
+
+
+def _temperature(bench: Bench, seconds: Array, rng: np.random.Generator) -> Array:
+    start = REFERENCE_TEMPERATURE + rng.normal(0.0, 0.1, 3)
+    phase = float(rng.uniform(0.0, 2.0 * np.pi))
+    if bench.warming == 0.0 and bench.temperature_swing == 0.0:
+        return start[np.newaxis]
+    return temperature_course(
+        seconds, start, bench.warming, bench.warming_time, bench.temperature_swing, bench.orbit, phase
+    )
+
+
+def _ambient(bench: Bench, seconds: Array, rng: np.random.Generator) -> tuple[Array, Array]:
+    """Quasi-steady acceleration, and with all that shakes the orbiter, along the head at position 0, (n or 1, 3)."""
+    mean, swing = (rng.normal(0.0, size * UG, 3) for size in (bench.ambient_ug, bench.swing_ug))
+    phases = rng.uniform(0.0, 2.0 * np.pi, 1 + len(bench.lines))
+    if bench.swing_ug == 0.0:
+        steady = mean[np.newaxis]
+    else:
+        steady = slow_variation(seconds, mean, swing, bench.orbit, float(phases[0]))
+    total = steady
+    for (frequency, size), phase in zip(bench.lines, phases[1:], strict=True):
+        direction = rng.normal(0.0, size * UG, 3)
+        if frequency < 0.5 * bench.rate:
+            total = total + line(seconds, frequency, direction, float(phase))
+    if bench.pushes > 0.0 or bench.arm is not None:
+        total = np.array(np.broadcast_to(total, (len(seconds), 3)))
+        _disturb(bench, seconds, total, rng)
+    return steady, total
+
+
+def _disturb(bench: Bench, seconds: Array, total: Array, rng: np.random.Generator) -> None:
+    """Add what the crew and the robot arm do."""
+    stated = [*windows(bench), *((start, start + bench.turn_time, 0.0) for start in bench.turn_starts)]
+    for _ in range(int(rng.poisson(bench.pushes * bench.duration / 3600.0))):
+        start, decay = float(rng.uniform(0.0, bench.duration)), float(rng.uniform(*PUSH_DECAY))
+        size = rng.normal(0.0, 1.0, 3) * rng.uniform(*PUSH_UG) * UG
+        frequency = float(rng.uniform(*PUSH_HZ))
+        if not any(a - RINGING * decay - OFF < start < b + OFF for a, b, _ in stated):
+            add_push(total, seconds, start, size, frequency, decay)
+    if bench.arm is not None:
+        way = rng.normal(size=3)
+        size = way / np.linalg.norm(way) * rng.uniform(*bench.arm_ug) * UG
+        phase = float(rng.uniform(0.0, 2.0 * np.pi))
+        add_arm(total, seconds, bench.arm, size, float(rng.uniform(*bench.arm_frequency)), phase)
+
+
+def _still_reading(bench: Bench, head: Head, seconds: Array, temperature: Array, rng: np.random.Generator) -> Array:
+    """Return what the sensors read without acceleration, shape (n, 3): their bias, and their noise."""
+    interval = 1.0 / bench.rate
+    still = noise(bench.density_ug * UG, bench.corner, len(seconds), 3, bench.rate, rng)
+    still += polynomial(head.bias, temperature - REFERENCE_TEMPERATURE)
+    if bench.hysteresis_ug > 0.0 and len(temperature) > 1:
+        still += hysteresis(temperature, interval, bench.hysteresis_ug * UG, SLOWEST)
+    if bench.drift_ug > 0.0:
+        still += np.multiply.outer(seconds / 3600.0, rng.normal(0.0, bench.drift_ug * UG, 3))
+    return still
+
+
+def _add_acceleration(
+    bench: Bench, arms: Array, matrix: Array, errors: Errors, seconds: Array, fixed: Array, read: Array
+) -> None:
+    """Add to ``read`` what the sensors read of the acceleration along a head that is turned, and of the turns."""
+    own = AXES.index(bench.turn_axis)
+    along = np.eye(3)[own]
+    along[(own + 1) % 3], along[(own + 2) % 3] = errors.axis
+    along /= np.linalg.norm(along)
+    stated = np.radians(bench.positions_deg)
+    angles = stated + np.radians(bench.stopped_deg) + np.where(stated != 0.0, errors.angle, 0.0)
+    starts, length = np.array(bench.turn_starts), bench.turn_time
+    edges = np.searchsorted(seconds, [0.0, *np.ravel(np.column_stack([starts, starts + length])), np.inf])
+    for i, (a, b) in enumerate(pairwise(edges.tolist())):
+        motion = course(seconds[a : b if i % 2 else a + 1], starts, angles, length)  # between turns it rests
+        x = felt(fixed if len(fixed) == 1 else fixed[a:b], motion.angle, along)
+        if i % 2:
+            x += np.column_stack([swung(motion, along, arms[j])[:, j] for j in range(3)])
+        read[a:b] += x @ matrix.T

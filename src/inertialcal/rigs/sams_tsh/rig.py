@@ -1,0 +1,113 @@
+"""Rig of the in-orbit flip: a triaxial head turned by half a turn about its x axis, and back, within a record.
+
+Sizes follow the head of [1]_: biases of the order of 1000 ug under a few ug of ambient acceleration, 10 V over 65536
+counts, gains of 1, 10, 100 and 1000, filters of one and seven poles, scale factor and bias as polynomials of fourth
+order in temperature. ``sams_tsh_record`` says what the truth means.
+
+References
+----------
+.. [1] Chestney and Sicker, NASA TM-106980, 1996.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.recording import SECOND, Channel, Recording
+from ...sensors.chain.to_counts import to_counts, to_temperature_counts
+from ..protocol import Drawn, TrueValue, Twin, with_fault
+from .campaign import BEGIN, FILE, campaign_text
+from .faults import FAULTS
+from .ground import draw_model, true_values
+from .record import Record, record
+from .setup import AXES, Bench, G, Head, chain, draw_head
+
+TITLE = "a triaxial accelerometer head turned by half a turn, and back, in orbit"
+__all__ = ["FAULTS", "TITLE", "Bench", "build", "saved", "twin"]
+
+THERMOMETER_NOISE = 0.002  # [degC]
+
+
+def twin(seed: int, fault: str = "") -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    return with_fault(build, Bench(), FAULTS, seed, fault)
+
+
+def build(bench: Bench, seed: int) -> Twin:
+    """Return the campaign that a bench gives.
+
+    Parameters
+    ----------
+    bench : Bench
+        The flip as it is made.
+    seed : int
+        Of all draws.
+    """
+    root = np.random.default_rng(seed)
+    of_head, of_record, of_files = root.spawn(3)
+    (of_model,) = root.spawn(1)
+    head = draw_head(bench, of_head)
+    made = record(bench, head, of_record)
+    model = draw_model(bench, head, of_model) if bench.ground else None
+    if model is None:
+        truth = [TrueValue("bias", axis, float(made.bias[i]), "m/s^2") for i, axis in enumerate(AXES)]
+        truth.append(TrueValue("reading", "x", float(made.bias[0] + made.ambient[0]), "m/s^2"))
+    else:
+        truth = true_values(bench, head, model, made)
+    truth += [TrueValue("ambient_acceleration", axis, float(made.ambient[i]), "m/s^2") for i, axis in enumerate(AXES)]
+    truth.append(TrueValue("control_error", "x", 0.0, "m/s^2"))
+    drawn: Drawn = {
+        "turn_angle_error": made.errors.angle,
+        "turn_axis_error": made.errors.axis.tolist(),
+        "converter_zero_error": made.errors.zero.tolist(),
+        "scale_factor_error": made.errors.scale.tolist(),
+        "temperature_start": made.temperature[0].tolist(),
+        "bias_at_reference_temperature": head.bias[0].tolist(),
+        "bias_temperature": head.bias[1:].tolist(),
+        "matrix": head.matrix[0].tolist(),
+        "zero_of_electronics": np.asarray(chain(bench, head).zero).tolist(),
+    }
+    files = {FILE: saved(bench, head, made, of_files)}
+    return Twin("sams_tsh", seed, "", campaign_text(bench, head, model), files, tuple(truth), drawn)
+
+
+def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> Recording:
+    """Return the recording of a record: counts of the axes and of their thermometers, or readings in g and degC."""
+    stamps = BEGIN * SECOND + np.rint(made.seconds * SECOND).astype(np.int64)
+    warm = made.temperature + rng.normal(0.0, THERMOMETER_NOISE, made.readings.shape)
+    read = made.readings * np.array(bench.signs)
+    table = np.hstack(_counts(bench, head, made.seconds, read, warm) if bench.saved == "count" else (read / G, warm))
+    lost = bench.lost or (np.inf, np.inf)
+    kept = (made.seconds < lost[0]) | (made.seconds >= lost[1])
+    names = [*AXES, *(f"temperature_{axis}" for axis in AXES)]
+    channels = tuple(Channel(name, table[kept, i]) for i, name in enumerate(names))
+    if bench.gain_recorded:
+        over_time = _gains(bench, made.seconds)[kept]
+        channels += tuple(Channel(f"gain_{axis}", over_time[:, i].copy()) for i, axis in enumerate(AXES))
+    return Recording(channels, stamps[kept], 1.0 / bench.rate, epoch="utc")
+
+
+def _counts(bench: Bench, head: Head, seconds: Array, read: Array, warm: Array) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return counts of readings and of temperatures, shape (n, 3) each, as the converter has them: 16 bits."""
+    known = chain(bench, head)
+    gain = None if bench.gain_change is None else _gains(bench, seconds)
+    return to_counts(known, read, gain=gain).astype(np.int16), to_temperature_counts(known, warm).astype(np.int16)
+
+
+def _gains(bench: Bench, seconds: Array) -> Array:
+    """Return the gain of each axis over time, shape (n, 3)."""
+    gain = np.tile(np.array(bench.gains), (len(seconds), 1))
+    if bench.gain_change is not None:
+        when, axis, factor = bench.gain_change
+        gain[seconds >= when, AXES.index(axis)] *= factor
+    return gain

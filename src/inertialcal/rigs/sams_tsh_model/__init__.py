@@ -1,0 +1,1 @@
+"""The microgravity head with its ground model."""

@@ -1,0 +1,1 @@
+"""An IMU on its six faces."""

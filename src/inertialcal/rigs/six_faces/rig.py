@@ -1,0 +1,36 @@
+"""Rig of an IMU on its six faces: that of ``hand_held``, whose engineer knows which face is up and what he turns.
+
+On each face twice, then turned once about each axis, and, laid anew, back: two records, of which the second is held
+out. Beside each lies the protocol of its faces and turns. Faces and turns are off by their own errors, and all alike by
+that of the mounting, drawn once for the unit.
+"""
+
+from __future__ import annotations
+
+from ..hand_held.rig import FAULTS as BY_HAND
+from ..hand_held.rig import Bench, build
+from ..protocol import Fault, Twin, with_fault
+
+TITLE = "an IMU laid on its six faces and turned about its axes, without a turntable"
+__all__ = ["FAULTS", "TITLE", "twin"]
+
+SHARED = ("acc_in_g", "gyro_in_deg", "swapped_axes", "inverted_axis", "compressed_time", "identical")
+
+FAULTS: dict[str, Fault] = {
+    "knocked": Fault("the table was knocked on one face", "disturbed_position", {"knocked": True}),
+    "face_missing": Fault("the unit was never laid with y down", "face_missing", {"left_out": "y-"}),
+    "face_misnamed": Fault("two faces are written down for one another", "position_misnamed", {"misnamed": True}),
+    "wrong_sense": Fault("turns are written down in the other sense", "turn_sense", {"sense": -1}),
+    **{name: BY_HAND[name] for name in SHARED},
+}
+
+
+def twin(seed: int, fault: str = "") -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    return with_fault(build, Bench(variant="ferraris"), FAULTS, seed, fault)

@@ -1,0 +1,1 @@
+"""A gyro triad at rest."""

@@ -1,0 +1,181 @@
+"""Rig of a gyro that stands still: what its logger saves of its noise, with dead time between the averages.
+
+Each axis has white noise of the rate and one slow term: x none, y a random walk of the rate, z flicker. The sizes
+follow the flight unit of [1]_: averages of 1 s saved every 2 s with about 0.004 deg/s of scatter, some not saved. What
+is saved is off by the scale factor, one unknown error within its stated uncertainty for all axes.
+
+References
+----------
+.. [1] V. V. Badescu, NPS thesis, September 2011, section IV.F.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...core.estimate import Array
+from ...core.influence import Influence
+from ...core.recording import SECOND, Channel, Recording
+from ...core.units import factor
+from ...sensors.noise.simulate import simulate
+from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, Term, quantity_name
+from ..protocol import Drawn, Fault, TrueValue, Twin, drawn_error, with_fault
+from .campaign import campaign_text, recording_file
+
+TITLE = "a three-axis rate gyro that stands still, averages of 1 s saved every 2 s"
+__all__ = ["FAULTS", "TITLE", "Bench", "build", "twin"]
+
+BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
+AXES = ("x", "y", "z")
+APART = 86_400  # from record to record [s]
+SPREAD = 0.2  # of the sizes, from unit to unit (1)
+STEP = 1e-5  # of what is saved [deg/s]
+SCALE = Influence(0.002, "1", certificate="data sheet of the unit")
+KNOCK = 0.05  # amplitude of a disturbance [rad/s]
+WARMING = 2_000.0  # time constant of a warm-up [s]
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The record as it is made.
+
+    Parameters
+    ----------
+    records, samples : int
+        Records, and averages of each.
+    interval, averaging : float
+        From average to average, and length of each [s].
+    walk, rate_walk, flicker : float
+        Sizes about which those of a unit are drawn: N [rad/sqrt(s)], K [rad/s/sqrt(s)], B [rad/s].
+    skipped : float
+        Part of the averages that is not saved (1).
+    scale_factor : Influence
+        Uncertainty of what turns readings into rates.
+    knocked : bool
+        Whether somebody knocks against the bench.
+    warming : float
+        Change of all biases while the unit warms up [rad/s].
+    humming : float
+        Amplitude of a line in x [rad/s].
+    stuck : str
+        Axis whose channel hangs; none where empty.
+    """
+
+    records: int = 2
+    samples: int = 12_000
+    interval: float = 2.0
+    averaging: float = 1.0
+    walk: float = 7e-5
+    rate_walk: float = 8e-7
+    flicker: float = 3e-5
+    skipped: float = 0.001
+    scale_factor: Influence = SCALE
+    knocked: bool = False
+    warming: float = 0.0
+    humming: float = 0.0
+    stuck: str = ""
+
+
+FAULTS: dict[str, Fault] = {
+    "knocked": Fault("somebody knocks against the bench", "disturbed", {"knocked": True}),
+    "warming": Fault("the unit still warms up", "warm_up", {"warming": 3e-4}),
+    "humming": Fault("a fan turns beside the bench", "lines", {"humming": 5e-5}),
+    "stuck": Fault("the channel of y hangs", "zero throughout", {"stuck": "y"}),
+    "too_short": Fault("40 s are no record of noise", "too_short", {"samples": 20, "skipped": 0.0}),
+}
+
+
+def twin(seed: int, fault: str = "") -> Twin:
+    """Return the campaign of a seed, with one mistake in it if asked.
+
+    Raises
+    ------
+    UsageError
+        If there is no mistake of that name.
+    """
+    return with_fault(build, Bench(), FAULTS, seed, fault)
+
+
+def build(bench: Bench, seed: int) -> Twin:
+    """Return the campaign that a bench gives.
+
+    Parameters
+    ----------
+    bench : Bench
+        The record as it is made.
+    seed : int
+        Of all draws.
+    """
+    of_unit, of_bench, of_records = np.random.default_rng(seed).spawn(3)
+    terms = _draw_unit(bench, of_unit)
+    error = drawn_error(bench.scale_factor, of_bench)
+    bias = of_unit.normal(0.0, 1e-3, len(AXES))
+    recordings = {
+        recording_file(number): _recording(bench, terms, bias, error, number, of_records)
+        for number in range(1, bench.records + 1)
+    }
+    drawn: Drawn = {"scale_factor_error": error, "bias": bias.tolist()}
+    return Twin("still_gyro", seed, "", campaign_text(bench, AXES), recordings, _true_values(terms), drawn)
+
+
+def _draw_unit(bench: Bench, rng: np.random.Generator) -> dict[str, tuple[Term, ...]]:
+    """Return the terms of each axis, drawn about those of the bench."""
+    size = 1.0 + SPREAD * (2.0 * rng.random(5) - 1.0)
+    return {
+        "x": (RandomWalk(bench.walk * size[0]),),
+        "y": (RandomWalk(bench.walk * size[1]), RateRandomWalk(bench.rate_walk * size[2])),
+        "z": (RandomWalk(bench.walk * size[3]), BiasInstability(bench.flicker * size[4])),
+    }
+
+
+def _true_values(terms: Mapping[str, tuple[Term, ...]]) -> tuple[TrueValue, ...]:
+    """Return the sizes as the results name them, SI."""
+    units = {"random_walk": "rad/sqrt(s)", "rate_random_walk": "rad/s/sqrt(s)", "bias_instability": "rad/s"}
+    return tuple(
+        TrueValue(quantity_name(term.name, "coefficient", "gyro"), axis, float(_size(term)), units[term.name])
+        for axis, own in terms.items()
+        for term in own
+    )
+
+
+def _size(term: Any) -> float:
+    return float(term.coefficient)
+
+
+def _recording(
+    bench: Bench,
+    terms: Mapping[str, tuple[Term, ...]],
+    bias: Array,
+    error: float,
+    number: int,
+    rng: np.random.Generator,
+) -> Recording:
+    """Return one record, as the logger saves it [deg/s]."""
+    n = bench.samples
+    time = np.arange(n) * bench.interval
+    common = bench.warming * np.exp(-time / WARMING) + (_knock(n) if bench.knocked else 0.0)
+    kept = np.flatnonzero(rng.random(n) >= bench.skipped)
+    kept = np.union1d(kept, [0, n - 1])
+    channels = []
+    for axis, level in zip(AXES, bias.tolist(), strict=True):
+        own = (*terms[axis], Sinusoid(bench.humming, 0.11)) if bench.humming and axis == "x" else terms[axis]
+        rate = simulate(own, n, bench.interval, rng, bench.averaging) + level + common
+        saved = np.round((1.0 + error) * rate * factor("rad/s", "deg/s") / STEP) * STEP
+        saved = np.full(n, saved[0]) if axis == bench.stuck else saved
+        channels.append(Channel(axis, np.round(saved[kept], 6), "deg/s", "campaign", axis, "gyro"))
+    stamps = (BEGIN + number * APART) * SECOND + np.rint((time + bench.averaging) * SECOND).astype(np.int64)
+    return Recording(
+        tuple(channels), stamps[kept], bench.interval, bench.averaging, "utc", "time column 'unix_s'"
+    )  # fmt: skip
+
+
+def _knock(n: int) -> Array:
+    """Return a swing of 60 averages in the middle of the record [rad/s]."""
+    swing = np.zeros(n)
+    middle = n // 2
+    swing[middle : middle + 60] = KNOCK * np.sin(np.arange(60) / 3.0) * np.exp(-np.arange(60) / 20.0)
+    return swing

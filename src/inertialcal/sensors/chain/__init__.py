@@ -1,0 +1,1 @@
+"""The signal chain: counts to volts to units, and back."""

@@ -1,0 +1,154 @@
+"""From counts to outputs and readings: the signal chain applied, with what is not valid marked and counted.
+
+The equation stands in ``sensors.chain``. A code below or above the converter is refused: the file or the campaign
+is wrong. A code at either end is a rail: the input may lie beyond, so the reading is left out, and counted. So
+are readings while the built-in test is low. Long runs of one code are remarked and kept: a quiet input below one
+step looks the same. Means of codes (not whole numbers) are codes too.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from .codes import Mask, Place, check_inside, counted, stuck_runs, unusable
+from .converter import Chain, missing_channel, nonzero, wide, zero_at_gains
+
+
+@dataclass(frozen=True, eq=False)
+class Converted:
+    """What a chain makes of codes; all arrays of shape (n, k).
+
+    Parameters
+    ----------
+    output : ndarray
+        v [output unit]; NaN where not valid.
+    readings : ndarray or None
+        r [input unit]; NaN where not valid; None without a scale factor.
+    temperature : ndarray or None
+        [degC]; NaN where its own channel or the reference is at a rail or missing.
+    valid : ndarray of bool
+        False at rails, where a code is missing, while the built-in test is low.
+    stuck : ndarray of bool
+        In a run of equal codes that the channel's other readings do not explain; such readings stay.
+    remarks : tuple of Remark
+        The same, counted.
+    """
+
+    output: Array
+    readings: Array | None
+    temperature: Array | None
+    valid: Mask
+    stuck: Mask
+    remarks: tuple[Remark, ...] = ()
+
+
+def sample(index: int) -> str:
+    """Place of a reading where there is no file."""
+    return f"sample {index}"
+
+
+def convert(
+    chain: Chain,
+    counts: ArrayLike,
+    *,
+    reference: ArrayLike | None = None,
+    temperature: ArrayLike | None = None,
+    temperature_reference: ArrayLike | None = None,
+    validity: ArrayLike | None = None,
+    gain: ArrayLike | None = None,
+    place: Place = sample,
+) -> Converted:
+    """Return outputs and readings of codes, with what is not valid marked and counted.
+
+    Parameters
+    ----------
+    counts : array_like, shape (n, k)
+        Codes, or means of codes; NaN where missing.
+    reference, temperature, validity : array_like, shape (n,) or (n, k), optional
+        Codes of the reference voltage, of the temperature channel and of the built-in test.
+    temperature_reference : array_like, shape (n,) or (n, k), optional
+        Codes of the reference voltage of the temperature channel, where it has one of its own.
+    gain : array_like, shape (n,) or (n, k), optional
+        Over time; instead of the chain's.
+    place : callable
+        Index of a sample -> ``"file:row"``, for messages.
+
+    Raises
+    ------
+    DataError
+        ``code_outside``; ``missing_reference``, ``missing_temperature`` or ``missing_validity`` where the chain
+        needs a channel that is not there; ``never_valid`` where the built-in test is low throughout.
+    PlanError
+        If the gain over time is zero somewhere.
+    """
+    k = len(chain.axes)
+    signal = wide("counts", counts, k)
+    beside = {
+        "reference": reference,
+        "temperature": temperature,
+        "temperature_reference": temperature_reference,
+        "validity": validity,
+    }
+    channels = {name: wide(name, codes, k, len(signal)) for name, codes in beside.items() if codes is not None}
+    channels["counts"] = signal
+    _check_channels(chain, channels)
+    volts, remarks = _volts(chain, channels, place)
+    above = volts.get("reference", np.asarray(0.0 if chain.reference == "channel" else chain.reference))
+    degrees = None
+    if chain.thermometer is not None and "temperature" in volts:
+        degrees = chain.thermometer.degrees(volts["temperature"] - volts.get("temperature_reference", above))
+    over_time = None if gain is None else nonzero("gain", wide("gain", gain, k, len(signal)), k)
+    amplified = chain.gain if over_time is None else over_time
+    output = (volts["counts"] - above - zero_at_gains(chain, degrees, over_time)) / amplified
+    if chain.validity_minimum is not None:
+        good, found = _tested(chain.axes, chain.step * channels["validity"], chain.validity_minimum, place)
+        output, remarks = np.where(good, output, np.nan), remarks + found
+    readings = None if chain.scale_factor is None else output / chain.scale_factor
+    stuck, found = stuck_runs(chain.axes, signal, chain.codes, place)
+    return Converted(output, readings, degrees, np.isfinite(output), stuck, (*remarks, *found))
+
+
+def _volts(chain: Chain, channels: Mapping[str, Array], place: Place) -> tuple[dict[str, Array], list[Remark]]:
+    """Volts of each channel, NaN where its code cannot be used, and why."""
+    volts, remarks = {}, []
+    for name in ("counts", "reference", "temperature", "temperature_reference", "validity"):
+        if name in channels:
+            names = [axis if name == "counts" else f"{name} of {axis}" for axis in chain.axes]
+            check_inside(names, channels[name], chain.codes, place)
+            if name != "validity":  # a built-in test rests at a rail when all is well
+                bad, found = unusable(names, channels[name], chain.codes, place)
+                volts[name] = chain.step * np.where(bad, np.nan, channels[name])
+                remarks += found
+    return volts, remarks
+
+
+def _tested(axes: tuple[str, ...], volts: Array, minimum: float, place: Place) -> tuple[Mask, list[Remark]]:
+    """Where the built-in test says good: at or above the minimum; missing is not good."""
+    good = volts >= minimum
+    never = [axis for axis, column in zip(axes, good.T, strict=True) if len(column) and not column.any()]
+    if never:
+        raise DataError(
+            f"{', '.join(never)}: the built-in test is below {minimum:g} V throughout",
+            where=place(0),
+            why="readings while it is low are not valid, so none is left",
+            do="Check the column of the built-in test, or leave the recording out",
+            code="never_valid",
+        )
+    what = f"reading(s) while the built-in test is below {minimum:g} V; left out"
+    return good, counted("test_low", axes, ~good, what, place)
+
+
+def _check_channels(chain: Chain, channels: Mapping[str, Array]) -> None:
+    if chain.reference == "channel" and "reference" not in channels:
+        raise missing_channel(chain, "reference", "it is subtracted from the signal sample by sample")
+    if chain.validity_minimum is not None and "validity" not in channels:
+        raise missing_channel(chain, "validity", "readings while the built-in test is low are left out")
+    if chain.validity_minimum is None and "validity" in channels:
+        raise PlanError("a built-in test is given and no validity_minimum", do="Give the lowest good voltage [V]")

@@ -1,0 +1,1 @@
+"""A sensor head's ground model: what it reads on the ground, and how it corrects readings."""

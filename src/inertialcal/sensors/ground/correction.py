@@ -1,0 +1,179 @@
+"""A ground model applied to readings: each sample with the polynomials of its gain, no step twice.
+
+Steps that were made before (``applied``) are left out: an archive has its records in g, corrected or not. The bias can
+be left in (``keep_bias``): then the readings have the bias itself, and ``predicted`` says what the model takes it for.
+
+A reading that is missing empties those that its misalignment enters. Where an axis is missing throughout, the others
+are not corrected for it, and a remark says so.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ..chain.converter import wide
+from ..model.matrices import mixed
+from .model import STEPS, GroundModel
+
+CHUNK = 262_144  # rows at a time
+WORDS = {"bias": "bias", "scale_factor": "scale factor", "misalignment": "misalignment"}
+
+
+@dataclass(frozen=True, eq=False)
+class Corrected:
+    """Readings after a ground model.
+
+    Parameters
+    ----------
+    readings : ndarray, shape (n, k)
+        Along the axes of the head [input unit].
+    predicted : ndarray, shape (n, k)
+        Bias that the model predicts along them [input unit].
+    remarks : tuple of Remark
+        What was left out, and what was lost.
+    """
+
+    readings: Array
+    predicted: Array
+    remarks: tuple[Remark, ...]
+
+
+def correct(
+    ground: GroundModel,
+    readings: ArrayLike,
+    *,
+    temperature: ArrayLike | None = None,
+    gain: ArrayLike | None = None,
+    applied: Collection[str] = (),
+    keep_bias: bool = False,
+) -> Corrected:
+    """Return readings with the corrections of a ground model.
+
+    Parameters
+    ----------
+    readings : array_like, shape (n, k)
+        r = v / S0 with the ideal scale factor of the chain [input unit]; NaN where missing.
+    temperature : array_like, shape (n,) or (n, k), optional
+        [degC]
+    gain : array_like, shape (k,) or (n, k), optional
+        Needed where the model tells gains apart; NaN where not known.
+    applied : collection of str
+        Steps that were made before: "bias", "scale_factor", "misalignment".
+    keep_bias : bool
+        Leave the bias in.
+
+    Raises
+    ------
+    DataError
+        ``missing_temperature``, ``missing_gain``; ``no_polynomial`` for a gain that the model has not;
+        ``wrong_step`` for an unknown step; ``bias_applied`` if it is to be left in and was taken off before.
+    """
+    _check(applied, keep_bias)
+    k = len(ground.axes)
+    r = wide("readings", readings, k)
+    warm = None if temperature is None else wide("temperature", temperature, k, len(r))
+    if ground.gains and gain is None:
+        why = "its bias and scale factor differ from gain to gain"
+        raise DataError("the ground model needs the gain", why=why, do="Give chain.gain", code="missing_gain")
+    unread = [axis for i, axis in enumerate(ground.axes) if not np.isfinite(r[:, i]).any()]
+    out, predicted = np.full(r.shape, np.nan), np.full(r.shape, np.nan)
+    for rows, gains in _by_gain(ground, gain, len(r)):
+        here = None if warm is None else warm[rows]
+        out[rows], predicted[rows] = _at_one_gain(ground, r[rows], here, gains, unread, applied, keep_bias)
+    out[:, [axis in unread for axis in ground.axes]] = np.nan
+    return Corrected(out, predicted, tuple(_remarks(ground, r, out, warm, unread, applied)))
+
+
+def _check(applied: Collection[str], keep_bias: bool) -> None:
+    unknown = [step for step in applied if step not in STEPS]
+    if unknown:
+        raise DataError(f"no step {unknown[0]!r}", do=f"There are: {', '.join(STEPS)}", code="wrong_step")
+    if keep_bias and "bias" in applied:
+        raise DataError(
+            "the bias of a model was taken off before, and is to be left in",
+            why="what a flip finds is the error of that model, not the bias of the head",
+            do="Say plan.corrected = true",
+            code="bias_applied",
+        )
+
+
+def _at_one_gain(
+    ground: GroundModel,
+    r: Array,
+    temperature: Array | None,
+    gains: Sequence[float],
+    unread: Sequence[str],
+    applied: Collection[str],
+    keep_bias: bool,
+) -> tuple[Array, Array]:
+    """Return readings and predicted bias, shape (n, k) or (1, k)."""
+    r = np.where(np.isnan(gains), np.nan, r) if ground.gains else r
+    here = ground.at([np.nan if axis in unread else gain for axis, gain in zip(ground.axes, gains, strict=True)])
+    if here.in_temperature and temperature is None:
+        raise DataError(
+            "no temperature of the head", why="the ground model depends on it", do="Name its column: temperature",
+            code="missing_temperature",
+        )  # fmt: skip
+    scale, bias, back = here.parts(temperature, len(r), ground.order, unread)
+    y = r if "scale_factor" in applied else r / scale
+    y = y if "misalignment" in applied else mixed(back, y)
+    predicted = mixed(back, bias)
+    if "bias" in applied or keep_bias:
+        return y, predicted
+    return y - predicted, predicted
+
+
+def _by_gain(
+    ground: GroundModel, gain: ArrayLike | None, n: int
+) -> Iterator[tuple[slice | NDArray[np.intp], Sequence[float]]]:
+    """Rows of one set of gains, a chunk at a time, each with its gains."""
+    every = np.full((1, len(ground.axes)), np.nan) if gain is None else np.atleast_2d(np.asarray(gain, dtype=float))
+    for start in range(0, n, CHUNK):
+        part = slice(start, min(start + CHUNK, n))
+        own = every if len(every) == 1 else every[part]
+        first = own[0]
+        if np.array_equal(own, np.broadcast_to(first, own.shape), equal_nan=True):
+            yield part, first.tolist()
+            continue
+        sets, which = np.unique(own, axis=0, return_inverse=True)
+        for i, gains in enumerate(sets):
+            yield start + np.flatnonzero(which.ravel() == i), gains.tolist()
+
+
+def _remarks(
+    ground: GroundModel, r: Array, out: Array, warm: Array | None, unread: Sequence[str], applied: Collection[str]
+) -> Iterator[Remark]:
+    done = [WORDS[step] for step in STEPS if step in applied]
+    if done:
+        words = " and ".join(", ".join(done).rsplit(", ", 1))
+        what = f"{words} of the ground model not applied: that was done before"
+        yield Remark("applied_before", "info", what)
+    if unread and "misalignment" not in applied and len(unread) < len(ground.axes):
+        what = f"{', '.join(unread)} not read: the other axes are not corrected for the misalignment towards it"
+        yield Remark("misalignment_left_out", "warning", what)
+    read = np.array([axis not in unread for axis in ground.axes])
+    lost = np.any(np.isnan(out) & ~np.isnan(r) & read, axis=1)
+    if lost.any():
+        what = "a temperature, a gain or the reading of an axis is missing that the ground model needs: left empty"
+        yield Remark("condition_missing", "warning", what, f"sample {int(np.argmax(lost))}", int(np.sum(lost)))
+    yield from _beyond(ground.base.temperature_range, warm)
+
+
+def _beyond(ends: tuple[float, float] | None, warm: Array | None) -> Iterator[Remark]:
+    """Count the samples at temperatures that the model was not made for."""
+    if ends is None or warm is None:
+        return
+    beyond = np.any((warm < ends[0]) | (warm > ends[1]), axis=1)
+    count = int(np.count_nonzero(beyond))
+    if count:
+        between = f"{ends[0]:g} to {ends[1]:g} degC"
+        what = f"{count} of {len(beyond)} samples beyond the temperature range of the ground model ({between})"
+        do = "The model extrapolates there: a polynomial of fourth order may be far off"
+        yield Remark("outside_temperature_range", "warning", what, f"sample {int(np.argmax(beyond))}", count, do)

@@ -1,0 +1,1 @@
+"""The sensor equation, its terms, and compensation."""

@@ -1,0 +1,97 @@
+"""A model out of the estimates of its parameters."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array, Estimate
+from ...core.units import factor
+from .sensor_model import Kind, SensorModel
+from .terms import FORCE_AXES, PER_AXIS, orders, with_values
+
+NOT_ESTIMATED = "no test gives it: taken as 0"
+
+
+def model_from(
+    estimate: Estimate,
+    kind: Kind,
+    axes: tuple[str, ...],
+    scale_factor: Array | float = 1.0,
+    output_unit: str | None = None,
+    **rest: Any,
+) -> SensorModel:
+    """Return the model whose parameters an estimate holds.
+
+    The names decide which terms the model has; a parameter of such a term that the estimate lacks is 0, and is
+    listed in ``not_estimated``.
+
+    Parameters
+    ----------
+    estimate : Estimate
+        Names as ``terms.parameters`` gives them; units of the right dimension, converted here.
+    kind, axes, scale_factor, output_unit
+        As `SensorModel`; output and input unit are the same by default, with a scale factor of 1.
+    **rest
+        Further fields of `SensorModel`: ranges, references, item, provenance, reasons in ``not_estimated``.
+
+    Raises
+    ------
+    DataError
+        If a name is no parameter of a model with these axes (``unknown_parameter``), or as `SensorModel`.
+    """
+    unit = {"gyro": "rad/s", "accelerometer": "m/s^2"}.get(kind, "")
+    fields = {"kind": kind, "axes": axes, "scale_factor": scale_factor, "output_unit": output_unit or unit, **rest}
+    reasons = fields.pop("not_estimated", {})
+    blank = SensorModel(**(fields | _blank_terms(estimate, axes)))
+    known = {one.name: one for one in blank.parameters}
+    strangers = [name for name in estimate.names if name not in known]
+    if strangers:
+        raise DataError(
+            f"{', '.join(strangers)}: no parameter of a {kind} with axes {', '.join(axes)}",
+            do="Select the parameters of the model first",
+            code="unknown_parameter",
+        )
+    held = in_units(estimate, tuple(known[name].unit for name in estimate.names))
+    changes = {known[name]: float(value) for name, value in zip(held.names, held.values, strict=True)}
+    arrays = with_values(blank.terms, changes)
+    missing = {name: reasons.get(name, NOT_ESTIMATED) for name in known if name not in held.names}
+    return SensorModel(**(fields | arrays | {"estimate": held, "not_estimated": missing}))
+
+
+def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
+    """Return the estimate with its values, and all covariances, in other units.
+
+    Raises
+    ------
+    DataError
+        ``unit_mismatch``.
+    """
+    if units == estimate.units:
+        return estimate
+    factors = np.array([factor(own, other) for own, other in zip(estimate.units, units, strict=True)])
+    grid = np.outer(factors, factors)
+    components = tuple(replace(one, covariance=one.covariance * grid) for one in estimate.components)
+    return Estimate(estimate.names, estimate.values * factors, units, components)
+
+
+def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
+    """Terms that the names ask for, without effect: M = I, zeros, time constants of 1 s."""
+    k, order = len(axes), orders(estimate.names)
+    matrix = np.zeros((order["matrix"] + 1, k, k))
+    matrix[0] = np.eye(k)
+    terms = {"matrix": matrix, "bias": np.zeros(k)}
+    if order["bias_temperature"]:
+        terms["bias_temperature"] = np.zeros((order["bias_temperature"], k))
+    if order["bias_warm_up"]:
+        terms["bias_warm_up"] = np.zeros((order["bias_warm_up"], k))
+        terms["warm_up_time"] = np.ones(order["bias_warm_up"])
+    for field, (quantity, _) in PER_AXIS.items():
+        if field != "bias" and any(f"{quantity}_{axis}" in estimate.names for axis in axes):
+            terms[field] = np.zeros(k)
+    if any(name.startswith("g_sensitivity_") for name in estimate.names):
+        terms["g_sensitivity"] = np.zeros((k, len(FORCE_AXES)))
+    return terms

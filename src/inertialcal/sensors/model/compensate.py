@@ -1,0 +1,175 @@
+"""From readings to the true input: the inverse of the sensor equation, and the first-order form beside it.
+
+The inverse goes back through the equation in the order in which it was built: subtract K0 and G f, invert the
+curve of each sensor, multiply by M^-1. It is refused where two inputs would give one reading inside the validity
+range of the model. Readings that no input can give (beyond the end of the rising branch of a curved sensor) come
+back as NaN; ``outside`` counts them, and those beyond the validity range.
+
+The first-order form ``x = r - (b + (M - I) r)`` is that of published flight software [1]_; it differs from the
+inverse by the square of the errors.
+
+References
+----------
+.. [1] Badescu, NPS thesis, 2011, equation (2) and Table 15.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any, Unpack
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from .equation import Columns, Conditions, condition_columns, curve, matrix_at, offset, rows
+from .matrices import inverted, mixed
+from .nonlinearity import endless_slope, inverse, rising_branch
+from .sensor_model import SensorModel
+from .uniqueness import check_unique
+
+CHUNK = 16_384  # rows that stay in the cache from step to step
+KERNEL_ROWS = 1_000_000  # from here on the compiled loop is worth its compilation
+KERNEL_CHUNK = 131_072  # rows of which a thread takes one lot after the other
+WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
+
+
+def compensate(model: SensorModel, readings: Array, **conditions: Unpack[Conditions]) -> Array:
+    """Return the true inputs of readings: the inverse of `predict`.
+
+    Parameters
+    ----------
+    readings : ndarray, shape (n, k)
+        r = v / S0 [input unit]; see ``model.to_readings`` for outputs in volts or pulses a second.
+    **conditions
+        See `equation.Conditions`.
+
+    Returns
+    -------
+    ndarray, shape (n, k)
+        x [input unit]. NaN where a reading or a condition is NaN, or where no input gives that reading.
+
+    Raises
+    ------
+    DataError
+        If a shape does not fit, a condition is missing that a term needs (``missing_condition``), or the inverse
+        is not unique (``not_invertible``, ``not_unique``, ``no_validity_range``).
+    """
+    r = rows(model, readings, "readings")
+    columns = condition_columns(model, len(r), conditions)
+    check_unique(model, columns)
+    out = np.empty(r.shape)
+    if len(r) >= KERNEL_ROWS and len(model.axes) == 3 and _compiled(model, columns, r, out):
+        return out
+    for part, here in pieces(columns, len(r)):
+        out[part] = _inverse(model, r[part], here)
+    return out
+
+
+def first_order(model: SensorModel, readings: Array, **conditions: Unpack[Conditions]) -> Array:
+    """Return ``r - (b + (M - I) r)``, shape (n, k): the published first-order form, b = K0 + G f.
+
+    Curves are left out, as there. Arguments and Raises as for `compensate`.
+    """
+    r = rows(model, readings, "readings")
+    columns = condition_columns(model, len(r), conditions)
+    errors = matrix_at(model, columns) - np.eye(len(model.axes))
+    return r - (offset(model, columns) + mixed(errors, r))
+
+
+def outside(
+    model: SensorModel, compensated: Array, readings: Array, **conditions: Unpack[Conditions]
+) -> tuple[Remark, ...]:
+    """Count what lies beyond the validity range of a model.
+
+    Parameters
+    ----------
+    compensated, readings : ndarray, shape (n, k)
+        Out of and into `compensate` [input unit].
+
+    Returns
+    -------
+    tuple of Remark
+        ``no_inverse``, ``outside_input_range``, ``outside_temperature_range``, ``outside_pressure_range``; only
+        those with a count above zero.
+    """
+    x = rows(model, compensated, "compensated")
+    r = rows(model, readings, "readings")
+    columns = condition_columns(model, len(x), conditions)
+    told = np.isfinite(r).all(axis=1)
+    for column in columns.values():
+        told &= np.isfinite(column).all(axis=1)
+    lost = np.any(np.isnan(x), axis=1) & told
+    remarks = [_remark("no_inverse", "no input gives this reading; left empty", lost, "Look at these readings")]
+    if model.input_range is not None:
+        over = np.any((x < model.input_range[:, 0]) | (x > model.input_range[:, 1]), axis=1)
+        ends = ", ".join(f"{a} {lo:g} to {hi:g}" for a, (lo, hi) in zip(model.axes, model.input_range, strict=True))
+        remarks.append(_remark("outside_input_range", f"beyond the input range ({ends} {model.unit})", over))
+    for name, between, unit in (
+        ("temperature", model.temperature_range, "degC"),
+        ("pressure", model.pressure_range, "Pa"),
+    ):
+        if between is not None and name in columns:
+            beyond = np.any((columns[name] < between[0]) | (columns[name] > between[1]), axis=1)
+            text = f"beyond the {name} range ({between[0]:g} to {between[1]:g} {unit})"
+            remarks.append(_remark(f"outside_{name}_range", text, np.broadcast_to(beyond, len(x))))
+    return tuple(remark for remark in remarks if remark.count)
+
+
+def _remark(code: str, text: str, where: NDArray[Any], do: str = "The model extrapolates there") -> Remark:
+    count = int(np.count_nonzero(where))
+    first = f"row {int(np.argmax(where))}" if count else ""
+    return Remark(code, "warning", f"{count} of {len(where)} row(s): {text}", first, count, do)
+
+
+def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:
+    """Fill ``out`` by compiled loops over the rows of three sensors, which threads share.
+
+    Return False where M is singular at a temperature of the data: the plain path says so.
+    """
+    from .. import _kernels  # noqa: PLC0415 - importing numba takes longer than a short recording
+
+    bent = curve(model)
+    branch = rising_branch(bent)
+    curves = np.column_stack([bent.asymmetry, bent.second, bent.third, branch, endless_slope(bent, branch)])
+    changing = model.matrix.shape[0] > 1 and len(columns["temperature"]) > 1
+    matrices = model.matrix.copy() if changing else np.ascontiguousarray(inverted(matrix_at(model, columns)))
+
+    def fill(piece: tuple[slice, dict[str, Array]]) -> bool:
+        part, here = piece
+        r = np.ascontiguousarray(readings[part])
+        return bool(_kernels.undo_3(*_thermal(model, here), curves, matrices, r, out[part]))
+
+    with ThreadPoolExecutor(WORKERS) as pool:
+        return all(pool.map(fill, pieces(columns, len(readings), KERNEL_CHUNK)))
+
+
+def _thermal(model: SensorModel, columns: Columns) -> tuple[Array, Array, Array, Array]:
+    """Return the bias as the kernel takes it: shift, powers of temperature, T_ref, T.
+
+    The powers are left to the kernel where temperature alone changes; else the shift holds all, a row a reading.
+    """
+    temperature = np.ascontiguousarray(columns.get("temperature", np.zeros((1, 1))))
+    reference = np.array(model.terms.get("reference_temperature", np.zeros(len(model.axes))))
+    if set(columns) == {"temperature"} and len(temperature) > 1:
+        powers = np.array(model.terms.get("bias_temperature", np.empty((0, len(model.axes)))))
+        return model.bias[np.newaxis].copy(), powers, reference, temperature
+    return np.array(offset(model, columns)), np.empty((0, len(model.axes))), reference, temperature
+
+
+def pieces(columns: Columns, n: int, size: int | None = None) -> Iterator[tuple[slice, dict[str, Array]]]:
+    """Rows in chunks, of CHUNK rows where no size is given, and the conditions of each."""
+    step = CHUNK if size is None else size
+    for start in range(0, n, step):
+        part = slice(start, min(start + step, n))
+        yield part, {name: column if len(column) == 1 else column[part] for name, column in columns.items()}
+
+
+def _inverse(model: SensorModel, r: Array, columns: Columns) -> Array:
+    u = r - offset(model, columns)
+    if not model.linear:
+        u = inverse(curve(model), u)
+    return mixed(inverted(matrix_at(model, columns)), u)

@@ -1,0 +1,190 @@
+"""A model as plain values, and back: what ``model.json`` holds.
+
+Floats keep all their digits (the shortest text that reads back to the same bits), so the way there and back is
+exact. What a reader needs to apply the model without this package stands in the file in words: the equation, its
+direction, the order of the matrix and the order of the steps of compensation. No number is ever NaN or infinite;
+infinite degrees of freedom are null.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array, Component, Estimate
+from .sensor_model import SHAPES, Item, Provenance, SensorModel
+
+FORMAT = "inertialcal model"
+SCHEMA_VERSION = 1
+WORDS: dict[str, Any] = {
+    "format": FORMAT,
+    "schema_version": SCHEMA_VERSION,
+    "direction": "forward: from the true input x to the output v",
+    "equation": [
+        "u = M(T) x",
+        "v = S0 * { K0(T, p, t) + u + K1'/2 |u| + K2 u^2 + K3 u^3 + G f } + noise",
+        "K0 = bias + sum_j bias_temperature[j-1] (T - T_ref)^j + bias_pressure (p - p_ref)"
+        " + sum_m bias_warm_up[m] exp(-t / warm_up_time[m])"
+        " + bias_temperature_rate dT/dt + bias_hysteresis sign(dT/dt) + run-to-run",
+        "M(T) = sum_j matrix[j] (T - T_ref)^j",
+        "K1' = scale_factor_asymmetry, K2 = second_order, K3 = third_order, G = g_sensitivity, S0 = scale_factor",
+    ],
+    "matrix_order": "row = the sensor that reads, column = the axis that moves",
+    "apply_order": [
+        "divide the output by scale_factor",
+        "subtract K0 and G f",
+        "invert the curve of each sensor",
+        "multiply by the inverse of M",
+    ],
+}
+PLAIN = ("output_unit", "reference_pressure", "judged", "source")
+
+
+def to_dict(model: SensorModel) -> dict[str, Any]:
+    """Return the model as plain values: text, numbers, lists, and null for what is absent."""
+    return {
+        **WORDS,
+        "kind": model.kind,
+        "axes": list(model.axes),
+        "unit": model.unit,
+        "item": {"maker": model.item.maker, "part": model.item.part, "serial": model.item.serial},
+        **{name: getattr(model, name) for name in PLAIN},
+        "terms": {name: _list(getattr(model, name)) for name in SHAPES},
+        "temperature_range": _list(model.temperature_range),
+        "pressure_range": _list(model.pressure_range),
+        "estimate": None if model.estimate is None else _estimate_to_dict(model.estimate),
+        "not_estimated": dict(model.not_estimated),
+        "provenance": {
+            name: {"test": one.test, "recordings": list(one.recordings), "source": one.source}
+            for name, one in model.provenance.items()
+        },
+    }
+
+
+def from_dict(content: Mapping[str, Any]) -> SensorModel:
+    """Return the model of plain values.
+
+    Raises
+    ------
+    DataError
+        ``schema_version`` for a version not known here; ``schema`` if a key is missing, unknown or of the wrong
+        kind, or the words that fix the meaning of the numbers differ; and as `SensorModel`.
+    """
+    _check_words(content)
+    try:
+        return _model(content)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        raise DataError(
+            f"not a model: {type(error).__name__} {error}",
+            why="a key is missing or holds another kind of value",
+            do="Take the file as it was written",
+            code="schema",
+        ) from None
+
+
+def _check_words(content: Mapping[str, Any]) -> None:
+    if content.get("format") != FORMAT:
+        raise DataError("no model: the key format does not say so", do=f"Need {FORMAT!r}", code="schema")
+    version = content.get("schema_version")
+    if version != SCHEMA_VERSION:
+        raise DataError(
+            f"schema version {version!r} is not known",
+            do=f"This version reads {SCHEMA_VERSION}: use the version of inertialcal that wrote the file",
+            code="schema_version",
+        )
+    for key, words in WORDS.items():
+        if content.get(key) != words:
+            raise DataError(f"{key} reads {content.get(key)!r}, need {words!r}", code="schema")
+
+
+def _model(content: Mapping[str, Any]) -> SensorModel:
+    terms = content["terms"]
+    unknown = sorted(set(terms) - set(SHAPES))
+    if unknown:
+        raise DataError(f"unknown term(s): {', '.join(unknown)}", code="schema")
+    model = SensorModel(
+        kind=content["kind"],
+        axes=tuple(content["axes"]),
+        item=Item(**content["item"]),
+        **{name: content[name] for name in PLAIN},
+        **{name: _array(terms[name]) for name in SHAPES},
+        temperature_range=_pair(content["temperature_range"]),
+        pressure_range=_pair(content["pressure_range"]),
+        estimate=None if content["estimate"] is None else _estimate(content["estimate"]),
+        not_estimated=dict(content["not_estimated"]),
+        provenance={
+            name: Provenance(one["test"], tuple(one["recordings"]), one["source"])
+            for name, one in content["provenance"].items()
+        },
+    )
+    if content["unit"] != model.unit:
+        raise DataError(f"unit {content['unit']!r} for a {model.kind}, need {model.unit!r}", code="schema")
+    return model
+
+
+def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
+    return {
+        "names": list(estimate.names),
+        "values": estimate.values.tolist(),
+        "units": list(estimate.units),
+        "components": [
+            {
+                "source": one.source,
+                "kind": one.kind,
+                "covariance": one.covariance.tolist(),
+                "dof": _dof_to_plain(one.dof),
+                "distribution": one.distribution,
+                "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
+            }
+            for one in estimate.components
+        ],
+    }
+
+
+def _estimate(content: Mapping[str, Any]) -> Estimate:
+    components = tuple(
+        Component(
+            one["source"],
+            one["kind"],
+            np.array(one["covariance"], dtype=float),
+            _dof(one["dof"]),
+            one["distribution"],
+            _stated(one.get("stated")),
+        )
+        for one in content["components"]
+    )
+    values = np.array(content["values"], dtype=float)
+    return Estimate(tuple(content["names"]), values, tuple(content["units"]), components)
+
+
+def _dof_to_plain(dof: Array | float) -> Any:
+    if isinstance(dof, np.ndarray):
+        return [None if math.isinf(one) else float(one) for one in dof]
+    return None if math.isinf(dof) else float(dof)
+
+
+def _stated(plain: Any) -> tuple[float, str] | None:
+    """Own uncertainty of a source; models written before it was kept do not have it."""
+    return None if plain is None else (float(plain["u"]), str(plain["unit"]))
+
+
+def _dof(plain: Any) -> Array | float:
+    if isinstance(plain, list):
+        return np.array([math.inf if one is None else one for one in plain], dtype=float)
+    return math.inf if plain is None else float(plain)
+
+
+def _list(value: Any) -> Any:
+    return None if value is None else np.asarray(value, dtype=float).tolist()
+
+
+def _array(value: Any) -> Any:
+    return None if value is None else np.array(value, dtype=float)
+
+
+def _pair(value: Any) -> tuple[float, float] | None:
+    return None if value is None else (float(value[0]), float(value[1]))

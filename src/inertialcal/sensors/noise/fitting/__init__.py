@@ -1,0 +1,1 @@
+"""Noise terms fitted to Allan deviations: likelihood, profile, limits, order."""

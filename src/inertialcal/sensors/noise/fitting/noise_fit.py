@@ -1,0 +1,275 @@
+"""Noise terms of an axis as found: each with its interval, or why not, how large at most, and how long to record."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal
+
+from ....core.estimate import Array, Estimate
+from ....core.remarks import Remark
+from ....core.results import Interval, Row
+from ....core.show.frames import frame
+from ....core.show.rounding import with_uncertainty
+from ....core.show.tables import Grid, Part, html, text
+from ..terms import TERMS, Kind, Term
+from ..units import converted, shown_units
+from .goodness import ChiSquare
+
+BEST = 5  # choices of terms that are shown
+REASONS = {
+    "too_short": "record too short",
+    "like_another": "not told from {others}",
+    "like_white": "looks like white noise, with dead time",
+    "hidden_by_white": "hidden by white noise, faster samples would show it",
+    "small": "smaller than its limit, or not there",
+    "no_record": "too small for any record that can be planned",
+    "no_limit": "record too short for a limit",
+}  # why a term is not identified
+DOUBTS = {
+    "terms_do_not_explain": "the terms do not explain the Allan deviation",
+    "runs_disagree": "the runs do not agree",
+}  # codes of remarks after which no figure of a fit may be relied on, and what to say beside one
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """One parameter of a term.
+
+    Parameters
+    ----------
+    name : str
+        The field's word: ``"angle_random_walk"``.
+    value, u : float
+        In ``unit``, inside units.
+    interval : Interval
+        Of the same unit.
+    unit : str
+        As ``core.units`` prints it.
+    """
+
+    name: str
+    value: float
+    u: float
+    interval: Interval
+    unit: str
+
+
+@dataclass(frozen=True)
+class FoundTerm:
+    """One term: its parameters, or why it has none.
+
+    Parameters
+    ----------
+    name : str
+        Of ``terms``.
+    status : {"estimated", "not_identified"}
+        Whether the record shows it.
+    parameters : tuple of Parameter
+        Of an estimated term.
+    words : tuple of str
+        The field's words of the parameters of one that is not.
+    code : str
+        Key of `REASONS`: why not; of an estimated term ``"like_another"`` where others could be in its place.
+    others : tuple of str
+        Terms that it is not told from.
+    worse : float or None
+        By how much the criterion is worse with it, or with the others in its place.
+    upper_limit : float or None
+        One-sided 95 %, of its coefficient [``unit``].
+    unit : str
+        Of the limit.
+    record_needed : float or None
+        Length of a record that shows the term, were it at its limit [s].
+    record : float
+        Length of the present record [s].
+    limit_at : float or None
+        Correlation time that the limit of Gauss-Markov noise holds for [s].
+    """
+
+    name: str
+    status: Literal["estimated", "not_identified"]
+    parameters: tuple[Parameter, ...] = ()
+    words: tuple[str, ...] = ()
+    code: str = ""
+    others: tuple[str, ...] = ()
+    worse: float | None = None
+    upper_limit: float | None = None
+    unit: str = ""
+    record_needed: float | None = None
+    record: float = 0.0
+    limit_at: float | None = None
+
+    @property
+    def reason(self) -> str:
+        """What `code` means, in words; empty where there is nothing to say."""
+        if self.status == "estimated" and self.code:
+            return f"could as well be {', '.join(self.others)}"
+        return REASONS.get(self.code, "").format(others=", ".join(self.others))
+
+
+@dataclass(frozen=True, eq=False)
+class NoiseFit:
+    """Noise terms of one axis.
+
+    Parameters
+    ----------
+    kind : {"gyro", "accelerometer"} or None
+        Of the sensor; None where the unit is that of the file.
+    unit : str
+        Of the samples.
+    found : tuple of FoundTerm
+        Terms, those estimated first.
+    estimate : Estimate
+        All parameters that were fitted, with their covariance.
+    choices : tuple of (tuple of str, float)
+        Choices of terms, best first, and by how much the criterion is worse.
+    residual : ChiSquare or None
+        Whether the terms explain the Allan deviation; None where nothing is left over to tell.
+    agreement : ChiSquare or None
+        Whether several runs agree; None for one.
+    misfit : float
+        Relative, of each Allan deviation: what the terms leave unexplained beside scatter, allowed for in all else.
+    terms : tuple of Term
+        The terms estimated, to simulate, draw or filter with.
+    tau, variance, expected : tuple of ndarray
+        A run each: averaging times [s], Allan variances found and expected [unit^2].
+    remarks : tuple of Remark
+        What to know about it.
+    """
+
+    kind: Kind | None
+    unit: str
+    found: tuple[FoundTerm, ...]
+    estimate: Estimate
+    choices: tuple[tuple[tuple[str, ...], float], ...]
+    residual: ChiSquare | None
+    agreement: ChiSquare | None
+    misfit: float
+    terms: tuple[Term, ...]
+    tau: tuple[Array, ...]
+    variance: tuple[Array, ...]
+    expected: tuple[Array, ...]
+    remarks: tuple[Remark, ...] = ()
+
+    def term(self, name: str) -> FoundTerm | None:
+        """Return what was found of a term; None if it was no candidate."""
+        return next((term for term in self.found if term.name == name), None)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """Codes of remarks for which the figures are not to be relied on: keys of `DOUBTS`; empty where all is well."""
+        return tuple(code for code in DOUBTS if any(remark.code == code for remark in self.remarks))
+
+    def rows(self, axis: str = "", test: str = "", condition: str = "") -> tuple[Row, ...]:
+        """Return the parameters as rows of a result, inside units; limits of terms that are not identified."""
+        found: list[Row] = []
+        doubt = [DOUBTS[code] for code in self.doubts]
+        for term in self.found:
+            said = "; ".join([*doubt, term.reason] if term.reason else doubt)
+            for one in term.parameters:
+                values = one.name, axis, one.value, one.u, one.unit, None, one.interval
+                found.append(Row(*values, "estimated", said, test, condition))
+            if term.status == "not_identified":
+                found += _missing_rows(term, axis, test, condition)
+        return tuple(found)
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame: a row a parameter, with value, u, interval, unit, status and reason."""
+        rows = self.rows()
+        columns = {
+            "value": [row.value for row in rows],
+            "u": [row.u for row in rows],
+            "lo": [row.interval.lo if row.interval else None for row in rows],
+            "hi": [row.interval.hi if row.interval else None for row in rows],
+            "unit": [row.unit for row in rows],
+            "status": [row.status for row in rows],
+            "reason": [row.reason for row in rows],
+        }
+        return frame(columns, index=[row.quantity for row in rows])
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: terms in units of data sheets, those not identified, tests and remarks."""
+        shown: list[Part] = [_table(self.found, self.kind)]
+        missing = [term for term in self.found if term.status == "not_identified"]
+        if missing:
+            shown.append(_missing(missing, self.kind))
+        for test, what in ((self.residual, "terms explain the Allan deviation"), (self.agreement, "runs agree")):
+            if test is not None:
+                shown.append(f"{what}: {test}")
+        if len(self.choices) > 1:
+            rows = [(", ".join(terms), f"{worse:.1f}") for terms, worse in self.choices[:BEST]]
+            shown.append(Grid(("terms", "criterion"), rows, "Choices of terms (0 is best)", (1,)))
+        return (*shown, *(str(remark) for remark in self.remarks))
+
+    def __str__(self) -> str:
+        """Return tables for a terminal."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same tables for a notebook."""
+        return html(self.parts())
+
+
+def _missing_rows(term: FoundTerm, axis: str, test: str, condition: str) -> list[Row]:
+    reason = term.reason
+    if term.limit_at is not None:
+        reason += f"; limit at a correlation time of {duration(term.limit_at)}"
+    if term.record_needed is not None and term.record_needed > term.record:
+        reason += f"; a record of {duration(term.record_needed)} would show it, were it at its upper limit"
+    if term.upper_limit is None:
+        return [
+            Row(
+                word, axis, None, None, term.unit, status="not_estimated", reason=reason, test=test, condition=condition
+            )
+            for word in term.words
+        ]
+    interval = Interval(None, term.upper_limit, 0.95)
+    return [
+        Row(term.words[0], axis, None, None, term.unit, None, interval, "upper_limit", reason, test, condition)
+    ]  # fmt: skip
+
+
+def _table(found: tuple[FoundTerm, ...], kind: Kind | None) -> Grid:
+    rows = [
+        _row(one, unit)
+        for term in found
+        for word, one in zip(TERMS[term.name].parameters, term.parameters, strict=False)
+        for unit in shown_units(term.name, word, kind) or (one.unit,)
+    ]
+    p = next((one.interval.p for term in found for one in term.parameters), 0.95)
+    return Grid(("term", "value ± u", "unit", f"{100 * p:g} % interval"), rows, "Noise terms", (1, 3))
+
+
+def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
+    times = 1.0 if unit == one.unit else converted(1.0, one.unit, unit)
+    if one.u == 0.0:
+        return one.name, f"{one.value * times:.6g}", unit, "given"
+    lo, hi = one.interval.lo, one.interval.hi
+    between = f"{'0' if lo is None else f'{lo * times:.3g}'} to {'?' if hi is None else f'{hi * times:.3g}'}"
+    return one.name, with_uncertainty(one.value * times, one.u * times), unit, between
+
+
+def _missing(missing: list[FoundTerm], kind: Kind | None) -> Grid:
+    rows = []
+    for term in missing:
+        unit = next(iter(shown_units(term.name, TERMS[term.name].parameters[0], kind)), term.unit)
+        limit, needed = "-", "-"
+        if term.upper_limit is not None:
+            times = 1.0 if unit == term.unit else converted(1.0, term.unit, unit)
+            limit = f"< {term.upper_limit * times:.3g}"
+        if term.record_needed is not None and term.record_needed > term.record:
+            needed = duration(term.record_needed)
+        name = term.words[0] if term.limit_at is None else f"{term.name}, {duration(term.limit_at)}"
+        reason = term.reason if term.worse is None else f"{term.reason} (+{term.worse:.1f})"
+        rows.append((name, limit, unit if limit != "-" else "", needed, reason))
+    heads = ("not identified", "95 % limit", "unit", "record needed", "reason (criterion)")
+    return Grid(heads, rows, "Not identified; record needed to show a term that is at its limit", (1, 3))
+
+
+def duration(seconds: float) -> str:
+    """Return a length of time in words: ``"2.5 h"``."""
+    units = ((86400.0, "days"), (3600.0, "h"), (60.0, "min"), (1.0, "s"))
+    size, word = next((one for one in units if seconds >= 2.0 * one[0]), units[-1])
+    return f"{seconds / size:.2g} {word}" if seconds < 99.5 * size else f"{seconds / size:.0f} {word}"

@@ -1,0 +1,1 @@
+"""A record cut into dwells, placements, turns and steps."""

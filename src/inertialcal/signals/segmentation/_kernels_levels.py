@@ -1,0 +1,150 @@
+"""Compiled loops of the search for changes of level: arrays in, preallocated arrays out, no checks."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from .._kernels import compiled
+
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+
+@compiled
+def fill_jump(running: Array, w: int, jump: Array) -> None:
+    """Fill the size of the difference of the means of w samples after and before samples w .. n - w.
+
+    ``running`` (n + 1): sum of the samples before each; ``jump`` (n + 1 - 2 w); w a power of two.
+    """
+    middle, end, share = running[w:], running[2 * w :], 1.0 / w
+    for i in range(len(jump)):
+        jump[i] = share * abs(end[i] - middle[i] - middle[i] + running[i])
+
+
+@compiled
+def mark_above(jump: Array, limit: float, over: Flags) -> None:
+    """Mark where a jump is above its limit."""
+    for i in range(len(jump)):
+        over[i] |= jump[i] > limit
+
+
+@compiled
+def fill_clear(at: Indices, w: int, cuts: Indices, clear: Flags) -> None:
+    """Fill which of the indices, ascending, are w samples or more from the nearest cut, ascending too."""
+    after = 0
+    for i in range(len(at)):
+        while after < len(cuts) - 1 and cuts[after] < at[i]:
+            after += 1
+        before = max(after - 1, 0)
+        clear[i] = abs(cuts[after] - at[i]) >= w and abs(at[i] - cuts[before]) >= w
+
+
+@compiled
+def fill_peaks(at: Indices, score: Array, peaks: Indices) -> int:
+    """Fill which of the places ``at``, ascending, score higher than both neighbours; return their number.
+
+    A place more than one sample from the next has nothing there; of neighbours that score alike the middle one counts.
+    """
+    found, n, i = 0, len(at), 0
+    while i < n:
+        alone = i == 0 or at[i] - at[i - 1] > 1
+        last = i
+        while last + 1 < n and at[last + 1] - at[last] == 1 and score[last + 1] == score[i]:
+            last += 1
+        ends = last + 1 == n or at[last + 1] - at[last] > 1
+        above = score[i] > (0.0 if alone else score[i - 1])
+        if above and score[i] > (0.0 if ends else score[last + 1]):
+            peaks[found] = (i + last) // 2
+            found += 1
+        i = last + 1
+    return found
+
+
+@compiled
+def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
+    """Fill which peaks are the highest for w samples around; ``order``: of the peaks, the lowest first."""
+    for i in range(len(at)):
+        kept[i] = True
+    for rank in range(len(at) - 1, -1, -1):
+        i = order[rank]
+        if not kept[i]:
+            continue
+        j = i - 1
+        while j >= 0 and at[i] - at[j] < w:
+            kept[j] = False
+            j -= 1
+        j = i + 1
+        while j < len(at) and at[j] - at[i] < w:
+            kept[j] = False
+            j += 1
+
+
+@compiled
+def fill_window_variance(y: Array, cuts: Indices, w: int, residual: Array, variance: Array) -> None:
+    """Fill the variance (w - 1) of samples i .. i + w; levels between cuts are taken off to keep digits."""
+    for piece in range(len(cuts) - 1):
+        level = 0.0
+        for i in range(cuts[piece], cuts[piece + 1]):
+            level += y[i]
+        level /= cuts[piece + 1] - cuts[piece]
+        for i in range(cuts[piece], cuts[piece + 1]):
+            residual[i] = y[i] - level
+    first, second = 0.0, 0.0
+    for i in range(len(y)):
+        first += residual[i]
+        second += residual[i] * residual[i]
+        if i >= w:
+            first -= residual[i - w]
+            second -= residual[i - w] * residual[i - w]
+        if i >= w - 1:
+            variance[i - w + 1] = max(second - first * first / w, 0.0) / (w - 1)
+
+
+@compiled
+def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
+    """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
+    step = np.inf
+    for i in range(len(y) - 1):
+        difference = abs(y[i + 1] - y[i])
+        if difference > 0.0:
+            step = min(step, difference)
+    for block in range(len(variance)):
+        level, squares, unequal = 0.0, 0.0, 0
+        for i in range(block * size, (block + 1) * size):
+            level += y[i]
+        level /= size
+        for i in range(block * size, (block + 1) * size):
+            squares += (y[i] - level) ** 2
+            if i > block * size and y[i] != y[i - 1]:
+                unequal += 1
+        variance[block], different[block] = squares / (size - 1), unequal
+    return step if np.isfinite(step) else 0.0
+
+
+@compiled
+def margin(rates: Array, first: int, last: int, most: int, size: int, moves: float) -> tuple[int, int]:
+    """Return samples at both ends of a stretch in which block means are not those of its middle, and a block more.
+
+    ``most``: at most so many at each end, ``size``: of a block, ``moves``: standard uncertainties of a block mean.
+    """
+    head, tail = size, size
+    for k in range(rates.shape[1]):
+        x = rates[first:last, k]
+        level, squares, n = 0.0, 0.0, last - first - 2 * most
+        for i in range(most, most + n):
+            level += x[i]
+            squares += x[i] * x[i]
+        level /= n
+        limit = moves * np.sqrt(max(squares / n - level * level, 0.0)) / np.sqrt(size)
+        for block in range(most // size):
+            at_head, at_tail = 0.0, 0.0
+            for i in range(block * size, (block + 1) * size):
+                at_head += x[i]
+                at_tail += x[len(x) - 1 - i]
+            if abs(at_head / size - level) > limit:
+                head = max(head, size * (block + 2))
+            if abs(at_tail / size - level) > limit:
+                tail = max(tail, size * (block + 2))
+    return min(head, most), min(tail, most)

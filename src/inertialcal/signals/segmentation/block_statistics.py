@@ -1,0 +1,208 @@
+"""A long record as statistics of short blocks of time: mean, variance, least and largest value, each sample seen once.
+
+Blocks are of equal length in time and begin with the first sample; a block without a sample is not there, so a gap
+costs nothing. `regrouped` makes longer blocks out of short ones, exactly, without the samples.
+
+Channels may be of any type and are not copied: a day of three axes at 250 samples a second stays as large as it is.
+
+References
+----------
+.. [1] Chan, Golub and LeVeque, The American Statistician 37 (1983) 242: variances of parts put together.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Times
+from .._kernels import fill_first, fill_moments
+from ..time.samples import Flags, Indices
+
+FULL = 0.5  # part of the usual number of samples from which a block counts
+
+Signal = NDArray[Any] | Sequence[NDArray[Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Blocks:
+    """Blocks of a record that hold samples.
+
+    Parameters
+    ----------
+    first, stop : ndarray of int, shape (b,)
+        Samples of each block, half-open.
+    at : ndarray of int, shape (b,)
+        Which block of time it is, counted from 0 at the first sample, ascending.
+    start_ns : int
+        Where block 0 begins [ns].
+    length_ns : int
+        Of a block [ns].
+    mean, variance, lo, hi : ndarray, shape (b, channels)
+        Of the finite samples, the variance with n - 1 [unit of the signal, or its square]; NaN where too few.
+    count : ndarray of int, shape (b, channels)
+        Finite samples.
+    """
+
+    first: Indices
+    stop: Indices
+    at: Indices
+    start_ns: int
+    length_ns: int
+    mean: Array
+    variance: Array
+    lo: Array
+    hi: Array
+    count: NDArray[np.int64]
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+    @property
+    def length(self) -> float:
+        """Of a block [s]."""
+        return self.length_ns / SECOND
+
+    @property
+    def time_ns(self) -> Times:
+        """Middle of each block, shape (b,) [ns]."""
+        return self.start_ns + self.at * self.length_ns + self.length_ns // 2
+
+    @property
+    def full(self) -> Flags:
+        """Blocks with at least half of the usual number of samples in every channel, shape (b,)."""
+        fewest = self.count.min(axis=1)
+        return np.asarray(fewest >= max(2.0, FULL * float(np.median(fewest))))
+
+    def of(self, channels: Sequence[bool]) -> Blocks:
+        """Return the same blocks of some channels.
+
+        Parameters
+        ----------
+        channels : sequence of bool, shape (channels,)
+            Which.
+
+        Raises
+        ------
+        DataError
+            If none is left.
+        """
+        chosen = np.asarray(channels, dtype=bool)
+        if not chosen.any():
+            raise DataError("no channel is left")
+        parts = {name: getattr(self, name)[:, chosen] for name in ("mean", "variance", "lo", "hi", "count")}
+        return replace(self, **parts)
+
+
+def block_statistics(
+    signal: Signal, length: float, time_ns: Times | None = None, sample_interval: float | None = None
+) -> Blocks:
+    """Return the statistics of the blocks of a record.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (n,) or (n, channels), or a sequence of ndarray, shape (n,)
+        Of any type of number; a value that is not finite is left out.
+    length : float
+        Of a block [s].
+    time_ns : ndarray of int64, shape (n,), optional
+        Stamps, not descending [ns].
+    sample_interval : float, optional
+        From sample to sample [s], where there are no stamps.
+
+    Raises
+    ------
+    DataError
+        If the shapes do not fit, there is no sample, or time runs backwards.
+    PlanError
+        If a block is not longer than no time, or there are neither stamps nor an interval.
+    """
+    channels = columns(signal)
+    n = len(channels[0])
+    if not length * SECOND >= 1.0:
+        raise PlanError(f"blocks of {length:g} s, need a positive length")
+    if time_ns is None:
+        if not (sample_interval and sample_interval > 0.0):
+            raise PlanError("no time and no sample interval", do="Give time_ns or sample_interval")
+        time_ns = np.rint(np.arange(n) * (sample_interval * SECOND)).astype(np.int64)
+    if time_ns.shape != (n,):
+        raise DataError(f"{n} samples, time of shape {time_ns.shape}")
+    first, at = _first(time_ns, round(length * SECOND))
+    stop = np.append(first[1:], n)
+    return Blocks(first, stop, at, int(time_ns[0]), round(length * SECOND), *moments(channels, first, stop))
+
+
+def columns(signal: Signal) -> list[NDArray[Any]]:
+    """Return the channels of a signal one by one, each of shape (n,), not copied.
+
+    Raises
+    ------
+    DataError
+        If there are no samples, or channels of different length.
+    """
+    if isinstance(signal, np.ndarray):
+        table = signal[:, np.newaxis] if signal.ndim == 1 else signal
+        found = list(table.T) if table.ndim == 2 else []
+    else:
+        found = list(signal)
+    if not found or any(one.ndim != 1 or len(one) != len(found[0]) for one in found) or not len(found[0]):
+        shapes = [np.shape(one) for one in found] or np.shape(signal)
+        raise DataError(f"a signal of shape {shapes}, need (n,) or (n, channels) with samples")
+    return found
+
+
+def moments(
+    channels: Sequence[NDArray[Any]], first: Indices, stop: Indices
+) -> tuple[Array, Array, Array, Array, NDArray[np.int64]]:
+    """Return mean, variance, least, largest and number of the finite samples [first, stop), each (b, channels)."""
+    shape = (len(channels), len(first))
+    mean, variance, lo, hi = (np.empty(shape) for _ in range(4))
+    count = np.empty(shape, dtype=np.int64)
+    for k, x in enumerate(channels):
+        fill_moments(x, first, stop, mean[k], variance[k], lo[k], hi[k], count[k])
+    return mean.T, variance.T, lo.T, hi.T, count.T
+
+
+def _first(time_ns: Times, length: int) -> tuple[Indices, Indices]:
+    """First sample of each block that holds any, and its place in time."""
+    room = min(len(time_ns), (int(time_ns.max()) - int(time_ns[0])) // length + 1)
+    first, at = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
+    found = fill_first(time_ns, length, first, at)
+    if found < 0:
+        where, do = f"sample {-1 - found}", "Sort the record, or cut it there"
+        raise DataError("time runs backwards", where, do=do, code="time_backwards")
+    return first[:found], at[:found]
+
+
+def regrouped(blocks: Blocks, size: int) -> Blocks:
+    """Return blocks of ``size`` times the length, put together without looking at the samples again.
+
+    Raises
+    ------
+    PlanError
+        If the size is not positive.
+    """
+    if size < 1:
+        raise PlanError(f"{size} blocks put together, need 1 or more")
+    at = blocks.at // size
+    head = np.flatnonzero(np.diff(at, prepend=-1))
+    tail = np.append(head[1:], len(blocks)) - 1
+    count = np.add.reduceat(blocks.count, head, axis=0)
+    total = np.add.reduceat(np.where(blocks.count > 0, blocks.count * blocks.mean, 0.0), head, axis=0)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        mean = total / count
+        apart = blocks.mean - np.repeat(mean, np.diff(np.append(head, len(blocks))), axis=0)
+        inside = np.where(blocks.count > 1, (blocks.count - 1) * blocks.variance, 0.0)
+        squares = np.add.reduceat(inside + np.where(blocks.count > 0, blocks.count * apart**2, 0.0), head, axis=0)
+        variance = np.where(count > 1, squares / (count - 1), np.nan)
+    lo, hi = np.fmin.reduceat(blocks.lo, head, axis=0), np.fmax.reduceat(blocks.hi, head, axis=0)
+    length = size * blocks.length_ns
+    return Blocks(
+        blocks.first[head], blocks.stop[tail], at[head], blocks.start_ns, length, mean, variance, lo, hi, count
+    )

@@ -1,0 +1,449 @@
+"""Where the level or the scatter of a signal changes: the numerics under ``segments``.
+
+Levels are compared in two windows of ``w`` samples, left and right of every sample (moving sums, [1]_),
+for ``w`` = 1, 2, 4, ... from fine to coarse [2]_; what a fine scale has found, a coarse one does not look
+across. A change is called where the two means differ by more than a quantile of Student's t, whose tail is
+shared among all samples, scales and channels (Bonferroni): on white Gaussian noise the stated false-alarm
+probability is an upper bound.
+
+In noise that is not white, window means scatter more than white noise lets them. Each scale widens its
+threshold by the ratio that it finds between its changes, so coloured noise is not taken for motion, and a
+drift much slower than the longest window is not either.
+
+Arrays are time-first, (n, channels), finite; column-major order is fastest.
+
+References
+----------
+.. [1] Eichinger and Kirch, Bernoulli 24 (2018) 526-564: moving sums for several change points.
+.. [2] Messer et al., Annals of Applied Statistics 8 (2014) 2027-2067: windows of several widths, the finest
+   first.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...statistics.quantiles import chi_square_quantile, f_upper, normal_quantile
+from .noise_scale import Noise
+
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+HALF_NORMAL = normal_quantile(0.75)  # median of |x| for unit normal x
+WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
+BLUE = np.sqrt(2.0)  # most that single samples can differ more than white ones: neighbours opposed
+ROUNDS = 10
+PROBES = 4_000  # places at which the usual scatter of a statistic is measured
+FEWEST = 16  # places from which it can be
+LOW = 0.1  # quantile of window variances that, with the median, tells their spread
+RAMP = 3  # samples at each end of a stretch that may still belong to the ramp
+EDGE = 3.5  # standard deviations at which they do
+BESIDE = 8  # samples after the ramp that give the level there
+SHORTEST = RAMP + BESIDE + 1  # samples that a stretch needs
+
+
+def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
+    """Return the samples that stand alone: far from two neighbours that agree with each other.
+
+    Outliers nearer to each other than ``apart`` samples are no outliers but motion or noise, and stay.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    factor : float
+        In units of standard deviations.
+    apart : int
+        Least distance between two of them [samples].
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True where any channel has an outlier.
+    """
+    alone = np.zeros(len(y), dtype=bool)
+    calm = np.ones(len(y) - 2, dtype=bool)
+    far = np.zeros(len(y) - 2, dtype=bool)
+    for k in range(y.shape[1]):
+        before, here, after = y[:-2, k], y[1:-1, k], y[2:, k]
+        sigma = factor * noise.scale[k]
+        feigned = noise.feigned[k]
+        calm &= np.abs(after - before) <= np.sqrt(2.0) * sigma + feigned
+        far |= np.abs(here - 0.5 * (before + after)) > np.sqrt(1.5) * sigma + feigned
+    at = np.flatnonzero(far & calm) + 1
+    if at.size:
+        distance = np.diff(at, prepend=at[0] - apart, append=at[-1] + apart)
+        alone[at[(distance[:-1] >= apart) & (distance[1:] >= apart)]] = True
+    return alone
+
+
+def running_sum(y: Array) -> Array:
+    """Return the sums of the samples before each, shape (n + 1, channels), from which means are differences."""
+    total = np.zeros((len(y) + 1, y.shape[1]), order="F")
+    np.cumsum(y, axis=0, out=total[1:])
+    return total
+
+
+def level_changes(
+    total: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
+) -> tuple[Indices, Array]:
+    """Return where the level changes.
+
+    Parameters
+    ----------
+    total : ndarray, shape (n + 1, channels)
+        Running sum of the samples.
+    noise : Noise
+        Of these samples.
+    scales : tuple of int
+        Widths of the windows, ascending [samples].
+    quantile : ndarray, shape (channels,)
+        Threshold for the difference of two window means, in units of its standard deviation.
+    cuts : ndarray of int, shape (k,)
+        Changes that are known beforehand: 0, gaps, n.
+
+    Returns
+    -------
+    changes : ndarray of int
+        First sample after each change, with 0 and n, ascending.
+    widening : ndarray, shape (channels,)
+        By how much more than white noise the means of the widest windows scatter.
+    """
+    room = np.empty(total.T.shape)
+    widening = np.ones(total.shape[1])
+    for w in scales:
+        if len(total) <= 2 * w:
+            break
+        jumps = _fill_jumps(total, w, room)
+        cuts, widening = _changes_at_scale(jumps, noise, w, quantile, cuts, widening)
+    return cuts, widening
+
+
+def _fill_jumps(total: Array, w: int, room: Array) -> Array:
+    """Difference, without sign, of the means of w samples after and before samples w .. n - w, a row a channel."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    jumps = room[:, : len(total) - 2 * w]
+    for running, jump in zip(total.T, jumps, strict=True):
+        kernels.fill_jump(running, w, jump)
+    return jumps
+
+
+def _changes_at_scale(
+    jumps: Array, noise: Noise, w: int, quantile: Array, cuts: Indices, widening: Array
+) -> tuple[Indices, Array]:
+    """Add the changes seen at one scale; carry the widening on where the scale cannot measure its own."""
+    white = noise.scale * np.sqrt(2.0 / w)
+    found, wide = cuts, np.ones(len(white))
+    at = _above(jumps, np.maximum(quantile * white, noise.feigned))  # limits only grow
+    for _ in range(ROUNDS):
+        found = _exceedances(jumps, at, np.maximum(quantile * white * wide, noise.feigned), w, cuts)
+        measured = _measured_widening(jumps, white, w, found)
+        if measured is None:
+            limit = np.maximum(quantile * white * np.maximum(wide, widening), noise.feigned)
+            return _exceedances(jumps, at, limit, w, cuts), widening
+        if w == 1:
+            measured = np.minimum(measured, BLUE)
+        if np.all(measured <= WIDEN * wide):
+            break
+        wide = np.maximum(wide, measured)
+    return found, wide
+
+
+def _above(jumps: Array, limit: Array) -> Indices:
+    """Places at which the jump of any channel exceeds its limit."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    over = np.zeros(jumps.shape[1], dtype=bool)
+    for jump, bound in zip(jumps, limit, strict=True):
+        kernels.mark_above(jump, bound, over)
+    return np.flatnonzero(over)
+
+
+def _exceedances(jumps: Array, at: Indices, limit: Array, w: int, cuts: Indices) -> Indices:
+    """Cuts with those of places ``at`` added whose jump exceeds its limit and is the largest for w samples around."""
+    hits = at[(jumps[:, at] > limit[:, None]).any(axis=0)] + w
+    if w == 1:
+        return _joined(cuts, hits)
+    for _ in range(ROUNDS):
+        hits = hits[_clear(hits, w, cuts)]
+        if not len(hits):
+            break
+        score = (jumps[:, hits - w] / np.where(limit > 0.0, limit, np.finfo(float).tiny)[:, None]).max(axis=0)
+        cuts = _joined(cuts, hits[_highest(hits, score, w)])
+    return cuts
+
+
+def _highest(at: Indices, score: Array, w: int) -> Indices:
+    """Which of the places ``at`` are the highest for w samples around, ascending."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    room, kept = np.empty(len(at), dtype=np.int64), np.empty(len(at), dtype=bool)
+    peaks = room[: kernels.fill_peaks(at, score, room)]
+    kernels.drop_lower(at[peaks], np.argsort(score[peaks]), w, kept[: len(peaks)])
+    return peaks[kept[: len(peaks)]]
+
+
+def _joined(cuts: Indices, new: Indices) -> Indices:
+    """Both, ascending, each once."""
+    every = np.sort(np.concatenate((cuts, new)))
+    return every[np.diff(every, prepend=-1) > 0]
+
+
+def _clear(at: Indices, w: int, cuts: Indices) -> Flags:
+    """Which of the indices are w samples or more from the nearest cut, shape of ``at``."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    clear = np.empty(len(at), dtype=bool)
+    kernels.fill_clear(at, w, cuts, clear)
+    return clear
+
+
+def _measured_widening(jumps: Array, white: Array, w: int, cuts: Indices) -> Array | None:
+    """Ratio of the scatter of jumps between changes to that of white noise; None from too few."""
+    every = np.arange(0, jumps.shape[1], max(1, w // 2, jumps.shape[1] // PROBES))
+    free = every[_clear(every + w, w, cuts)]
+    if len(free) < FEWEST:
+        return None
+    median = _medians(jumps[:, free])
+    ratio: Array = np.divide(median, HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
+    return ratio
+
+
+def _medians(rows: Array) -> Array:
+    """Medians of finite rows, shape (channels,); one partition each, where ``numpy.median`` takes three."""
+    half = rows.shape[1] // 2
+    parted = np.partition(rows, half, axis=1)
+    upper: Array = parted[:, half]
+    return upper if rows.shape[1] % 2 else 0.5 * (parted[:, :half].max(axis=1) + upper)
+
+
+def covered(start: Indices, stop: Indices, n: int) -> Flags:
+    """Return which of n samples lie in one of the stretches [start, stop), both ascending, shape (n,)."""
+    start, stop = np.clip(start, 0, n), np.clip(stop, 0, n)
+    flags = np.zeros(n + 1, dtype=np.int8)
+    if len(start):
+        apart = start[1:] > stop[:-1]
+        flags[start[np.r_[True, apart]]] += 1
+        flags[stop[np.r_[apart, True]]] -= 1
+    inside: Flags = np.cumsum(flags[:n], dtype=np.int8) > 0
+    return inside
+
+
+def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indices) -> Flags:
+    """Return the samples in windows that scatter more than noise does.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    noise : Noise
+        Of these samples.
+    w : int
+        Width of the window [samples].
+    tail : float
+        False-alarm probability of one window.
+    start, stop : ndarray of int, shape (k,)
+        Stretches at one level, ascending and disjoint; windows lie inside.
+
+    Returns
+    -------
+    ndarray of bool, shape (n,)
+        True for all samples of a window in which any channel exceeds its limit.
+    """
+    inside = covered(start, stop, len(y))
+    cuts = np.concatenate(([0], np.cumsum(stop - start)))
+    size = max(0, int(cuts[-1]) - w + 1)
+    whole = ~covered(cuts[1:-1] - w + 1, cuts[1:-1], size)
+    found = np.zeros(len(y), dtype=bool)
+    if not whole.any():
+        return found
+    hot = np.zeros(size, dtype=bool)
+    probes = np.flatnonzero(whole)
+    probes = probes[:: max(1, w // 2, len(probes) // PROBES)]
+    for k in range(y.shape[1]):
+        variance = _window_variance(y[inside, k], cuts, w)
+        usual, dof = (0.0, w - 1.0) if noise.stated else _usual_variance(variance[probes], w)
+        hot |= variance > f_upper(tail, dof, noise.dof[k]) * max(noise.scale[k] ** 2, usual)
+    at = np.flatnonzero(hot & whole)
+    found[inside] = covered(at, at + w, int(cuts[-1]))
+    return found
+
+
+def _usual_variance(variance: Array, w: int) -> tuple[float, float]:
+    """Usual variance of windows of w samples, and its degrees of freedom: fewer where noise is not white."""
+    low, median = np.quantile(variance, (LOW, 0.5))
+    dof = float(w - 1)
+    if len(variance) >= 2 * FEWEST and low > 0.0:
+        dof = min(dof, float(np.interp(low / median, *_spread_of_variance())))
+    return float(median / chi_square_quantile(0.5, dof) * dof), dof
+
+
+@cache
+def _spread_of_variance() -> tuple[Array, Array]:
+    """Ratio of a low quantile to the median of chi-square, ascending, and the degrees of freedom for it."""
+    dof = np.geomspace(0.5, 500.0, 100)
+    return chi_square_quantile(LOW, dof) / chi_square_quantile(0.5, dof), dof
+
+
+def _window_variance(y: Array, cuts: Indices, w: int) -> Array:
+    """Variance (w - 1) of samples i .. i + w, shape (n - w + 1,); levels are taken off to keep digits."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    variance = np.empty(len(y) - w + 1)
+    kernels.fill_window_variance(y, cuts, w, np.empty(len(y)), variance)
+    return variance
+
+
+def settled_ends(
+    y: Array, total: Array, noise: Noise, start: Indices, stop: Indices, walls: Indices
+) -> tuple[Indices, Indices]:
+    """Return stretches whose ends lie where the samples settle at the level inside, three samples off at most.
+
+    A sample at an end that does not fit the level just inside is given up; one before the end that does fit
+    is taken in, if no other stretch holds it.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels)
+        Finite samples.
+    total : ndarray, shape (n + 1, channels)
+        Their running sum.
+    noise : Noise
+        Of these samples.
+    start, stop : ndarray of int, shape (k,)
+        Ascending, disjoint stretches of at least ``SHORTEST`` samples.
+    walls : ndarray of int
+        0, long gaps and n: no end moves across, an end there stays.
+
+    Returns
+    -------
+    start, stop : ndarray of int, shape (k,)
+        Ascending and disjoint.
+    """
+    first = (total[start + RAMP + BESIDE] - total[start + RAMP]) / BESIDE
+    last = (total[stop - RAMP] - total[stop - RAMP - BESIDE]) / BESIDE
+    limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / BESIDE)
+    start = _settled(start, 1, y, first, limit, walls, np.concatenate(([0], stop[:-1])))
+    stop = _settled(stop, -1, y, last, limit, walls, np.concatenate((start[1:], [len(y)])))
+    return start, stop
+
+
+def _settled(
+    edge: Indices, inward: int, y: Array, level: Array, limit: Array, walls: Indices, neighbour: Indices
+) -> Indices:
+    """Edges moved inward over samples that do not fit the level, or else outward over those that do."""
+    inner, outer = (0, -1) if inward > 0 else (-1, 0)
+
+    def fits(at: Indices) -> Flags:
+        off = np.abs(y[np.clip(at, 0, len(y) - 1)] - level)
+        return np.asarray((off <= limit).all(axis=1))
+
+    free = ~np.isin(edge, walls)
+    giving, moved = free.copy(), edge
+    for _ in range(RAMP):
+        giving &= ~fits(moved + inner)
+        moved = moved + inward * giving
+    taking = free & (moved == edge)
+    for _ in range(RAMP):
+        taking &= ((moved - neighbour) * inward > 0) & ~np.isin(moved, walls) & fits(moved + outer)
+        moved = moved - inward * taking
+    return moved
+
+
+def joined_where_equal(
+    total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices, walls: Indices, longest: int
+) -> tuple[Indices, Indices]:
+    """Return stretches joined where they touch and their levels, over the widest windows, do not differ.
+
+    A disturbance of a few samples makes a change on a fine scale that a wide one does not see.
+
+    Parameters
+    ----------
+    total : ndarray, shape (n + 1, channels)
+        Running sum of the samples.
+    noise : Noise
+        Of these samples.
+    quantile : ndarray, shape (channels,)
+        Threshold in standard deviations of the difference.
+    start, stop : ndarray of int, shape (k,)
+        Ascending, disjoint stretches.
+    walls : ndarray of int
+        0, long gaps and n: stretches are not joined across.
+    longest : int
+        Widest window [samples].
+
+    Returns
+    -------
+    start, stop : ndarray of int
+        Ascending and disjoint.
+    """
+    at = np.flatnonzero((start[1:] == stop[:-1]) & ~np.isin(start[1:], walls))
+    edge = stop[at]
+    left = np.minimum(stop[at] - start[at], longest)
+    right = np.minimum(stop[at + 1] - start[at + 1], longest)
+    same = at[~_differ(total, noise, quantile, (edge - left, edge), (edge, edge + right))]
+    return np.delete(start, same + 1), np.delete(stop, same)
+
+
+def sloping(total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
+    """Return which stretches have two halves at different levels, shape (k,).
+
+    Parameters
+    ----------
+    total : ndarray, shape (n + 1, channels)
+        Running sum of the samples.
+    noise : Noise
+        Of these samples.
+    quantile : ndarray, shape (channels,)
+        Threshold in standard deviations of the difference.
+    start, stop : ndarray of int, shape (k,)
+        Stretches of two samples or more.
+    """
+    half = (stop - start) // 2
+    return _differ(total, noise, quantile, (start, start + half), (stop - half, stop))
+
+
+def _differ(
+    total: Array,
+    noise: Noise,
+    quantile: Array,
+    one: tuple[Indices, Indices],
+    other: tuple[Indices, Indices],
+) -> Flags:
+    """Which pairs of stretches have different means in any channel, shape (k,)."""
+    sizes = [(b - a)[:, None] for a, b in (one, other)]
+    means = [(total[b] - total[a]) / size for (a, b), size in zip((one, other), sizes, strict=True)]
+    sigma = noise.scale * np.sqrt(1.0 / sizes[0] + 1.0 / sizes[1])
+    far: Flags = (np.abs(means[0] - means[1]) > np.maximum(quantile * sigma, noise.feigned)).any(axis=1)
+    return far
+
+
+def stretches(start: Indices, stop: Indices, keep: Flags) -> tuple[Indices, Indices]:
+    """Return the parts of ascending, disjoint stretches in which every sample is kept.
+
+    Parameters
+    ----------
+    start, stop : ndarray of int, shape (k,)
+        Half-open.
+    keep : ndarray of bool, shape (n,)
+        Samples to keep.
+
+    Returns
+    -------
+    start, stop : ndarray of int
+        Half-open, ascending.
+    """
+    kept = covered(start, stop, len(keep)) & keep
+    begins = np.flatnonzero(kept & ~np.concatenate(([False], kept[:-1])))
+    inner = start[kept[start]] if len(start) else start
+    first = _joined(begins, inner)
+    ends = np.flatnonzero(kept & ~np.concatenate((kept[1:], [False]))) + 1
+    outer = stop[kept[stop - 1]] if len(stop) else stop
+    return first, _joined(ends, outer)

@@ -1,0 +1,192 @@
+"""Dwell: one stretch of a signal, reduced to a reading with its scatter, and every sample accounted for.
+
+The first and last samples of a dwell may be averages that reach into the ramp; they are dropped and
+counted. Samples that are not finite and single outliers are left out and counted too. The mean of n
+samples of correlated noise is worth fewer than n: the effective size follows from the correlation of
+neighbours as for a first-order autoregressive process [1]_, its estimate corrected for the bias of a
+short series [2]_ and never below zero, so that it cannot promise more than n.
+
+``schedule`` cuts dwells whose edges are known from elsewhere, ``segments`` those that the signal shows.
+
+References
+----------
+.. [1] Bayley and Hammersley, Suppl. J. Royal Statistical Society 8 (1946) 184-197: effective number of
+   independent observations.
+.. [2] Marriott and Pope, Biometrika 41 (1954) 390-402: bias of an estimated autocorrelation.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import PlanError
+from ...core.estimate import Array
+from ..time.samples import Flags, Samples
+
+FEWEST = 8  # samples from which a correlation can be told
+CORRELATED = 0.99  # largest correlation of neighbours that is told from drift
+
+
+@dataclass(frozen=True, eq=False)
+class Dwell:
+    """A stretch at one level, as one reading.
+
+    Parameters
+    ----------
+    start, stop : int
+        Samples used, half-open; what was dropped at the edges lies outside.
+    mean : ndarray, shape (channels,)
+        Of the samples used [unit of the signal].
+    scatter : ndarray, shape (channels,)
+        Standard deviation of the samples used (n - 1) [unit of the signal].
+    n : int
+        Samples used.
+    n_effective : ndarray, shape (channels,)
+        Independent samples that they are worth for the mean.
+    time_ns : tuple of int, or None
+        First and last stamp used [ns].
+    edge_dropped : int
+        Samples dropped at the two edges.
+    missing : int
+        Samples inside that are not finite.
+    outliers : int
+        Single outliers inside, left out.
+    gaps : int
+        Gaps of the time axis inside.
+    disturbed : int
+        Samples of the same placement left out because of a disturbance.
+    stuck : ndarray of bool, shape (channels,)
+        Whether all samples used are equal.
+    applied : ndarray, shape (applied channels,), or None
+        Mean of the reference over the samples used, where the dwell was cut by one.
+    """
+
+    start: int
+    stop: int
+    mean: Array
+    scatter: Array
+    n: int
+    n_effective: Array
+    time_ns: tuple[int, int] | None
+    edge_dropped: int
+    missing: int
+    outliers: int
+    gaps: int
+    stuck: Flags
+    disturbed: int = 0
+    applied: Array | None = None
+
+    @property
+    def u(self) -> Array:
+        """Standard uncertainty of the mean from the scatter inside the dwell alone, shape (channels,)."""
+        return self.scatter / np.sqrt(self.n_effective)
+
+
+@dataclass(frozen=True)
+class Tally:
+    """Where every sample of a record went: the six parts add up to ``samples``."""
+
+    samples: int
+    used: int
+    edge_dropped: int
+    missing: int
+    outliers: int
+    disturbed: int
+    outside: int
+
+
+def tally(dwells: Sequence[Dwell], samples: int) -> Tally:
+    """Count what of a record of so many samples its dwells use, and why not the rest.
+
+    ``missing`` and ``outliers`` count inside the dwells; ``outside`` is all that belongs to no dwell.
+    """
+    parts = {
+        name: sum(getattr(dwell, name) for dwell in dwells)
+        for name in ("edge_dropped", "missing", "outliers", "disturbed")
+    }
+    used = sum(dwell.n for dwell in dwells)
+    return Tally(samples, used, **parts, outside=samples - used - sum(parts.values()))
+
+
+def dwell_of(samples: Samples, start: int, stop: int, drop_edge: int = 1, disturbed: int = 0) -> Dwell | None:
+    """Reduce the stretch [start, stop) to a reading.
+
+    Parameters
+    ----------
+    samples : Samples
+        Of the whole record.
+    start, stop : int
+        Half-open.
+    drop_edge : int
+        Good samples to drop at each end.
+    disturbed : int
+        Samples of the same placement that the caller has left out.
+
+    Returns
+    -------
+    Dwell or None
+        None where fewer than two samples are left.
+
+    Raises
+    ------
+    PlanError
+        If ``drop_edge`` is negative.
+    """
+    if drop_edge < 0:
+        raise PlanError(f"drop_edge {drop_edge}, need 0 or more")
+    good = np.flatnonzero(samples.finite[start:stop] & ~samples.outlier[start:stop]) + start
+    used = good[drop_edge : len(good) - drop_edge]
+    if len(used) < 2:
+        return None
+    first, last = int(used[0]), int(used[-1])
+    missing = int(np.count_nonzero(~samples.finite[first : last + 1]))
+    times = None if samples.time_ns is None else (int(samples.time_ns[first]), int(samples.time_ns[last]))
+    x = samples.values[first : last + 1]
+    x = x if len(x) == len(used) else np.asfortranarray(x[used - first])
+    return Dwell(
+        start=first,
+        stop=last + 1,
+        mean=x.mean(axis=0),
+        scatter=x.std(axis=0, ddof=1),
+        n=len(used),
+        n_effective=effective_size(x, (np.diff(used) == 1) & ~samples.gap[used[1:]]),
+        time_ns=times,
+        edge_dropped=2 * drop_edge,
+        missing=missing,
+        outliers=last + 1 - first - len(used) - missing,
+        gaps=int(np.count_nonzero(samples.gap[first + 1 : last + 1])),
+        stuck=x.max(axis=0) == x.min(axis=0),
+        disturbed=disturbed,
+    )
+
+
+def effective_size(x: Array, neighbours: Flags | None = None) -> Array:
+    """Independent samples that correlated ones are worth for their mean.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, channels)
+        One stretch.
+    neighbours : ndarray of bool, shape (n - 1,), optional
+        Which samples are followed by their neighbour; all by default.
+
+    Returns
+    -------
+    ndarray, shape (channels,)
+        Between 1 and n.
+    """
+    n = len(x)
+    pairs = np.ones(n - 1, dtype=bool) if neighbours is None else neighbours
+    residual = x - x.mean(axis=0)
+    variance = np.einsum("ij,ij->j", residual, residual) / n
+    variance[x.max(axis=0) == x.min(axis=0)] = 0.0  # what is left there is rounding
+    if n < FEWEST or not pairs.any():
+        return np.full(x.shape[1], float(n))
+    products = np.einsum("ij,ij,i->j", residual[:-1], residual[1:], pairs.astype(np.float64)) / pairs.sum()
+    raw = np.divide(products, variance, out=np.zeros_like(variance), where=variance > 0.0)
+    rho = np.clip((n * raw + 1.0) / (n - 4.0), 0.0, CORRELATED)
+    worth = n / (1.0 + 2.0 * rho / (1.0 - rho) * (1.0 - (1.0 - rho**n) / (n * (1.0 - rho))))
+    return np.where(variance > 0.0, np.clip(worth, 1.0, n), float(n))

@@ -1,0 +1,124 @@
+"""Scatter of a sample where nothing happens, measured on a record in which much may happen.
+
+The variance of blocks of eight samples is pooled over those blocks that agree with the quietest fifth.
+So a record that moves half of its time does not raise the noise, and a sensor that is stuck for a while
+does not lower it. Where the converter's step hides the noise, half a step stands in for it: a level
+between two codes scatters that much.
+
+Arrays are time-first, (n, channels), finite; column-major order is fastest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import PlanError
+from ...core.estimate import Array
+from ...statistics.quantiles import chi_square_quantile, chi_square_upper
+
+BLOCK = 8  # samples: long enough for a variance, short enough to lie inside a dwell of 30
+QUIET = 0.2  # quantile of block variances that is taken as quiet at first: 4 of 5 blocks may move
+QUIET_TAIL = 1e-3  # part of the quiet blocks that clipping leaves out
+LIVE = 5  # of the 7 differences in a block are not zero, or the converter's step hides the noise
+LIVE_BLOCKS = 0.05  # part of the blocks that must be live
+ROUNDS = 50
+KNOWN = 1e6  # degrees of freedom of what is stated
+
+
+@dataclass(frozen=True, eq=False)
+class Noise:
+    """Scatter per channel where nothing happens.
+
+    Parameters
+    ----------
+    scale : ndarray, shape (channels,)
+        Standard deviation of a sample, at least half a step [unit of the signal].
+    dof : ndarray, shape (channels,)
+        Degrees of freedom of ``scale``.
+    step : ndarray, shape (channels,)
+        Smallest difference, other than zero, between two neighbouring samples [unit of the signal].
+    live : ndarray of bool, shape (channels,)
+        Whether the noise is larger than half a step, so that many equal neighbours mean a stuck sensor.
+    stated : bool
+        Whether it was stated, not measured.
+    """
+
+    scale: Array
+    dof: Array
+    step: Array
+    live: NDArray[np.bool_]
+    stated: bool = False
+
+    @property
+    def feigned(self) -> Array:
+        """Difference of two levels that quantisation can feign, shape (channels,): a step, or 0 where live."""
+        return np.where(self.live, 0.0, self.step)
+
+
+def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
+    """Return the scatter of the quiet part of a signal, or the stated one.
+
+    Parameters
+    ----------
+    y : ndarray, shape (n, channels), n >= 16
+        Finite samples.
+    stated : tuple of float, optional
+        Standard deviation of a sample, one a channel, taken as known [unit of the signal].
+
+    Returns
+    -------
+    Noise
+        Per channel.
+
+    Raises
+    ------
+    PlanError
+        If another number of values is stated than there are channels.
+    """
+    if stated is not None and len(stated) != y.shape[1]:
+        raise PlanError(f"{len(stated)} value(s) of noise stated for {y.shape[1]} channel(s)")
+    columns = [_of_channel(y[:, k]) if stated is None else _stated(y[:, k], stated[k]) for k in range(y.shape[1])]
+    scale, dof, step, live = (np.array(values) for values in zip(*columns, strict=True))
+    return Noise(scale, dof, step, live, stated is not None)
+
+
+def _of_channel(y: Array) -> tuple[float, float, float, bool]:
+    variance, different, step = _blocks(y)
+    alive = different >= LIVE
+    variance = variance[alive]
+    if len(variance) < max(2.0, LIVE_BLOCKS * len(alive)):
+        return 0.5 * step, float((BLOCK - 1) * len(alive)), step, False
+    pooled, kept = _pool_quiet(variance)
+    scale = float(np.sqrt(pooled))
+    return max(scale, 0.5 * step), float(kept * (BLOCK - 1)), step, scale >= 0.5 * step
+
+
+def _stated(y: Array, scale: float) -> tuple[float, float, float, bool]:
+    step = _blocks(y)[2]
+    return max(scale, 0.5 * step), KNOWN, step, scale >= 0.5 * step
+
+
+def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
+    """Variances of blocks, differences in each that are not zero, smallest of all that is not; 0 if all are."""
+    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
+
+    count = len(y) // BLOCK
+    variance, different = np.empty(count), np.empty(count, dtype=np.int64)
+    return variance, different, float(kernels.fill_blocks(y, BLOCK, variance, different))
+
+
+def _pool_quiet(variance: Array) -> tuple[float, int]:
+    """Mean variance of the quiet blocks, and their number."""
+    dof = BLOCK - 1
+    limit = float(chi_square_upper(QUIET_TAIL, dof)) / dof
+    pooled = float(np.quantile(variance, QUIET) / (float(chi_square_quantile(QUIET, dof)) / dof))
+    kept = np.zeros(len(variance), dtype=bool)
+    for _ in range(ROUNDS):
+        now = variance <= limit * pooled
+        if not now.any() or np.array_equal(now, kept):
+            break
+        kept, pooled = now, float(variance[now].mean())
+    return pooled, max(1, int(np.count_nonzero(kept)))

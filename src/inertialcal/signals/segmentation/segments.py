@@ -1,0 +1,400 @@
+"""Still and moving stretches of a signal: one detector, and three selections from what it finds.
+
+*Still* means that the level is constant within the noise and the scatter is that of the noise: a table that
+turns at a constant rate is still for a rate sensor, so is a sensor lying in any attitude for an
+accelerometer. *Moving* is all that is not shown to be still: ramps, hands, shaking, stretches too short to
+judge, samples that are missing for too long.
+
+The detector is ``still_stretches``, the noise under it ``noise_scale``, its tests ``change_points``. What it
+cannot do: tell a drift slower than its longest window from a constant level; find a step
+smaller than the noise of two window means (0.006 deg/s at a noise of 0.004 deg/s in a dwell of 30 samples,
+say); take a stretch for still whose noise is more than twice that of the quietest. Where a reference or a schedule
+exists, cut by that (``dwells_by_reference``, ``dwells_by_windows``).
+
+Selections: ``dwells`` (every still stretch long enough), ``static_intervals`` (one for each placement of a
+sensor set down by hand), ``quiet_windows`` (equally long windows inside still stretches). All give Dwells. ``turns``
+selects the turns of a head from a long record, by its block means and variances.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.recording import Times
+from ...core.remarks import Remark
+from ..time.samples import Flags, Indices, Samples, samples_of
+from ..time.schedule import dwells_by_reference, dwells_by_windows
+from .dwells import Dwell, Tally, dwell_of, tally
+from .noise_scale import BLOCK, Noise
+from .still_stretches import Detection, Found, still_stretches
+
+__all__ = [
+    "Detection",
+    "Dwell",
+    "Interval",
+    "Segmentation",
+    "Tally",
+    "detect",
+    "dwells",
+    "dwells_by_reference",
+    "dwells_by_windows",
+    "placement_groups",
+    "quiet_windows",
+    "static_intervals",
+    "tally",
+]
+
+Kind = Literal["still", "moving"]
+
+NOT_WHITE = 3.0  # widening from which it is remarked
+
+
+@dataclass(frozen=True, eq=False)
+class Interval:
+    """One stretch: samples [start, stop), its kind, and level and scatter of each channel in it."""
+
+    start: int
+    stop: int
+    kind: Kind
+    level: Array
+    scatter: Array
+
+
+@dataclass(frozen=True, eq=False)
+class Segmentation:
+    """A record cut into still and moving stretches that together hold every sample once.
+
+    Parameters
+    ----------
+    start, stop : ndarray of int, shape (k,)
+        Stretches in order, half-open; ``stop[i] == start[i + 1]``.
+    still : ndarray of bool, shape (k,)
+        Still or moving.
+    level, scatter : ndarray, shape (k, channels)
+        Mean and standard deviation (n - 1) of the good samples; NaN where there are none, or one.
+    noise : Noise
+        Scatter of a sample where nothing happens.
+    widening : ndarray, shape (channels,)
+        By how much more than white noise the means of the widest windows scatter between changes.
+    samples : Samples
+        The signal with its single outliers marked.
+    stuck : ndarray of bool, shape (k,)
+        Still stretches in which a channel that is noisy elsewhere does not vary at all.
+    plan : Detection
+        What it was found with.
+    """
+
+    start: Indices
+    stop: Indices
+    still: Flags
+    level: Array
+    scatter: Array
+    noise: Noise
+    widening: Array
+    samples: Samples
+    stuck: Flags
+    plan: Detection
+
+    def __len__(self) -> int:
+        return len(self.start)
+
+    @property
+    def intervals(self) -> tuple[Interval, ...]:
+        """The stretches one by one."""
+        kinds: tuple[Kind, Kind] = ("moving", "still")
+        return tuple(
+            Interval(int(self.start[i]), int(self.stop[i]), kinds[int(self.still[i])], level, scatter)
+            for i, (level, scatter) in enumerate(zip(self.level, self.scatter, strict=True))
+        )
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Samples missing, outliers set aside, noise far from white, stretches in which a channel is stuck."""
+        missing = int(np.count_nonzero(~self.samples.finite))
+        outliers, stuck = int(np.count_nonzero(self.samples.outlier)), int(np.count_nonzero(self.stuck))
+        found = []
+        if missing:
+            found.append(Remark("missing_samples", "info", "sample without a value, left out", count=missing))
+        if outliers:
+            where = f"sample {np.argmax(self.samples.outlier)}"
+            found.append(Remark("outliers", "warning", "single outlier, left out", where, outliers))
+        if np.any(self.widening > NOT_WHITE):
+            ratio = float(self.widening.max())
+            text = f"window means scatter {ratio:.2g} times as much as white noise: slow motion may hide in it"
+            do = "Unless the noise is filtered, state the noise at rest"
+            found.append(Remark("noise_not_white", "warning", text, do=do))
+        if stuck:
+            where = f"sample {self.start[np.flatnonzero(self.stuck)[0]]}"
+            text = "a channel repeats one value for a whole stretch"
+            found.append(Remark("stuck", "warning", text, where, stuck, "Check for saturation"))
+        return tuple(found)
+
+
+def detect(
+    signal: NDArray[Any],
+    time_ns: Times | None = None,
+    sample_interval: float | None = None,
+    plan: Detection | None = None,
+) -> Segmentation:
+    """Cut a signal into still and moving stretches.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (n,) or (n, channels)
+        In any unit; a sample with a value that is not finite is left out. A stretch is still if every
+        channel is.
+    time_ns : ndarray of int64, shape (n,), optional
+        Stamps, not descending [ns]; without them neighbouring samples count as one sample interval apart.
+    sample_interval : float, optional
+        Nominal time from sample to sample [s]; from the stamps by default.
+    plan : Detection, optional
+        Default settings if absent.
+
+    Returns
+    -------
+    Segmentation
+        Every sample in one stretch.
+
+    Raises
+    ------
+    DataError
+        If a channel has no values, fewer than 16 good samples are left, or the time does not fit.
+    """
+    plan = plan or Detection()
+    samples = samples_of(signal, time_ns, sample_interval)
+    rows = _good_rows(samples)
+    good = samples.values if len(rows) == len(samples.values) else samples.values[rows]
+    return _segmentation(samples, rows, still_stretches(good, samples.ticks[rows], plan), plan)
+
+
+def _good_rows(samples: Samples) -> Indices:
+    rows = np.flatnonzero(samples.finite)
+    n, channels = samples.values.shape
+    if not len(rows) and n:
+        dead = [str(k) for k in range(channels) if not np.isfinite(samples.values[:, k]).any()]
+        if dead:
+            raise DataError(
+                f"channel {', '.join(dead)} of {channels} holds no value",
+                why="a stretch is still only where every channel is",
+                do="Leave the channel out",
+                code="no_values",
+            )
+    if len(rows) < 2 * BLOCK:
+        raise DataError(
+            f"{len(rows)} good sample(s) of {n}, need {2 * BLOCK} or more",
+            why="the noise cannot be measured",
+            code="too_short",
+        )
+    return rows
+
+
+def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection) -> Segmentation:
+    """Fill what lies between the still stretches with moving ones, and measure them all."""
+    n = len(samples.values)
+    outlier = np.zeros(n, dtype=bool)
+    outlier[rows] = found.outlier
+    samples = replace(samples, outlier=outlier)
+    first, after = rows[found.start], rows[found.stop - 1] + 1
+    edges = np.unique(np.concatenate(([0, n], first, after)))
+    start, stop = edges[:-1], edges[1:]
+    still = np.isin(start, first)
+    level, scatter, frozen = _measured(samples, edges)
+    stuck = still & (frozen & found.noise.live).any(axis=1)
+    return Segmentation(start, stop, still, level, scatter, found.noise, found.widening, samples, stuck, plan)
+
+
+def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
+    """Give mean and standard deviation of the good samples of each stretch, and whether all are equal."""
+    from .._kernels import fill_moments  # noqa: PLC0415 - importing numba takes longer than most records
+
+    left_out = ~samples.finite | samples.outlier
+    shape = len(edges) - 1, samples.values.shape[1]
+    level, variance, low, high = (np.empty(shape, order="F") for _ in range(4))
+    count = np.empty(shape[0], dtype=np.int64)
+    for k in range(shape[1]):
+        x = samples.values[:, k]
+        if left_out.any():
+            x = np.where(left_out, np.nan, x)
+        out = (level[:, k], variance[:, k], low[:, k], high[:, k], count)
+        fill_moments(x, edges[:-1], edges[1:], *out)
+    return np.ascontiguousarray(level), np.sqrt(np.ascontiguousarray(variance)), low == high
+
+
+def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Samples:
+    """Give the samples of a signal of the same clock, or of the segmented one where it is absent."""
+    own = segmentation.samples
+    if signal is None:
+        return own
+    other = samples_of(signal)
+    if len(other.values) != len(own.values):
+        raise DataError(f"{len(other.values)} samples, the segmented signal has {len(own.values)}")
+    return replace(own, values=other.values, finite=other.finite)
+
+
+def dwells(
+    segmentation: Segmentation,
+    signal: NDArray[Any] | None = None,
+    *,
+    min_samples: int | None = None,
+    min_duration: float | None = None,
+    drop_edge: int = 1,
+) -> tuple[Dwell, ...]:
+    """Reduce every still stretch that is long enough.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        From ``detect``.
+    signal : ndarray, shape (n,) or (n, channels), optional
+        What to reduce, on the same clock; the segmented signal by default.
+    min_samples, min_duration : int, float [s]
+        Shortest stretch, before its edges are dropped; every still stretch by default.
+    drop_edge : int
+        Good samples to drop at each end, one by default.
+
+    Returns
+    -------
+    tuple of Dwell
+        In order of time; ``tally`` tells where the other samples went.
+
+    Raises
+    ------
+    DataError
+        If the signal has another length.
+    PlanError
+        If a duration is given and no sample interval is known.
+    """
+    samples = _samples_like(segmentation, signal)
+    shortest = samples.duration(min_samples, min_duration, segmentation.plan.shortest)
+    chosen = segmentation.still & (segmentation.stop - segmentation.start >= shortest)
+    return _reduced(samples, segmentation.start[chosen], segmentation.stop[chosen], drop_edge)
+
+
+def _reduced(samples: Samples, start: Indices, stop: Indices, drop_edge: int) -> tuple[Dwell, ...]:
+    every = (dwell_of(samples, int(a), int(b), drop_edge) for a, b in zip(start, stop, strict=True))
+    return tuple(dwell for dwell in every if dwell is not None)
+
+
+def static_intervals(
+    segmentation: Segmentation,
+    signal: NDArray[Any] | None = None,
+    *,
+    min_samples: int | None = None,
+    min_duration: float | None = None,
+    longest_disturbance: float = 0.5,
+    same_level: float = 5.0,
+    drop_edge: int = 1,
+) -> tuple[Dwell, ...]:
+    """Reduce one still stretch for each placement of a sensor.
+
+    A sensor set down by hand settles and is jogged: one placement can show several still stretches at nearly
+    one level. Of each placement the longest is taken; the rest of it is counted as disturbed.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        From ``detect``.
+    signal : ndarray, shape (n,) or (n, channels), optional
+        What to reduce, on the same clock; the segmented signal by default.
+    min_samples, min_duration : int, float [s]
+        Shortest stretch, before its edges are dropped; one second by default.
+    longest_disturbance : float
+        Longest moving stretch inside a placement, as a part of the shortest static interval.
+    same_level : float
+        Largest difference of level inside a placement, in standard deviations of the noise.
+    drop_edge : int
+        Good samples to drop at each end, one by default.
+
+    Returns
+    -------
+    tuple of Dwell
+        In order of time.
+
+    Raises
+    ------
+    DataError
+        If the signal has another length.
+    PlanError
+        If the length is in seconds and no sample interval is known.
+    """
+    samples = _samples_like(segmentation, signal)
+    if min_samples is None and min_duration is None:
+        min_duration = 1.0
+    shortest = samples.duration(min_samples, min_duration, segmentation.plan.shortest)
+    found = []
+    for group in placement_groups(segmentation, longest_disturbance * shortest, same_level):
+        length = segmentation.stop[group] - segmentation.start[group]
+        best = group[int(np.argmax(length))]
+        a, b = int(segmentation.start[best]), int(segmentation.stop[best])
+        whole = int(segmentation.stop[group[-1]] - segmentation.start[group[0]])
+        dwell = dwell_of(samples, a, b, drop_edge, whole - (b - a)) if b - a >= shortest else None
+        if dwell is not None:
+            found.append(dwell)
+    return tuple(found)
+
+
+def placement_groups(segmentation: Segmentation, longest: float, same_level: float) -> list[Indices]:
+    """Still stretches, grouped where only a short disturbance parts them and the level stays."""
+    at = np.flatnonzero(segmentation.still)
+    if not len(at):
+        return []
+    apart = segmentation.start[at[1:]] - segmentation.stop[at[:-1]]
+    step = np.abs(np.diff(segmentation.level[at], axis=0)) - same_level * segmentation.noise.scale
+    new = (apart > longest) | (step > 0.0).any(axis=1)
+    return np.split(at, np.flatnonzero(new) + 1)
+
+
+def quiet_windows(
+    segmentation: Segmentation,
+    signal: NDArray[Any] | None = None,
+    *,
+    samples: int | None = None,
+    duration: float | None = None,
+    settle: int = 0,
+) -> tuple[Dwell, ...]:
+    """Reduce equally long windows, laid end to end into every still stretch.
+
+    Parameters
+    ----------
+    segmentation : Segmentation
+        From ``detect``.
+    signal : ndarray, shape (n,) or (n, channels), optional
+        What to reduce, on the same clock; the segmented signal by default.
+    samples, duration : int, float [s]
+        Length of each window; one of the two.
+    settle : int
+        Samples to leave out at the start of each still stretch.
+
+    Returns
+    -------
+    tuple of Dwell
+        In order of time.
+
+    Raises
+    ------
+    DataError
+        If the signal has another length.
+    PlanError
+        If neither or both lengths are given, or seconds where no sample interval is known, or the length is
+        less than two samples.
+    """
+    cut = _samples_like(segmentation, signal)
+    if samples is None and duration is None:
+        raise PlanError("no length of the quiet windows", do="Give samples or duration")
+    length = cut.duration(samples, duration, 0)
+    if length < 2 or settle < 0:
+        raise PlanError(f"quiet windows of {length} sample(s) after {settle}, need 2 or more after 0 or more")
+    still = segmentation.still
+    start = [
+        first
+        for a, b in zip(segmentation.start[still] + settle, segmentation.stop[still], strict=True)
+        for first in range(int(a), int(b) - length + 1, length)
+    ]
+    at = np.array(start, dtype=np.int64)
+    return _reduced(cut, at, at + length, 0)

@@ -1,0 +1,197 @@
+"""Still stretches of a signal: from good samples in a row to first and last sample of each.
+
+The noise is measured, single outliers are set aside, the level changes cut the signal into pieces, and a
+piece is still if it is long enough, its two halves agree, and it is not louder than the noise.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.errors import PlanError
+from ...core.estimate import Array
+from ...statistics.quantiles import t_upper
+from ..time.samples import LONGEST_GAP, Flags, Indices
+from .change_points import (
+    SHORTEST,
+    covered,
+    joined_where_equal,
+    level_changes,
+    loud,
+    running_sum,
+    settled_ends,
+    single_outliers,
+    sloping,
+    stretches,
+)
+from .noise_scale import Noise, noise_scale
+
+
+@dataclass(frozen=True)
+class Detection:
+    """How still and moving are told apart.
+
+    Parameters
+    ----------
+    false_alarm : float
+        Probability that a record of white noise at a constant level is found to move at all.
+    shortest : int
+        Samples of the shortest still stretch, 12 or more.
+    longest_window : int
+        Samples of the widest window in which a level is averaged; a change spread over more than twice this
+        counts as drift.
+    longest_gap : float
+        Longest stretch without good samples that a still stretch may hold [sample intervals].
+    noise : tuple of float, optional
+        Standard deviation of a sample at rest, one a channel [unit of the signal]; measured by default. To
+        be stated where a record has no rest from which to measure it.
+
+    Raises
+    ------
+    PlanError
+        If a value is out of range.
+    """
+
+    false_alarm: float = 0.01
+    shortest: int = SHORTEST
+    longest_window: int = 32
+    longest_gap: float = LONGEST_GAP
+    noise: tuple[float, ...] | None = None
+
+    def __post_init__(self) -> None:
+        if not 0.0 < self.false_alarm < 1.0:
+            raise PlanError(f"false_alarm {self.false_alarm:g}, need a probability between 0 and 1")
+        if self.shortest < SHORTEST:
+            raise PlanError(f"shortest {self.shortest} samples, need {SHORTEST} or more")
+        if self.longest_window < 1:
+            raise PlanError(f"longest_window {self.longest_window} samples, need 1 or more")
+        if not self.longest_gap >= 1.0:
+            raise PlanError(f"longest_gap {self.longest_gap:g} sample intervals, need 1 or more")
+        if self.noise is not None and not all(sigma > 0.0 for sigma in self.noise):
+            raise PlanError(f"noise {self.noise}, need positive standard deviations")
+
+    @property
+    def scales(self) -> tuple[int, ...]:
+        """Widths of the windows: 1, 2, 4, ... up to the widest [samples]."""
+        return tuple(2**k for k in range(self.longest_window.bit_length()))
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """What ``still_stretches`` gives, in good samples counted from 0.
+
+    Parameters
+    ----------
+    start, stop : ndarray of int, shape (k,)
+        Still stretches, half-open, ascending.
+    outlier : ndarray of bool, shape (n,)
+        Single outliers inside them.
+    noise : Noise
+        Scatter of a sample where nothing happens.
+    widening : ndarray, shape (channels,)
+        By how much more than white noise the means of the widest windows scatter between changes.
+    """
+
+    start: Indices
+    stop: Indices
+    outlier: Flags
+    noise: Noise
+    widening: Array
+
+
+def still_stretches(x: Array, ticks: Array, plan: Detection) -> Found:
+    """Return the still stretches of a signal.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, channels), n >= 16
+        Good samples.
+    ticks : ndarray, shape (n,)
+        Their times [sample intervals].
+    plan : Detection
+        Settings.
+
+    Returns
+    -------
+    Found
+        Stretches, outliers, noise.
+
+    Raises
+    ------
+    PlanError
+        If the noise is stated for another number of channels.
+    """
+    y = np.asfortranarray(x - np.median(x.T[:, :: max(1, len(x) // 10_000)], axis=1))
+    noise = noise_scale(y, plan.noise)
+    outlier = _set_outliers_aside(y, noise, plan)
+    start, stop, widening = _judged(y, noise, plan, _walls(ticks, plan))
+    return Found(start, stop, outlier & covered(start, stop, len(y)), noise, widening)
+
+
+def _tails(y: Array, plan: Detection) -> tuple[float, float]:
+    """Two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk."""
+    shared = 0.5 * plan.false_alarm / y.size
+    return shared / (2.0 * (len(plan.scales) + 1)), shared
+
+
+def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
+    """Put the mean of the neighbours in place of single outliers in ``y``; tell which."""
+    tail, _ = _tails(y, plan)
+    quantile = float(t_upper(tail, noise.dof).max())
+    outlier = single_outliers(y, noise, quantile, plan.shortest)
+    at = np.flatnonzero(outlier)
+    y[at] = 0.5 * (y[at - 1] + y[at + 1])
+    return outlier
+
+
+def _walls(ticks: Array, plan: Detection) -> Indices:
+    """First good sample after each long gap, with 0 and n."""
+    gaps = np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1
+    return np.concatenate(([0], gaps, [len(ticks)]))
+
+
+def _judged(y: Array, noise: Noise, plan: Detection, walls: Indices) -> tuple[Indices, Indices, Array]:
+    """Good samples [start, stop) of each still stretch, and the widening at the widest window."""
+    tail, variance_tail = _tails(y, plan)
+    total, quantile = running_sum(y), t_upper(tail, noise.dof)
+    start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
+    start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
+    quantile = quantile * np.maximum(widening, 1.0)
+    start, stop = joined_where_equal(total, noise, quantile, start, stop, walls, plan.longest_window)
+    short = stop - start < 2 * plan.longest_window  # a longer one would have shown its slope to the windows
+    slope = np.zeros(len(start), dtype=bool)
+    slope[short] = sloping(total, noise, quantile, start[short], stop[short])
+    start, stop = start[~slope], stop[~slope]
+    noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
+    start, stop = _long(*stretches(start, stop, ~noisy), plan.shortest)
+    return start, stop, widening
+
+
+def _level_pieces(
+    y: Array, total: Array, noise: Noise, plan: Detection, quantile: Array, walls: Indices
+) -> tuple[Indices, Indices, Array]:
+    """Pieces between changes of level, long enough to be still; wide windows skip what is cut to shreds."""
+    first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
+    kept, first = _without_short_pieces(first, plan.shortest)
+    if not len(kept):
+        return kept, kept, widening
+    rest = total if len(kept) == len(y) else running_sum(y.T[:, kept].T)
+    if len(plan.scales) > 1:
+        first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
+    start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)
+    return start, stop, widening
+
+
+def _without_short_pieces(cuts: Indices, shortest: int) -> tuple[Indices, Indices]:
+    """Find the samples of the pieces that can be still, and the cuts between those, counted in these samples."""
+    size = np.diff(cuts)
+    enough = size >= shortest
+    kept = np.flatnonzero(np.repeat(enough, size))
+    return kept, np.concatenate(([0], np.cumsum(size[enough])))
+
+
+def _long(start: Indices, stop: Indices, shortest: int) -> tuple[Indices, Indices]:
+    enough = stop - start >= shortest
+    return start[enough], stop[enough]

@@ -1,0 +1,79 @@
+"""Rest and its disturbances: a selection from the one detector of still and moving stretches (``segments``).
+
+A moving stretch, or a short still one at another level, counts as a disturbance if at least five of its samples lie
+further from the level around it than five standard deviations of the noise at rest; a single spike is none, nor is a
+slow drift. A record of which too little is still, or whose level steps too often, is not at rest.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.estimate import Array
+from .segments import Detection, detect
+
+SHORTEST = 200  # samples from which rest can be told
+SIGMAS = 5.0
+LONG = 0.02  # part of the record from which a still stretch is rest and not part of a disturbance
+FEWEST = 5  # samples of a disturbance
+STILL_SHARE = 0.75  # least part of a record at rest that is still
+MOST_STEPS = 3  # of the level
+PLAN = Detection(false_alarm=1e-3)
+
+
+@dataclass(frozen=True)
+class Disturbance:
+    """First and last sample, and the largest deviation in standard deviations of the noise."""
+
+    first: int
+    last: int
+    peak: float
+
+
+@dataclass(frozen=True)
+class Stillness:
+    """Whether a channel is at rest at all, and where it is disturbed.
+
+    ``widening`` is by how much more than white noise the means of its widest windows scatter.
+    """
+
+    at_rest: bool
+    disturbances: tuple[Disturbance, ...]
+    widening: float = 1.0
+
+
+def judge(values: Array, floor: float = 0.0) -> Stillness | None:
+    """Return where a channel is disturbed, or None where it is too short to tell.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n,)
+        Finite, evenly sampled, in any unit.
+    floor : float
+        Smallest standard deviation that the noise may have: the resolution step.
+    """
+    if len(values) < SHORTEST:
+        return None
+    found = detect(values, plan=PLAN)
+    sigma = max(float(found.noise.scale[0]), floor)
+    length = found.stop - found.start
+    still = np.flatnonzero(found.still & (length >= LONG * len(values)))
+    hidden = bool(found.noise.step[0] > 0.0 and not found.noise.live[0])
+    if sigma == 0.0 or (hidden and floor == 0.0):
+        return None
+    widening = float(found.widening[0])
+    if not len(still):
+        return Stillness(False, (), widening)
+    # Noise that is not white scatters more over a long stretch than over the few samples that its scale is told from.
+    sigma = max(sigma, float(np.sqrt(np.average(found.scatter[still, 0] ** 2, weights=length[still]))))
+    level = np.interp(np.arange(len(found)), still, found.level[still, 0])
+    disturbances = []
+    for i in np.setdiff1d(np.arange(len(found)), still):
+        far = np.abs(values[found.start[i] : found.stop[i]] - level[i])
+        if np.sum(far > SIGMAS * sigma) >= FEWEST:
+            disturbances.append(Disturbance(int(found.start[i]), int(found.stop[i]) - 1, float(far.max()) / sigma))
+    steps = int(np.sum(np.abs(np.diff(found.level[still, 0])) > SIGMAS * sigma))
+    share = float(np.sum(length[still])) / len(values)
+    return Stillness(share >= STILL_SHARE and steps <= MOST_STEPS, tuple(disturbances), widening)

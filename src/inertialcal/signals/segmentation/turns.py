@@ -1,0 +1,303 @@
+"""Turns of a triaxial head found in its own record, or given by the user: a selection from the one detector.
+
+The record is reduced to blocks once (``block_statistics``). Block means, and the cube roots of block variances, which
+are nearly normal [1]_, go through ``segments.detect``; a place where it sees no rest, and where a sample lies further
+than ``spike`` standard deviations of the quiet samples from the levels around, is a spike. Whoever turns the head, or
+pushes at it, leaves one.
+
+A spike is a *turn* if the level after it differs from the level before it in some channel: half a turn changes an axis
+by twice the ambient acceleration. How much means are apart that nothing parts is measured on the rest of the record,
+slow noise included. A spike whose level returns is crew, or a turn where the ambient acceleration is too small to be
+seen: nobody can tell from the record, so it is no turn here, and is remarked. A shift of level without a spike, or one
+that takes longer than ``longest``, is no turn either. Turn times that are given settle all this: they are taken as
+they are, and the record says only how far each spike reaches.
+
+``turn_windows`` lays quiet windows before and after the turns.
+
+References
+----------
+.. [1] E. B. Wilson and M. M. Hilferty, PNAS 17 (1931) 684: the cube root of a chi-square variable.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Times
+from ...core.remarks import Remark, Severity
+from ..spikes import clusters, narrowed, peaks
+from ..time.samples import Flags, Indices
+from .block_statistics import Blocks, Signal, block_statistics
+from .level_scatter import LevelScatter, quiet_level
+from .segments import Detection, Segmentation, detect
+
+SPIKES = {
+    "spike_without_step": "spike with one level before and after: a disturbance, or a turn in next to no acceleration",
+    "spike_undecided": "spike too near to other disturbances for a level before and after",
+    "disturbed": "spike with a change of level that is no turn: it takes longer, or other turn times are given",
+}
+
+FEWEST = 8  # quiet blocks beside a spike from which a level is told
+
+Instant = int | tuple[int, int]  # [ns]
+
+
+@dataclass(frozen=True)
+class TurnPlan:
+    """How turns are found, and which windows beside them are quiet.
+
+    Parameters
+    ----------
+    block : float
+        Length of a block [s].
+    spike : float
+        Least peak of a turn, in standard deviations of a quiet sample.
+    step : float
+        Least change of level of a turn, and most that a level may move inside a window, in standard deviations of such
+        differences elsewhere.
+    longest : float
+        Longest turn [s].
+    settle : float
+        Left out on both sides of a turn: the filter settles, hands let go [s].
+    window : float, optional
+        Length of the windows before and after a turn, the same for both [s]; as long as it is quiet by default.
+    shortest, widest : float
+        Least and greatest length where none is stated; levels beside a spike are means over the least [s].
+    variance_ratio : float
+        Most by which the variance of one half of a window, or of one window, may exceed that of the other.
+    temperature_slope : float
+        Greatest slope of the temperature in a window [degC/s].
+
+    Raises
+    ------
+    PlanError
+        If a value is out of range.
+    """
+
+    block: float = 1.0
+    spike: float = 10.0
+    step: float = 5.0
+    longest: float = 60.0
+    settle: float = 10.0
+    window: float | None = None
+    shortest: float = 30.0
+    widest: float = 600.0
+    variance_ratio: float = 2.0
+    temperature_slope: float = np.inf
+
+    def __post_init__(self) -> None:
+        for name in ("block", "spike", "step", "longest", "shortest", "widest", "temperature_slope"):
+            if not getattr(self, name) > 0.0:
+                raise PlanError(f"{name} {getattr(self, name):g}, need a positive number")
+        if not self.settle >= 0.0:
+            raise PlanError(f"settle {self.settle:g} s, need 0 or more")
+        if not self.variance_ratio > 1.0:
+            raise PlanError(f"variance_ratio {self.variance_ratio:g}, need more than 1")
+        least = self.shortest if self.window is None else self.window
+        if least < 2.0 * self.block or self.widest < self.shortest:
+            text = f"windows of {least:g} s, {self.shortest:g} to {self.widest:g} s, of blocks of {self.block:g} s"
+            raise PlanError(text, why="a window needs two blocks or more")
+
+    def blocks(self, seconds: float) -> int:
+        """Return a length in whole blocks, rounded up."""
+        return int(np.ceil(seconds / self.block - 1e-9))
+
+
+@dataclass(frozen=True, eq=False)
+class Turn:
+    """A turn of the head, or a spike that may be one.
+
+    Parameters
+    ----------
+    start_ns, stop_ns : int
+        First and last of the blocks that the spike reaches into, half-open [ns]; both the instant that was given, where
+        no spike is seen there.
+    first, stop : int
+        The same in blocks.
+    peak : float
+        Furthest sample from the level around, in standard deviations of a quiet sample.
+    step : ndarray, shape (channels,)
+        Level after less level before [unit of the signal]; NaN where one is not there.
+    significance : float
+        Largest of the steps, in standard deviations of such differences elsewhere; NaN where none is there.
+    given : bool
+        Whether the user said that it is one.
+    """
+
+    start_ns: int
+    stop_ns: int
+    first: int
+    stop: int
+    peak: float
+    step: Array
+    significance: float
+    given: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Turns:
+    """Turns of a record.
+
+    Parameters
+    ----------
+    turns : tuple of Turn
+        In order of time.
+    others : tuple of Turn
+        Spikes that are not taken for turns.
+    blocks : Blocks
+        The record.
+    quiet : ndarray of bool, shape (b,)
+        Full blocks in which nothing moves.
+    segmentation : Segmentation
+        What the detector found in the full blocks.
+    plan : TurnPlan
+        What it was found with.
+    """
+
+    turns: tuple[Turn, ...]
+    others: tuple[Turn, ...]
+    blocks: Blocks
+    quiet: Flags
+    segmentation: Segmentation
+    plan: TurnPlan
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Spikes that are no turns, as far as the record tells; turns that are given and leave none."""
+        found = []
+        groups: dict[str, list[Turn]] = {}
+        for one in self.others:
+            stepped = one.significance > self.plan.step
+            kind = "disturbed" if stepped else "spike_without_step" if one.significance >= 0.0 else "spike_undecided"
+            groups.setdefault(kind, []).append(one)
+        do = "If the head was turned there, give the turn times"
+        for kind, group in groups.items():
+            severity: Severity = "warning" if kind == "disturbed" else "info"
+            found.append(Remark(kind, severity, SPIKES[kind], _clock(group[0], self), len(group), do))
+        unseen = [one for one in self.turns if one.given and one.first == one.stop]
+        if unseen:
+            text, do = "no spike where the head was turned", "See whether the turn times are on the clock of the record"
+            found.append(Remark("turn_not_seen", "warning", text, _clock(unseen[0], self), len(unseen), do))
+        return tuple(found)
+
+
+def find_turns(
+    signal: Signal | Blocks,
+    time_ns: Times | None = None,
+    sample_interval: float | None = None,
+    *,
+    plan: TurnPlan | None = None,
+    given_ns: Sequence[Instant] | None = None,
+) -> Turns:
+    """Find the turns of a head in a record.
+
+    Parameters
+    ----------
+    signal : ndarray, shape (n,) or (n, channels), a sequence of ndarray, shape (n,), or Blocks
+        Readings of the axes in any unit, of any type of number; blocks of them as they are.
+    time_ns : ndarray of int64, shape (n,), optional
+        Stamps, not descending [ns].
+    sample_interval : float, optional
+        From sample to sample [s], where there are no stamps.
+    plan : TurnPlan, optional
+        Default settings if absent.
+    given_ns : sequence of int or (int, int), optional
+        When the head was turned: instants, or start and stop [ns]. Then no other place is a turn.
+
+    Raises
+    ------
+    DataError
+        If the time does not fit, a channel has no values or the record is too short, or a turn time lies outside.
+    """
+    plan = plan or TurnPlan()
+    blocks = signal if isinstance(signal, Blocks) else block_statistics(signal, plan.block, time_ns, sample_interval)
+    full = np.flatnonzero(blocks.full)
+    found = _moving(blocks, full)
+    quiet = np.zeros(len(blocks), dtype=bool)
+    quiet[full] = np.repeat(found.still, found.stop - found.start) & ~found.samples.outlier
+    peak = peaks(blocks, full, found, quiet)
+    scatter = LevelScatter(blocks, quiet).of(plan.blocks(plan.shortest), 2 * plan.blocks(plan.settle))
+    look = _Look(blocks, quiet, peak, scatter, plan)
+    spikes = clusters(blocks, (peak >= plan.spike) & ~quiet, plan.blocks(plan.settle))
+    every = [look.measured(*narrowed(peak, *one)) for one in spikes]
+    if given_ns is None:
+        turns = [one for one in every if one.significance > plan.step and one.stop - one.first <= look.longest]
+    else:
+        turns = sorted((look.given(one, every) for one in given_ns), key=lambda one: one.start_ns)
+    taken = {(one.first, one.stop) for one in turns}
+    others = tuple(one for one in every if (one.first, one.stop) not in taken)
+    return Turns(tuple(turns), others, blocks, quiet, found, plan)
+
+
+def _moving(blocks: Blocks, full: Indices) -> Segmentation:
+    """Still and moving stretches of the block means and of the cube roots of the variances."""
+    if not len(full):
+        raise DataError("no block holds samples of every channel", code="too_short")
+    signal = np.hstack([blocks.mean[full], np.cbrt(blocks.variance[full])])
+    return detect(signal, blocks.time_ns[full], blocks.length, Detection())
+
+
+@dataclass(frozen=True, eq=False)
+class _Look:
+    """What the blocks of a record tell of a place in it: `peaks`, and the scatter of levels beside each other."""
+
+    blocks: Blocks
+    quiet: Flags
+    peak: Array
+    scatter: Array
+    plan: TurnPlan
+
+    @property
+    def longest(self) -> int:
+        """Blocks that the longest turn reaches into."""
+        return self.plan.blocks(self.plan.longest) + 1
+
+    def measured(self, first: int, stop: int) -> Turn:
+        """Return the blocks [first, stop) as a spike, with the levels on both sides of it."""
+        blocks, plan = self.blocks, self.plan
+        begin, end = int(blocks.at[first]), int(blocks.at[stop - 1]) + 1
+        gap, w = plan.blocks(plan.settle), plan.blocks(plan.shortest)
+        walls = (self.peak >= plan.spike) & ~self.quiet
+        after, n = quiet_level(blocks, self.quiet, end + gap, 1, w, walls)
+        before, m = quiet_level(blocks, self.quiet, begin - gap, -1, w, walls)
+        step = after - before if min(n, m) >= FEWEST else np.full(len(before), np.nan)
+        ratio = np.abs(step) / (self.scatter * np.sqrt(max(w / max(min(n, m), 1), 1.0)))
+        significance = float(np.nanmax(ratio)) if np.isfinite(ratio).any() else float("nan")
+        start_ns, stop_ns = (blocks.start_ns + at * blocks.length_ns for at in (begin, end))
+        return Turn(start_ns, stop_ns, first, stop, float(self.peak[first:stop].max()), step, significance)
+
+    def given(self, when: Instant, spikes: Sequence[Turn]) -> Turn:
+        """Return the turn of a time that was given: of an instant, as long as the spike that is seen there."""
+        start_ns, stop_ns = when if isinstance(when, tuple) else (when, when)
+        first, stop = self._blocks(start_ns, stop_ns)
+        slack = self.blocks.length_ns
+        near = [one for one in spikes if one.start_ns <= stop_ns + slack and start_ns <= one.stop_ns + slack]
+        if isinstance(when, tuple):
+            stop = max(stop, first + 1)
+            return replace(self.measured(first, stop), start_ns=start_ns, stop_ns=stop_ns, given=True)
+        if near:
+            return replace(max(near, key=lambda one: one.peak), given=True)
+        seen = self.measured(first, first + 1)
+        return replace(seen, start_ns=when, stop_ns=when, stop=first, given=True)
+
+    def _blocks(self, start_ns: int, stop_ns: int) -> tuple[int, int]:
+        """Blocks [first, stop) that a time reaches into."""
+        blocks = self.blocks
+        if stop_ns < start_ns:
+            raise PlanError(f"turn from {start_ns} to {stop_ns} ns ends before it starts")
+        end_ns = blocks.start_ns + int(blocks.at[-1] + 1) * blocks.length_ns
+        if stop_ns <= blocks.start_ns or start_ns >= end_ns:
+            why = f"the record runs from {blocks.start_ns} to {end_ns} ns"
+            raise DataError(f"turn at {start_ns} ns lies outside the record", why=why, code="turn_outside")
+        a, b = (stamp - blocks.start_ns for stamp in (start_ns, stop_ns))
+        first, stop = np.searchsorted(blocks.at, (a // blocks.length_ns, -(-b // blocks.length_ns)))
+        return min(int(first), len(blocks) - 1), int(stop)
+
+
+def _clock(one: Turn, found: Turns) -> str:
+    return f"{(one.start_ns - found.blocks.start_ns) / SECOND:.0f} s after the start"

@@ -1,0 +1,117 @@
+"""Samples: a signal on one clock, with what is known of each of its samples.
+
+A signal is (n,) or (n, channels). A sample is good where every channel has a finite value and it is no
+outlier. Gaps come from the time axis; without time, samples count as one interval apart.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Times
+from .time_axis import TimeAxis, analyse
+
+Flags = NDArray[np.bool_]
+Indices = NDArray[np.int64]
+
+LONGEST_GAP = 10.0  # sample intervals: what happened in a longer gap nobody knows
+
+
+@dataclass(frozen=True, eq=False)
+class Samples:
+    """A signal with what is known of each sample, ready to be cut into dwells.
+
+    Parameters
+    ----------
+    values : ndarray, shape (n, channels)
+        May hold NaN; column-major, so that a channel lies in one piece.
+    finite : ndarray of bool, shape (n,)
+        Whether every channel has a value.
+    outlier : ndarray of bool, shape (n,)
+        Samples to leave out.
+    gap : ndarray of bool, shape (n,)
+        Whether a gap lies between a sample and the one before it.
+    ticks : ndarray, shape (n,)
+        Time since the first sample [sample intervals]; the index where there is no time.
+    time_ns : ndarray of int64, shape (n,), or None
+        Stamps [ns].
+    sample_interval : float or None
+        Nominal time from sample to sample [s].
+    """
+
+    values: Array
+    finite: Flags
+    outlier: Flags
+    gap: Flags
+    ticks: Array
+    time_ns: Times | None = None
+    sample_interval: float | None = None
+
+    def duration(self, samples: int | None, seconds: float | None, default: int) -> int:
+        """Return a length in samples from whichever of the two is given.
+
+        Raises
+        ------
+        PlanError
+            If both are given, or seconds where no sample interval is known.
+        """
+        if seconds is None:
+            return default if samples is None else samples
+        if samples is not None:
+            raise PlanError(f"a length of {samples} samples and of {seconds:g} s given", do="Give one of them")
+        if self.sample_interval is None:
+            raise PlanError(
+                f"a length of {seconds:g} s, but no sample interval",
+                why="samples cannot be counted off",
+                do="Give sample_interval, time_ns, or a number of samples",
+            )
+        return max(1, round(seconds / self.sample_interval))
+
+
+def samples_of(signal: NDArray[Any], time_ns: Times | None = None, sample_interval: float | None = None) -> Samples:
+    """Return a signal, (n,) or (n, channels), as Samples, its time looked through.
+
+    Raises
+    ------
+    DataError
+        If the signal has another shape, or the time another length, or it runs backwards.
+    """
+    values = np.asfortranarray(signal, dtype=np.float64)
+    values = values[:, None] if values.ndim == 1 else values
+    if values.ndim != 2 or not values.shape[1]:
+        raise DataError(f"a signal of shape {np.shape(signal)}, need (n,) or (n, channels)")
+    n = len(values)
+    if sample_interval is not None and not sample_interval > 0.0:
+        raise DataError(f"a sample interval of {sample_interval} s", do="It must be positive")
+    gap, ticks = np.zeros(n, dtype=bool), np.arange(n, dtype=np.float64)
+    if time_ns is not None:
+        axis = _checked_axis(time_ns, n)
+        gap[axis.gaps.after + 1] = True
+        sample_interval = sample_interval or axis.interval
+        if sample_interval is not None:
+            ticks = (time_ns - time_ns[0]) / (sample_interval * SECOND)
+    finite = np.ones(n, dtype=bool)
+    for k in range(values.shape[1]):
+        finite &= np.isfinite(values[:, k])
+    return Samples(values, finite, np.zeros(n, dtype=bool), gap, ticks, time_ns, sample_interval)
+
+
+def _checked_axis(time_ns: Times, n: int) -> TimeAxis:
+    if time_ns.shape != (n,):
+        raise DataError(f"{n} samples, time of shape {time_ns.shape}")
+    axis = analyse(time_ns)
+    if len(axis.backward):
+        raise DataError(
+            f"time runs backwards at {len(axis.backward)} place(s)",
+            where=f"sample {axis.backward[0]}",
+            why="a stretch across it has no length",
+            do="Sort the record, or cut it there",
+            code="time_backwards",
+        )
+    return axis
