@@ -1,8 +1,8 @@
 """What positions and rotations held out say of a triad: errors as functions of its matrix, bias and g-sensitivity.
 
 The numbers are those of ``procedures.positions.fit.linear_sensor``: A by rows, b, and G of gyros;
-``reading = Ax + b + Gf`` where a reading is (output - zero) / ideal scale factor. So readings as they are have A = 1, b = 0 and G = 0, and a
-model that is mixed up is another vector of the same numbers.
+``reading = Ax + b + Gf`` where a reading is (output - zero) / ideal scale factor. So readings as they are have
+A = 1, b = 0 and G = 0, and a model that is mixed up is another vector of the same numbers.
 """
 
 from __future__ import annotations

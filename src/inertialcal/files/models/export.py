@@ -2,7 +2,8 @@
 
 ``WRITERS`` is the one place that knows the formats: a name, and the function that makes the file from models and
 their ``model.json``. ``c`` and ``python`` are code that applies the model. Those of others stand in
-``files.models.imported``; a file of theirs reads as a model too, with ``#gyro`` or ``#accelerometer`` after its name where it holds both.
+``files.models.imported``; a file of theirs reads as a model too, with ``#gyro`` or ``#accelerometer`` after its
+name where it holds both.
 """
 
 from __future__ import annotations

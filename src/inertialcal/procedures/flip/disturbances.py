@@ -1,9 +1,10 @@
 """What a record says against its own windows: something moves in one, or the gain of an axis changes.
 
-Both come from the one detector (``signals.segmentation.turns``, ``signals.segmentation.gain_changes``).
-A window in which blocks are not quiet is read all the same, and remarked. An axis whose gain changes is not read in any window of the recording: at which gain
-its counts were taken for readings is not known, and at another one its electronics zero and bias are others. Where the
-gain was recorded beside the axis (a channel ``gain_y``), that decides, window by window (``recordings``).
+Both come from the one detector (``signals.segmentation.turns``, ``signals.segmentation.gain_changes``). A window in
+which blocks are not quiet is read all the same, and remarked. An axis whose gain changes is not read in any window of
+the recording: at which gain its counts were taken for readings is not known, and at another one its electronics zero
+and bias are others. Where the gain was recorded beside the axis (a channel ``gain_y``), that decides, window by window
+(``recordings``).
 """
 
 from __future__ import annotations
