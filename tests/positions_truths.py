@@ -8,7 +8,7 @@ import numpy as np
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.positions import Plan, Readings, Truth
+from inertialcal.procedures.positions.reduction import Plan, Readings, Truth
 from inertialcal.procedures.positions.simulation import FACES, spread
 from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held
 

@@ -14,13 +14,14 @@ from functools import partial
 
 import numpy as np
 
+from inertialcal.core.axes import AXES
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.procedures.flip import Plan, Result, Turned, Window, readings_from, reduce
+from inertialcal.procedures.flip.reduction import Plan, Result, Turned, Window, readings_from, reduce
 from inertialcal.rigs.sams_tsh.campaign import windows
 from inertialcal.rigs.sams_tsh.record import Record
 from inertialcal.rigs.sams_tsh.reduced import reduced, reduced_bench
-from inertialcal.rigs.sams_tsh.setup import AXES, Bench
+from inertialcal.rigs.sams_tsh.setup import Bench
 from inertialcal.statistics.intervals import contains, t_interval
 
 

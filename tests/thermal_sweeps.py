@@ -8,7 +8,7 @@ from itertools import pairwise
 import numpy as np
 
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.thermal import Attitude, Plan, Readings, Sweep
+from inertialcal.procedures.thermal.reduction import Attitude, Plan, Readings, Sweep
 
 KNOWN = Attitude(0.3, 0.0, 0.5, 0.0)  # an attitude without doubt
 LATITUDE = 0.64

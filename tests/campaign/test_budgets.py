@@ -20,8 +20,8 @@ from inertialcal.campaign.run import run
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
-from inertialcal.procedures.rate_table import Plan, Readings, reduce
 from inertialcal.procedures.rate_table.plan import Attitude
+from inertialcal.procedures.rate_table.reduction import Plan, Readings, reduce
 from ran_campaigns import Ran
 
 SAME = 1e-12  # relative: rounding of sums and of units

@@ -11,8 +11,8 @@ import pytest
 from inertialcal.campaign.modelling import Prepared, compensated_dwells, joint, mixed_up
 from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.rate_table import Plan, Readings, Result, Truth, simulate
 from inertialcal.procedures.rate_table.closed_loop import closed_loop, overall
+from inertialcal.procedures.rate_table.reduction import Plan, Readings, Result, Truth, simulate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.statistics.intervals import binomial_interval

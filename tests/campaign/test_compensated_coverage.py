@@ -10,7 +10,7 @@ import pytest
 from inertialcal.campaign.modelling import Prepared, joint
 from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.rate_table import Plan, Truth, simulate
+from inertialcal.procedures.rate_table.reduction import Plan, Truth, simulate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.uncertainty import compensated_uncertainty

@@ -12,7 +12,7 @@ from inertialcal.campaign.exclusions import RULES, SAMPLES
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError
-from inertialcal.procedures import rate_table
+from inertialcal.procedures.rate_table import reduction as rate_table
 from ran_campaigns import TEST_LOW, Ran, ran
 
 

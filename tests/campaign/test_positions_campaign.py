@@ -18,7 +18,7 @@ from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import Recording
 from inertialcal.files.models.model_json import read_model
-from inertialcal.procedures import positions
+from inertialcal.procedures.positions import reduction as positions
 from inertialcal.procedures.rate_table.closed_loop import overall
 from inertialcal.rigs.hand_held.rig import Bench, build
 

@@ -17,8 +17,9 @@ from inertialcal.campaign.schema import CampaignFile
 from inertialcal.campaign.temperature_terms import with_temperature
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording
-from inertialcal.procedures import rate_table, thermal
+from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.recordings import Turned
+from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs.protocol import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin

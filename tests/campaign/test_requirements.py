@@ -12,7 +12,7 @@ from inertialcal.campaign.requirements import Verdict, judge, worst
 from inertialcal.campaign.schema import Requirement
 from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.results import Row
-from inertialcal.procedures.rate_table import Plan, Truth, reduce, simulate
+from inertialcal.procedures.rate_table.reduction import Plan, Truth, reduce, simulate
 from inertialcal.statistics.intervals import binomial_interval
 
 ENTRY = Entry(id="one", procedure="rate_table", recordings=["a"])

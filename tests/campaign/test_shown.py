@@ -21,7 +21,7 @@ from inertialcal.core.remarks import Remark
 from inertialcal.core.show.rounding import with_uncertainty
 from inertialcal.core.show.tables import WIDTH, Grid
 from inertialcal.files.text.schedule_csv import write_schedule
-from inertialcal.procedures.mass_attraction import repeated
+from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"

@@ -20,7 +20,7 @@ from inertialcal.campaign.score import coverage, score
 from inertialcal.campaign.thermal_inputs import felt_axes, thermal_plan
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
-from inertialcal.procedures import thermal
+from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber

@@ -14,6 +14,7 @@ import yaml  # type: ignore[import-untyped]
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from inertialcal.core.axes import Kind
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
@@ -23,7 +24,7 @@ from inertialcal.files.models.model_json import write_model
 from inertialcal.files.models.plain_yaml import dump_yaml, parse_yaml
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import predict
-from inertialcal.sensors.model.sensor_model import INPUT_UNIT, Kind, SensorModel, to_output, to_readings
+from inertialcal.sensors.model.sensor_model import INPUT_UNIT, SensorModel, to_output, to_readings
 
 EXACT = 1e-12  # relative
 

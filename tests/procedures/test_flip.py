@@ -16,8 +16,9 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.core.units import factor
-from inertialcal.procedures import PROCEDURES, flip
-from inertialcal.procedures.flip import MeanOf, Plan, Readings, Result, readings_of_means, reduce
+from inertialcal.procedures import PROCEDURES
+from inertialcal.procedures.flip import reduction as flip
+from inertialcal.procedures.flip.reduction import MeanOf, Plan, Readings, Result, readings_of_means, reduce
 
 UG = factor("ug", "m/s^2")
 ROUNDING = 0.005  # ug, half of the last printed digit of Table 3

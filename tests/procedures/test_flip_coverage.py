@@ -14,7 +14,7 @@ import pytest
 from inertialcal.campaign.flip_record import found_windows
 from inertialcal.core.errors import UsageError
 from inertialcal.core.recording import SECOND
-from inertialcal.procedures.flip import Turned, readings_from, reduce
+from inertialcal.procedures.flip.reduction import Turned, readings_from, reduce
 from inertialcal.rigs.sams_tsh.orbit_ambient import ARM_FADE
 from inertialcal.statistics.intervals import covers
 from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_of

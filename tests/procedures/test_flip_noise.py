@@ -11,7 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.flip import Plan, Quiet, Readings, Result, Truth, reduce, simulate
+from inertialcal.procedures.flip.reduction import Plan, Quiet, Readings, Result, Truth, reduce, simulate
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 UG = 9.80665e-6

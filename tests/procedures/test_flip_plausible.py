@@ -7,8 +7,8 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import SECOND, Channel, Recording, Source
-from inertialcal.procedures.flip import MeanOf, readings_of_means
 from inertialcal.procedures.flip.plausible import LARGEST, is_reading, readable
+from inertialcal.procedures.flip.reduction import MeanOf, readings_of_means
 
 
 def recording(y: list[float], seconds: list[float] | None = None) -> Recording:

@@ -15,7 +15,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.core.units import factor
-from inertialcal.procedures.flip import MeanOf, Plan, Readings, Truth, readings_of_means, reduce, simulate
+from inertialcal.procedures.flip.reduction import MeanOf, Plan, Readings, Truth, readings_of_means, reduce, simulate
 from inertialcal.procedures.flip.side_by_side import same_dwells, side_by_side
 
 UG = factor("ug", "m/s^2")

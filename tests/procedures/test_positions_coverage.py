@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inertialcal.procedures.positions import Plan, Truth, reduce, simulate
+from inertialcal.procedures.positions.reduction import Plan, Truth, reduce, simulate
 from inertialcal.procedures.positions.simulation import spread
 from inertialcal.statistics.intervals import coverage_factor, covers
 from positions_truths import BY_HAND, BY_HAND_PLAN, FIXTURE_PLAN, TURNED, true_values

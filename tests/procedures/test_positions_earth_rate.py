@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from inertialcal.core.constants import EARTH_ROTATION_RATE
-from inertialcal.procedures.positions import Plan, Readings, reduce, simulate
 from inertialcal.procedures.positions.fit.earth_rate import LEVEL, apart, joined, level_covariance
 from inertialcal.procedures.positions.fit.rotation_errors import Problem
+from inertialcal.procedures.positions.reduction import Plan, Readings, reduce, simulate
 from positions_truths import BY_HAND, G
 
 QUIET = replace(BY_HAND, acc_noise=1e-9, gyro_noise=1e-9, acc_between=1e-9, gyro_between=1e-9, angle_between=1e-9,

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inertialcal.procedures.positions import Plan, Section, readings_from, reduce
+from inertialcal.procedures.positions.reduction import Plan, Section, readings_from, reduce
 from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held, true_values
 from inertialcal.rigs.protocol import drawn_error
 from inertialcal.statistics.intervals import coverage_factor, covers

@@ -11,10 +11,10 @@ import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions import Readings, Result, reduce, simulate
 from inertialcal.procedures.positions.fit.accelerometer import Fitted
 from inertialcal.procedures.positions.fit.earth_rate import LEVEL, apart
 from inertialcal.procedures.positions.fit.gyro import MODEL, fit_gyro
+from inertialcal.procedures.positions.reduction import Readings, Result, reduce, simulate
 from positions_truths import BY_HAND, BY_HAND_PLAN, FIXTURE_PLAN, PLAN, TURNED
 
 TESTS = {"by hand": (BY_HAND_PLAN, BY_HAND), "turned": (FIXTURE_PLAN, TURNED)}

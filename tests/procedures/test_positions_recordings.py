@@ -17,7 +17,8 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.files import read
-from inertialcal.procedures.positions import (
+from inertialcal.procedures.positions.recordings import ACC, GYRO
+from inertialcal.procedures.positions.reduction import (
     Plan,
     Readings,
     Result,
@@ -27,7 +28,6 @@ from inertialcal.procedures.positions import (
     readings_from,
     reduce,
 )
-from inertialcal.procedures.positions.recordings import ACC, GYRO
 
 GRAVITY = 9.81744  # m/s2, of the Xsens recording
 SHEET_ACC, SHEET_GYRO = (415.0, 413.0, 415.0), (4778.0, 4758.0, 4766.0)  # count/(m/s2), count/(rad/s), rounded to 1

@@ -13,7 +13,6 @@ from scipy.spatial.transform import Rotation as Turned
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.positions import Plan, Rotation
 from inertialcal.procedures.positions.fit._kernels_transitions import through
 from inertialcal.procedures.positions.fit.attitudes import Packed, carried, packed
 from inertialcal.procedures.positions.fit.rotation_errors import (
@@ -30,6 +29,7 @@ from inertialcal.procedures.positions.fit.rotation_errors import (
     known_errors,
 )
 from inertialcal.procedures.positions.fit.rotations import Rotated, solve
+from inertialcal.procedures.positions.reduction import Plan, Rotation
 
 EYE = np.eye(3)
 STEP = 1e-5

@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
-from inertialcal.procedures.rate_table import (
+from inertialcal.procedures.rate_table.reduction import (
     Plan,
     Readings,
     Result,

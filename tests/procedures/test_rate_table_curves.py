@@ -10,10 +10,19 @@ import pytest
 
 from inertialcal.core.curve import Curve
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.procedures.rate_table import Plan, Readings, Result, Truth, curves, rate_errors, reduce, simulate
 from inertialcal.procedures.rate_table.closed_loop import held_out_errors
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.recordings import Turned, readings_from
+from inertialcal.procedures.rate_table.reduction import (
+    Plan,
+    Readings,
+    Result,
+    Truth,
+    curves,
+    rate_errors,
+    reduce,
+    simulate,
+)
 from inertialcal.statistics.intervals import coverage_factor
 
 ROUNDING = 1e-14  # rad/s

@@ -17,7 +17,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Row, is_beside
-from inertialcal.procedures import static_noise as noise
+from inertialcal.procedures.static_noise import reduction as noise
 from inertialcal.procedures.static_noise.record_length import Reach, sentence
 from inertialcal.sensors.noise.fitting.noise_fit import duration
 from inertialcal.sensors.noise.terms import (

@@ -13,8 +13,8 @@ import pytest
 
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Interval
-from inertialcal.procedures.thermal import Attitude, Plan, Result, Truth, reduce, simulate
 from inertialcal.procedures.thermal.against import offset_rows
+from inertialcal.procedures.thermal.reduction import Attitude, Plan, Result, Truth, reduce, simulate
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 DEG = float(np.radians(1.0))

@@ -9,8 +9,8 @@ import pytest
 
 from inertialcal.campaign.thermal_loop import judged_loops, loop_rows
 from inertialcal.core.errors import DataError
-from inertialcal.procedures.thermal import Attitude, Plan, Result, Truth, reduce, simulate
 from inertialcal.procedures.thermal.closed_loop import Left, held_out, residual_rows
+from inertialcal.procedures.thermal.reduction import Attitude, Plan, Result, Truth, reduce, simulate
 from inertialcal.statistics.intervals import contains, covers
 
 DEG = float(np.radians(1.0))

@@ -9,7 +9,7 @@ import pytest
 from numpy.polynomial import polynomial
 
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.thermal import OfSensor, Readings, reduce
+from inertialcal.procedures.thermal.reduction import OfSensor, Readings, reduce
 from thermal_sweeps import path, plan, sweep, way
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)

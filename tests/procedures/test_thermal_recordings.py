@@ -13,7 +13,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.results import Row
-from inertialcal.procedures.thermal import Readings, Warmed, readings_from
+from inertialcal.procedures.thermal.reduction import Readings, Warmed, readings_from
 from inertialcal.sensors.thermal import powers_of
 
 BEGIN = 1_300_000_000

@@ -13,7 +13,10 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.physics.earth import OMEGA, earth_rate, level_to_table
-from inertialcal.procedures.thermal import (
+from inertialcal.procedures.thermal.against import offset_rows, quantity_of
+from inertialcal.procedures.thermal.earth import earth_along
+from inertialcal.procedures.thermal.published import published_fit
+from inertialcal.procedures.thermal.reduction import (
     Attitude,
     Plan,
     Readings,
@@ -24,9 +27,6 @@ from inertialcal.procedures.thermal import (
     reduce,
     simulate,
 )
-from inertialcal.procedures.thermal.against import offset_rows, quantity_of
-from inertialcal.procedures.thermal.earth import earth_along
-from inertialcal.procedures.thermal.published import published_fit
 from thermal_sweeps import KNOWN, LATITUDE, path, plan, readings, sweep
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)

@@ -13,7 +13,7 @@ from inertialcal.campaign.run import run
 from inertialcal.campaign.score import coverage
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.procedures.mass_attraction import Result
+from inertialcal.procedures.mass_attraction.reduction import Result
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.record import nominal
 from inertialcal.rigs.mesa.rig import Bench, Run, build

@@ -16,6 +16,7 @@ from numpy.polynomial import Polynomial
 from inertialcal.campaign.cross_checks import cross_checks
 from inertialcal.campaign.in_memory import fit_results
 from inertialcal.campaign.schema import CampaignFile
+from inertialcal.core.axes import AXES
 from inertialcal.core.constants import EARTH_ROTATION_RATE
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
@@ -31,7 +32,6 @@ from inertialcal.rigs.npsat1.recordings import WARMER_DEGC
 from inertialcal.rigs.npsat1.setup import (
     AIR,
     AVERAGING,
-    AXES,
     CODES,
     INVERTED,
     REFERENCE,

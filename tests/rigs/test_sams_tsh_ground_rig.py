@@ -11,7 +11,7 @@ from inertialcal.campaign.in_memory import fit_results
 from inertialcal.campaign.score import coverage
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
-from inertialcal.procedures import flip
+from inertialcal.procedures.flip import reduction as flip
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.sams_tsh.rig import Bench, build

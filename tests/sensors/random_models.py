@@ -6,9 +6,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from inertialcal.core.axes import Kind
 from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.sensors.model.equation import Conditions
-from inertialcal.sensors.model.sensor_model import Item, Kind, Provenance, SensorModel
+from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
 from inertialcal.sensors.model.terms import values
 
 AXES = ("x", "y", "z", "w")

@@ -23,8 +23,8 @@ from inertialcal.sensors.noise.terms import (
     RateRandomWalk,
     Term,
 )
+from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum import psd
-from inertialcal.signals.spectrum.density import Method
 from inertialcal.statistics.intervals import covers
 
 METHODS = get_args(Method)

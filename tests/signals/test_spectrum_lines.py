@@ -13,9 +13,9 @@ from scipy import signal, stats
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
+from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum import allan_of_spectrum, compare_allan, find_lines, psd
 from inertialcal.signals.spectrum.background import background_of
-from inertialcal.signals.spectrum.density import Method
 
 INTERVAL = 0.01  # s
 N = 2**13

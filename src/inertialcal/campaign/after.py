@@ -13,17 +13,18 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError
 from ..core.estimate import Array, Component, Estimate
 from ..core.influence import Influence
 from ..core.recording import Recording
 from ..core.remarks import Remark
-from ..procedures import thermal
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.taken_off import TakenOff
+from ..procedures.thermal import reduction as thermal
 from ..procedures.thermal.quantities import Asked, estimate, power_unit
 from ..sensors.thermal import powers_of
-from .channels import AXES, TEMPERATURE
+from .channels import TEMPERATURE
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
 PATH = "sensor.hysteresis"

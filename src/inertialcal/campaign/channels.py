@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.recording import SECOND, Channel, Recording
@@ -24,7 +25,6 @@ from .schema import Test
 from .schema_recordings import Clock, RecordingEntry, Schedule
 from .schema_sensors import Sensor
 
-AXES = ("x", "y", "z")
 TEMPERATURE, GAIN, PRESSURE, TILT = "temperature", "gain", "pressure", "tilt"
 NO_CHAIN = (APPLIED, PRESSURE, TILT)  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain

@@ -10,8 +10,8 @@ from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor, kind
-from ..procedures import static_noise
 from ..procedures.rate_table.closed_loop import AxisLoop
+from ..procedures.static_noise import reduction as static_noise
 from ..procedures.static_noise.scale import SCALE
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows

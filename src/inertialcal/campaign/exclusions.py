@@ -14,8 +14,10 @@ import numpy as np
 
 from ..core.remarks import Remark
 from ..core.units import convert
-from ..procedures import flip, rate_table, static_noise
+from ..procedures.flip import reduction as flip
+from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.exclusions import Mask
+from ..procedures.static_noise import reduction as static_noise
 from .curves import ten_digits
 from .load import Campaign
 from .modelling import Prepared

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..core.errors import PlanError, StoreError, UsageError
-from ..procedures import flip
+from ..procedures.flip import reduction as flip
 from .flip_source import FlipSource, entry_text, quoted
 from .load import FILE
 from .starter_flip import flip_text, sensor_text

@@ -16,7 +16,7 @@ from ..core.recording import Recording
 from ..core.times import read_elapsed, read_instant
 from ..core.units import convert, factor, kind, si_unit
 from ..files.text.table import Table, read_table
-from ..procedures import flip
+from ..procedures.flip import reduction as flip
 from ..procedures.flip.plausible import readable
 from ..procedures.flip.recordings import Turned, readings_from
 from ..procedures.flip.tables import MeanOf, readings_of_means

@@ -9,18 +9,18 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.axes import AXES
 from ..core.errors import UsageError
 from ..core.recording import SECOND, Channel, Recording
 from ..core.remarks import Remark
 from ..core.times import elapsed_text, instant_text
 from ..core.units import convert, factor, kind
 from ..files.time.window import Window as Between
-from ..procedures import flip
+from ..procedures.flip import reduction as flip
 from ..procedures.flip.plausible import readable
 from ..signals.segmentation.turn_windows import turn_windows
 from ..signals.segmentation.turns import Turn, TurnPlan, find_turns
 
-AXES = ("x", "y", "z")
 MOST = 8  # times told
 PART = 0.1  # of a record that a window may be: its noise is known from ten times as much
 

@@ -11,7 +11,7 @@ import numpy as np
 
 from ..core.recording import SECOND, Recording
 from ..core.times import instant_text
-from ..procedures.flip import Window
+from ..procedures.flip.reduction import Window
 from .schema_recordings import Means
 
 CLOCK_COLUMN = re.compile(r"time column '(.*)'")

@@ -14,10 +14,15 @@ from pathlib import Path
 from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.results import Row
-from ..procedures import flip, mass_attraction, positions, rate_table, static_noise, thermal
+from ..procedures.flip import reduction as flip
 from ..procedures.flip.recordings import readings_from as flip_readings
+from ..procedures.mass_attraction import reduction as mass_attraction
+from ..procedures.positions import reduction as positions
+from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.recordings import Turned
 from ..procedures.rate_table.recordings import readings_from as rate_table_readings
+from ..procedures.static_noise import reduction as static_noise
+from ..procedures.thermal import reduction as thermal
 from ..procedures.thermal.against import offset_rows, quantity_of
 from ..procedures.thermal.recordings import readings_from as thermal_readings
 from ..rigs.protocol import SEED, Twin

@@ -15,7 +15,7 @@ from ..core.units import factor, parse_quantity
 from ..files.source import load
 from ..files.text.schedule_csv import read_schedule
 from ..files.text.table import Table, read_table
-from ..procedures import mass_attraction as procedure
+from ..procedures.mass_attraction import reduction as procedure
 from ..procedures.mass_attraction.recordings import READING, TEMPERATURE, TILT
 from ..sensors.chain.converter import Chain
 from .chains import build_chain

@@ -17,7 +17,7 @@ import numpy as np
 from ..core.errors import PlanError
 from ..core.estimate import Array, Component, Estimate
 from ..core.remarks import Remark
-from ..procedures import rate_table
+from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.closed_loop import AxisLoop, Find, HeldOut, closed_loop, held_out_errors, overall
 from ..procedures.thermal.closed_loop import Left
 from ..sensors.model.assemble import model_from

@@ -11,14 +11,14 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal
 
+from ..core.axes import Kind
 from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
 from ..core.units import divide, factor, kind, normalise, parse_quantity, si_unit
 from ..files.info.channel_survey import survey_channel
 from ..files.info.hints import unit_hints
-from ..sensors.noise.terms import Kind
-from ..signals.allan.prefix import Quantity
+from ..signals.names import Quantity
 
 Said = Literal["rate", "increment", "angle", "counts"]
 SAID: tuple[Said, ...] = ("rate", "increment", "angle", "counts")

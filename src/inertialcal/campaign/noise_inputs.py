@@ -7,12 +7,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError, PlanError
 from ..core.influence import Standards
 from ..core.recording import Recording
 from ..core.remarks import Remark
-from ..procedures import static_noise
-from .channels import AXES, prepare_recording, windowed
+from ..procedures.static_noise import reduction as static_noise
+from .channels import prepare_recording, windowed
 from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording
 from ..core.units import normalise
@@ -17,7 +18,6 @@ from ..files import read
 from .noise_settings import quantity
 
 Source = str | Path | Recording | NDArray[Any]
-AXES = ("x", "y", "z")
 
 
 def recordings_of(

@@ -6,9 +6,10 @@ from functools import cache
 from types import MappingProxyType
 from typing import get_args
 
+from ..core.axes import Kind
 from ..core.units import normalise
-from ..procedures.static_noise import quantity_units
-from ..sensors.noise.terms import TERMS, Kind, quantity_name
+from ..procedures.static_noise.reduction import quantity_units
+from ..sensors.noise.terms import TERMS, quantity_name
 from ..sensors.noise.units import kind_of_unit, shown_units
 
 SENSORS: tuple[Kind, ...] = get_args(Kind)

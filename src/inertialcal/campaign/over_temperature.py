@@ -16,8 +16,8 @@ from scipy import special
 
 from ..core.estimate import Array
 from ..core.results import Interval
-from ..procedures.thermal import Plan, bias_at
 from ..procedures.thermal.law import Law
+from ..procedures.thermal.reduction import Plan, bias_at
 from ..statistics.decision import decide
 from ..statistics.intervals import band_factor
 from .conditions import Condition

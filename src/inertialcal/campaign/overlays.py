@@ -14,14 +14,14 @@ from typing import Any
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.curve import Column, Curve
-from ..procedures import thermal
-from ..procedures.thermal import earth_along
+from ..procedures.thermal import reduction as thermal
+from ..procedures.thermal.reduction import earth_along
 from .load import Campaign
 from .requirements import Tested
 from .thermal_left import against_of
 
-AXES = ("x", "y", "z")
 NAME = "overlay"
 
 

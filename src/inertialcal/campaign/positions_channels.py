@@ -9,12 +9,12 @@ from pathlib import Path
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.recording import SECOND, Channel, Recording
 from ..core.remarks import Remark
 from ..core.units import convert, kind, normalise
 
-AXES = ("x", "y", "z")
 SENSORS = {"acc": ("acceleration", "m/s^2", "m/s2"), "gyro": ("angular_rate", "rad/s", "deg/s")}
 ROLES = tuple(f"{sensor}_{axis}" for sensor in SENSORS for axis in AXES)
 TEMPERATURE = "temperature"

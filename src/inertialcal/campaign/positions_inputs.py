@@ -13,16 +13,16 @@ from typing import Any
 
 import numpy as np
 
+from ..core.axes import AXES, Kind
 from ..core.errors import DataError, PlanError
 from ..core.influence import Standards
 from ..core.recording import Channel, Recording
 from ..files.source import load
 from ..files.text.table import read_table
-from ..procedures import positions
+from ..procedures.positions import reduction as positions
 from ..procedures.positions.readings import Readings
 from ..procedures.positions.recordings import Section, readings_from
-from ..sensors.model.sensor_model import Kind
-from .channels import AXES, TEMPERATURE, prepare_recording, windowed
+from .channels import TEMPERATURE, prepare_recording, windowed
 from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin

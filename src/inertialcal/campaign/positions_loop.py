@@ -20,11 +20,11 @@ from dataclasses import replace
 import numpy as np
 from scipy import special
 
+from ..core.axes import Kind
 from ..core.estimate import Array
-from ..procedures import positions
+from ..procedures.positions import reduction as positions
 from ..procedures.positions.fit.linear_sensor import LinearSensor
 from ..procedures.rate_table.closed_loop import RISK, AxisLoop, judged
-from ..sensors.model.sensor_model import Kind
 from ..statistics.decision import holm
 from .positions_mixed import Errors, Judge, as_read, mixed_up, of_accelerometers, of_gyros
 

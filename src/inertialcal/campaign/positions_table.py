@@ -7,13 +7,14 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.recording import Recording
 from ..core.remarks import Remark
 from ..files.text.table import Table
 from ..procedures.positions.readings import Readings, Triad
-from .positions_channels import AXES, Taken
+from .positions_channels import Taken
 from .positions_words import LABELS, direction_of, unit_vectors
 
 LONGEST = 1_000  # rows; a longer file without time is no table of positions

@@ -10,7 +10,7 @@ from ..core.errors import PlanError
 from ..core.influence import Standards
 from ..core.units import parse_quantity, si_unit
 from ..files.text.table import Table
-from ..procedures import rate_table
+from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.recordings import Turned, readings_from
 from .after import Bias, without_bias
 from .chains import body_scale_factors

@@ -24,7 +24,9 @@ import numpy as np
 from ..core.errors import DataError
 from ..core.results import Interval, Row, not_estimated
 from ..core.units import parse_quantity
-from ..procedures import rate_table, static_noise, thermal
+from ..procedures.rate_table import reduction as rate_table
+from ..procedures.static_noise import reduction as static_noise
+from ..procedures.thermal import reduction as thermal
 from ..statistics.decision import Verdict as Decision
 from ..statistics.decision import decide, decide_by
 from .conditions import Condition, parse_condition

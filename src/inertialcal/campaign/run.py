@@ -13,7 +13,8 @@ from ..core.remarks import Remark, gather
 from ..core.show.frames import frame
 from ..core.show.result_tables import told
 from ..core.show.tables import Grid, Part, html, text
-from ..procedures import PROCEDURES, positions
+from ..procedures import PROCEDURES
+from ..procedures.positions import reduction as positions
 from ..report.page import report_html
 from .after import Bias
 from .contents import results_content

@@ -16,7 +16,7 @@ from ..core.results import Interval, is_beside
 from ..core.show.rounding import number, with_uncertainty
 from ..core.show.tables import Grid, Part, html, text
 from ..core.units import convert
-from ..procedures import flip
+from ..procedures.flip import reduction as flip
 from ..rigs.protocol import TrueValue, Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
 from .in_memory import Fitted, Result, fitted_tests

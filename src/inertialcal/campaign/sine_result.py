@@ -15,7 +15,7 @@ from ..core.remarks import Remark
 from ..core.results import Interval, Row
 from ..core.show.rounding import number, with_uncertainty
 from ..files.text.headers import bare_name
-from ..procedures.static_noise import FILE_UNIT
+from ..procedures.static_noise.reduction import FILE_UNIT
 from ..signals.sine import CrossCheck, LineFit, amplitude_of
 from ..statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
 from .sine_inputs import Driven

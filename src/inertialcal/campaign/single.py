@@ -7,6 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
+from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.recording import Recording
 from ..core.remarks import Remark
@@ -17,8 +18,7 @@ from ..core.show.tables import Part, html, text
 from ..core.units import parse_quantity, si_unit
 from ..files import read
 from ..files.text.table import read_table
-from ..procedures import rate_table as procedure
-from ..procedures.rate_table.plan import AXES
+from ..procedures.rate_table import reduction as procedure
 from .display import displayed
 from .schema_sensors import Chain, Sensor
 from .single_recording import is_stepped, stepped_columns, stepped_readings

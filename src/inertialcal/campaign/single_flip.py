@@ -21,7 +21,7 @@ from ..core.units import factor, kind, normalise, parse_quantity
 from ..files import read
 from ..files.pad.frames import sensor_frame
 from ..files.text.table import read_table
-from ..procedures import flip as procedure
+from ..procedures.flip import reduction as procedure
 from ..procedures.flip.plan import Axis
 from ..procedures.flip.recordings import Turned, readings_from
 from ..procedures.flip.tables import readings_of_means

@@ -23,7 +23,7 @@ from ..files import read
 from ..files.source import load
 from ..files.text.schedule_csv import read_schedule
 from ..files.time.plausible import time_remarks
-from ..procedures import mass_attraction as procedure
+from ..procedures.mass_attraction import reduction as procedure
 from ..procedures.mass_attraction.plan import Scatter, Tilt
 from ..procedures.mass_attraction.recordings import READING, TEMPERATURE, TILT
 from .curves import displayed_curve

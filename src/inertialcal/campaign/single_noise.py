@@ -14,7 +14,7 @@ from ..core.results import Row, is_beside
 from ..core.show.frames import frame_of_rows
 from ..core.show.result_tables import figures, told
 from ..core.show.tables import Part, html, text
-from ..procedures import static_noise as procedure
+from ..procedures.static_noise import reduction as procedure
 from ..sensors.noise.filter_block import FilterBlock
 from ..sensors.noise.fitting.noise_fit import duration
 from ..sensors.noise.terms import Term

@@ -9,6 +9,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.curve import Curve
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
@@ -21,12 +22,12 @@ from ..core.show.tables import Part, html, text
 from ..core.units import factor, kind, parse_quantity
 from ..files.models.model_json import dump_model
 from ..files.write.atomic import replacing
-from ..procedures import positions as procedure
+from ..procedures.positions import reduction as procedure
 from ..procedures.positions.curves import curves
 from ..procedures.positions.readings import Readings
 from ..sensors.model.sensor_model import Provenance, SensorModel
 from .display import displayed
-from .positions_channels import AXES, SENSORS
+from .positions_channels import SENSORS
 from .positions_held import Held, held_out
 from .positions_result import by_quantity
 from .positions_sources import Asked, Sources, named_files, sources

@@ -12,6 +12,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Array
 from ..core.remarks import Remark
@@ -35,7 +36,6 @@ from ..procedures.positions.planning import (
 )
 
 TEST = "positions"
-AXES = ("x", "y", "z")
 SETS: Mapping[str, slice] = {
     "none": slice(0, 0),
     "faces": slice(0, 6),

@@ -12,12 +12,12 @@ from typing import Any
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.recording import Recording
 from ..core.units import convert, kind, normalise
-from ..procedures.rate_table import Plan, Readings
-from ..procedures.rate_table.plan import AXES
 from ..procedures.rate_table.recordings import APPLIED, readings_from
+from ..procedures.rate_table.reduction import Plan, Readings
 from .channels import turned_recording
 from .schema import Test
 from .schema_recordings import ChannelEntry, RecordingEntry

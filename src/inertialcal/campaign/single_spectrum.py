@@ -13,8 +13,8 @@ from ..core.show.result_tables import told
 from ..core.show.rounding import number, with_uncertainty
 from ..core.show.tables import Grid, Part, html, text
 from ..core.units import factor
-from ..procedures.static_noise import FILE_UNIT
 from ..procedures.static_noise.curves import density_unit
+from ..procedures.static_noise.reduction import FILE_UNIT
 from ..signals.spectrum import Line, Spectrum
 from .noise_channels import Said
 from .noise_sources import Source

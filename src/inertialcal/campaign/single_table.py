@@ -8,7 +8,7 @@ from typing import Any
 
 from ..core.errors import UsageError
 from ..core.units import normalise
-from ..procedures.rate_table import Readings
+from ..procedures.rate_table.reduction import Readings
 from .schema import Test
 from .schema_recordings import RecordingEntry, Rows
 from .schema_sensors import Sensor

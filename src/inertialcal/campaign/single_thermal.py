@@ -9,6 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark, gather
@@ -19,11 +20,10 @@ from ..core.show.tables import Part, html, text
 from ..core.units import convert, kind, parse_quantity
 from ..files import read
 from ..files.time.plausible import time_remarks
-from ..procedures import thermal as procedure
+from ..procedures.thermal import reduction as procedure
 from ..procedures.thermal.recordings import TEMPERATURE, Warmed, readings_from
 from .display import displayed
 
-AXES = ("x", "y", "z")
 KINDS = {"gyro": ("angular_rate", "rad/s"), "acc": ("acceleration", "m/s^2")}
 UNITS = {"gyro": "deg/s", "acc": "m/s2"}
 Sensor = Literal["gyro", "acc"]

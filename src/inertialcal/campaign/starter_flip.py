@@ -7,6 +7,7 @@ import re
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..core.axes import AXES
 from ..core.errors import InertialcalError, UsageError
 from ..core.recording import Channel, Recording
 from ..core.remarks import Remark
@@ -14,13 +15,11 @@ from ..core.units import kind
 from ..files import read
 from ..files.pad.pairs import pairs_of
 from ..files.text.table import Table
-from ..procedures import flip
+from ..procedures.flip import reduction as flip
 from .flip_record import found_windows, head_recording
 from .flip_source import FlipSource, entry_text, quoted, source_of
 from .flip_table import is_table_of_means, means_columns
 from .load import MARK
-
-AXES = ("x", "y", "z")
 
 
 def means_of_table(table: Table) -> FlipSource | None:

@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.recording import Channel, Recording
 from ..core.units import kind
 from ..files.info.channel_survey import survey_channel
@@ -14,7 +15,7 @@ from ..files.info.hints import unit_hints
 from ..signals.segmentation.stillness import judge
 from .flip_source import CLOCK_COLUMN, quoted
 from .load import MARK
-from .starter_flip import AXES, accelerometers
+from .starter_flip import accelerometers
 
 SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell
 APART = 20.0  # standard deviations: levels of files that differ by more were turned at different rates

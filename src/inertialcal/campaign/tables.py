@@ -19,8 +19,8 @@ from ..core.remarks import Remark
 from ..core.times import read_instant
 from ..core.units import convert, factor, kind, si_unit
 from ..files.text.table import Table, read_table
-from ..procedures.rate_table import Readings
 from ..procedures.rate_table.earth_input import gathered
+from ..procedures.rate_table.reduction import Readings
 from ..procedures.rate_table.taken_off import joined
 from ..sensors.chain.from_counts import convert as convert_counts
 from .chains import build_chain, scale_factors

@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ..core.estimate import Array, Component, Estimate
-from ..procedures import rate_table
+from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.quantities import taken_off_changes
 from .after import Bias, law_of
 

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..procedures import thermal
+from ..procedures.thermal import reduction as thermal
 from ..procedures.thermal.sensor import WORDS, OfSensor
 from .requirements import Tested
 

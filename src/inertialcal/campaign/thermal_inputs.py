@@ -7,14 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
+from ..core.axes import AXES
 from ..core.errors import DataError, PlanError
 from ..core.influence import Standards
 from ..core.recording import Channel, Recording
-from ..procedures import thermal
+from ..procedures.thermal import reduction as thermal
 from ..procedures.thermal.recordings import REFERENCES, Warmed, readings_from
 from ..sensors.chain.converter import Chain
 from .chains import body_scale_factors, build_chain
-from .channels import AXES, TEMPERATURE, chain_of, in_body_axes, raw_recording, windowed
+from .channels import TEMPERATURE, chain_of, in_body_axes, raw_recording, windowed
 from .load import Campaign
 from .modelling import Prepared
 from .origins import Origin

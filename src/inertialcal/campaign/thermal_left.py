@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from ..core.errors import InertialcalError
-from ..procedures import thermal
+from ..procedures.thermal import reduction as thermal
 from ..procedures.thermal.closed_loop import Left, held_out, residual_rows
 from .load import Campaign
 from .prepare import placed

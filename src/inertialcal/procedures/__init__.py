@@ -7,7 +7,12 @@ from __future__ import annotations
 
 from types import ModuleType
 
-from . import flip, mass_attraction, positions, rate_table, static_noise, thermal
+from .flip import reduction as flip
+from .mass_attraction import reduction as mass_attraction
+from .positions import reduction as positions
+from .rate_table import reduction as rate_table
+from .static_noise import reduction as static_noise
+from .thermal import reduction as thermal
 
 PROCEDURES: dict[str, ModuleType] = {
     "rate_table": rate_table,

@@ -25,10 +25,11 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import Polynomial
 
+from ..core.axes import Kind
 from ..core.constants import REINEL_GRAVITY
 from ..core.units import factor
 from .chain.converter import Chain, Thermometer, pulse_counter
-from .model.sensor_model import Item, Kind, Provenance, SensorModel
+from .model.sensor_model import Item, Provenance, SensorModel
 
 XYZ = ("x", "y", "z")
 BADESCU = "Badescu, NPS thesis, 2011"

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...campaign.single_noise import NoiseFile, SensorNoise
     from ...campaign.single_spectrum import SpectrumFile
     from ...core.results import Row
-    from ...procedures.static_noise import Reach
+    from ...procedures.static_noise.reduction import Reach
     from ...sensors.noise.filter_block import FilterBlock
 
 HEADS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "what the record tells")
@@ -36,7 +36,7 @@ def noise_text(found: NoiseFile) -> str:
 
 
 def _sensor(one: SensorNoise) -> str:
-    from ...procedures.static_noise import reaches
+    from ...procedures.static_noise.reduction import reaches
     from ...sensors.noise.fitting.noise_fit import duration
 
     readings = one.result.readings
@@ -106,7 +106,7 @@ def _inside(row: Row) -> str:
 
 def _told(reach: Reach, wanted: float) -> str:
     """Return what the record tells of a term, without its name."""
-    from ...procedures.static_noise import sentence
+    from ...procedures.static_noise.reduction import sentence
 
     return sentence(reach, wanted).partition(": ")[2]
 

@@ -13,9 +13,10 @@ import os
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
+from ...core.axes import Kind
 from ...core.errors import DataError, UsageError
 from ...core.remarks import Remark
-from ...sensors.model.sensor_model import Kind, SensorModel
+from ...sensors.model.sensor_model import SensorModel
 from ..source import load
 from ..write.atomic import replacing
 from .apply_text import c_text, python_text

@@ -10,8 +10,8 @@ import json
 from collections.abc import Mapping
 from types import ModuleType
 
+from ...core.axes import Kind
 from ...core.errors import DataError
-from ...sensors.model.sensor_model import Kind
 from . import imu_tk, imucal, kalibr, realsense
 from .triad import KINDS, Foreign
 

@@ -18,10 +18,11 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...sensors.model.sensor_model import Kind, SensorModel
+from ...sensors.model.sensor_model import SensorModel
 from .triad import Foreign, Triad, invertible, lost, model_of, triad
 
 NAME = "imu_tk"

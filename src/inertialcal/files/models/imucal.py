@@ -20,11 +20,12 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor, normalise, same_dimension
-from ...sensors.model.sensor_model import INPUT_UNIT, Kind, SensorModel
+from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
 NAME = "imucal"

@@ -21,11 +21,12 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor, same_dimension
-from ...sensors.model.sensor_model import INPUT_UNIT, Kind, SensorModel
+from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from .plain_yaml import dump_yaml, parse_yaml
 from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 

@@ -20,10 +20,11 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...sensors.model.sensor_model import INPUT_UNIT, Kind, SensorModel
+from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
 NAME = "RealSense"

@@ -14,10 +14,11 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...sensors.model.sensor_model import Kind, SensorModel
+from ...sensors.model.sensor_model import SensorModel
 
 XYZ = ("x", "y", "z")
 KINDS: tuple[Kind, ...] = ("accelerometer", "gyro")

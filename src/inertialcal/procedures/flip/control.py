@@ -26,8 +26,9 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor
 from ...statistics.decision import holm
-from .plan import Plan, Readings
+from .plan import Plan
 from .pooling import Flip
+from .readings import Readings
 from .separation import AMBIENT, BIAS, CONTROL, READING
 from .uncertainty import independent, record_of
 

@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
-from .plan import AXES, Plan, Quiet, Readings
+from .plan import Plan
 from .positions import directions, rotation
+from .readings import Quiet, Readings
 from .separation import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, Separated
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 UNIT = "m/s^2"
 

@@ -25,8 +25,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from .plan import Plan, Readings
+from .plan import Plan
 from .pooling import Flip, pooled
+from .readings import Readings
 from .separation import BIAS, READING
 
 PREDICTED, SHIFT, CORRECTED = "predicted_bias", "bias_shift", "corrected_bias"

@@ -9,10 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
-from .plan import AXES
 
 LARGEST = 1e6  # [m/s^2], far beyond what any accelerometer takes
 

@@ -23,7 +23,8 @@ from scipy import special
 from ...core.estimate import Array, Component, Estimate
 from ...core.remarks import Remark
 from ...statistics.decision import holm
-from .plan import Plan, Readings
+from .plan import Plan
+from .readings import Readings
 from .separation import AMBIENT, BIAS, CONTROL, TEMPERATURE, Separated, separate
 from .standards import components, patterns
 from .uncertainty import noise_components, record_of

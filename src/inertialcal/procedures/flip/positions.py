@@ -17,8 +17,8 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
-from .plan import AXES
 
 ROUNDING = 1e-9  # of a sine: half turns written in degrees, or as 3.141592653589793
 SAME = 1e-6  # [rad] positions nearer than this are one

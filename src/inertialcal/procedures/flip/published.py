@@ -16,8 +16,9 @@ import numpy as np
 
 from ...core.estimate import Array
 from ...core.results import Interval, Row
-from .plan import Plan, Readings
+from .plan import Plan
 from .positions import SAME, directions
+from .readings import Readings
 
 CONDITION = "as_published"
 ACCURACY = "accuracy"

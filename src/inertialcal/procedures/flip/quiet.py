@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...core.recording import SECOND, Times
-from .plan import Quiet
+from .readings import Quiet
 
 MOST = 720  # blocks: time and memory of the noise model grow with their cube and square
 PRESENT = 0.9  # of the samples that a block should have

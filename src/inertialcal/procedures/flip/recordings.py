@@ -14,13 +14,15 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark, gather
 from .disturbances import seen
-from .plan import AXES, HalfWidths, Plan, Quiet, Readings
+from .plan import Plan
 from .quiet import MOST, Window, quiet_of, stretches
+from .readings import HalfWidths, Quiet, Readings
 from .windows import PROBABILITIES, half_widths, low_passed
 
 LOW_PASS, MEDIAN = "low_pass", "median"

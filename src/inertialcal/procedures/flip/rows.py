@@ -24,7 +24,7 @@ from .separation import AMBIENT, BIAS, CONTROL, READING
 from .standards import missing
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 MODEL_BIAS = "model_bias_error"  # what a ground model leaves of the bias
 ALONG = "not turned: bias and ambient acceleration along the turn are one (see reading)"

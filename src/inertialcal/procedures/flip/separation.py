@@ -27,10 +27,12 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .plan import AXES, Plan, Readings
+from .plan import Plan
 from .positions import SAME, directions, rotation
+from .readings import Readings
 
 RELATIVE = 1e-9  # singular values below this, of columns of length one, are rounding
 RESOLVED = 1e-6  # a coefficient that is its own to this

@@ -28,12 +28,13 @@ from ...core.errors import PlanError
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import Row
 from ...statistics.intervals import ends, t_interval
-from .plan import Plan, Quiet, Readings
+from .plan import Plan
 from .pooling import Flip, flips_of, pooled
+from .readings import Quiet, Readings
 from .separation import BIAS
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 OTHER = "other_model_bias_error"
 CHANGE, REDUCTION = "model_bias_error_change", "model_bias_error_reduction"

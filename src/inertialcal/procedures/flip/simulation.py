@@ -11,11 +11,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND
-from .plan import AXES, Plan, Readings
+from .plan import Plan
 from .positions import rotation, slope, tilted
 from .quiet import Window, quiet_of, stretches
+from .readings import Readings
 
 STEP = 1.0  # [s]
 LONGER = 4  # than the record is drawn, so that its ends do not meet

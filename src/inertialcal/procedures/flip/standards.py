@@ -25,9 +25,11 @@ from collections.abc import Callable
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array, Component
-from .plan import AXES, INFLUENCES, Plan, Readings
+from .plan import INFLUENCES, Plan
 from .positions import SAME, slope, tilted
+from .readings import Readings
 from .separation import AMBIENT, Separated
 
 Patterns = dict[str, Array]  # of each influence, shape (q, p): changes of the values, one standard uncertainty each

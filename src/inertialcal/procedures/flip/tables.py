@@ -8,10 +8,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .plan import AXES, HalfWidths, Readings
 from .plausible import is_reading
+from .readings import HalfWidths, Readings
 
 
 @dataclass(frozen=True)

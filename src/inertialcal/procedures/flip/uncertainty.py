@@ -32,8 +32,9 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array, Component
 from ...statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
-from .plan import Plan, Quiet, Readings
+from .plan import Plan
 from .positions import directions
+from .readings import Quiet, Readings
 from .separation import Separated
 
 FEWEST = 3  # pairs

@@ -8,7 +8,8 @@ from ...core.constants import GRAVITATIONAL_CONSTANT
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ...physics.mass_shape import largest_field
-from .plan import Plan, Readings, Run, SourceMass
+from .plan import Plan, SourceMass
+from .readings import Readings, Run
 from .response import tilt_used
 
 LIGHTEST, DENSEST = 10.0, 23_000.0  # of materials [kg/m^3]

@@ -11,11 +11,11 @@ from ...core.estimate import Array
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor
 from .line import shape_of
-from .plan import Run
+from .readings import Run
 from .response import Response
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 UNIT = "count/s/(m/s^2)"
 LAGS = 0.5  # of the dwells

@@ -13,7 +13,7 @@ from .response import tilt_left
 from .scale import DIFFERENCE, ERROR, applied_known
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 FEW_RUNS = 5
 ALPHA = 0.05

@@ -11,7 +11,7 @@ import numpy as np
 
 from ...signals.programme1969 import Analysis, adjusted_curve, analyse
 from .line import shape_of
-from .plan import Line, Readings, Run
+from .readings import Line, Readings, Run
 
 CYCLE, HALF_WIDTH, BESIDE = 4, 3, 4  # samples a cycle, JA, lines on each side
 FEWEST = 40  # samples

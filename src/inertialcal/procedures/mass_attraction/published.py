@@ -26,10 +26,10 @@ import numpy as np
 
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
-from .plan import Line
+from .readings import Line
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 CONDITION = "as_published"
 UNIT = "count/s/(m/s^2)"

@@ -17,7 +17,8 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
-from .plan import Plan, Readings, Run
+from .plan import Plan
+from .readings import Readings, Run
 from .schedule import Schedule
 
 READING, TILT, TEMPERATURE = "reading", "tilt", "temperature"

@@ -25,7 +25,8 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...signals.sine import LineFit
 from .line import Fitted, fit_line, fit_lines, fits_better_late
-from .plan import Line, Plan, Run
+from .plan import Plan
+from .readings import Line, Run
 
 G = STANDARD_GRAVITY.value
 SLIP = 25.0  # gain of squared signal over noise by which a slip of the schedule is told

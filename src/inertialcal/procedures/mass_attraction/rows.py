@@ -13,7 +13,7 @@ from .response import Response
 from .scale import SCALE, UNIT, estimate_of
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 
 def rows(result: Result) -> Iterator[Row]:

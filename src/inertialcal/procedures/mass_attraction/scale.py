@@ -13,7 +13,8 @@ import numpy as np
 
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
-from .plan import APPLIED, Plan, Readings
+from .plan import APPLIED, Plan
+from .readings import Readings
 from .response import G, Response, tilt_left
 from .runs import Combined
 

@@ -15,13 +15,13 @@ from itertools import permutations, product
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from .fit.attitudes import Packed, packed
 from .fit.rotation_errors import Problem, angles
 from .fit.rotations import converged
-from .plan import AXES
 from .readings import Readings
 
 CLOSE = np.radians(8.0)  # median error from which the start is good enough to fit from

@@ -20,7 +20,7 @@ from .fit.gyro import FittedGyro, fit_gyro
 from .fit.rotation_errors import across
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 
 def curves(result: Result) -> list[Curve]:

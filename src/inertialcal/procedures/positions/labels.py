@@ -13,10 +13,10 @@ from typing import Protocol
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from .plan import AXES
 from .readings import Readings
 
 LEAST = 0.5  # cosine of the angle between the direction that is named and the one that is read, misalignment and all

@@ -5,14 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-import numpy as np
-
-from ...core.constants import STANDARD_GRAVITY
-from ...core.estimate import Array
 from ...core.influence import Influence, Standards
-from ...physics.earth import normal_gravity
-
-AXES = ("x", "y", "z")
 
 # Influences that a test of positions is subject to, and what each would change.
 INFLUENCES = {
@@ -62,17 +55,3 @@ class Plan:
     acc_zero: Mapping[str, float] | None = None
     gyro_zero: Mapping[str, float] | None = None
     standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
-
-
-def local_gravity(plan: Plan) -> float:
-    """Return the gravity that the plan gives, or that of its place, or the standard value [m/s^2]."""
-    if plan.gravity is not None:
-        return plan.gravity
-    if plan.latitude is not None:
-        return float(normal_gravity(plan.latitude, plan.height))
-    return float(STANDARD_GRAVITY.value)
-
-
-def by_axis(numbers: Mapping[str, float] | None, absent: float) -> Array:
-    """Return one number an axis, shape (3,)."""
-    return np.array([(numbers or {}).get(axis, absent) for axis in AXES], dtype=np.float64)

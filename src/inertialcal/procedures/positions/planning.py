@@ -25,12 +25,12 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.axes import AXES
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from .fit.observability import observed
 
-AXES = ("x", "y", "z")
 MOST = 200  # positions that a person lays
 FAINT = 1e-9  # information that a first position is compared with, where the others tell nothing yet
 DETERMINANT, TRACE = "determinant", "trace"

@@ -20,11 +20,11 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.results import Row
 from ...core.units import normalise
-from .plan import AXES
 from .readings import Readings, Rotation
 
 CONDITION = "as_published"

@@ -11,12 +11,12 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from ...core.axes import AXES, Kind
 from ...core.estimate import Array, Component, Estimate
 from ...core.units import normalise
 from ...sensors.model.assemble import model_from
-from ...sensors.model.sensor_model import Kind, SensorModel
+from ...sensors.model.sensor_model import SensorModel
 from .fit.linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
-from .plan import AXES
 
 SCALE = tuple(f"scale_factor_{a}" for a in AXES)
 ROUNDING = 1e-12  # of the terms that make up a variance

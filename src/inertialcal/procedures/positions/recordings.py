@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import Recording
@@ -23,7 +24,7 @@ from ...signals.segmentation.placements import Placement, between, disturbed_ins
 from ...signals.segmentation.segments import detect
 from ...signals.time.samples import Samples, samples_of
 from .labels import check_sections, pointing
-from .plan import AXES, Plan
+from .plan import Plan
 from .readings import Readings, Rotation, Triad
 
 ACC, GYRO = tuple(f"acc_{a}" for a in AXES), tuple(f"gyro_{a}" for a in AXES)

@@ -12,7 +12,7 @@ from .plan import INFLUENCES
 from .rows import missing
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 HIDDEN = 0.5  # share of a variance that nothing shows, from which on it is told
 ALONE = 0.8  # leverage of a position on which some combination rests

@@ -10,20 +10,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...core.axes import AXES, Kind
 from ...core.estimate import Array, Estimate
 from ...core.results import Interval, Row, not_estimated
-from ...sensors.model.sensor_model import Kind
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
 from .fit.accelerometer import Fitted
 from .fit.levels import FEWEST
 from .fit.linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor
-from .plan import AXES, INFLUENCES, local_gravity
+from .gravity import local_gravity
+from .plan import INFLUENCES
 from .published import published_rows
 from .quantities import SCALE, UNIT, reasons, units_of
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 NO_LEVEL = "nothing was repeated that it could be told from"
 NOT_SEEN = "hardly seen above what is known of each: less than one degree of freedom"

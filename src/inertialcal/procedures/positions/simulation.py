@@ -15,7 +15,8 @@ import numpy as np
 
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
-from .plan import Plan, local_gravity
+from .gravity import local_gravity
+from .plan import Plan
 from .readings import Readings, Rotation, Triad
 
 

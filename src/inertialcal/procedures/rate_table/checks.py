@@ -9,7 +9,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.errors import DataError, Problem
-from .plan import Plan, Readings
+from .plan import Plan
+from .readings import Readings
 from .regression import Line
 
 CLEAR = 0.5  # a matrix entry of this size is no misalignment

@@ -31,9 +31,10 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy import special
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...statistics.decision import holm
-from .plan import AXES, Labels, Readings
+from .readings import Labels, Readings
 from .regression import Line
 
 RISK = 0.05  # of calling a model wrong that is not, over all axes; and the same for calling it better

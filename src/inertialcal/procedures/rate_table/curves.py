@@ -23,13 +23,14 @@ import numpy as np
 from ...core.curve import Column, Curve
 from ...statistics.intervals import t_interval
 from .exclusions import exclusions
-from .plan import Plan, Readings
+from .plan import Plan
 from .rate_error import Of, RateError, rate_errors
+from .readings import Readings
 from .regression import reading_of_line
 from .traces import Trace
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 NOT_READ = "not_read"
 INCOMPLETE = "dwell_incomplete"

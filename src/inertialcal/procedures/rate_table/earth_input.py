@@ -18,11 +18,13 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array, Estimate
 from ...core.influence import Influence
 from ...physics.earth import axis_earth_rate
-from .plan import AXES, Attitude, Plan, Readings
+from .plan import Attitude, Plan
+from .readings import Readings
 
 ROOT_HALF = float(np.sqrt(0.5))
 ROOT_THIRD = float(np.sqrt(1.0 / 3.0))

@@ -19,7 +19,8 @@ from numpy.typing import NDArray
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from .plan import Plan, Readings
+from .plan import Plan
+from .readings import Readings
 
 Mask = NDArray[np.bool_]
 

@@ -15,7 +15,8 @@ import numpy as np
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
 from ...statistics.least_squares import fit
-from .plan import Plan, Readings
+from .plan import Plan
+from .readings import Readings
 
 CONDITION = "as_published"
 

@@ -24,9 +24,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
 from .earth_input import earth_influences
-from .plan import AXES, Plan
+from .plan import Plan
 from .regression import Line
 
 

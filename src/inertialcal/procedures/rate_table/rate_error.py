@@ -25,10 +25,12 @@ from typing import Literal
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .plan import AXES, Plan, Readings
+from .plan import Plan
 from .quantities import matrix_entry
+from .readings import Readings
 from .regression import Line, dwell_variance
 
 Of = Literal["expected", "dwell_mean", "reading"]

@@ -16,6 +16,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording, Times
@@ -23,7 +24,8 @@ from ...core.remarks import Remark
 from ...signals.segmentation.dwells import Dwell, Tally, tally
 from ...signals.time.schedule import dwells_by_reference, dwells_by_windows
 from .earth_input import earth_in_dwells, gathered
-from .plan import AXES, Plan, Readings
+from .plan import Plan
+from .readings import Readings
 from .taken_off import TakenOff, joined
 from .traces import Cut, Trace, trace
 

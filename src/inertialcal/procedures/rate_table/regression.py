@@ -31,11 +31,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...statistics.clustered import clustered_covariance
 from ...statistics.least_squares import Fit, fit
-from .plan import AXES, Labels, Plan, Readings
+from .plan import Plan
+from .readings import Labels, Readings
 
 EARTH_PASSES = 3
 

@@ -10,12 +10,13 @@ from ...core.estimate import Estimate
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from .linearity import linearity_row
-from .plan import INFLUENCES, Plan, Readings
+from .plan import INFLUENCES, Plan
 from .published import published_rows
+from .readings import Readings
 from .regression import Level, Line
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 ALL_READINGS = "all_readings"
 RESIDUAL = "residual_bias"  # what is left of the bias after the reading at rest was subtracted

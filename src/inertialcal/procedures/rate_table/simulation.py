@@ -6,9 +6,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from .earth_input import with_earth
-from .plan import AXES, Labels, Plan, Readings
+from .plan import Plan
+from .readings import Labels, Readings
 
 
 @dataclass(frozen=True, eq=False)

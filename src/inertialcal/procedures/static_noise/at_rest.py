@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 
 from ...core.recording import Recording
-from ...signals.allan.prefix import Quantity
+from ...signals.names import Quantity
 
 
 @dataclass(frozen=True, eq=False)

@@ -15,7 +15,8 @@ from ...signals.allan import Allan
 from .deviations import FITTED, fitted, shown
 from .disturbances import Looked, looked_through
 from .doubts import doubt_of, fault_of
-from .plan import Plan, Readings, Run
+from .plan import Plan
+from .readings import Readings, Run
 from .spectra import Spectral, lines_to_fit, spectral
 from .usable import check_usable
 

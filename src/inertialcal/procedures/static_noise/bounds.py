@@ -11,7 +11,7 @@ from ...sensors.noise.terms import Sinusoid
 from .scale import widened
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 
 def interval_at(result: Result, row: Row, p: float) -> Interval | None:

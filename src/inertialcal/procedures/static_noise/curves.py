@@ -34,7 +34,7 @@ from .record_length import reaches
 from .rows import FILE_UNIT
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 PER_OCTAVE, WITH_LINES = 4, 24  # averaging times of the drawn terms; with lines, which ring
 PER_DECADE = 40  # bands of the drawn spectrum

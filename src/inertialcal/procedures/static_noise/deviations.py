@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ...signals.allan import Allan, allan
-from ...signals.allan.deviations import Deviation
-from .plan import Plan, Run
+from ...signals.names import Deviation
+from .plan import Plan
+from .readings import Run
 
 FITTED: Deviation = "overlapping"  # that the terms are fitted to
 INTERVAL = 0.95  # of the deviations

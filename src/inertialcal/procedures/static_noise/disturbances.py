@@ -17,7 +17,8 @@ from ...core.units import factor
 from ...sensors.noise.fitting.noise_fit import duration
 from ...signals.codes import coarse_steps
 from ...signals.record_quality import BadSegment, Drift, RecordQuality, record_quality
-from .plan import Plan, Run
+from .plan import Plan
+from .readings import Run
 
 LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias
 FEWEST = 200  # samples from which a disturbance can be told

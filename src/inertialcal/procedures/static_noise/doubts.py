@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...sensors.noise.fitting.noise_fit import NoiseFit
-from .plan import Run
+from .readings import Run
 
 CUT = 1e-3  # share of samples at the end of the range from which the noise that is left is no longer whole
 DOUBTS = {

@@ -17,7 +17,8 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...signals.codes import levels_of, rails
 from ...signals.record_quality import BadSegment, stuck_stretches
-from .plan import Fault, Plan, Run
+from .plan import Plan
+from .readings import Fault, Run
 
 LISTED = 3  # stretches of an axis that are named
 Mask = NDArray[np.bool_]

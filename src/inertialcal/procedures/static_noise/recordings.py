@@ -21,7 +21,8 @@ from ...signals.allan import on_grid
 from .at_rest import AtRest
 from .clock import Grid, averaging_of, grid_of
 from .faults import Told, without_faults
-from .plan import Plan, Readings, Run
+from .plan import Plan
+from .readings import Readings, Run
 
 LARGEST = 1e60  # reading: beyond it fourth powers overflow
 

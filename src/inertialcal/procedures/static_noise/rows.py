@@ -10,9 +10,10 @@ from collections.abc import Iterator, Mapping
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ...core.axes import Kind
 from ...core.results import Interval, Row, not_estimated
 from ...sensors.noise.fitting.noise_fit import FoundTerm, NoiseFit, duration
-from ...sensors.noise.terms import TERMS, Kind, Sinusoid, quantity_name
+from ...sensors.noise.terms import TERMS, Sinusoid, quantity_name
 from ...sensors.noise.units import parameter_unit, sample_unit
 from ...statistics.intervals import t_interval
 from .axis_noise import AxisNoise, Recorded
@@ -20,7 +21,7 @@ from .doubts import doubt_of
 from .scale import widened
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 FILE_UNIT = "file unit"  # of samples whose unit nobody said
 LINE = "line at "

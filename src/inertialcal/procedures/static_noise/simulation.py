@@ -9,7 +9,8 @@ import numpy as np
 
 from ...sensors.noise.simulate import simulate as samples_of
 from ...sensors.noise.terms import Term
-from .plan import Plan, Readings, Run
+from .plan import Plan
+from .readings import Readings, Run
 
 
 @dataclass(frozen=True)

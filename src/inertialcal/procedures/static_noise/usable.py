@@ -10,7 +10,8 @@ from ...sensors.noise.runs import run_of
 from ...sensors.noise.units import sample_unit
 from ...signals.allan import Allan
 from .deviations import fitted
-from .plan import Plan, Readings
+from .plan import Plan
+from .readings import Readings
 
 NOISELESS = {"rate_ramp"}  # terms that scatter nothing
 

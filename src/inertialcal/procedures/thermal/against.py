@@ -22,6 +22,7 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy import linalg
 
+from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
@@ -29,13 +30,13 @@ from ...statistics.intervals import chi_square_interval
 from ...statistics.least_squares import fit
 from .earth import earth_along
 from .law import Law
-from .plan import AXES, Plan
+from .plan import Plan
 from .quantities import SOURCES, at_text, name_of
 from .rows import ONE_RUN, estimate_row
 from .sensor import OfSensor
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 SHIFT, VACUUM = "bias_shift", "vacuum_offset"
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from ...core.remarks import Remark
 from .cells import Cells
-from .plan import Readings
+from .readings import Readings
 
 FEWEST = 4  # runs, so that most of them can be right
 FAR = 8.0  # times the median distance of the others

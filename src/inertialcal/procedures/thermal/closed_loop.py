@@ -19,15 +19,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
-from . import Result
 from .cells import Cells
 from .earth import earth_along
 from .law import Law
-from .plan import AXES
+from .reduction import Result
 
 RESIDUAL = "residual_bias"
 ONE_RUN = "the fit rests on one power-up: how another one differs was not observed"

@@ -20,18 +20,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...statistics.intervals import coverage_factor
 from .earth import earth_along
 from .law import Law
-from .plan import AXES
 from .quantities import bias_at
 from .sensor import OfSensor
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 GRID = 61  # temperatures of a law
 WAYS = {1: "warming", -1: "cooling"}

@@ -26,13 +26,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
+from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
 from ...core.units import normalise
 from ...sensors.thermal import over_voltage, powers_of
 from ...statistics.polynomial import Polynomial
 from .earth import earth_along
 from .law import Law
-from .plan import AXES, Plan, Thermometer
+from .plan import Plan, Thermometer
 
 SOURCES = {
     "run": "scatter between runs",

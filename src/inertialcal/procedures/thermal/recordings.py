@@ -12,11 +12,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
-from .plan import AXES, Readings, Sweep
+from .readings import Readings, Sweep
 
 TEMPERATURE, PRESSURE = "temperature", "pressure"
 REFERENCES = ("reference_voltage", "temperature_reference_voltage")  # channels of reference voltages, with their axis

@@ -11,17 +11,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Estimate
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from .paths import PathEffect
-from .plan import AXES, INFLUENCES, Plan
+from .plan import INFLUENCES, Plan
 from .published import published_rows
 from .quantities import at_text, name_of
 from .sensor import OfSensor
 
 if TYPE_CHECKING:
-    from . import Result
+    from .reduction import Result
 
 ONE_RUN = "it rests on what one run alone shows: how it differs between runs cannot be told"
 GRAVITY = "the reading at rest holds what gravity adds along the axis"

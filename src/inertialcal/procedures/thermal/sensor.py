@@ -15,7 +15,8 @@ from .cells import Cells, Series, cells_of, series_of
 from .law import Law, law_of
 from .order import Choice, choose_order
 from .paths import Paths, paths_of
-from .plan import Plan, Readings
+from .plan import Plan
+from .readings import Readings
 from .start_up import StartUp, start_up_of
 
 BINS_AN_ORDER = 3  # that a polynomial needs for each order

@@ -8,10 +8,12 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import polynomial
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
 from .earth import earth_along
-from .plan import AXES, Plan, Readings, Sweep
+from .plan import Plan
+from .readings import Readings, Sweep
 
 DEG = float(np.radians(1.0))
 

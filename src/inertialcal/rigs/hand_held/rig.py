@@ -14,6 +14,7 @@ from typing import Literal
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...core.recording import SECOND, Channel, Recording
@@ -27,7 +28,6 @@ TITLE = "an IMU laid by hand into many positions, without a turntable"
 __all__ = ["FAULTS", "TITLE", "Bench", "Held", "Unit", "build", "draw_unit", "held", "twin"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
-AXES = ("x", "y", "z")
 CHANNELS = tuple(f"{sensor}_{axis}" for sensor in ("acc", "gyro") for axis in AXES)
 RIG = {"tumble": "hand_held", "ferraris": "six_faces"}
 APART = 3_600  # from record to record [s]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 
+from ...core.axes import AXES
 from ...core.influence import Influence
 from ...sensors.catalogue import SLOPE, T_REFERENCE
 from ..protocol import SEAL, SEED
@@ -13,7 +14,6 @@ from .names import recording_file, recording_name
 from .setup import (
     AVERAGED,
     AVERAGING,
-    AXES,
     CODES,
     INTERVAL,
     INVERTED,

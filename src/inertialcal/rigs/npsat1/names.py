@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from .setup import AIR, AXES, VACUUM
+from ...core.axes import AXES
+from .setup import AIR, VACUUM
 
 NAMES = {AIR: "thermal_ambient", VACUUM: "thermal_vacuum", "rate_table": "rate", "noise": "noise"}  # tests for the fit
 

@@ -10,6 +10,7 @@ from dataclasses import fields
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import Recording
 from ..parts.gyro_bench import body_rate
@@ -17,7 +18,7 @@ from ..parts.stepped_table import Motion, motion
 from .climate import Climate, followed, knots, side_of_path
 from .logger import APPLIED, BEGIN, DAY, PRESSURE, Sensed, save_starts, saved
 from .reading import noise, readings
-from .setup import AIR, AVERAGING, AXES, INTERVAL, VACUUM, Bench
+from .setup import AIR, AVERAGING, INTERVAL, VACUUM, Bench
 from .tables import AIR_TORR
 from .unit import Unit, powered_up
 from .world import World

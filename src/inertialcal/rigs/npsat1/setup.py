@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.influence import Influence
 from ...sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from ...sensors.chain.converter import Chain, Thermometer
 from .tables import LATE
 
-AXES = ("x", "y", "z")
 INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
 STEP = 5.0 / 4095.0  # [V]
 CODES = (0, 4095)

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from ...core.axes import AXES
 from .logger import BEGIN, DAY
 from .names import NAMES, degrees, recording_name
-from .setup import AIR, AXES, VACUUM, Bench
+from .setup import AIR, VACUUM, Bench
 
 REFERENCE_DEGC = 20.0  # of the powers of temperature
 AT_DEGC = (-20.0, 0.0, 20.0, 60.0)  # where the bias is told too

@@ -10,11 +10,12 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ..protocol import Drawn, TrueValue
 from .names import NAMES, degrees
 from .reading import polynomial_bias
-from .setup import AIR, AVERAGING, AXES, VACUUM
+from .setup import AIR, AVERAGING, VACUUM
 from .tests import AT_DEGC, REFERENCE_DEGC
 from .unit import Unit, reference_volts
 

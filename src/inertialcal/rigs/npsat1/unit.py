@@ -11,10 +11,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...sensors.catalogue import B_CONS_DEG_S
 from ...sensors.model.sensor_model import SensorModel
-from .setup import AIR, AXES, SCALE_FACTOR_V_PER_DEG_S, VACUUM, VOLTS_PER_RAD_S
+from .setup import AIR, SCALE_FACTOR_V_PER_DEG_S, VACUUM, VOLTS_PER_RAD_S
 from .tables import (
     AMBIENT_VOLTS,
     LARGEST_HYSTERESIS_DEG_S,

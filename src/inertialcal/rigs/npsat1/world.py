@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...physics.earth import earth_rate, level_to_table
 from ..parts.gyro_bench import mounted
 from ..protocol import Drawn, drawn_error
-from .setup import AXES, Bench
+from .setup import Bench
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,9 +7,10 @@ from collections.abc import Iterable
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.influence import Influence
 from ..protocol import SEAL, SEED
-from .setup import AXES, CODES, INVERTED, SCALE_FACTOR_V_PER_DEG_S, VALID_VOLTS, Bench
+from .setup import CODES, INVERTED, SCALE_FACTOR_V_PER_DEG_S, VALID_VOLTS, Bench
 
 TIME = "unix_s"
 APPLIED = "rate_dps"

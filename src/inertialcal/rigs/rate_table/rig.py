@@ -21,6 +21,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...physics.earth import level_to_table
@@ -30,7 +31,7 @@ from ..parts.stepped_table import Motion, motion
 from ..protocol import Drawn, TrueValue, Twin, drawn_error, with_fault
 from .campaign import APPLIED, campaign_text, recording_file, reference_column, validity_column
 from .faults import FAULTS
-from .setup import AXES, REFERENCE, STEP, Bench, chain, draw_gyro
+from .setup import REFERENCE, STEP, Bench, chain, draw_gyro
 
 TITLE = "a three-axis rate gyro on a stepped rate table, five power-ups to fit and three held out"
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "true_values", "twin"]

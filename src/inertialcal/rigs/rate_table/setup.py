@@ -7,13 +7,13 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...sensors.chain.converter import Chain
 from ...sensors.model.sensor_model import SensorModel
 from ..parts.gyro_bench import Gyro
 
-AXES = ("x", "y", "z")
 INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
 STEP = 5.0 / 4095.0  # [V]
 CODES = (0, 4095)

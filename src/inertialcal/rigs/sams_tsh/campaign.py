@@ -6,12 +6,12 @@ import json
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.influence import Influence
 from ...core.recording import SECOND
 from ..protocol import SEAL, SEED
 from ..sams_tsh_model.campaign import model_text
 from .setup import (
-    AXES,
     CODES,
     REFERENCE_TEMPERATURE,
     SCALE_FACTOR_V_PER_G,

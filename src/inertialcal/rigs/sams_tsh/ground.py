@@ -12,10 +12,11 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.axes import AXES
 from ..protocol import TrueValue
 from .head import polynomial
 from .record import Record
-from .setup import AXES, REFERENCE_TEMPERATURE, SCALE_FACTOR_V_PER_G, UG, Bench, Drawing, Head
+from .setup import REFERENCE_TEMPERATURE, SCALE_FACTOR_V_PER_G, UG, Bench, Drawing, Head
 
 UNIT = "m/s^2"
 

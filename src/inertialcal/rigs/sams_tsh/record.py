@@ -16,13 +16,14 @@ from itertools import pairwise
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ..parts.head_turn import course, felt, swung
 from ..protocol import drawn_error
 from .campaign import windows
 from .head import hysteresis, noise, polynomial, temperature_course, through_filters
 from .orbit_ambient import RINGING, add_arm, add_push, line, slow_variation
-from .setup import AXES, GAINS, REFERENCE_TEMPERATURE, UG, Bench, Head
+from .setup import GAINS, REFERENCE_TEMPERATURE, UG, Bench, Head
 
 PUSH_UG = (50.0, 500.0)  # ends of what a push of the crew is drawn from
 PUSH_HZ = (0.5, 3.0)

@@ -16,6 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...sensors.chain.to_counts import to_counts, to_temperature_counts
@@ -24,7 +25,7 @@ from .campaign import BEGIN, FILE, campaign_text
 from .faults import FAULTS
 from .ground import draw_model, true_values
 from .record import Record, record
-from .setup import AXES, Bench, G, Head, chain, draw_head
+from .setup import Bench, G, Head, chain, draw_head
 
 TITLE = "a triaxial accelerometer head turned by half a turn, and back, in orbit"
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "saved", "twin"]

@@ -7,12 +7,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...sensors.chain.converter import Chain, Thermometer
 
-AXES = ("x", "y", "z")
 G = STANDARD_GRAVITY.value  # [m/s^2]
 UG = 1e-6 * G
 STEP = 10.0 / 65536.0  # [V]

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from ...core.axes import AXES
 from ...core.estimate import Array
-from ..sams_tsh.setup import AXES, GAINS, REFERENCE_TEMPERATURE, UG, Drawing, Head
+from ..sams_tsh.setup import GAINS, REFERENCE_TEMPERATURE, UG, Drawing, Head
 
 
 def model_text(head: Head, model: Drawing) -> str:

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...core.recording import SECOND, Channel, Recording
@@ -30,7 +31,6 @@ TITLE = "a three-axis rate gyro that stands still, averages of 1 s saved every 2
 __all__ = ["FAULTS", "TITLE", "Bench", "build", "twin"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
-AXES = ("x", "y", "z")
 APART = 86_400  # from record to record [s]
 SPREAD = 0.2  # of the sizes, from unit to unit (1)
 STEP = 1e-5  # of what is saved [deg/s]

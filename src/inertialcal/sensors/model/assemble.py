@@ -7,10 +7,11 @@ from typing import Any
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.units import factor
-from .sensor_model import Kind, SensorModel
+from .sensor_model import SensorModel
 from .terms import FORCE_AXES, PER_AXIS, orders, with_values
 
 NOT_ESTIMATED = "no test gives it: taken as 0"

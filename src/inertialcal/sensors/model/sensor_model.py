@@ -30,17 +30,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.show.tables import Part, html, text
 from ...core.units import normalise, same_dimension
 from .terms import FORCE_AXES, Parameter, parameters, values
 
-Kind = Literal["gyro", "accelerometer"]
 INPUT_UNIT: dict[str, str] = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 
 AGREEMENT = 1e-9  # largest relative difference of a term from the same number in the estimate

@@ -6,6 +6,7 @@ drawn (``expected_variance``, ``sampled_spectrum``), simulated, planned for (``p
 to a filter (``state_space``, ``to_kalibr``, ...). Values are SI inside; ``shown_units`` are those of data sheets.
 """
 
+from ...core.axes import Kind
 from .allan_of_terms import expected_variance
 from .filter_block import FilterBlock
 from .fitting.estimator import fit
@@ -22,7 +23,6 @@ from .terms import (
     TERMS,
     BiasInstability,
     GaussMarkov,
-    Kind,
     Quantization,
     RandomWalk,
     RateRamp,

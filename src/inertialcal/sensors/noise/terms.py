@@ -36,16 +36,16 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Literal, Protocol
+from typing import ClassVar, Protocol
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...signals.allan.dead_time import check_averaging
 from .phase import Phase
 
-Kind = Literal["gyro", "accelerometer"]
 SHORT = 15.0  # averaging over correlation time from which samples two apart are independent (exp(-15))
 
 

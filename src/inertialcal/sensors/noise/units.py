@@ -9,9 +9,9 @@ from __future__ import annotations
 from fractions import Fraction
 from functools import lru_cache
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.units import factor, kind, multiply, power
-from .terms import Kind
 
 HALF = Fraction(1, 2)
 POWERS_OF_TIME: dict[str, Fraction] = {

@@ -20,14 +20,13 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ..names import Deviation, Quantity
 from .channel import code_remarks, of_channel
 from .checks import checked_kind, checked_names, checked_present, checked_samples
 from .curve import Allan
 from .dead_time import check_averaging
-from .deviations import Deviation
 from .gaps import on_grid
 from .joined import joined
-from .prefix import Quantity
 from .taus import Factors, Taus, factors_of
 
 __all__ = ["Allan", "Deviation", "Quantity", "allan", "code_remarks", "on_grid"]

@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ..codes import is_stuck, levels_of, longest_run, rails
+from ..names import Quantity
 from .deviations import Kind, variances
 from .noise_type import carried_on, identified_powers
-from .prefix import Quantity, give_back, phase_of
+from .prefix import give_back, phase_of
 
 TELLING = 4  # averaging times at which the noise type should be told, or the record is short
 WHITE = 0

@@ -14,8 +14,8 @@ from ...core.show.frames import frame
 from ...core.show.result_tables import dof, told
 from ...core.show.rounding import number
 from ...core.show.tables import Grid, Part, html, short, text
-from .deviations import KINDS, Deviation
-from .prefix import Quantity
+from ..names import Deviation, Quantity
+from .deviations import KINDS
 
 NAMES = {2: "quantisation", 1: "flicker of angle", 0: "white", -1: "flicker", -2: "random walk", -3: "flicker walk"}
 NAMES |= {-4: "random run"}

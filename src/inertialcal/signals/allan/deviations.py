@@ -25,7 +25,7 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,7 +35,6 @@ from . import _kernels as kernels
 from . import _kernels_missing as missing
 from .prefix import Phase
 
-Deviation = Literal["overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"]
 SAFE = 2.0**62  # whole numbers of int64 that sums of four may reach
 COMPLETE = 3.0  # squared weights of the three errors of the running sum in a term, over 2 / m^2: 1 + 4 + 1
 ALLAN = 2  # order

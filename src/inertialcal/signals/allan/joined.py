@@ -8,13 +8,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.remarks import Remark
+from ..names import Deviation, Quantity
 from .channel import Channel
 from .curve import Allan
 from .dead_time import dead_time_remark
-from .deviations import Deviation
 from .edf import interval as interval_of
 from .gaps import missing_remark
-from .prefix import Quantity
 
 
 def joined(

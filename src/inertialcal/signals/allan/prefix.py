@@ -14,15 +14,15 @@ A quantity is one of three, which only the unit tells apart; each is known or as
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ..names import Quantity
 from . import _kernels as kernels
 
-Quantity = Literal["rate", "increment", "angle"]
 QUANTITIES = ("rate", "increment", "angle")
 LEVEL_FROM = 1000  # samples, spread over the record, that the level is the mean of
 LINE = 64  # bytes of a cache line

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,7 @@ from ...core.show.frames import frame
 from ...core.show.result_tables import dof, told
 from ...core.show.rounding import number
 from ...core.show.tables import Grid, Part, html, text
-
-Method = Literal["welch", "multitaper"]
+from ..names import Method
 
 PER_DECADE = 3  # rows shown of a decade
 

@@ -23,7 +23,8 @@ from scipy import fft
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from .density import Method, Spectrum
+from ..names import Method
+from .density import Spectrum
 from .stretches import Indices, Stretches, stretches_of
 from .tapers import Tapers, correlations, hann, slepian, usable
 

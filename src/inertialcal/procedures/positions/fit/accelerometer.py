@@ -28,7 +28,8 @@ from numpy.typing import NDArray
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....statistics.two_levels import TwoLevels, fit_two_levels
-from ..plan import Plan, local_gravity
+from ..gravity import local_gravity
+from ..plan import Plan
 from ..readings import Triad
 from .levels import level_sources
 from .linear_sensor import BIAS, MATRIX, LinearSensor, Source

@@ -15,7 +15,8 @@ from numpy.typing import NDArray
 
 from ....core.estimate import Array
 from ....statistics.two_levels import TwoLevels, fit_two_levels
-from ..plan import Plan, local_gravity
+from ..gravity import local_gravity
+from ..plan import Plan
 from ..readings import Triad
 from .earth_rate import LEVEL, Carried, level_covariance, level_influence
 from .levels import level_sources, summed

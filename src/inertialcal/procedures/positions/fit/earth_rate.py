@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from ....core.constants import EARTH_ROTATION_RATE
 from ....core.estimate import Array
 from ....core.influence import Influence
-from ..plan import Plan, local_gravity
+from ..gravity import local_gravity
+from ..plan import Plan
 from .attitudes import carried
 from .linear_sensor import Source
 from .rotation_errors import Problem, across

@@ -12,7 +12,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....core.estimate import Array
-from ..plan import Plan, local_gravity
+from ..gravity import local_gravity
+from ..plan import Plan
 from ..readings import Readings, Rotation
 from .accelerometer import Fitted, mounting_source
 from .at_rest import AtRest, at_rest, sources_of

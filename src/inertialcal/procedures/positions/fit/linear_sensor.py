@@ -12,9 +12,9 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.axes import AXES
 from ....core.estimate import Array
 from ....core.influence import Influence
-from ..plan import AXES
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(f"scale_factor_error_{p[0]}" if p[0] == p[1] else f"misalignment_{p}" for p in PAIRS)

@@ -9,9 +9,9 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ..plan import AXES
 from .linear_sensor import BIAS, MATRIX
 
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))

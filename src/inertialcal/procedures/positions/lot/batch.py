@@ -28,12 +28,12 @@ from typing import Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from ....core.axes import AXES
 from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
 from .batch_result import FEW, ILL_POSED, NO_SCATTER, NOT_CONVERGED, OK, OTHER_UNIT, PositionsBatch, remarks_of
 
 Form = Literal["lower", "upper"]
-AXES = ("x", "y", "z")
 CHUNK = 256  # units that a thread takes at once
 WORKERS = os.cpu_count() or 1  # threads; no result depends on their number
 NORM, KNOWN = 9, 12  # parameters

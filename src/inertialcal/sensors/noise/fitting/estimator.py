@@ -16,9 +16,10 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ....core.axes import Kind
 from ....core.errors import DataError, PlanError
 from ..runs import AllanLike, Run, run_of, unit_of
-from ..terms import Kind, RateRamp, Sinusoid
+from ..terms import RateRamp, Sinusoid
 from ..units import sample_unit
 from .found_terms import Solution, estimate_of, estimated, not_identified
 from .goodness import SIGNIFICANT, agreement_test, residual_test

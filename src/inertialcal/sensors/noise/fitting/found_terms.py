@@ -8,9 +8,10 @@ from typing import Any
 
 import numpy as np
 
+from ....core.axes import Kind
 from ....core.estimate import Array, Component, Estimate
 from ....core.results import Interval
-from ..terms import TERMS, Kind, Quantization, RandomWalk, Sinusoid, quantity_name
+from ..terms import TERMS, Quantization, RandomWalk, Sinusoid, quantity_name
 from ..units import parameter_unit
 from .likelihood import Fitted, estimate, time_at
 from .limits import limit_and_record

@@ -5,13 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any, Literal
 
+from ....core.axes import Kind
 from ....core.estimate import Array, Estimate
 from ....core.remarks import Remark
 from ....core.results import Interval, Row
 from ....core.show.frames import frame
 from ....core.show.rounding import with_uncertainty
 from ....core.show.tables import Grid, Part, html, text
-from ..terms import TERMS, Kind, Term
+from ..terms import TERMS, Term
 from ..units import converted, shown_units
 from .goodness import ChiSquare
 

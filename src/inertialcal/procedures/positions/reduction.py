@@ -1,0 +1,224 @@
+"""Positions: accelerometers and gyros from static positions and the rotations between them, without a turntable.
+
+What is fitted stands in ``accelerometer`` (known orientations, or |f| = g), ``at_rest`` (bias and g-sensitivity of
+gyros) and ``rotations`` (their matrix); what the positions cannot tell in ``observability``, which of them disagree in
+``outliers``, mistakes of unit, axis and time in ``checks``, the closed form of Ferraris in ``published``.
+
+What is assumed: bias and matrix hold for the whole recording; what differs between positions beyond the noise is
+independent from one to the next, and so is what differs between rotations. What the uncertainty means: the standard
+deviation that the estimate would have if the positions were laid again, joined with the stated uncertainties of the
+standards. The noise inside positions alone would promise several times too much.
+
+References
+----------
+.. [1] D. Tedaldi, A. Pretto and E. Menegatti, IEEE ICRA 2014, 3042-3049 (static positions and gravity transitions).
+.. [2] F. Ferraris, U. Grimaldi and M. Parvis, Sensors and Materials 7 (1995) 311-330.
+.. [3] IEEE Std 1293, annex on multipoint tumble analysis.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...core.axes import AXES, Kind
+from ...core.errors import DataError
+from ...core.estimate import Array, Estimate
+from ...core.remarks import Remark, gather
+from ...core.results import Row, is_beside
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
+from ...sensors.model.sensor_model import SensorModel
+from .checks import check_units, judged_scale, start_of
+from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
+from .fit.at_rest import at_rest
+from .fit.earth_rate import apart, joined
+from .fit.gyro import FittedGyro, fit_gyro, problem_of
+from .fit.linear_sensor import LinearSensor, rounded_scale, with_ideal
+from .gravity import by_axis, local_gravity
+from .held_out import HeldOut, held_out
+from .labels import check_names, missing_faces
+from .plan import INFLUENCES, Plan
+from .published import Ferraris, ferraris
+from .quantities import estimate, model
+from .readings import Readings, Rotation, Triad
+from .recordings import Section, on_faces, readings_from
+from .remarks import remarks_of
+from .rows import rows, used_angles
+from .simulation import Truth, simulate
+
+__all__ = [
+    "AXES",
+    "INFLUENCES",
+    "Ferraris",
+    "Fitted",
+    "FittedGyro",
+    "HeldOut",
+    "Plan",
+    "Readings",
+    "Result",
+    "Rotation",
+    "Section",
+    "Triad",
+    "Truth",
+    "ferraris",
+    "held_out",
+    "local_gravity",
+    "on_faces",
+    "readings_from",
+    "reduce",
+    "rows",
+    "simulate",
+    "used_angles",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What the test gives.
+
+    Parameters
+    ----------
+    plan, readings : Plan, Readings
+        As given.
+    acc : Fitted
+        Accelerometers, and how each position agrees.
+    gyro : FittedGyro or None
+        Gyros, and how each rotation agrees; None where there are none.
+    estimates : mapping of str to Estimate
+        ``"accelerometer"``, ``"gyro"`` -> what is told, SI.
+    models : mapping of str to SensorModel
+        The same as models, for readings as they were recorded.
+    remarks : tuple of Remark
+        Findings.
+    """
+
+    plan: Plan
+    readings: Readings
+    acc: Fitted
+    gyro: FittedGyro | None
+    estimates: Mapping[str, Estimate]
+    models: Mapping[str, SensorModel]
+    remarks: tuple[Remark, ...]
+
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of ``results.json``, SI."""
+        return tuple(rows(self))
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: how much went in, the figures in SI, how many remarks."""
+        kind = "known orientations" if self.acc.known else "|f| = g"
+        caption = f"positions: {len(self.readings)} positions ({kind}), {len(self.readings.rotations)} rotations"
+        return (
+            *figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption),
+            *told(self.remarks),
+        )
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def reduce(plan: Plan, readings: Readings) -> Result:
+    """Find what positions and rotations tell of accelerometers and gyros.
+
+    Raises
+    ------
+    DataError
+        ``too_few_positions``, ``unit_slip``, ``position_misnamed``, ``axes_disagree``.
+    """
+    check_units(readings, local_gravity(plan))
+    check_names(readings)
+    acc = _accelerometers(plan, readings)
+    gyro, found = _gyros(plan, readings, acc) if readings.gyro is not None else (None, [])
+    estimates: dict[str, Estimate] = {}
+    models: dict[str, SensorModel] = {}
+    for kind, sensor, unit in _sensors(readings, acc, gyro):
+        told_of = estimate(sensor, kind, unit)
+        as_model = model(sensor, kind, unit, _range(sensor, kind, readings))
+        if told_of is not None and as_model is not None:
+            estimates[kind], models[kind] = told_of, as_model
+    bare = Result(plan, readings, acc, gyro, estimates, models, ())
+    remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
+    return Result(plan, readings, acc, gyro, estimates, models, remarks)
+
+
+def _sensors(readings: Readings, acc: Fitted, gyro: FittedGyro | None) -> list[tuple[Kind, LinearSensor, str]]:
+    found: list[tuple[Kind, LinearSensor, str]] = [("accelerometer", acc.sensor, readings.acc.unit)]
+    if gyro is not None and readings.gyro is not None:
+        found.append(("gyro", gyro.sensor, readings.gyro.unit))
+    return found
+
+
+def _accelerometers(plan: Plan, readings: Readings) -> Fitted:
+    """Fit against a scale factor near enough, then refer to the ideal one."""
+    g, si = local_gravity(plan), readings.acc.unit == "m/s^2"
+    near, middle = _start(readings.acc.mean, g)
+    ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
+    zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
+    direction = readings.direction
+    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
+    if direction is not None and np.sum(named) >= FEWEST:
+        fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
+    else:
+        fitted = fit_unknown(plan, readings.acc, ideal, zero)
+    sensor = fitted.sensor
+    final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
+    return replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
+
+
+def _start(mean: Array, g: float) -> tuple[Array, Array]:
+    """Return scale and zero of a sphere about the readings, each shape (3,)."""
+    low, high = mean.min(axis=0), mean.max(axis=0)
+    half = 0.5 * (high - low)
+    if not np.all(half > 0.0):
+        at = AXES[int(np.argmin(half))]
+        raise DataError(
+            f"accelerometer {at} reads the same in all positions",
+            why="it does not work, or all positions are one",
+            do="Check the channel; lay the unit into different orientations",
+            code="too_few_positions",
+        )
+    return half / g, 0.5 * (high + low)
+
+
+def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, list[Remark]]:
+    """Look for mistakes of unit and axes, fit, and refer to the ideal scale factor."""
+    assert readings.gyro is not None  # noqa: S101 - the caller has looked
+    si = readings.gyro.unit == "rad/s"
+    known = si or plan.gyro_scale_factor is not None
+    ideal, zero = by_axis(plan.gyro_scale_factor, 1.0), by_axis(plan.gyro_zero, 0.0)
+    start: Array = np.eye(3)
+    force = acc.sensor.applied(readings.acc.mean)
+    north = apart(force)
+    if readings.transitions or readings.turns:
+        rough = problem_of(plan, readings, acc, at_rest(plan, readings.gyro, force, ideal, zero), ideal, zero)
+        start = start_of(rough, known)
+        north = joined(rough, force, start)
+    if not known:  # the scale factor that is found, rounded, is what errors then refer to
+        size = float(np.cbrt(abs(np.linalg.det(start))))
+        first = fit_gyro(plan, readings, acc, ideal / size, zero, start / size, north)
+        ideal = rounded_scale(first.sensor, np.ones(3, dtype=bool))
+        start = np.asarray(np.linalg.inv(with_ideal(first.sensor, ideal, zero).matrix), dtype=np.float64)
+    fitted = fit_gyro(plan, readings, acc, ideal, zero, start, north)
+    if fitted.rotated is None:
+        return fitted, []
+    return fitted, judged_scale(fitted.rotated.W, fitted.rotated.seen.told[[0, 4, 8]], readings.gyro.unit, known)
+
+
+def _range(sensor: LinearSensor, kind: str, readings: Readings) -> Array:
+    """Return the least and largest input seen along each axis, shape (3, 2)."""
+    if kind == "accelerometer":
+        x = sensor.applied(readings.acc.mean)
+    else:
+        samples = [sensor.applied(one.gyro) for one in readings.rotations] or [np.zeros((1, 3))]
+        x = np.concatenate(samples)
+    return np.column_stack([np.minimum(x.min(axis=0), 0.0), np.maximum(x.max(axis=0), 0.0)])

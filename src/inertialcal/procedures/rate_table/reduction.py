@@ -1,0 +1,218 @@
+"""Rate table: scale factor, bias, misalignment and error of rate from dwells at known rates.
+
+The model, the levels of scatter and the signs stand in ``regression`` and ``quantities``; what is left out in
+``exclusions``; the error in percent in ``rate_error``.
+
+What is assumed: a dwell is at one rate; the offset of a run (power-up) is the same for all its dwells; the
+dwells of different runs are independent; scatter within a run does not depend on the rate. What the
+uncertainty means: the standard deviation that the estimate would have if the whole test were made again with
+new runs, joined with the stated uncertainties of the standards.
+
+References
+----------
+.. [1] IEEE Std 1431-2004, 12.9 (scale factor test series), 12.12 (input axis alignment).
+.. [2] V. V. Badescu, NPS thesis, September 2011, section IV.E, Tables 9-12, Appendices E to J.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ...core.curve import Curve
+from ...core.errors import DataError
+from ...core.estimate import Estimate
+from ...core.remarks import Remark, gather
+from ...core.results import Row, is_beside
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
+from .checks import check_agreement
+from .curves import curves
+from .earth_input import with_earth
+from .exclusions import exclusions
+from .plan import INFLUENCES, Plan
+from .quantities import estimate
+from .rate_error import RateError, Resolution, rate_errors, resolution
+from .readings import Readings
+from .regression import Line, can_tell_asymmetry, line
+from .rows import applies, rows
+from .simulation import Truth, simulate
+from .taken_off import TakenOff
+
+__all__ = [
+    "INFLUENCES",
+    "Line",
+    "Plan",
+    "RateError",
+    "Readings",
+    "Resolution",
+    "Result",
+    "TakenOff",
+    "Truth",
+    "curves",
+    "exclusions",
+    "rate_errors",
+    "reduce",
+    "resolution",
+    "rows",
+    "simulate",
+    "with_earth",
+]
+
+FEW_RUNS = 5  # with fewer, an interval is honest but wide and rests on a guess of the distribution
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What the test gives.
+
+    Parameters
+    ----------
+    plan, readings : Plan, Readings
+        As given.
+    lines : mapping of str to Line
+        Per sensor, dwells left out by rule.
+    straight : mapping of str to Line
+        The same without asymmetry, for the linearity error.
+    estimate : Estimate or None
+        All quantities of all sensors, SI.
+    all_readings : Estimate or None
+        The same with nothing left out; None where nothing was.
+    reasons : mapping of str to str
+        Why a sensor has no line.
+    remarks : tuple of Remark
+        Findings.
+    """
+
+    plan: Plan
+    readings: Readings
+    lines: Mapping[str, Line]
+    straight: Mapping[str, Line]
+    estimate: Estimate | None
+    all_readings: Estimate | None
+    reasons: Mapping[str, str]
+    remarks: tuple[Remark, ...]
+
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of ``results.json``, SI."""
+        return tuple(rows(self))
+
+    def curves(self) -> list[Curve]:
+        """Curves of ``results.json``, SI."""
+        return curves(self)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
+        runs = f", {self.readings.runs} run(s)" if self.readings.run is not None else ""
+        caption = f"rate table: {len(self.readings)} dwells{runs}"
+        found = figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption)
+        reasons = tuple(f"sensor {sensor}: {reason}" for sensor, reason in self.reasons.items())
+        return (*found, *reasons, *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def reduce(plan: Plan, readings: Readings) -> Result:
+    """Find scale factor, bias, asymmetry and matrix entries of each sensor that was read.
+
+    Raises
+    ------
+    DataError
+        If there are no dwells, or no sensor has enough of them.
+    """
+    if not len(readings):
+        raise DataError("no dwells", why="there is nothing to fit", code="no_dwells")
+    if readings.run is not None and 0 < np.sum(readings.run == "") < len(readings):
+        at = int(np.flatnonzero(readings.run == "")[0])
+        where = readings.where[at] if readings.where else ""
+        what = f"{int(np.sum(readings.run == ''))} of {len(readings)} dwells do not name their run"
+        raise DataError(
+            what, where, "the scatter between runs could not be told", "Name the run of all, or of none", "mixed_runs"
+        )
+    if readings.samples is not None and np.any(readings.samples < 1.0):
+        at = int(np.flatnonzero(readings.samples < 1.0)[0])
+        raise DataError(
+            f"{readings.samples[at]:g} samples in a dwell",
+            readings.where[at] if readings.where else "",
+            code="wrong_value",
+        )
+    if readings.earth is None:
+        readings = with_earth(plan, readings)
+    lines, straight, everything, reasons = {}, {}, {}, {}
+    remarks = [*readings.remarks]
+    for sensor in readings.outputs:
+        left_out = exclusions(plan, readings, sensor)
+        remarks += left_out.remarks
+        used = readings.take(~left_out.any)
+        try:
+            lines[sensor], straight[sensor] = _lines(plan, used, sensor)
+            everything[sensor] = _lines(plan, readings, sensor)[0] if left_out.any.any() else lines[sensor]
+        except DataError as error:
+            reasons[sensor] = error.problems[0].what
+            remarks.append(Remark("no_line", "warning", reasons[sensor], error.problems[0].where))
+    if not lines:
+        raise DataError(
+            f"no sensor can be reduced: {'; '.join(reasons.values())}",
+            where=readings.where[0] if readings.where else "",
+        )
+    check_agreement(plan, readings, lines)
+    if any(one.level == "dwell" for one in lines.values()) and readings.runs >= 2:
+        what = "some axis was turned in one run only: the uncertainty is the scatter between dwells, not between runs"
+        remarks.append(Remark("not_repeated_between_runs", "warning", what, do="Turn every axis in every run"))
+    repeated = any(lines[sensor] is not everything[sensor] for sensor in lines)
+    return Result(
+        plan,
+        readings,
+        lines,
+        straight,
+        estimate(plan, lines),
+        estimate(plan, everything) if repeated else None,
+        reasons,
+        gather([*remarks, *_remarks(plan, readings)]),
+    )
+
+
+def _lines(plan: Plan, readings: Readings, sensor: str) -> tuple[Line, Line]:
+    """Fit the line with asymmetry where it can be told, and the straight one."""
+    straight = line(plan, readings, sensor, asymmetry=False)
+    if plan.asymmetry and can_tell_asymmetry(readings, sensor):
+        return line(plan, readings, sensor, asymmetry=True), straight
+    return straight, straight
+
+
+def _remarks(plan: Plan, readings: Readings) -> list[Remark]:
+    found = []
+    if 2 <= readings.runs < FEW_RUNS:
+        what = f"{readings.runs} runs: the scatter between runs has {readings.runs - 1} degrees of freedom"
+        found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
+    if readings.runs < 2:
+        what = "power-up runs were not repeated or not given: the scatter between runs is not in the uncertainty"
+        found.append(Remark("no_runs", "warning", what, do="Name the run of each dwell, and repeat the power-up"))
+    for axis in np.unique(readings.axis):
+        rates = readings.applied[readings.axis == axis]
+        if not (np.any(rates > 0.0) and np.any(rates < 0.0)):
+            what = f"{axis} was turned in one sense only: its asymmetry, and how it reads the other sense, are unknown"
+            found.append(Remark("one_sense", "warning", what, do="Turn it both ways"))
+    for axis in readings.sensors:
+        if axis not in readings.axis and plan.axis == "":
+            what = f"{axis} was never turned: its scale factor, and what the others read of it, are unknown"
+            found.append(Remark("axis_not_turned", "warning", what, do="Turn it"))
+    missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]
+    if missing:
+        effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in missing)
+        what = f"standards without a stated uncertainty: {effects}: results are relative to the fixture"
+        found.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
+    if plan.attitude is None and not plan.zero_reference:
+        what = "how the table stands is not given: earth rate along the axes (at most 0.0042 deg/s) is unknown, Type B"
+        found.append(Remark("attitude_unknown", "warning", what, do="Give plan.attitude and site.latitude"))
+    return found

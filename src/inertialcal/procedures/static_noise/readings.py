@@ -1,0 +1,177 @@
+"""What a test of noise works on: records of a sensor at rest."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ...core.remarks import Remark
+from ...signals.names import Quantity
+
+
+@dataclass(frozen=True)
+class Fault:
+    """Samples of one axis of a record that are no readings.
+
+    Parameters
+    ----------
+    axis : str
+        Which.
+    code : {"stuck", "saturated"}
+        Why they are none.
+    count : int
+        How many.
+    left_out : bool
+        Whether they are left out, or kept as the plan says.
+    """
+
+    axis: str
+    code: Literal["stuck", "saturated"]
+    count: int
+    left_out: bool
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One record of a sensor at rest, on the regular grid of its sample interval.
+
+    Parameters
+    ----------
+    values : mapping of str to ndarray, shape (n,)
+        Of each axis, in the type of the file; NaN where a sample is missing.
+    present : mapping of str to ndarray of bool, shape (n,)
+        Of an axis: where a sample is there; absent where all are.
+    scale : mapping of str to float
+        SI unit a unit of the values.
+    interval : float
+        From sample to sample [s].
+    averaging : float or None
+        What each sample is the mean of [s]; None when nobody said.
+    quantity : {"rate", "increment"}
+        What a sample is: a rate, or what was added in it. Angles are differenced before.
+    name : str
+        Of the record, for messages.
+    warm_up : int
+        Samples left out at the start.
+    clock : ndarray, shape (n,), or None
+        Time of each sample since the first of the recording [s], for messages; None where samples are counted.
+    faults : tuple of Fault
+        Samples that are no readings.
+    """
+
+    values: Mapping[str, NDArray[Any]]
+    present: Mapping[str, NDArray[np.bool_]]
+    scale: Mapping[str, float]
+    interval: float
+    averaging: float | None = None
+    quantity: Quantity = "rate"
+    name: str = ""
+    warm_up: int = 0
+    clock: Array | None = None
+    faults: tuple[Fault, ...] = ()
+
+    def __len__(self) -> int:
+        return len(next(iter(self.values.values())))
+
+    def there(self, axis: str) -> NDArray[np.bool_]:
+        """Return where an axis has a sample, shape (n,).
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
+        found: NDArray[np.bool_] = np.isfinite(self.values[axis])
+        given = self.present.get(axis)
+        return found if given is None else found & given
+
+    def left_out(self, axis: str) -> int:
+        """Return how many samples of an axis are left out, since they are no readings.
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
+        return sum(one.count for one in self.faults if one.axis == axis and one.left_out)
+
+    def time(self, sample: int) -> float:
+        """Return when a sample was taken, since the first of the recording, warm-up included [s].
+
+        Parameters
+        ----------
+        sample : int
+            Counted from 0, after the warm-up.
+        """
+        if self.clock is not None:
+            return float(self.clock[sample])
+        return (self.warm_up + sample) * self.interval
+
+    @property
+    def length(self) -> float:
+        """Of the record [s]."""
+        return len(self) * self.interval
+
+    def to_rate(self, axis: str) -> float:
+        """Return the rate [SI] that a value of 1 means.
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
+        return self.scale[axis] if self.quantity == "rate" else self.scale[axis] / self.interval
+
+    def rates(self, axis: str) -> Array:
+        """Return the samples of an axis as rates [SI], shape (n,); NaN where one is missing.
+
+        Parameters
+        ----------
+        axis : str
+            Which.
+        """
+        found: Array = self.values[axis].astype(np.float64) * self.to_rate(axis)
+        there = self.present.get(axis)
+        if there is not None:
+            found[~there] = np.nan
+        return found
+
+
+@dataclass(frozen=True, eq=False)
+class Readings:
+    """Records of one sensor at rest.
+
+    Parameters
+    ----------
+    records : tuple of Run
+        All with the same axes.
+    remarks : tuple of Remark
+        What reading them brought up.
+    """
+
+    records: tuple[Run, ...]
+    remarks: tuple[Remark, ...] = ()
+
+    def __len__(self) -> int:
+        """Return the number of records."""
+        return len(self.records)
+
+    @property
+    def runs(self) -> int:
+        """Number of records: each is taken as a run by itself."""
+        return len(self.records)
+
+    @property
+    def axes(self) -> tuple[str, ...]:
+        """Axes that were read, in order."""
+        return tuple(self.records[0].values) if self.records else ()
+
+    @property
+    def length(self) -> float:
+        """Of all records together [s]."""
+        return sum(run.length for run in self.records)

@@ -1,0 +1,206 @@
+"""Noise of a sensor at rest: terms with their intervals, what the records cannot tell, how long to record.
+
+Definitions of the terms stand in ``sensors.noise.terms``, the estimator in ``sensors.noise.fitting.likelihood``.
+Several records of one sensor are fitted together, with a test that they agree.
+
+What is assumed: the sensor stands still, so that all it reads but its mean is its noise; the noise is normal and the
+same throughout. Disturbances are found and left out (counted); lines are found in the spectrum and take part in the
+fit; drift is remarked and stays in, unless the warm-up is left out. The sizes are relative to the scale factor of the
+sensor.
+
+References
+----------
+.. [1] IEEE Std 952-1997, Annex C; IEEE Std 1293-2018, Annex I.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ...core.curve import Curve
+from ...core.errors import DataError
+from ...core.estimate import Component, Estimate
+from ...core.remarks import Remark, gather
+from ...core.results import Interval, Row
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
+from ...sensors.noise.fitting.noise_fit import duration
+from .at_rest import AtRest
+from .axis_noise import AxisNoise, Recorded, noise_of
+from .bounds import interval_at
+from .curves import curves as curves_of
+from .plan import INFLUENCES, Plan
+from .readings import Readings, Run
+from .record_length import Reach, reaches, sentence
+from .recordings import readings_from
+from .rows import FILE_UNIT, quantity_units, rows
+from .scale import SCALE, with_scale
+from .simulation import Truth, simulate
+from .usable import check, problems_of
+
+__all__ = [
+    "FILE_UNIT",
+    "INFLUENCES",
+    "AtRest",
+    "AxisNoise",
+    "Plan",
+    "Reach",
+    "Readings",
+    "Recorded",
+    "Result",
+    "Run",
+    "Truth",
+    "check",
+    "quantity_units",
+    "reaches",
+    "readings_from",
+    "reduce",
+    "rows",
+    "sentence",
+    "simulate",
+]
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What the test gives.
+
+    Parameters
+    ----------
+    plan, readings : Plan, Readings
+        As given.
+    axes : tuple of AxisNoise
+        One an axis.
+    remarks : tuple of Remark
+        Findings.
+    """
+
+    plan: Plan
+    readings: Readings
+    axes: tuple[AxisNoise, ...]
+    remarks: tuple[Remark, ...]
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Terms of all axes, SI or in the unit of the file; None where there are none."""
+        found = [_of_axis(one) for one in self.axes if one.fit is not None]
+        known = [one for one in found if one is not None]
+        return with_scale(_joined(known), self.plan.standards) if known else None
+
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of ``results.json``, SI or in the unit of the file."""
+        return tuple(rows(self))
+
+    def curves(self) -> list[Curve]:
+        """Curves of ``results.json``, SI or in the unit of the file."""
+        return curves_of(self)
+
+    def interval_at(self, row: Row, p: float) -> Interval | None:
+        """Return the interval of another probability of an estimated row; None where it has none.
+
+        Parameters
+        ----------
+        row : Row
+            One of the estimated rows without a condition.
+        p : float
+            Probability between both ends.
+        """
+        return interval_at(self, row, p)
+
+    def doubt(self, axis: str) -> str:
+        """Return why figures of an axis may not hold; empty where nothing speaks against them.
+
+        Parameters
+        ----------
+        axis : str
+            Its name.
+        """
+        return next((one.doubt for one in self.axes if one.axis == axis), "")
+
+    def sentences(self) -> Iterator[tuple[str, str]]:
+        """Yield for each axis and term how well it is known, and how long to record."""
+        for one in self.axes:
+            for reach in reaches(self.plan, one):
+                yield one.axis, sentence(reach, self.plan.relative_error)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: how much went in, the figures in SI, how long to record, how many remarks."""
+        count = len(self.readings)
+        caption = f"static noise: {count} record{'s' * (count != 1)}, {duration(self.readings.length)} in all"
+        found = figures([row.to_dict() for row in self.rows() if not row.condition], caption)
+        return (*found, *(f"{axis}: {told_of}" for axis, told_of in self.sentences()), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def reduce(plan: Plan, readings: Readings) -> Result:
+    """Find the noise terms of each axis.
+
+    Parameters
+    ----------
+    plan : Plan
+        What is asked for.
+    readings : Readings
+        Records of the sensor at rest.
+
+    Raises
+    ------
+    DataError
+        If there are no records (``no_records``), or no axis has terms: then with the reason of each (``too_short``,
+        ``constant``, ``all_missing``).
+    """
+    if not len(readings) or not readings.axes:
+        raise DataError("no record of a sensor at rest", code="no_records")
+    axes = tuple(noise_of(plan, readings, axis) for axis in readings.axes)
+    if all(one.fit is None for one in axes):
+        found = {one.axis: one.problem for one in axes if one.problem is not None}
+        raise DataError(problems_of(found, readings))
+    remarks = [*readings.remarks, *(remark for one in axes for remark in one.remarks), *_relative(plan)]
+    return Result(plan, readings, axes, gather(remarks))
+
+
+def _relative(plan: Plan) -> list[Remark]:
+    if plan.kind is None or SCALE in plan.standards:
+        return []
+    what = "the scale factor has no stated uncertainty: noise terms are relative to it"
+    return [
+        Remark("relative_to_fixture", "info", what, do="A campaign states it under [standards]: sensor.scale_factor")
+    ]
+
+
+def _of_axis(one: AxisNoise) -> Estimate | None:
+    assert one.fit is not None  # noqa: S101 - asked before
+    estimate = one.fit.estimate
+    names = [name for name in estimate.names if not name.startswith("sinusoid")]
+    if not names:
+        return None
+    chosen = estimate.select(names)
+    return replace(chosen, names=tuple(f"{name}_{one.axis}" for name in names))
+
+
+def _joined(estimates: Sequence[Estimate]) -> Estimate:
+    """Return estimates of axes as one; noise of different axes is independent."""
+    sizes = [len(one.names) for one in estimates]
+    whole = np.zeros((sum(sizes), sum(sizes)))
+    start = 0
+    for one, size in zip(estimates, sizes, strict=True):
+        whole[start : start + size, start : start + size] = one.covariance
+        start += size
+    source = estimates[0].components[0].source
+    return Estimate(
+        tuple(name for one in estimates for name in one.names),
+        np.concatenate([one.values for one in estimates]),
+        tuple(unit for one in estimates for unit in one.units),
+        (Component(source, "A", whole),),
+    )

@@ -1,0 +1,199 @@
+"""Thermal: bias over temperature from ramps, in air or in vacuum, with what differs between paths and power-ups.
+
+The law that is fitted stands in ``law``, how samples become cells in ``cells``, how the order is chosen in ``order``,
+warming against cooling in ``paths``, the start-up in ``start_up``, Type B in ``quantities`` and ``earth``, two
+conditions against each other in ``against``.
+
+What is estimated: the bias over temperature, mean over turn-ons, midway between warming and cooling, after the
+start-up, with earth rate taken off. What is assumed: the unit rests; the ramps of a run share its offset; what differs
+from power-up to power-up is independent between them. What the uncertainty means: the standard deviation that the
+estimate would have if the whole test were made again with new power-ups, joined with the stated uncertainties of the
+standards. Plain least squares takes neighbouring samples as independent, which they are not: they share the drift of
+their run.
+
+References
+----------
+.. [1] V. V. Badescu, NPS thesis, September 2011, sections IV.A to IV.C, Tables 2 to 8, Figure 23.
+.. [2] IEEE Std 1431-2004, 12.8 (operating temperature test series).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from ...core.curve import Curve
+from ...core.errors import DataError
+from ...core.estimate import Estimate
+from ...core.influence import Influence
+from ...core.remarks import Remark, gather
+from ...core.results import Row, is_beside
+from ...core.show.result_tables import figures, told
+from ...core.show.tables import Part, html, text
+from .curves import curves
+from .earth import earth_along
+from .law import Law
+from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
+from .quantities import Asked, asked_of, bias_at, estimate
+from .readings import Readings, Sweep
+from .recordings import Warmed, readings_from
+from .rows import needed, rows
+from .sensor import OfSensor, reduce_sensor
+from .simulation import Truth, simulate
+
+__all__ = [
+    "INFLUENCES",
+    "LARGEST_ORDER",
+    "Attitude",
+    "Law",
+    "OfSensor",
+    "Plan",
+    "Readings",
+    "Result",
+    "Sweep",
+    "Thermometer",
+    "Truth",
+    "Warmed",
+    "bias_at",
+    "earth_along",
+    "needed",
+    "readings_from",
+    "reduce",
+    "rows",
+    "simulate",
+]
+
+FEW_RUNS = 5  # with fewer, an interval is honest but wide and rests on a guess of the distribution
+
+
+@dataclass(frozen=True, eq=False)
+class Result:
+    """What the test gives.
+
+    Parameters
+    ----------
+    plan, readings : Plan, Readings
+        As given.
+    sensors : mapping of str to OfSensor
+        By axis.
+    asked : mapping of str to list of Asked
+        By axis: what is wanted of its law.
+    estimate : Estimate or None
+        All quantities of all sensors, SI.
+    on_path : Estimate or None
+        The same of the one path that was seen, of sensors where there is only one.
+    references : mapping of str to Estimate
+        Reference voltages over temperature.
+    reasons : mapping of str to str
+        Why a sensor has no law.
+    remarks : tuple of Remark
+        Findings.
+    """
+
+    plan: Plan
+    readings: Readings
+    sensors: Mapping[str, OfSensor]
+    asked: Mapping[str, list[Asked]]
+    estimate: Estimate | None
+    on_path: Estimate | None
+    references: Mapping[str, Estimate]
+    reasons: Mapping[str, str]
+    remarks: tuple[Remark, ...]
+
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of ``results.json``, SI."""
+        return tuple(rows(self))
+
+    def curves(self) -> list[Curve]:
+        """Curves of ``results.json``, SI."""
+        return curves(self)
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
+        caption = f"thermal: {len(self.readings.sweeps)} recording(s), {self.readings.runs} run(s)"
+        found = figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption)
+        return (*found, *(f"sensor {axis}: {reason}" for axis, reason in self.reasons.items()), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def reduce(plan: Plan, readings: Readings) -> Result:
+    """Find the bias over temperature of each sensor that was read.
+
+    Raises
+    ------
+    DataError
+        If there is no recording, or no sensor can be reduced: the temperature hardly changes
+        (``no_temperature_change``), nothing is valid, ...
+    """
+    if not readings.axes:
+        raise DataError("no sensor was read", readings.where, code="no_recordings")
+    sensors: dict[str, OfSensor] = {}
+    problems = {}
+    for axis in readings.axes:
+        try:
+            sensors[axis] = reduce_sensor(plan, readings, axis)
+        except DataError as error:
+            problems[axis] = error.problems[0]
+    if not sensors:
+        raise DataError([replace(one, where=one.where or readings.where) for one in problems.values()])
+    unit = readings.unit
+    laws = {axis: one.law for axis, one in sensors.items()}
+    asked = {axis: asked_of(plan, law, axis, unit) for axis, law in laws.items()}
+    single = {axis: law for axis, law in laws.items() if not law.midway}
+    known = replace(plan, standards={**plan.standards, "sensor.hysteresis": Influence(0.0, unit)})
+    reasons = {axis: problem.what for axis, problem in problems.items()}
+    remarks = [*readings.remarks, *(remark for one in sensors.values() for remark in one.remarks)]
+    remarks += [Remark("no_law", "warning", reason, readings.where) for reason in reasons.values()]
+    return Result(
+        plan,
+        readings,
+        sensors,
+        asked,
+        estimate(plan, laws, asked, unit),
+        estimate(known, single, asked, unit) if single else None,
+        _references(plan, sensors),
+        reasons,
+        gather([*remarks, *_remarks(plan, readings, min(one.cells.runs for one in sensors.values()))]),
+    )
+
+
+def _references(plan: Plan, sensors: Mapping[str, OfSensor]) -> dict[str, Estimate]:
+    """Return the reference voltages over temperature, by their name."""
+    found = {}
+    for name in dict.fromkeys(name for one in sensors.values() for name in one.references):
+        laws = {axis: one.references[name] for axis, one in sensors.items() if name in one.references}
+        bare = replace(plan, at=None)
+        asked = {axis: asked_of(bare, law, axis, "V", name) for axis, law in laws.items()}
+        one = estimate(plan, laws, asked, "V")
+        if one is not None:
+            found[name] = one
+    return found
+
+
+def _remarks(plan: Plan, readings: Readings, runs: int) -> list[Remark]:
+    """Return what is to be said of the whole test, with so many runs that have a ramp."""
+    found = []
+    if 2 <= runs < FEW_RUNS:
+        what = f"{runs} runs: the scatter between runs has {runs - 1} degrees of freedom"
+        found.append(Remark("few_runs", "warning", what, do=f"Repeat until there are {FEW_RUNS} power-ups or more"))
+    if runs < 2:
+        what = "one power-up run: what differs from power-up to power-up is not in the uncertainty"
+        found.append(Remark("no_runs", "warning", what, do="Repeat the power-up, and name the run of each recording"))
+    missing = [name for name in needed(plan) if name not in plan.standards]
+    if missing:
+        effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in missing)
+        what = f"standards without a stated uncertainty: {effects}: results are relative to the fixture"
+        found.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
+    if readings.unit == "rad/s" and (plan.attitude is None or plan.latitude is None):
+        what = "how the unit lay is not given: earth rate along the axes (at most 0.0042 deg/s) is unknown, Type B"
+        found.append(Remark("attitude_unknown", "warning", what, do="Give plan.attitude and site.latitude"))
+    return found
