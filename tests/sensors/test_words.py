@@ -8,8 +8,7 @@ from random_models import random_model
 
 from inertialcal.core.units import normalise
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
-from inertialcal.sensors.model.words import equation, lines, show
+from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel, equation, lines, show
 
 
 def test_the_published_matrix_in_words() -> None:

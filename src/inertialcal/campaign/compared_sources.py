@@ -14,8 +14,8 @@ from ..core.remarks import Remark
 from ..core.results import Row
 from ..files.models.export import load_model_file
 from ..files.source import load
+from ..sensors.model.sensor_model import FIELD_UNIT
 from ..sensors.model.serial import FORMAT
-from ..sensors.model.words import FIELD_UNIT
 from .display import displayed
 from .model_rows import model_rows
 from .models import RESULTS, find_model

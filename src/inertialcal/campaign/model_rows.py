@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from ..core.results import Interval, Row, finite
-from ..sensors.model.sensor_model import SensorModel
+from ..sensors.model.sensor_model import SensorModel, lines
 from ..sensors.model.terms import values
-from ..sensors.model.words import lines
 from ..statistics.intervals import t_interval
 
 

@@ -8,8 +8,8 @@ from typing import Any
 
 from ..core.units import divide
 from ..files.models.apply_text import c_text, python_text
+from ..sensors.model.sensor_model import equation
 from ..sensors.model.serial import from_dict
-from ..sensors.model.words import equation
 from .findings import Figure, Finding
 from .numbers import Number, Text
 from .sections import MODEL

@@ -16,8 +16,7 @@ from ..core.errors import DataError, UsageError
 from ..core.estimate import Estimate
 from ..core.recording import Recording
 from ..core.units import factor, kind
-from ..sensors.model.sensor_model import SensorModel
-from ..sensors.model.words import lines
+from ..sensors.model.sensor_model import SensorModel, lines
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING
 
 from ...core.show.rounding import number
 from ...core.show.tables import short
-from ...files.info.survey_tables import notes, time_line
 from .output import clean, table, wrapped
 
 if TYPE_CHECKING:
@@ -19,7 +18,7 @@ def survey_text(one: Survey) -> str:
     parts = [
         f"{clean(one.path)}: {one.source.format}, {one.rows} rows",
         _channels(one),
-        wrapped(time_line(one), "    "),
+        wrapped(str(one.time), "    "),
     ]
     parts += [wrapped(f"hint: {hint}", "    ") for hint in one.hints]
     parts += [wrapped(str(remark), "    ") for remark in one.remarks]
@@ -38,5 +37,5 @@ def _channel(one: ChannelSurvey) -> list[str]:
     said = one.unit or "?"
     return [
         f"  {short(one.name)}", one.axis, one.quantity, said, one.dtype, *(number(figure, 5) for figure in figures),
-        str(one.missing), notes(one),
+        str(one.missing), one.notes,
     ]  # fmt: skip

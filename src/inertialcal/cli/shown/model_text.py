@@ -6,8 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ...core.show.rounding import number
-from ...sensors.model.sensor_model import SensorModel
-from ...sensors.model.words import show
+from ...sensors.model.sensor_model import SensorModel, show
 from .output import clean, table
 
 

@@ -50,8 +50,8 @@ def show(
 def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:
     from ...campaign.model_rows import model_rows
     from ...campaign.models import find_model
+    from ...sensors.model.sensor_model import equation, lines
     from ...sensors.model.serial import to_dict
-    from ...sensors.model.words import equation, lines
     from ..shown.model_text import model_text
 
     found = find_model(path)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
@@ -65,7 +64,17 @@ class ChannelSurvey:
         """Whether all numbers are equal."""
         return self.count - self.missing > 1 and self.minimum == self.maximum
 
-    def to_dict(self) -> dict[str, Any]:
+    @property
+    def notes(self) -> str:
+        """What is odd about the channel: constant, stuck, at its rails."""
+        found = []
+        if self.is_constant:
+            found.append("constant")
+        elif self.stuck and self.longest_run is not None:
+            found.append(f"stuck for {self.longest_run.length}")
+        return ", ".join([*found, *(f"{rail.count} at {rail.value:g}" for rail in self.rails)])
+
+    def to_dict(self) -> dict[str, object]:
         """Return plain values, for ``--json``."""
         run = self.longest_run
         return {

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 
 from ...core.recording import Recording, Source
 from ...core.remarks import Remark, gather
 from ...core.results import finite
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import told
+from ...core.show.rounding import number
+from ...core.show.tables import Grid, Part, ending, html, text
 from ...signals.time.time_axis import TimeAxis, analyse
 from .. import read
 from ..time.plausible import time_remarks
@@ -20,7 +22,8 @@ from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
 from .hints import Hint, unit_hints
 from .next_command import next_command
 from .rest import rest_remarks
-from .survey_tables import survey_parts
+
+HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 
 
 @dataclass(frozen=True)
@@ -52,9 +55,24 @@ class TimeSurvey:
         """Nominal sampling frequency [Hz]."""
         return 1.0 / self.sample_interval if self.sample_interval else None
 
-    def to_dict(self) -> dict[str, Any]:
+    def __str__(self) -> str:
+        """One line: rate, span, jitter, gaps."""
+        if self.sample_interval is None:
+            return "time: none; give --sample-rate, or --time-column"
+        parts = [f"time: {number(self.sample_rate)} Hz ({self.interval_from})"]
+        axis = self.axis
+        if axis is not None:
+            parts.append(f"{number(axis.duration)} s from {self.start}")
+            jitter = f"{number(1e3 * axis.jitter_rms, 3)} ms rms, {number(1e3 * axis.jitter_max, 3)} ms at most"
+            parts.append(f"jitter {jitter}")
+            parts.append(f"{len(axis.gaps)} gaps ({axis.lost} samples)" if len(axis.gaps) else "no gaps")
+            if len(axis.repeated) or len(axis.backward):
+                parts.append(f"{len(axis.repeated)} stamps repeated, {len(axis.backward)} unsorted")
+        return "; ".join(parts)
+
+    def to_dict(self) -> dict[str, object]:
         """Return plain values, for ``--json``; times in s."""
-        said = {
+        said: dict[str, object] = {
             "epoch": self.epoch,
             "start": self.start,
             "sample_rate": finite(self.sample_rate),
@@ -120,8 +138,15 @@ class Survey:
         return self.source.sha256
 
     def parts(self) -> tuple[Part, ...]:
-        """Return what is shown: a row a channel, the time, hints, how many remarks, what to type next."""
-        return survey_parts(self)
+        """Return what is shown: a row a channel, the time, hints, how many remarks, what to type next.
+
+        `info` prints it with type and resolution step of each channel too.
+        """
+        caption = f"{ending(self.path)}: {self.source.format}, {self.rows} rows"
+        grid = Grid(HEADS, [_cells(channel) for channel in self.channels], caption, (4, 5, 6, 7, 8))
+        hints = tuple(f"hint: {hint}" for hint in self.hints)
+        ends = (f"next: {self.next}",) if self.next else ()
+        return (grid, str(self.time), *hints, *told(self.remarks), *ends)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -133,7 +158,7 @@ class Survey:
         """Return what is shown for a notebook."""
         return html(self.parts())
 
-    def to_dict(self) -> dict[str, Any]:
+    def to_dict(self) -> dict[str, object]:
         """Return plain values, for ``--json``."""
         return {
             "path": self.source.path,
@@ -146,6 +171,11 @@ class Survey:
             "remarks": [remark.to_dict() for remark in self.remarks],
             "next": self.next,
         }
+
+
+def _cells(one: ChannelSurvey) -> tuple[str, ...]:
+    figures = (number(figure, 5) for figure in (one.minimum, one.maximum, one.mean, one.std))
+    return one.name, one.axis, one.quantity, one.unit or "?", *figures, str(one.missing), one.notes
 
 
 def survey(
@@ -213,7 +243,7 @@ def survey_recording(recording: Recording, commands: Collection[str] = ("info",)
     )
 
 
-def _placer(recording: Recording) -> Any:
+def _placer(recording: Recording) -> Callable[[int], str]:
     """Return ``file:row`` of a sample, as far as rows have a meaning."""
     path, first = recording.source.path, recording.first_row
     return lambda index: f"{path}:{first + index}" if first else f"{path}: sample {index + 1}"

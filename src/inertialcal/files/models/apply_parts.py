@@ -21,10 +21,8 @@ from ...core.estimate import Array
 from ...core.units import divide
 from ...sensors.model.equation import Columns, curve, needed
 from ...sensors.model.nonlinearity import endless_slope, rising_branch
-from ...sensors.model.sensor_model import SensorModel
-from ...sensors.model.serial import WORDS
+from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, equation
 from ...sensors.model.uniqueness import check_unique
-from ...sensors.model.words import equation
 
 LONGEST = 200  # characters of a text from the model
 WIDTH = 96  # of a comment
@@ -87,7 +85,7 @@ def head(model: SensorModel) -> list[str]:
     if not model.judged:
         lines.append("This model was not judged on recordings held out.")
     lines += ["Equation, forward:", *(f"  {row}" for row in equation(model)[:3])]
-    lines += [f"Steps: {'; '.join(WORDS['apply_order'])}.", *_left_out(model)]
+    lines += [f"Steps: {'; '.join(APPLY_ORDER)}.", *_left_out(model)]
     return [part for line in lines for part in _wrapped(line)]
 
 
@@ -122,7 +120,7 @@ def constants(model: SensorModel) -> list[Constant]:
     scale = divide(model.output_unit, unit)
     found = [Constant("S0", model.scale_factor, f"ideal scale factor [{scale}]")]
     for j, matrix in enumerate(model.matrix):
-        found.append(Constant(f"M_{j}", matrix, f"[1/degC^{j}]" if j else WORDS["matrix_order"]))
+        found.append(Constant(f"M_{j}", matrix, f"[1/degC^{j}]" if j else MATRIX_ORDER))
     comments = {
         "bias": f"K0 at the reference conditions [{unit}]",
         "reference_temperature": "T_ref [degC]",

@@ -1,4 +1,4 @@
-"""The sensor model: every term of the sensor equation, with covariance, validity and provenance.
+"""The sensor model: every term of the sensor equation, with covariance, validity and provenance; and it in words.
 
 Forward, elementwise per sensor::
 
@@ -30,40 +30,42 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any
 
 import numpy as np
 
 from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
-from ...core.show.tables import Part, html, text
-from ...core.units import normalise, same_dimension
-from .terms import FORCE_AXES, Parameter, parameters, values
+from ...core.show.rounding import number, with_uncertainty
+from ...core.show.tables import Folded, Grid, Part, html, text
+from ...core.units import convert, divide, factor, normalise, same_dimension
+from .checks import check_axes, check_estimate, check_needs, check_ranges, read_only_term
+from .terms import SHAPES, Parameter, parameters, values
 
 INPUT_UNIT: dict[str, str] = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 
-AGREEMENT = 1e-9  # largest relative difference of a term from the same number in the estimate
-SMALLEST = 1e-4  # below this a difference is absolute: M_xx - 1 has no more digits than M_xx
+MATRIX_ORDER = "row = the sensor that reads, column = the axis that moves"
+APPLY_ORDER = (
+    "divide the output by scale_factor",
+    "subtract K0 and G f",
+    "invert the curve of each sensor",
+    "multiply by the inverse of M",
+)
 
-# Shapes of the terms: k sensors, q powers of temperature, m warm-up exponentials, f force axes.
-SHAPES: dict[str, tuple[str, ...]] = {
-    "scale_factor": ("k",),
-    "matrix": ("q", "k", "k"),
-    "bias": ("k",),
-    "bias_temperature": ("q", "k"),
-    "bias_pressure": ("k",),
-    "bias_warm_up": ("m", "k"),
-    "warm_up_time": ("m",),
-    "bias_temperature_rate": ("k",),
-    "bias_hysteresis": ("k",),
-    "bias_run_to_run": ("k",),
-    "scale_factor_asymmetry": ("k",),
-    "second_order": ("k",),
-    "third_order": ("k",),
-    "g_sensitivity": ("k", "f"),
-    "reference_temperature": ("k",),
-    "input_range": ("k", "2"),
+FIELD_UNIT = {"gyro": "deg/s", "accelerometer": "ug"}  # in which people think of a bias
+RANGE_UNIT = {"gyro": "deg/s", "accelerometer": "g"}  # and of a range or scale factor
+PERCENT_DIGITS = 4
+
+SENTENCES = {
+    "bias_temperature": "{axis} bias, term in {power}",
+    "bias_pressure": "{axis} bias, change with pressure",
+    "bias_warm_up": "{axis} bias, part that dies away after power-up ({j})",
+    "warm_up_time": "time constant of warm-up ({j})",
+    "bias_temperature_rate": "{axis} bias, change with dT/dt",
+    "bias_hysteresis": "{axis} bias, more by this when warming and less when cooling",
+    "scale_factor_asymmetry": "{axis} scale factor, excess of positive over negative input",
+    "second_order": "{axis} sensor, term in u^2",
+    "third_order": "{axis} sensor, term in u^3",
 }
 
 
@@ -183,16 +185,17 @@ class SensorModel:
     def __post_init__(self) -> None:
         if self.kind not in INPUT_UNIT:
             raise DataError(f"kind {self.kind!r} is not known", do=f"Use one of: {', '.join(INPUT_UNIT)}")
-        _check_axes(self.axes)
+        check_axes(self.axes)
         object.__setattr__(self, "output_unit", normalise(self.output_unit))
-        sizes = {"k": len(self.axes), "f": len(FORCE_AXES), "2": 2}
-        for name, letters in SHAPES.items():
+        for name in SHAPES:
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, _frozen(name, value, letters, sizes))
-        _check_needs(self)
+                object.__setattr__(self, name, read_only_term(name, value, len(self.axes)))
+        terms = self.terms
+        check_needs(terms, self.reference_pressure)
+        check_ranges(self.axes, terms, {"temperature": self.temperature_range, "pressure": self.pressure_range})
         if self.estimate is not None:
-            _check_estimate(self, self.estimate)
+            check_estimate(self.parameters, terms, self.estimate)
 
     @property
     def unit(self) -> str:
@@ -211,9 +214,7 @@ class SensorModel:
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: whose it is, equation, matrix, a row a parameter, where it holds."""
-        from .words import parts  # noqa: PLC0415 - words are written about a model, and import it
-
-        return parts(self)
+        return _parts(self)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -275,73 +276,212 @@ def check_item(model: SensorModel, serial: str | None = None, unit: str | None =
         )
 
 
-def _check_axes(axes: tuple[str, ...]) -> None:
-    pairs = [a + b for a in axes for b in axes]
-    if not axes or "" in axes or any("_" in axis for axis in axes) or len(set(pairs)) != len(pairs):
-        raise DataError(f"axes {axes!r} cannot be told apart", do='Name them like ("x", "y", "z")')
+@dataclass(frozen=True)
+class Line:
+    """One parameter.
+
+    Parameters
+    ----------
+    name : str
+        ``"misalignment_zx"``.
+    words : str
+        ``"z sensor reads 1.298 % of x motion"``.
+    value, u : float
+        Value and standard uncertainty; ``u`` is None where there is none.
+    unit : str
+        SI, and degC.
+    note : str
+        Why it has no uncertainty.
+    origin : str
+        Test and recordings, or citation.
+    """
+
+    name: str
+    words: str
+    value: float
+    u: float | None
+    unit: str
+    note: str
+    origin: str
 
 
-def _frozen(name: str, value: Any, letters: tuple[str, ...], sizes: Mapping[str, int]) -> Array:
-    """Read-only copy of a term; a constant matrix becomes M_0, one number serves all sensors."""
-    array = np.array(value, dtype=float)
-    if array.ndim == 0 and letters == ("k",):
-        array = np.full(sizes["k"], float(array))
-    if name == "matrix" and array.ndim == len(letters) - 1:
-        array = array[np.newaxis]
-    fits = array.ndim == len(letters) and all(
-        sizes.get(letter, length) == length and length > 0 for letter, length in zip(letters, array.shape, strict=True)
-    )
-    if not fits:
-        need = ", ".join(str(sizes.get(letter, letter)) for letter in letters)
-        raise DataError(f"{name}: shape {array.shape}, need ({need})")
-    if not np.all(np.isfinite(array)):
-        raise DataError(f"{name}: not finite", do="Leave out a term that is not known")
-    array.setflags(write=False)
-    return array
-
-
-def _check_needs(model: SensorModel) -> None:
-    """Refuse a term without what it needs beside itself."""
-    if np.any(model.scale_factor == 0.0):
-        raise DataError(f"scale_factor {model.scale_factor.tolist()}: zero", do="Give the ideal scale factor")
-    in_temperature = model.bias_temperature is not None or model.matrix.shape[0] > 1
-    if in_temperature and model.reference_temperature is None:
-        raise DataError("terms in temperature without reference_temperature", do="Give T_ref [degC]")
-    if model.bias_pressure is not None and model.reference_pressure is None:
-        raise DataError("bias_pressure without reference_pressure", do="Give p_ref [Pa]")
-    amplitudes = 0 if model.bias_warm_up is None else model.bias_warm_up.shape[0]
-    times = np.empty(0) if model.warm_up_time is None else model.warm_up_time
-    if amplitudes != len(times) or np.any(times <= 0.0):
-        raise DataError(
-            f"bias_warm_up has {amplitudes} term(s), warm_up_time is {times.tolist()}",
-            do="Give one positive time constant [s] a term",
+def lines(model: SensorModel) -> tuple[Line, ...]:
+    """Return every parameter of a model, in the order of the equation."""
+    held = {} if model.estimate is None else dict(zip(model.estimate.names, model.estimate.u, strict=True))
+    found = []
+    for one, value in zip(model.parameters, values(model.parameters, model.terms), strict=True):
+        u = held.get(one.name)
+        note = "" if one.name in held else model.not_estimated.get(one.name, "no uncertainty")
+        found.append(
+            Line(
+                one.name,
+                _sentence(model, one),
+                float(value),
+                None if u is None else float(u),
+                one.unit,
+                note,
+                _origin(model, one.name),
+            )
         )
-    if model.bias_run_to_run is not None and np.any(model.bias_run_to_run < 0.0):
-        raise DataError("bias_run_to_run: a standard deviation is negative")
-    _check_ranges(model)
+    return tuple(found)
 
 
-def _check_ranges(model: SensorModel) -> None:
-    ranges = {"temperature_range": model.temperature_range, "pressure_range": model.pressure_range}
+def show(model: SensorModel) -> str:
+    """Return a model as text: what it belongs to, its equation, its parameters in words, where it holds."""
+    parts = [_head(model), "", "Equation (forward)", *(f"  {row}" for row in equation(model)), ""]
+    parts += [f"Matrix M ({MATRIX_ORDER})", *_matrix(model), ""]
+    parts += _table(lines(model)) + _run_to_run(model)
+    parts += ["", "Compensation: " + "; ".join(APPLY_ORDER)]
+    return "\n".join([*parts, *_validity(model)])
+
+
+def _parts(model: SensorModel) -> tuple[Part, ...]:
+    """Return a model as tables: whose it is, equation, matrix, a row a parameter, where it holds."""
+    order = MATRIX_ORDER
+    entries = [(axis, *(f"{x:.8f}" for x in row)) for axis, row in zip(model.axes, model.matrix[0], strict=True)]
+    matrix = Grid(("", *model.axes), entries, f"Matrix M_0 ({order})", tuple(range(1, len(model.axes) + 1)))
+    rows = [(row.name, with_uncertainty(row.value, row.u), row.unit) for row in lines(model)]
+    table = Grid(("parameter", "value ± u", "unit"), rows, "Parameters, SI and degC", (1,))
+    words = Folded("In words: inertialcal show", tuple(f"{row.name}: {row.words}" for row in lines(model)))
+    bare = sum(row.u is None for row in lines(model))
+    missing = (f"{bare} of {len(rows)} parameters have no uncertainty",) if bare else ()
+    said = [_head(model), *(f"  {row}" for row in equation(model))]
+    ends = [*missing, *(row.strip() for row in _run_to_run(model)), *_validity(model)]
+    return ("\n".join(said), matrix, table, words, *ends)
+
+
+def _table(rows: tuple[Line, ...]) -> list[str]:
+    """Words, name and figure of each parameter; what is the same for all stands once, at the top."""
+    width = max(len(row.words) for row in rows)
+    tails = ["; ".join(text for text in (row.note, row.origin) if text) for row in rows]
+    common = tails[0] if len(set(tails)) == 1 else ""
+    parts = [f"Parameters ({common})" if common else "Parameters"]
+    for row, tail in zip(rows, tails, strict=True):
+        unit = "" if row.unit == "1" else f" {row.unit}"
+        figure = f"{row.name} = {with_uncertainty(row.value, row.u)}{unit}"
+        parts.append(f"  {row.words:<{width}}  {figure}" + (f"  ({tail})" if tail and not common else ""))
+    return parts
+
+
+def equation(model: SensorModel) -> list[str]:
+    """Return the equation with only the terms that the model has."""
+    in_temperature = model.matrix.shape[0] > 1
+    terms = ["K0", "u"]
+    terms += ["K1'/2 |u|"] if model.scale_factor_asymmetry is not None else []
+    terms += ["K2 u^2"] if model.second_order is not None else []
+    terms += ["K3 u^3"] if model.third_order is not None else []
+    terms += ["G f"] if model.g_sensitivity is not None else []
+    offset = ["bias"]
+    offset += [f"b_{j} {_power(j)}" for j in range(1, len(_rows(model.bias_temperature)) + 1)]
+    offset += ["b_p (p - p_ref)"] if model.bias_pressure is not None else []
+    offset += [f"A_{m + 1} exp(-t / tau_{m + 1})" for m in range(len(_rows(model.warm_up_time)))]
+    offset += ["b_r dT/dt"] if model.bias_temperature_rate is not None else []
+    offset += ["b_h sign(dT/dt)"] if model.bias_hysteresis is not None else []
+    matrix = " + ".join(["M_0", *(f"M_{j} {_power(j)}" for j in range(1, model.matrix.shape[0]))])
+    rows = ["u = M(T) x,  M(T) = " + matrix if in_temperature else "u = M x"]
+    return [*rows, f"v = S0 * {{ {' + '.join(terms)} }} + noise", f"K0 = {' + '.join(offset)}", *_symbols(model)]
+
+
+def _power(j: int) -> str:
+    return "(T - T_ref)" if j == 1 else f"(T - T_ref)^{j}"
+
+
+def _symbols(model: SensorModel) -> list[str]:
+    """Return what the symbols stand for, where that is a number."""
+    unit = model.unit if model.output_unit == model.unit else RANGE_UNIT[model.kind]
+    told = divide(model.output_unit, unit)
+    scale = model.scale_factor * factor(divide(model.output_unit, model.unit), told)
+    rows = [
+        f"x in {model.unit}, v in {model.output_unit}",
+        f"S0 = {_per_axis(model, scale)} {'' if told == '1' else told}".rstrip(),
+    ]
+    if model.reference_temperature is not None:
+        rows.append(f"T_ref = {_per_axis(model, model.reference_temperature)} degC")
+    if model.bias_pressure is not None:
+        rows.append(f"p_ref = {model.reference_pressure:g} Pa")
+    return rows
+
+
+def _per_axis(model: SensorModel, figures: Array) -> str:
+    """One figure where all sensors have the same, else one a sensor."""
+    texts = [number(figure) for figure in figures]
+    if len(set(texts)) == 1:
+        return texts[0]
+    return ", ".join(f"{axis} {text}" for axis, text in zip(model.axes, texts, strict=True))
+
+
+def _head(model: SensorModel) -> str:
+    item = " ".join(text for text in (model.item.maker, model.item.part) if text) or "unnamed sensor"
+    serial = f", serial {model.item.serial}" if model.item.serial else ""
+    judged = "judged on held-out recordings" if model.judged else "not judged on held-out recordings"
+    source = f"\nSource: {model.source}" if model.source else ""
+    return f"{item}{serial}: {model.kind}, axes {', '.join(model.axes)}; {judged}{source}"
+
+
+def _matrix(model: SensorModel) -> list[str]:
+    rows = ["     " + "".join(f"{axis:>14}" for axis in model.axes)]
+    for axis, row in zip(model.axes, model.matrix[0], strict=True):
+        rows.append(f"  {axis:<3}" + "".join(f"{entry:>14.8f}" for entry in row))
+    return rows
+
+
+def _sentence(model: SensorModel, one: Parameter) -> str:
+    if one.field == "matrix":
+        return _matrix_sentence(model, one)
+    if one.field == "bias":
+        unit = FIELD_UNIT[model.kind]
+        bias = float(convert(model.bias[one.index[0]], model.unit, unit))
+        place = " and T_ref" if model.bias_temperature is not None else ""
+        return f"{one.axis} sensor reads {number(bias, PERCENT_DIGITS)} {unit} at no input{place}"
+    if one.field == "g_sensitivity":
+        return f"{model.axes[one.index[0]]} sensor's reading of force along {one.axis[-1]}"
+    return SENTENCES[one.field].format(axis=one.axis, j=one.index[0] + 1, power=_power(one.index[0] + 1))
+
+
+def _matrix_sentence(model: SensorModel, one: Parameter) -> str:
+    power, row, column = one.index
+    sensor, moves = model.axes[row], model.axes[column]
+    entry = 100.0 * float(model.matrix[one.index])
+    if power:
+        return f"{sensor} sensor and {moves} motion, term in {_power(power)}"
+    if row != column and not entry and one.name in model.not_estimated:
+        return f"{sensor} sensor and {moves} motion: not estimated, taken as none"
+    if row != column:
+        return f"{sensor} sensor reads {number(entry, PERCENT_DIGITS)} % of {moves} motion"
+    excess = entry - 100.0
+    sense = "too much" if excess >= 0.0 else "too little"
+    return f"{sensor} sensor reads {number(abs(excess), PERCENT_DIGITS)} % {sense} of {moves} motion"
+
+
+def _origin(model: SensorModel, name: str) -> str:
+    one = model.provenance.get(name)
+    if one is None:
+        return ""
+    recordings = f" on {', '.join(one.recordings)}" if one.recordings else ""
+    return f"from {one.test}{recordings}" if one.test else one.source
+
+
+def _run_to_run(model: SensorModel) -> list[str]:
+    if model.bias_run_to_run is None:
+        return []
+    sizes = convert(model.bias_run_to_run, model.unit, FIELD_UNIT[model.kind])
+    text = _per_axis(model, sizes)
+    return [f"  bias from power-up to power-up, standard deviation: {text} {FIELD_UNIT[model.kind]}"]
+
+
+def _validity(model: SensorModel) -> list[str]:
+    rows = []
     if model.input_range is not None:
-        ranges |= {f"input_range of {a}": (lo, hi) for a, (lo, hi) in zip(model.axes, model.input_range, strict=True)}
-    for name, ends in ranges.items():
-        if ends is not None and not ends[0] <= ends[1]:
-            raise DataError(f"{name}: {ends[0]:g} to {ends[1]:g}", do="Give the lower end first")
+        unit = RANGE_UNIT[model.kind]
+        ends = [f"{number(lo)} to {number(hi)}" for lo, hi in convert(model.input_range, model.unit, unit)]
+        each = ", ".join(f"{axis} {text}" for axis, text in zip(model.axes, ends, strict=True))
+        rows.append(f"inputs {ends[0] if len(set(ends)) == 1 else each} {unit}")
+    if model.temperature_range is not None:
+        rows.append("temperatures {:g} to {:g} degC".format(*model.temperature_range))
+    if model.pressure_range is not None:
+        rows.append("pressures {:g} to {:g} Pa".format(*model.pressure_range))
+    return ["Holds for: " + ("; ".join(rows) if rows else "no range stated")]
 
 
-def _check_estimate(model: SensorModel, estimate: Estimate) -> None:
-    """Refuse an estimate that holds other numbers, or other units, than the terms."""
-    known = {one.name: one for one in model.parameters}
-    strangers = [name for name in estimate.names if name not in known]
-    if strangers:
-        raise DataError(
-            f"the estimate has {', '.join(strangers)}, which the model has not", do=f"It has: {', '.join(known)}"
-        )
-    chosen = [known[name] for name in estimate.names]
-    for one, unit in zip(chosen, estimate.units, strict=True):
-        if unit != one.unit:
-            raise DataError(f"{one.name} is estimated in {unit!r}, the model needs {one.unit!r}", code="wrong_unit")
-    for one, own, other in zip(chosen, values(chosen, model.terms), estimate.values, strict=True):
-        if not abs(own - other) <= AGREEMENT * max(abs(own), SMALLEST):
-            raise DataError(f"{one.name} is {own:.12g} in the model and {other:.12g} in its estimate")
+def _rows(term: Array | None) -> Array:
+    return np.empty(0) if term is None else term

@@ -16,7 +16,8 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
-from .sensor_model import SHAPES, Item, Provenance, SensorModel
+from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
+from .terms import SHAPES
 
 FORMAT = "inertialcal model"
 SCHEMA_VERSION = 1
@@ -33,13 +34,8 @@ WORDS: dict[str, Any] = {
         "M(T) = sum_j matrix[j] (T - T_ref)^j",
         "K1' = scale_factor_asymmetry, K2 = second_order, K3 = third_order, G = g_sensitivity, S0 = scale_factor",
     ],
-    "matrix_order": "row = the sensor that reads, column = the axis that moves",
-    "apply_order": [
-        "divide the output by scale_factor",
-        "subtract K0 and G f",
-        "invert the curve of each sensor",
-        "multiply by the inverse of M",
-    ],
+    "matrix_order": MATRIX_ORDER,
+    "apply_order": list(APPLY_ORDER),
 }
 PLAIN = ("output_unit", "reference_pressure", "judged", "source")
 

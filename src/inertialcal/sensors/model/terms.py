@@ -18,6 +18,26 @@ from ...core.units import normalise
 
 FORCE_AXES = ("x", "y", "z")
 
+# Shapes of the terms: k sensors, q powers of temperature, m warm-up exponentials, f force axes.
+SHAPES: dict[str, tuple[str, ...]] = {
+    "scale_factor": ("k",),
+    "matrix": ("q", "k", "k"),
+    "bias": ("k",),
+    "bias_temperature": ("q", "k"),
+    "bias_pressure": ("k",),
+    "bias_warm_up": ("m", "k"),
+    "warm_up_time": ("m",),
+    "bias_temperature_rate": ("k",),
+    "bias_hysteresis": ("k",),
+    "bias_run_to_run": ("k",),
+    "scale_factor_asymmetry": ("k",),
+    "second_order": ("k",),
+    "third_order": ("k",),
+    "g_sensitivity": ("k", "f"),
+    "reference_temperature": ("k",),
+    "input_range": ("k", "2"),
+}
+
 # field of the model -> quantity and unit; U is the input unit, j counts powers or exponentials from 1.
 PER_AXIS = {
     "bias": ("bias", "{U}"),
