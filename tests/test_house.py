@@ -15,9 +15,10 @@ import pytest
 
 PACKAGE = Path(__file__).resolve().parents[1] / "src" / "inertialcal"
 
-# DESIGN, "The house": a folder imports from itself and from folders above it.
+# DESIGN, "The house": a folder imports from itself and from folders above it. Files stand above procedures, so that
+# one can read its own tables and schedules.
 ORDER = (
-    "core", "statistics", "signals", "physics", "sensors", "rigs", "procedures", "files", "report", "campaign",
+    "core", "statistics", "signals", "physics", "sensors", "files", "rigs", "procedures", "report", "campaign",
     "lab", "cli",
 )  # fmt: skip
 FILES = sorted(PACKAGE.rglob("*.py"))

@@ -20,8 +20,8 @@ from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.show.rounding import with_uncertainty
 from inertialcal.core.show.tables import WIDTH, Grid
-from inertialcal.files.text.schedule_csv import write_schedule
 from inertialcal.procedures.mass_attraction.reduction import repeated
+from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 
 EXAMPLE = Path(__file__).parents[2] / "src/inertialcal/examples/npsat2011"

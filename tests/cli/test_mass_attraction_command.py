@@ -16,7 +16,7 @@ import inertialcal as ic
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import InertialcalError
-from inertialcal.files.text.schedule_csv import write_schedule
+from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.rig import Bench, Run

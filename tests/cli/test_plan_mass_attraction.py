@@ -11,7 +11,7 @@ from typed_commands import call, call_json
 
 import inertialcal as ic
 from inertialcal.core.errors import InertialcalError
-from inertialcal.files.text.schedule_csv import read_schedule
+from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 
 PLAN = ("plan", "mass-attraction")
 BODY = ("--cube", "5.08 cm", "--count", "900", "--stand-off", "7.6 cm")

@@ -13,8 +13,8 @@ from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
 from inertialcal.campaign.single_sine import SineFile
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
-from inertialcal.files.text.schedule_csv import write_schedule
 from inertialcal.procedures.mass_attraction.schedule import repeated
+from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.report.figures import FIGURES, on_new_figure
 
 SINE = np.tile([0.0, 1.0, 0.0, -1.0], N // 4)

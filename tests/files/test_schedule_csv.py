@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import InertialcalError
-from inertialcal.files.text.schedule_csv import read_schedule, write_schedule
 from inertialcal.procedures.mass_attraction.schedule import Schedule, repeated
+from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule, write_schedule
 
 ROWS = """dwell,start [s],stop [s],position [cm],applied [ng]
 1,0,100,10,23

@@ -18,8 +18,8 @@ from pydantic import BaseModel
 
 from inertialcal.campaign.schema import CampaignFile
 from inertialcal.campaign.schema_words import Text
-from inertialcal.files.text.schedule_csv import write_schedule
 from inertialcal.procedures.mass_attraction.reduction import repeated
+from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 
 Give = Callable[[str], str]  # from the name of a field ("Item.maker") to its text
 Keys = tuple[str | int, ...]

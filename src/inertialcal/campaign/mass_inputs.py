@@ -13,10 +13,10 @@ from ..core.recording import Channel, Recording
 from ..core.times import read_elapsed, read_instant
 from ..core.units import factor, parse_quantity
 from ..files.source import load
-from ..files.text.schedule_csv import read_schedule
 from ..files.text.table import Table, read_table
 from ..procedures.mass_attraction import reduction as procedure
 from ..procedures.mass_attraction.recordings import READING, TEMPERATURE, TILT
+from ..procedures.mass_attraction.schedule_csv import read_schedule
 from ..sensors.chain.converter import Chain
 from .chains import build_chain
 from .channels import chain_of, in_body_axes, raw_recording

@@ -21,11 +21,11 @@ from ..core.times import read_elapsed, read_instant
 from ..core.units import convert, kind, parse_quantity, same_dimension
 from ..files import read
 from ..files.source import load
-from ..files.text.schedule_csv import read_schedule
 from ..files.time.plausible import time_remarks
 from ..procedures.mass_attraction import reduction as procedure
 from ..procedures.mass_attraction.plan import Scatter, Tilt
 from ..procedures.mass_attraction.recordings import READING, TEMPERATURE, TILT
+from ..procedures.mass_attraction.schedule_csv import read_schedule
 from .curves import displayed_curve
 from .display import displayed
 

@@ -19,8 +19,8 @@ from types import ModuleType
 from ..core.errors import DataError, StoreError, UsageError
 from ..core.recording import SECOND, Recording
 from ..core.show.tables import Grid, Part, html, text
-from ..files.text.schedule_csv import write_schedule
 from ..procedures.mass_attraction.schedule import Schedule
+from ..procedures.mass_attraction.schedule_csv import write_schedule
 from ..rigs import RIGS
 from ..rigs.protocol import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load

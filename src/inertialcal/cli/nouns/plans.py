@@ -150,7 +150,7 @@ def _write(
     lines = []
     if schedule is not None:
         from ...core.errors import UsageError
-        from ...files.text.schedule_csv import write_schedule
+        from ...procedures.mass_attraction.schedule_csv import write_schedule
 
         if found.schedule is None:
             do = 'Say between which positions: --stroke "12.7 cm:43.2 cm", without --shape'

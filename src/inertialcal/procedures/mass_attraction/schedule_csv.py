@@ -18,12 +18,12 @@ import numpy as np
 from ...core.errors import DataError, InertialcalError, StoreError
 from ...core.estimate import Array
 from ...core.units import convert, parse_quantity, same_dimension
-from ...procedures.mass_attraction.schedule import Schedule
-from ..source import load
-from ..write.atomic import replacing
-from .encoding import decode
-from .headers import bare_name
-from .table import Table, read_table
+from ...files.source import load
+from ...files.text.encoding import decode
+from ...files.text.headers import bare_name
+from ...files.text.table import Table, read_table
+from ...files.write.atomic import replacing
+from .schedule import Schedule
 
 UNITS = {"start": "s", "stop": "s", "position": "m", "applied": "m/s^2"}
 MERCURY = {"mercury": "rad"}  # of a tilt meter, where it was computed

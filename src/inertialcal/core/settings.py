@@ -1,0 +1,97 @@
+"""Settings: the fields of a Plan, once, for the campaign schema, options, arguments and manual. Free of numpy."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from types import NoneType, UnionType
+from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
+
+
+@dataclass(frozen=True)
+class Setting:
+    """One field of a Plan that a user may set.
+
+    Parameters
+    ----------
+    name, help, example : str
+        As the field is called; one sentence; how to write it.
+    unit : str
+        Inside; empty for what is no quantity.
+    difference : bool
+        Of temperatures.
+    many, flag, table : bool
+        A list; yes or no; settings of its own, written as in a campaign file.
+    choices : tuple of str
+        Words that there are.
+    number : type or None
+        ``int`` or ``float`` where it is a bare number.
+    default : object
+        Inside; None where it has none.
+    needed : bool
+        Has no default.
+    """
+
+    name: str
+    help: str
+    example: str
+    unit: str
+    difference: bool
+    many: bool
+    flag: bool
+    choices: tuple[str, ...]
+    number: type | None
+    default: object
+    needed: bool
+    table: bool = False
+
+    @property
+    def option(self) -> str:
+        """Name on the command line."""
+        return self.name.replace("_", "-")
+
+
+def setting(
+    help: str,  # noqa: A002 - what everybody calls it
+    default: Any = MISSING,
+    *,
+    unit: str = "",
+    difference: str = "",
+    example: str = "",
+    above: float | None = None,
+    least: float | None = None,
+    most: float | None = None,
+) -> Any:
+    """Return a field of a Plan: one sentence on it, its unit, its limits, how to write it."""
+    given: Mapping[str, object] = {
+        "help": help, "unit": unit, "difference": difference, "example": example, "above": above, "least": least,
+        "most": most,
+    }  # fmt: skip
+    kept = {name: value for name, value in given.items() if value not in ("", None)}
+    if callable(default):
+        return field(default_factory=default, metadata=kept)
+    return field(default=default, metadata=kept)
+
+
+def settings_of(plan: type[Any]) -> tuple[Setting, ...]:
+    """Return the settings of a Plan that a user may give, in its order."""
+    hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))
+    return tuple(_setting(one, hints[one.name]) for one in fields(plan) if "from" not in one.metadata)
+
+
+def _setting(one: Field[Any], hint: Any) -> Setting:
+    parts = get_args(hint) if get_origin(hint) in (Union, UnionType) else (hint,)
+    kind = next(part for part in parts if part is not NoneType)
+    many = get_origin(kind) in (list, tuple)
+    inner = get_args(kind)[0] if many else kind
+    choices = tuple(map(str, get_args(inner))) if get_origin(inner) is Literal else ()
+    meta = one.metadata
+    unit = str(meta.get("unit") or meta.get("difference") or "")
+    number = inner if inner in (int, float) and not unit else None
+    needed = one.default is MISSING and one.default_factory is MISSING
+    default = None if one.default is MISSING else one.default
+    return Setting(
+        one.name, str(meta.get("help", "")), str(meta.get("example", "")), unit, "difference" in meta, many,
+        inner is bool, choices, number, default, needed, is_dataclass(inner),
+    )  # fmt: skip

@@ -1,0 +1,410 @@
+"""What a procedure is: one object that says all the engine needs, with defaults for what is not its own.
+
+The engine (run, check, init, score, compare, report, commands) names no procedure: it asks the object. A procedure is
+one folder, `procedures/<name>/`, whose ``procedure.py`` holds the object; ``plan.py`` and this module import nothing
+that starts slowly, as options and help are made of them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol, TypeVar
+
+from ..core.axes import AXES, Kind
+
+if TYPE_CHECKING:
+    from ..core.curve import Curve
+    from ..core.errors import Problem
+    from ..core.estimate import Array, Estimate
+    from ..core.influence import Influence, Standards
+    from ..core.recording import Recording
+    from ..core.remarks import Remark
+    from ..core.results import Interval, Row
+    from ..files.text.table import Table
+
+T = TypeVar("T")
+
+
+@dataclass(frozen=True)
+class Role:
+    """A channel that a procedure reads besides the axes.
+
+    Parameters
+    ----------
+    name, kind, unit : str
+        As entries call it; kind of unit; unit inside.
+    required : bool
+        Whether a recording must have it.
+    by_axis : bool
+        ``name_x``, ... may stand in place of one for all.
+    """
+
+    name: str
+    kind: str
+    unit: str
+    required: bool = False
+    by_axis: bool = True
+
+
+@dataclass(frozen=True)
+class InputSpec:
+    """What a procedure takes, and how its recordings are made ready for it.
+
+    Parameters
+    ----------
+    kinds : tuple of str
+        Of sensors; the one that is taken first where a file has several.
+    roles : tuple of Role
+        Channels besides the axes.
+    table : str
+        Key of its reduced tables in an entry; empty where it reads recordings only.
+    missing : bool
+        A literal NaN is a missing sample; refused otherwise.
+    ground_model : {"refused", "bias_kept", "applied"}
+        Of the chain.
+    voltages : bool
+        Whether the reference voltages of the sensors are wanted.
+    windows : {"mask", "records", "refused"}
+        Samples in any window are one recording; or each window is a record of its own.
+    by_body : bool
+        Channels of one sensor each (temperatures, reference voltages) are named by the body axis that it feels.
+    several_sensors : bool
+        A test may hold recordings of several sensors of one clock.
+    """
+
+    kinds: tuple[Kind, ...]
+    roles: tuple[Role, ...] = ()
+    table: str = ""
+    missing: bool = False
+    ground_model: Literal["refused", "bias_kept", "applied"] = "refused"
+    voltages: bool = False
+    windows: Literal["mask", "records", "refused"] = "mask"
+    by_body: bool = False
+    several_sensors: bool = False
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is known before any reading: of the sensor, the site, the standards. Fields of a Plan ``from`` it.
+
+    Parameters
+    ----------
+    kind : {"gyro", "accelerometer"} or None
+        Of the sensor.
+    unit, si : str
+        That people speak (``"deg/s"``), and that of readings inside.
+    axes : tuple of str
+        Of the sensor.
+    latitude, gravity, height : float or None
+        Of the site [rad], [m/s^2], [m].
+    standards : mapping of Influence
+        By ``"standard.quantity"``.
+    scale_factor : mapping of str to float, optional
+        Ideal scale factor behind each body axis [V/SI].
+    thermometers : mapping of str to (float, float, float), optional
+        By body axis: slope [V/degC], voltage [V], temperature [degC].
+    input_range : (float, float), optional
+        Of the sensor, SI.
+    gate, pulse_scale_factor : float or None
+        Of a chain that counts pulses [s], [count/s/SI].
+    oblique : bool
+        Body axes are mixtures of the sensor's.
+    """
+
+    kind: Kind | None
+    unit: str
+    si: str
+    axes: tuple[str, ...] = AXES
+    latitude: float | None = None
+    gravity: float | None = None
+    height: float | None = None
+    standards: Standards = field(default_factory=dict[str, "Influence"])
+    scale_factor: Mapping[str, float] | None = None
+    thermometers: Mapping[str, tuple[float, float, float]] | None = None
+    input_range: tuple[float, float] | None = None
+    gate: float | None = None
+    pulse_scale_factor: float | None = None
+    oblique: bool = False
+
+
+class Source(Protocol):
+    """A recording or reduced table with its sensor, ready: SI, body axes, named by role. One class, over a store."""
+
+    @property
+    def name(self) -> str:
+        """As the campaign calls it."""
+        ...
+
+    @property
+    def file(self) -> str:
+        """Its file, as the campaign names it."""
+        ...
+
+    @property
+    def run(self) -> str:
+        """Power-up; empty where not said."""
+        ...
+
+    @property
+    def facts(self) -> Facts:
+        """Of its sensor."""
+        ...
+
+    @property
+    def test(self) -> str:
+        """Name of the test that reads it."""
+        ...
+
+    @property
+    def alone(self) -> bool:
+        """Whether the test reads no other."""
+        ...
+
+    @property
+    def groups(self) -> Sequence[str] | None:
+        """Rows of a table that the test takes, by their group; None for all."""
+        ...
+
+    @property
+    def windows(self) -> Sequence[tuple[int, int]] | None:
+        """Instants [ns] between which the test takes readings; None for all."""
+        ...
+
+    @property
+    def entry(self) -> Any:
+        """What is said of it besides channels: the procedure's own keys (``entry.py``)."""
+        ...
+
+    @property
+    def is_table(self) -> bool:
+        """Whether it is a reduced table."""
+        ...
+
+    def recordings(self) -> list[tuple[str, Recording]]:
+        """Return each part with its label: the whole, or a record a window."""
+        ...
+
+    def table(self) -> Table:
+        """Return the reduced table."""
+        ...
+
+    def chose(self, rows: int, without_rate: int = 0) -> None:
+        """Note how many rows of a table the test uses, and how many have no applied rate."""
+        ...
+
+    def in_si(self, values: Array, unit: str, axis: str) -> Array:
+        """Return readings of a table in SI: counts through the chain, volts over the scale factor."""
+        ...
+
+    def factor(self, unit: str, axis: str) -> float:
+        """Return SI units a unit of the table, for differences."""
+        ...
+
+    def extra(self, file: str, read: Callable[[Any], T]) -> T:
+        """Return what another file says of it (a schedule, sections), read and counted among the inputs."""
+        ...
+
+
+class WithRemarks(Protocol):
+    """Readings: frozen dataclasses that carry what reading them brought up."""
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Findings."""
+        ...
+
+
+class Finding(Protocol):
+    """A result: a frozen dataclass with its estimate and what was found on the way."""
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Quantities with their covariance, SI."""
+        ...
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """Findings."""
+        ...
+
+    def rows(self) -> tuple[Row, ...]:
+        """Rows of ``results.json``, SI."""
+        ...
+
+
+P = TypeVar("P")
+R = TypeVar("R", bound=WithRemarks)
+S = TypeVar("S", bound=Finding)
+
+
+class Correction(Protocol):
+    """What a later test takes off its recordings: all at once, since its unknowns are common to them."""
+
+    @property
+    def test(self) -> str:
+        """That found it."""
+        ...
+
+    def apply(self, recordings: Sequence[tuple[str, Recording]]) -> tuple[list[Recording], list[Mapping[str, Any]]]:
+        """Return named recordings with it taken off, and for each what is not known of it, by origin."""
+        ...
+
+
+@dataclass(frozen=True)
+class Exclusion:
+    """What a test did not use; the engine adds the name of the test.
+
+    Parameters
+    ----------
+    rule, decided_by, reason : str
+        Its code; which setting, with its value; why.
+    place, axis : str
+        Where; of which sensor.
+    count, counts : int, str
+        How many of what: ``dwell``, ``row``, ``sample``, ``window``.
+    applied, unit : float or None, str
+        Applied rate of a dwell.
+    dwell : bool
+        Whether it counts among the dwells that the test left out.
+    """
+
+    rule: str
+    decided_by: str
+    reason: str
+    place: str = ""
+    axis: str = ""
+    count: int = 1
+    counts: str = "dwell"
+    applied: float | None = None
+    unit: str = ""
+    dwell: bool = False
+
+
+@dataclass(frozen=True, eq=False)
+class Tested(Generic[P, R, S]):
+    """A test that was reduced.
+
+    Parameters
+    ----------
+    id, condition, use : str
+        As the campaign says.
+    plan, readings, result
+        Of the procedure.
+    facts : Facts
+        Of its sensor.
+    """
+
+    id: str
+    condition: str
+    use: str
+    plan: P
+    readings: R
+    result: S
+    facts: Facts
+
+
+class Procedure(Generic[P, R, S]):
+    """A test that turns readings into a result. Subclasses say what is their own; the rest has its default here.
+
+    ``name`` is the word of campaign files, ``command`` that of the command line, ``title`` one sentence for help and
+    report.
+    """
+
+    name: str
+    command: str
+    title: str
+    plan_type: type[P]
+    inputs: InputSpec
+    influences: Mapping[str, str] = {}
+    uses: frozenset[str] = frozenset({"fit", "report_only"})
+    counts_dwells: bool = True
+
+    # ---- from what was said to readings -----------------------------------------------------------------------
+
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return the fields of the plan that come from sensor, site and standards: by default those of its names."""
+        from dataclasses import fields  # noqa: PLC0415
+
+        named = fields(self.plan_type)  # type: ignore[arg-type]
+        known = {"sensor", "site", "standards"}
+        return {one.name: getattr(facts, one.name) for one in named if one.metadata.get("from") in known}
+
+    def plan(self, values: Mapping[str, Any], facts: Facts) -> P:
+        """Return the plan of a test, by the settings that were given and by the facts.
+
+        Raises
+        ------
+        PlanError
+            If they cannot be meant.
+        """
+        return self.plan_type(**{**values, **self.plan_fields(facts)})
+
+    def inputs_for(self, plan: P) -> InputSpec:
+        """Return what is taken with this plan; the same for all plans by default."""
+        return self.inputs
+
+    def readings(self, plan: P, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> R:
+        """Return the readings of all sources of a test.
+
+        Raises
+        ------
+        DataError
+            If they cannot be read.
+        """
+        raise NotImplementedError
+
+    def reduce(self, plan: P, readings: R) -> S:
+        """Return the result: pure."""
+        raise NotImplementedError
+
+    def remarks(self, facts: Facts) -> Sequence[Remark]:
+        """Return what there is to say of the sensor alone."""
+        return ()
+
+    # ---- judged -----------------------------------------------------------------------------------------------
+
+    def exclusions(self, test: Tested[P, R, S]) -> Iterator[Exclusion]:
+        """Yield what was not used; what the chain left out and what was not chosen is the engine's to tell."""
+        yield from ()
+
+    def needs(self, influence: str, result: S) -> bool:
+        """Return whether an influence that is not stated would change this result."""
+        return influence in self.influences
+
+    def effects(self) -> Mapping[str, str]:
+        """Return what each influence changes in this test."""
+        return self.influences
+
+    def budgeted(self, result: S) -> bool:
+        """Return whether the budget of the result is worth a table."""
+        return True
+
+    # ---- set beside each other --------------------------------------------------------------------------------
+
+    def correction(self, test: str, result: S) -> Correction | None:
+        """Return what later tests may take off their readings; None where there is nothing."""
+        return None
+
+    # ---- shown ------------------------------------------------------------------------------------------------
+
+    def rows(self, result: S) -> Sequence[Row]:
+        """Return the rows of ``results.json``, SI."""
+        return result.rows()
+
+    def curves(self, result: S) -> Sequence[Curve]:
+        """Return the curves of ``results.json``, SI."""
+        made: Callable[[], Sequence[Curve]] | None = getattr(result, "curves", None)
+        return () if made is None else made()
+
+    def truths(self, result: S) -> Sequence[Row] | None:
+        """Return rows that are held against the truth of a rig; None where the estimate says all."""
+        return None
+
+    def interval_at(self, result: S, row: Row, p: float) -> Interval | None:
+        """Return the interval of another probability of a row."""
+        raise NotImplementedError
+
+    def check(self, file: Any, number: int, at: Any) -> Iterator[Problem]:
+        """Yield what is wrong with a test of a campaign file, before any recording is read."""
+        yield from ()
