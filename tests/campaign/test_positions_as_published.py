@@ -17,7 +17,7 @@ from inertialcal.campaign.starter import start
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.recording import Recording
-from inertialcal.files.models.export import load_model_file
+from inertialcal.files.models.model_file import load_model_file
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
 

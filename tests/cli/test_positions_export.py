@@ -17,7 +17,7 @@ from inertialcal import load_model, read
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.estimate import Array
-from inertialcal.files.models.export import WRITERS
+from inertialcal.files.models.formats import MODULES
 from inertialcal.rigs.hand_held.rig import Bench, build
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.sensor_model import SensorModel
@@ -25,7 +25,7 @@ from inertialcal.sensors.model.sensor_model import SensorModel
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 SENSORS = {"acc": "accelerometer", "gyro": "gyro"}
 CODE = ("c", "python")
-FOREIGN = tuple(name for name in WRITERS if name not in ("json", *CODE))
+IMPORTED = tuple(name for name in MODULES if name not in ("json", *CODE))
 NO_BIAS, NO_FORCE = ("kalibr-model",), ("imu-tk", "realsense")
 EXACT = 1e-9  # relative: through text, and a matrix parted in two
 ACC, GYRO = (tuple(f"{sensor}_{axis}" for axis in "xyz") for sensor in SENSORS)
@@ -94,7 +94,7 @@ def test_json_is_the_model_to_the_byte(
     assert (tmp_path / "o.json").read_bytes() == saved.path(sensor).read_bytes()
 
 
-@pytest.mark.parametrize("to", FOREIGN)
+@pytest.mark.parametrize("to", IMPORTED)
 @pytest.mark.parametrize("sensor", SENSORS)
 def test_a_format_of_others_reads_back_as_the_model(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, saved: Saved, sensor: str, to: str
@@ -109,7 +109,7 @@ def test_a_format_of_others_reads_back_as_the_model(
     same(saved.model(sensor), load_model(f"{target}#{SENSORS[sensor]}"), to)
 
 
-@pytest.mark.parametrize("to", FOREIGN)
+@pytest.mark.parametrize("to", IMPORTED)
 def test_both_sensors_in_one_file(capsys: pytest.CaptureFixture[str], tmp_path: Path, saved: Saved, to: str) -> None:
     target = str(tmp_path / "both")
     words = (

@@ -17,8 +17,9 @@ import pytest
 from numpy.typing import NDArray
 
 from inertialcal.core.estimate import Array
-from inertialcal.files.models.apply_text import c_text, python_text
-from inertialcal.files.models.export import load_model_file
+from inertialcal.files.models.apply_c import c_text
+from inertialcal.files.models.apply_python import python_text
+from inertialcal.files.models.model_file import load_model_file
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import Conditions, needed, predict

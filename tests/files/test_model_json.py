@@ -136,7 +136,7 @@ def test_missing_or_binary_file_is_refused(tmp_path: Path) -> None:
 
 
 def test_folder_that_is_not_there_is_refused(tmp_path: Path) -> None:
-    with pytest.raises(StoreError, match="cannot write the model"):
+    with pytest.raises(StoreError, match="cannot be written"):
         write_model(tmp_path / "no" / "model.json", model())
 
 

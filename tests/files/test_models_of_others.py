@@ -18,8 +18,10 @@ from inertialcal.core.axes import Kind
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
-from inertialcal.files.models.export import export, load_model_file
-from inertialcal.files.models.imported import FORMATS, parse_foreign
+from inertialcal.files.models.export import export
+from inertialcal.files.models.formats import model_format, read_models
+from inertialcal.files.models.model_file import load_model_file
+from inertialcal.files.models.model_format import ImportedModels, ModelText
 from inertialcal.files.models.model_json import write_model
 from inertialcal.files.models.plain_yaml import dump_yaml, parse_yaml
 from inertialcal.sensors.model.compensate import compensate
@@ -27,6 +29,13 @@ from inertialcal.sensors.model.equation import predict
 from inertialcal.sensors.model.sensor_model import INPUT_UNIT, SensorModel, to_output, to_readings
 
 EXACT = 1e-12  # relative
+
+FORMATS = {name: model_format(name) for name in ("imucal", "kalibr-model", "imu-tk", "realsense")}
+
+
+def imported(text: str, where: str, kind: Kind | None = None) -> ImportedModels:
+    """Models of a text."""
+    return read_models(ModelText(text, where, kind))[1]
 
 
 def equal(own: Array, theirs: Array) -> None:
@@ -78,8 +87,7 @@ def test_there_and_back_is_the_same_sensor(name: str, seed: int) -> None:
     lots = [{kind: model} for kind, model in models.items()] if name == "imu-tk" else [models]
     for lot in lots:
         kind = next(iter(lot))
-        again = parse_foreign(FORMATS[name].dump(lot), "file", kind)
-        assert again is not None
+        again = imported(FORMATS[name].dump(lot), "file", kind)
         for one, model in lot.items():
             same_sensor(model, again.models[one], bias=not si, force=name in {"imucal", "kalibr-model"})
 
@@ -90,8 +98,7 @@ def test_their_text_read_and_written_says_the_same(name: str) -> None:
     models: dict[Kind, SensorModel] = {"gyro": sensor("gyro", 3, si=True)}
     module = FORMATS[name]
     text = module.dump(models)
-    first = parse_foreign(text, "gyro", "gyro")
-    assert first is not None
+    first = imported(text, "gyro", "gyro")
     kept = {kind: model for kind, model in first.models.items() if name != "imu-tk" or kind == "gyro"}
     words, again = (re.sub(r"[][,]", " ", one).split() for one in (text, module.dump(kept)))
     assert len(words) == len(again)
@@ -201,8 +208,7 @@ def test_what_a_format_cannot_hold_is_told_thing_by_thing() -> None:
 
 @pytest.mark.parametrize("name", ["imucal", "kalibr-model", "realsense"])
 def test_a_sensor_that_nobody_gave_is_ideal(name: str) -> None:
-    again = parse_foreign(FORMATS[name].dump({"gyro": sensor("gyro", si=True)}), "x")
-    assert again is not None
+    again = imported(FORMATS[name].dump({"gyro": sensor("gyro", si=True)}), "x")
     model = again.models["accelerometer"]
     np.testing.assert_allclose(model.scale_factor[:, None] * model.matrix[0], np.eye(3), atol=1e-12)
     gyro = again.models["gyro"]
@@ -210,8 +216,7 @@ def test_a_sensor_that_nobody_gave_is_ideal(name: str) -> None:
 
 
 def test_kalibr_says_that_it_holds_no_bias() -> None:
-    again = parse_foreign(kalibr.dump({"gyro": sensor("gyro", si=True)}), "x")
-    assert again is not None
+    again = imported(kalibr.dump({"gyro": sensor("gyro", si=True)}), "x")
     assert [remark.code for remark in again.remarks] == ["no_bias"]
     assert "no bias" in again.models["gyro"].not_estimated["bias_x"]
 
@@ -255,8 +260,7 @@ imu0:
 
 
 def test_a_file_as_kalibr_lays_it_out() -> None:
-    found = parse_foreign(KALIBR, "imu.yaml")
-    assert found is not None
+    found = imported(KALIBR, "imu.yaml")
     acc, gyro = found.models["accelerometer"], found.models["gyro"]
     np.testing.assert_allclose(acc.matrix[0], [[1.01, 0, 0], [0.001, 0.99, 0], [-0.002, 0.003, 1.02]])
     np.testing.assert_allclose(gyro.matrix[0], [[0, 1, 0], [-2, 0, 0], [0, 0, 1]])
@@ -293,7 +297,7 @@ SNAP = imucal.dump({"accelerometer": sensor("accelerometer"), "gyro": sensor("gy
 )
 def test_what_cannot_be_meant_is_refused(text: str, code: str, match: str) -> None:
     with pytest.raises(DataError, match=match) as caught:
-        parse_foreign(text, "gyro.txt")
+        imported(text, "gyro.txt")
     assert caught.value.problems[0].code == code
 
 
@@ -313,8 +317,8 @@ def test_export_from_their_format_to_another(tmp_path: Path) -> None:
     acc, gyro = sensor("accelerometer", si=True), sensor("gyro", si=True)
     (tmp_path / "cal.json").write_text(imucal.dump({"accelerometer": acc, "gyro": gyro}))
     both = [load_model_file(tmp_path / f"cal.json#{kind}") for kind in ("gyro", "accelerometer")]
-    handed = export(both[0], "kalibr-model", tmp_path / "imu.yaml", unjudged=True, beside=both[1:])
-    assert any("no_bias" in r.code or "bias" in r.what for r in handed.remarks)
+    exported = export(both[0], "kalibr-model", tmp_path / "imu.yaml", unjudged=True, others=both[1:])
+    assert any("no_bias" in r.code or "bias" in r.what for r in exported.remarks)
     back = load_model_file(f"{tmp_path / 'imu.yaml'}#gyro").model
     same_sensor(replace(gyro, bias=np.zeros(3)), back)
     export(both[0], "json", tmp_path / "model.json", unjudged=True)
@@ -325,10 +329,10 @@ def test_export_from_their_format_to_another(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="not judged"):
         export(both[0], "imucal", tmp_path / "x.json")
     with pytest.raises(UsageError, match="two models of a gyro"):
-        export(both[0], "imucal", tmp_path / "x.json", unjudged=True, beside=both[:1])
+        export(both[0], "imucal", tmp_path / "x.json", unjudged=True, others=both[:1])
     for name in ("json", "imu-tk"):
         with pytest.raises(UsageError, match="one sensor a file"):
-            export(both[0], name, tmp_path / "x.json", unjudged=True, beside=both[1:])
+            export(both[0], name, tmp_path / "x.json", unjudged=True, others=both[1:])
     with pytest.raises(DataError, match="input"):
         export(both[0], "imucal", tmp_path / "cal.json", unjudged=True)
 

@@ -12,7 +12,7 @@ from typing import Any, Literal
 from ..core.errors import DataError
 from ..core.remarks import Remark
 from ..core.results import Row
-from ..files.models.export import load_model_file
+from ..files.models.model_file import load_model_file
 from ..files.source import load
 from ..sensors.model.sensor_model import FIELD_UNIT
 from ..sensors.model.serial import FORMAT

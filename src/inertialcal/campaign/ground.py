@@ -13,7 +13,7 @@ from ..core.estimate import Array
 from ..core.recording import SECOND, Recording
 from ..core.remarks import Remark
 from ..core.units import parse_quantity, si_unit
-from ..files.models.export import load_model_file
+from ..files.models.model_file import load_model_file
 from ..sensors.ground.model import STEPS, GroundModel, Polynomials
 from ..sensors.ground.recordings import correct_recording
 from ..sensors.model.sensor_model import SensorModel

@@ -6,7 +6,7 @@ import os
 from pathlib import Path
 
 from ..core.errors import DataError
-from ..files.models.export import ModelFile, load_model_file
+from ..files.models.model_file import ModelFile, load_model_file
 from ..sensors.model.sensor_model import SensorModel
 from .publish import OUT
 
@@ -26,7 +26,7 @@ def load_model(path: str | os.PathLike[str]) -> SensorModel:
     ------
     DataError
         ``no_model`` for a folder without one; ``checksum`` for a file that was changed by hand; and as
-        ``files.models.export.load_model_file``.
+        ``files.models.model_file.load_model_file``.
     """
     return find_model(path).model
 

@@ -11,7 +11,7 @@ from typing import Any
 
 from ..core.errors import StoreError, UsageError
 from ..core.results import finite
-from ..files.write.atomic import replacing
+from ..files.write.atomic import atomic_write
 from ..report.figure_file import write_figure
 from ..report.plot import pictures
 from ..sensors.noise.filter_block import FilterBlock
@@ -54,7 +54,7 @@ def write_folder(
     texts |= {ENDINGS[target]: f"{block}\n" for target, block in (blocks or {}).items()}
     for name, text in texts.items():
         path = folder / name
-        with replacing(path, found.inputs) as aside:
+        with atomic_write(path, found.inputs) as aside:
             aside.write_text(text, encoding="utf-8")
         written.append(path)
     return written

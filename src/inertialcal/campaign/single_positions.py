@@ -21,7 +21,7 @@ from ..core.show.result_tables import figures, told
 from ..core.show.tables import Part, html, text
 from ..core.units import factor, kind, parse_quantity
 from ..files.models.model_json import dump_model
-from ..files.write.atomic import replacing
+from ..files.write.atomic import atomic_write
 from ..procedures.positions import reduction as procedure
 from ..procedures.positions.curves import curves
 from ..procedures.positions.readings import Readings
@@ -105,7 +105,7 @@ class PositionsFile:
         named = {sensor: target.with_stem(f"{target.stem}_{sensor}") for sensor in models}
         named = named if len(models) > 1 else dict.fromkeys(models, target)
         for sensor, model in models.items():
-            with replacing(named[sensor], list(self.inputs)) as aside:
+            with atomic_write(named[sensor], list(self.inputs)) as aside:
                 aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
         return list(named.values())
 

@@ -7,7 +7,8 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..core.units import divide
-from ..files.models.apply_text import c_text, python_text
+from ..files.models.apply_c import c_text
+from ..files.models.apply_python import python_text
 from ..sensors.model.sensor_model import equation
 from ..sensors.model.serial import from_dict
 from .findings import Figure, Finding

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..core.errors import UsageError
-from ..files.write.atomic import replacing
+from ..files.write.atomic import atomic_write
 
 if TYPE_CHECKING:
     from .figures.drawing.picture import Picture
@@ -67,7 +67,7 @@ def write_figure(
 
     ending = check_ending(path)
     shown = pictures[:MOST]
-    with replacing(path, inputs) as aside, rc_context({"svg.hashsalt": SALT}), warnings.catch_warnings():
+    with atomic_write(path, inputs) as aside, rc_context({"svg.hashsalt": SALT}), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Glyph .* missing")  # a name in a script that the font has not
         figure = on_new_figure(shown[0], titled=True) if len(shown) == 1 else stacked(shown)
         metadata = dict.fromkeys(FORMATS[ending])

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ...files.models.formats import MODULES
 from .. import figures
 from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from ..pairs import pairs
@@ -163,11 +164,9 @@ def export(
     output: Output,
     to: Annotated[
         str,
-        typer.Option(
-            "--to", help="Format: json, imucal, kalibr-model, imu-tk, realsense, c, python.", show_default=False
-        ),
+        typer.Option("--to", help=f"Format: {', '.join(MODULES)}.", show_default=False),
     ],
-    beside: Annotated[
+    other: Annotated[
         Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")
     ] = None,
     unjudged: Annotated[
@@ -181,19 +180,19 @@ def export(
     from ...files.models.export import export as export_model
 
     found = find_model(model)
-    sources = [found] if beside is None else [found, find_model(beside)]
-    handed = export_model(found, to, output, unjudged, sources[1:])
+    sources = [found] if other is None else [found, find_model(other)]
+    exported = export_model(found, to, output, unjudged, sources[1:])
     if as_json:
         content = {
             "inputs": [_input(one) for one in sources],
-            "remarks": [remark.to_dict() for remark in handed.remarks],
+            "remarks": [remark.to_dict() for remark in exported.remarks],
             "written": str(output),
-            "sha256": handed.sha256,
+            "sha256": exported.sha256,
             "judged": found.model.judged,
         }
         json_out("export", content)
     elif not quiet:
-        _print_remarks(handed.remarks)
+        _print_remarks(exported.remarks)
         print(f"written: {clean(str(output))} ({'judged' if found.model.judged else 'not judged'})")
     return 0
 

@@ -16,6 +16,7 @@ from .apply_parts import (
     MISSING,
     Constant,
     checked_ranges,
+    code_cannot_hold,
     constants,
     head,
     matrix_at,
@@ -26,6 +27,7 @@ from .apply_parts import (
     refusal,
     thermal,
 )
+from .model_format import ModelFormat, of_one
 
 TITLE = ["/* True input from one raw reading of a calibrated sensor; written by inertialcal.", " *"]
 SINGLE = {"pressure", "time"}  # conditions that are one number; the others are arrays
@@ -196,3 +198,8 @@ def _validity(model: SensorModel) -> list[str]:
         "        all = all && holds[i];",
         "    }",
     ]
+
+
+FORMAT = ModelFormat(
+    title="c", dump=of_one(c_text), cannot_hold=lambda models: code_cannot_hold(models, "c"), one_sensor=True
+)

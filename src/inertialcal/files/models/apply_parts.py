@@ -18,11 +18,13 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.remarks import Remark
 from ...core.units import divide
 from ...sensors.model.equation import Columns, curve, needed
 from ...sensors.model.nonlinearity import endless_slope, rising_branch
 from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, equation
 from ...sensors.model.uniqueness import check_unique
+from .model_format import Models
 
 LONGEST = 200  # characters of a text from the model
 WIDTH = 96  # of a comment
@@ -220,3 +222,12 @@ def matrix_at(model: SensorModel, entry: str, away: str) -> str:
         text = f"{text} * {away} + M_{j}{entry}"
         text = f"({text})" if j else text
     return text
+
+
+def code_cannot_hold(models: Models, language: str) -> tuple[Remark, ...]:
+    """Return what of these models code leaves out."""
+    return tuple(
+        Remark("not_held", "info", f"{model.kind}: code in {language} cannot hold: uncertainties")
+        for model in models.values()
+        if model.estimate is not None
+    )

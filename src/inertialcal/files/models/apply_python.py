@@ -16,6 +16,7 @@ from .apply_parts import (
     MISSING,
     Constant,
     checked_ranges,
+    code_cannot_hold,
     constants,
     head,
     matrix_at,
@@ -26,6 +27,7 @@ from .apply_parts import (
     refusal,
     thermal,
 )
+from .model_format import ModelFormat, of_one
 
 TITLE = '"""True input from one raw reading of a calibrated sensor; written by inertialcal."""'
 
@@ -142,3 +144,11 @@ def _validity(model: SensorModel) -> list[str]:
         ends = f"{name.upper()}_RANGE"
         lines.append(f"    holds &= np.all(({ends}[0] <= {name}) & ({name} <= {ends}[1]))")
     return lines
+
+
+FORMAT = ModelFormat(
+    title="python",
+    dump=of_one(python_text),
+    cannot_hold=lambda models: code_cannot_hold(models, "python"),
+    one_sensor=True,
+)

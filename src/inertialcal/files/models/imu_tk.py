@@ -23,18 +23,14 @@ from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
-from .triad import Foreign, Triad, invertible, lost, model_of, triad
+from .model_format import ImportedModels, ModelFormat, ModelText
+from .triad import Triad, invertible, lost, model_of, triad
 
 NAME = "imu_tk"
 COUNT = 21
 ONE = 1e-6  # off which a diagonal of T is none of ones: the file has six digits where its own tool wrote it
 HOLDS = frozenset({"bias"})
-
-
-def matches(text: str) -> bool:
-    """Whether a text is this format."""
-    words = text[:4096].split()
-    return len(words) == COUNT and all(_is_number(word) for word in words)
+HINTS: dict[Kind, str] = {"accelerometer": "acc", "gyro": "gyr"}  # in the name of a file
 
 
 def _is_number(word: str) -> bool:
@@ -45,20 +41,21 @@ def _is_number(word: str) -> bool:
     return True
 
 
-def parse(text: str, where: str, kind: Kind) -> Foreign:
-    """Return the model of the one sensor.
+def read(given: ModelText) -> ImportedModels | None:
+    """Return the model of the one sensor; None for a text in another format.
 
-    Parameters
-    ----------
-    kind : {"accelerometer", "gyro"}
-        Which it is: the file does not tell.
+    Which sensor it is, the name of the file says (acc or gyr) where nobody did.
 
     Raises
     ------
     DataError
-        ``schema`` if T or K is not of its form; ``not_invertible``.
+        ``which_sensor``; ``schema`` if T or K is not of its form; ``not_invertible``.
     """
-    values = np.array([float(word) for word in text.split()])
+    words = given.text.split()
+    if given.json is not None or len(words) != COUNT or not all(_is_number(word) for word in words):
+        return None
+    where, kind = given.where, given.kind or _by_name(given.where)
+    values = np.array([float(word) for word in words])
     t, k, offset = values[:9].reshape(3, 3), values[9:18].reshape(3, 3), values[18:]
     off = ~np.eye(3, dtype=bool)
     fits = np.all(np.isfinite(values)) and np.all(np.abs(np.diag(t) - 1.0) <= ONE) and not np.any(k[off])
@@ -71,7 +68,20 @@ def parse(text: str, where: str, kind: Kind) -> Foreign:
         )
     gain: Array = np.asarray(np.linalg.inv(invertible(t @ k, "T K", where)), dtype=np.float64)
     own = Triad(gain, offset, np.zeros((3, 3)))
-    return Foreign(NAME, {kind: model_of(kind, 1.0 / np.diag(k), own, "count", NAME)})
+    return ImportedModels({kind: model_of(kind, 1.0 / np.diag(k), own, "count", NAME)})
+
+
+def _by_name(where: str) -> Kind:
+    name = where.replace("\\", "/").rsplit("/", 1)[-1].lower()
+    named = [kind for kind, hint in HINTS.items() if hint in name]
+    if len(named) != 1:
+        raise DataError(
+            "a model of imu_tk, which does not tell its sensor",
+            where=where,
+            do=f"Say which it is: {where}#accelerometer or {where}#gyro",
+            code="which_sensor",
+        )
+    return named[0]
 
 
 def dump(models: Mapping[Kind, SensorModel]) -> str:
@@ -99,3 +109,6 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     """Return what of these models the format leaves out."""
     gone = [remark for model in models.values() for remark in lost(model, NAME, HOLDS)]
     return (*gone, Remark("not_held", "info", f"{NAME} cannot hold: which sensor it is, units"))
+
+
+FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

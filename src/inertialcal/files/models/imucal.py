@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -26,7 +25,8 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor, normalise, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
-from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
+from .model_format import ImportedModels, ModelFormat, ModelText
+from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
 NAME = "imucal"
 VERSION = "2.0"
@@ -36,13 +36,8 @@ UNKNOWN = ("a.u.", "", None)
 HOLDS = {"accelerometer": frozenset({"bias"}), "gyro": frozenset({"bias", "g_sensitivity"})}
 
 
-def matches(content: object) -> bool:
-    """Whether a JSON content is this format."""
-    return isinstance(content, dict) and {"K_a", "R_a", "cal_type"} <= content.keys()
-
-
-def parse(content: Mapping[str, Any], where: str) -> Foreign:
-    """Return the models of both sensors.
+def read(given: ModelText) -> ImportedModels | None:
+    """Return the models of both sensors; None for a text in another format.
 
     Raises
     ------
@@ -50,6 +45,9 @@ def parse(content: Mapping[str, Any], where: str) -> Foreign:
         ``schema_version`` for a file from before version 2; ``missing_key``, ``schema``, ``not_invertible``,
         ``unknown_unit``.
     """
+    content, where = given.json, given.where
+    if not (isinstance(content, dict) and {"K_a", "R_a", "cal_type"} <= content.keys()):
+        return None
     version = str(content.get("_format_version", ""))
     if not version.startswith("2."):
         raise DataError(
@@ -61,10 +59,10 @@ def parse(content: Mapping[str, Any], where: str) -> Foreign:
         )
     remarks: list[Remark] = []
     models = {kind: _parsed(content, kind, where, remarks) for kind in UNITS}
-    return Foreign(NAME, models, tuple(remarks))
+    return ImportedModels(models, tuple(remarks))
 
 
-def _parsed(content: Mapping[str, Any], kind: Kind, where: str, remarks: list[Remark]) -> SensorModel:
+def _parsed(content: Mapping[str, object], kind: Kind, where: str, remarks: list[Remark]) -> SensorModel:
     letter, (key, _) = LETTER[kind], UNITS[kind]
     to_si = _factor(content, key, INPUT_UNIT[kind], where)
     k = numbers(content, f"K_{letter}", (3, 3), where)
@@ -81,7 +79,7 @@ def _parsed(content: Mapping[str, Any], kind: Kind, where: str, remarks: list[Re
     return model_of(kind, np.copysign(nominal, np.diag(gain)), own, unit, NAME)
 
 
-def _factor(content: Mapping[str, Any], key: str, to: str, where: str) -> float:
+def _factor(content: Mapping[str, object], key: str, to: str, where: str) -> float:
     """Return what turns a unit of the file into SI."""
     try:
         return factor(str(content.get(key)), to)
@@ -94,7 +92,7 @@ def _factor(content: Mapping[str, Any], key: str, to: str, where: str) -> float:
         ) from None
 
 
-def _unit(content: Mapping[str, Any], key: str, remarks: list[Remark]) -> str:
+def _unit(content: Mapping[str, object], key: str, remarks: list[Remark]) -> str:
     """Return the unit of the outputs; counts where the file does not tell."""
     told = content.get(f"from_{key}")
     if told not in UNKNOWN:
@@ -115,7 +113,7 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
     DataError
         As ``triad.triad``.
     """
-    content: dict[str, Any] = dict(UNITS.values())
+    content: dict[str, object] = dict(UNITS.values())
     content |= {f"from_{key}": _output(models.get(kind), unit) for kind, (key, unit) in UNITS.items()}
     content["comment"] = "written by inertialcal"
     for kind in UNITS:
@@ -128,7 +126,7 @@ def _output(model: SensorModel | None, unit: str) -> str:
     return unit if model is None else model.output_unit
 
 
-def _dumped(kind: Kind, model: SensorModel | None) -> dict[str, Any]:
+def _dumped(kind: Kind, model: SensorModel | None) -> dict[str, object]:
     letter, (_, unit) = LETTER[kind], UNITS[kind]
     own = ideal() if model is None else triad(model)
     gain: Array = own.gain if model is None else own.gain * factor(unit, INPUT_UNIT[kind])
@@ -145,3 +143,6 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     """Return what of these models the format leaves out, or fills in."""
     gone = [remark for kind, model in models.items() for remark in lost(model, NAME, HOLDS[kind])]
     return (*gone, *filled(models, NAME))
+
+
+FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

@@ -17,7 +17,6 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -27,23 +26,20 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import factor, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
-from .plain_yaml import dump_yaml, parse_yaml
-from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
+from .model_format import ImportedModels, ModelFormat, ModelText
+from .plain_yaml import Plain, dump_yaml, parse_yaml
+from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
 NAME = "Kalibr"
+KEYS = ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:")  # one of them stands in every file
 LARGEST_SKEW = 1e-6  # off which a matrix is no rotation
 NO_BIAS = "Kalibr's file holds no bias: taken as 0"
 HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s; noise: inertialcal allan FILE --for kalibr\n"
 HOLDS = {"accelerometer": frozenset({"scale_factor"}), "gyro": frozenset({"g_sensitivity", "scale_factor"})}
 
 
-def matches(text: str) -> bool:
-    """Whether a text is this format."""
-    return any(key in text for key in ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:"))
-
-
-def parse(text: str, where: str) -> Foreign:
-    """Return the models of both sensors of the first IMU.
+def read(given: ModelText) -> ImportedModels | None:
+    """Return the models of both sensors of the first IMU; None for a text in another format.
 
     Raises
     ------
@@ -51,7 +47,10 @@ def parse(text: str, where: str) -> Foreign:
         ``not_yaml``; ``no_model`` for a file that holds noise alone; ``missing_key``, ``schema``, ``not_invertible``,
         ``not_a_rotation``.
     """
-    content = parse_yaml(text, where)
+    where = given.where
+    if given.json is not None or not any(key in given.text for key in KEYS):
+        return None
+    content = parse_yaml(given.text, where)
     units = [one for one in content.values() if isinstance(one, Mapping)] if isinstance(content, Mapping) else []
     own = content if isinstance(content, Mapping) and "model" in content else units[0] if units else {}
     if "accelerometers" not in own or "gyroscopes" not in own:
@@ -62,10 +61,10 @@ def parse(text: str, where: str) -> Foreign:
             do="Run Kalibr with --imu-models scale-misalignment",
             code="no_model",
         )
-    return Foreign(NAME, _models(own, where), _remarks(own, len(units)))
+    return ImportedModels(_models(own, where), _remarks(own, len(units)))
 
 
-def _models(own: Mapping[str, Any], where: str) -> dict[Kind, SensorModel]:
+def _models(own: Mapping[str, object], where: str) -> dict[Kind, SensorModel]:
     gyro = own["gyroscopes"]
     to_imu = np.eye(3)
     if own.get("T_i_b") is not None:
@@ -92,9 +91,10 @@ def _rotation(c: Array, what: str, where: str) -> Array:
     return c
 
 
-def _remarks(own: Mapping[str, Any], units: int) -> tuple[Remark, ...]:
+def _remarks(own: Mapping[str, object], units: int) -> tuple[Remark, ...]:
     found = [Remark("no_bias", "warning", f"bias: {NO_BIAS}", do="Take the bias off before, or measure it at rest")]
-    if any(f"r{axis}_i" in own["accelerometers"] for axis in "xyz"):
+    accelerometers = own["accelerometers"]
+    if isinstance(accelerometers, Mapping) and any(f"r{axis}_i" in accelerometers for axis in "xyz"):
         found.append(Remark("left_out", "warning", "places of the accelerometers (size effect) are left out"))
     if own.get("time_offset"):
         found.append(Remark("left_out", "info", f"time_offset {own['time_offset']:g} s is left out"))
@@ -116,7 +116,7 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
     lower_g, to_gyro = _parted(matrix)
     whole = np.eye(4)
     whole[:3, :3] = to_imu
-    own = {
+    own: dict[str, Plain] = {
         "T_i_b": whole.tolist(),
         "accelerometers": {"M": lower_a.tolist()},
         "gyroscopes": {
@@ -170,3 +170,6 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
             do = "Convert them" if alike else f"Divide the outputs by scale_factor: {scale}"
             gone.append(Remark("other_raw_unit", "warning", what, do=do))
     return (*gone, *filled(models, NAME))
+
+
+FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

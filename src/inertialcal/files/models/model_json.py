@@ -9,12 +9,15 @@ from __future__ import annotations
 import hashlib
 import json
 import os
+from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import NoReturn
 
-from ...core.errors import DataError, InertialcalError, StoreError
+from ...core.errors import DataError, InertialcalError
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.serial import SCHEMA_VERSION, from_dict, to_dict
+from ..write.atomic import atomic_write
+from .model_format import ImportedModels, ModelFormat, ModelText, of_one
 
 CHECKSUM = "checksum"
 
@@ -27,14 +30,8 @@ def write_model(path: str | os.PathLike[str], model: SensorModel) -> None:
     StoreError
         If it cannot be written.
     """
-    target = Path(path)
-    aside = target.with_name(f".{target.name}.{os.getpid()}.part")
-    try:
+    with atomic_write(path) as aside:
         aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
-        aside.replace(target)
-    except OSError as error:
-        aside.unlink(missing_ok=True)
-        raise StoreError(f"cannot write the model: {error.strerror}", where=str(target), code="not_written") from None
 
 
 def dump_model(model: SensorModel) -> str:
@@ -85,7 +82,7 @@ def parse_model(text: str, where: str = "") -> SensorModel:
         raise DataError(problem.what, where=where, why=problem.why, do=problem.do, code=problem.code) from None
 
 
-def checksum(content: dict[str, Any]) -> str:
+def checksum(content: Mapping[str, object]) -> str:
     """SHA-256 over the canonical form of a content, as ``sha256:...``."""
     canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
     return "sha256:" + hashlib.sha256(canonical.encode("utf-8", "surrogatepass")).hexdigest()
@@ -93,3 +90,18 @@ def checksum(content: dict[str, Any]) -> str:
 
 def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is no number of a model")
+
+
+def _read(given: ModelText) -> ImportedModels:
+    model = parse_model(given.text, given.where)
+    return ImportedModels({model.kind: model})
+
+
+FORMAT = ModelFormat(
+    title="inertialcal",
+    dump=of_one(dump_model),
+    cannot_hold=lambda models: (),
+    one_sensor=True,
+    verbatim=True,
+    read=_read,
+)

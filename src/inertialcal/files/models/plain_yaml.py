@@ -9,10 +9,10 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ...core.errors import DataError
 
+Plain = str | float | Sequence[Sequence[float]] | Mapping[str, "Plain"]  # what is written
 DEEPEST = 12
 _KEY = re.compile(r"""(?P<key>[A-Za-z0-9_./-]+|"[^"\\]*"|'[^']*')\s*:(?:\s+(?P<rest>.*))?$""")
 _WORDS = {"null": None, "~": None, "true": True, "false": False, "": None}
@@ -28,7 +28,7 @@ class Line:
     number: int
 
 
-def parse_yaml(text: str, where: str = "") -> Any:
+def parse_yaml(text: str, where: str = "") -> object:
     """Return the content of a file: dicts, lists, numbers, words, None.
 
     Raises
@@ -85,7 +85,7 @@ def _without_comment(line: str) -> str:
     return line
 
 
-def _block(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[Any, int]:
+def _block(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[object, int]:
     """Return the value of the lines from ``at`` on that stand at an indent, and the line after them."""
     if depth > DEEPEST:
         raise _error("too deep", lines[at].number, where)
@@ -100,7 +100,7 @@ def _is_item(text: str) -> bool:
     return text == "-" or text.startswith("- ")
 
 
-def _items(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[list[Any], int]:
+def _items(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[list[object], int]:
     found = []
     while at < len(lines) and lines[at].indent == indent and _is_item(lines[at].text):
         line = lines[at]
@@ -115,8 +115,8 @@ def _items(lines: list[Line], at: int, indent: int, where: str, depth: int) -> t
     return found, at
 
 
-def _map(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[dict[str, Any], int]:
-    found: dict[str, Any] = {}
+def _map(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[dict[str, object], int]:
+    found: dict[str, object] = {}
     while at < len(lines) and lines[at].indent == indent and not _is_item(lines[at].text):
         line = lines[at]
         match = _KEY.match(line.text)
@@ -132,7 +132,7 @@ def _map(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tup
     return found, at
 
 
-def _below(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[Any, int]:
+def _below(lines: list[Line], at: int, indent: int, where: str, depth: int) -> tuple[object, int]:
     """Return the value that stands below a key or a dash; a list may stand at the indent of its key."""
     after = at + 1
     if after < len(lines) and lines[after].indent > indent:
@@ -143,7 +143,7 @@ def _below(lines: list[Line], at: int, indent: int, where: str, depth: int) -> t
     return None, after
 
 
-def _scalar(text: str, number: int, where: str) -> Any:
+def _scalar(text: str, number: int, where: str) -> object:
     if text.startswith("["):
         value, end = _brackets(text, 0, number, where, 0)
         if text[end:].strip():
@@ -152,11 +152,12 @@ def _scalar(text: str, number: int, where: str) -> Any:
     return _word(text, number, where)
 
 
-def _brackets(text: str, at: int, number: int, where: str, depth: int) -> tuple[list[Any], int]:
+def _brackets(text: str, at: int, number: int, where: str, depth: int) -> tuple[list[object], int]:
     """Return the list that starts with the bracket at ``at``, and where it ends."""
     if depth > DEEPEST:
         raise _error("too deep", number, where)
-    found: list[Any] = []
+    found: list[object] = []
+    value: object
     at += 1
     while True:
         at += len(text[at:]) - len(text[at:].lstrip())
@@ -176,7 +177,7 @@ def _brackets(text: str, at: int, number: int, where: str, depth: int) -> tuple[
             raise _error("a list without comma or end", number, where)
 
 
-def _word(text: str, number: int, where: str) -> Any:
+def _word(text: str, number: int, where: str) -> object:
     if len(text) > 1 and text[0] in "\"'" and text[-1] == text[0]:
         return text[1:-1]
     if text.lower() in _WORDS:
@@ -191,7 +192,7 @@ def _word(text: str, number: int, where: str) -> Any:
     return text
 
 
-def dump_yaml(content: Mapping[str, Any], indent: int = 0) -> str:
+def dump_yaml(content: Mapping[str, Plain], indent: int = 0) -> str:
     """Return maps, matrices and numbers as YAML; numbers keep all digits."""
     pad, lines = " " * indent, []
     for key, value in content.items():

@@ -16,7 +16,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
 
 import numpy as np
 
@@ -25,35 +24,34 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
-from .triad import Foreign, Triad, filled, ideal, invertible, lost, model_of, numbers, triad
+from .model_format import ImportedModels, ModelFormat, ModelText
+from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
 NAME = "RealSense"
 KEYS: dict[Kind, str] = {"accelerometer": "accelerometer", "gyro": "gyroscope"}
 HOLDS = frozenset({"bias"})
 
 
-def matches(content: object) -> bool:
-    """Whether a JSON content is this format."""
-    return isinstance(content, dict) and isinstance(content.get("imus"), list)
-
-
-def parse(content: Mapping[str, Any], where: str) -> Foreign:
-    """Return the models of both sensors of the first unit.
+def read(given: ModelText) -> ImportedModels | None:
+    """Return the models of both sensors of the first unit; None for a text in another format.
 
     Raises
     ------
     DataError
         ``missing_key``, ``schema``, ``not_invertible``.
     """
+    content, where = given.json, given.where
+    if not (isinstance(content, dict) and isinstance(content.get("imus"), list)):
+        return None
     units = content["imus"]
     if not units or not isinstance(units[0], Mapping):
         raise DataError("imus is empty", where=where, code="missing_key")
     remarks = [Remark("left_out", "warning", f"imus holds {len(units)} units: the first is read")] if units[1:] else []
     models = {kind: _parsed(units[0], kind, where) for kind in KEYS}
-    return Foreign(NAME, models, tuple(remarks))
+    return ImportedModels(models, tuple(remarks))
 
 
-def _parsed(unit: Mapping[str, Any], kind: Kind, where: str) -> SensorModel:
+def _parsed(unit: Mapping[str, object], kind: Kind, where: str) -> SensorModel:
     key = KEYS[kind]
     own, place = unit.get(key), f"{where}: imus[0].{key}"
     flat = numbers(own, "scale_and_alignment", (9,), place)
@@ -87,3 +85,6 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
             what = f"{kind}: {NAME} takes raw values in {INPUT_UNIT[kind]}; these are for {model.output_unit}"
             gone.append(Remark("other_raw_unit", "warning", what, do="Feed it what this model is fed"))
     return (*gone, *filled(models, NAME))
+
+
+FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

@@ -10,17 +10,15 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 
-from ...core.axes import Kind
+from ...core.axes import AXES, Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
 
-XYZ = ("x", "y", "z")
 KINDS: tuple[Kind, ...] = ("accelerometer", "gyro")
 
 # Terms of our equation that a format may lack, in words.
@@ -59,25 +57,6 @@ class Triad:
     force: Array
 
 
-@dataclass(frozen=True, eq=False)
-class Foreign:
-    """Models read from a format of others.
-
-    Parameters
-    ----------
-    format : str
-        Its name here.
-    models : mapping
-        Kind of sensor -> model.
-    remarks : tuple of Remark
-        What the file holds and a model does not.
-    """
-
-    format: str
-    models: Mapping[Kind, SensorModel]
-    remarks: tuple[Remark, ...] = ()
-
-
 def triad(model: SensorModel) -> Triad:
     """Return the linear part of a model at its reference conditions.
 
@@ -86,7 +65,7 @@ def triad(model: SensorModel) -> Triad:
     DataError
         ``not_three_axes``.
     """
-    if model.axes != XYZ:
+    if model.axes != AXES:
         raise DataError(
             f"the model has the axes {', '.join(model.axes)}",
             why="the formats of others hold the three axes x, y, z",
@@ -119,7 +98,7 @@ def model_of(kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, 
     force = own.force / scale[:, np.newaxis]
     model = SensorModel(
         kind=kind,
-        axes=XYZ,
+        axes=AXES,
         scale_factor=scale,
         output_unit=output_unit,
         matrix=own.gain / scale[:, np.newaxis],
@@ -176,7 +155,7 @@ def ideal() -> Triad:
     return Triad(np.eye(3), np.zeros(3), np.zeros((3, 3)))
 
 
-def numbers(content: Any, key: str, shape: tuple[int, ...], where: str) -> Array:
+def numbers(content: object, key: str, shape: tuple[int, ...], where: str) -> Array:
     """Return an array of a file.
 
     Raises

@@ -11,7 +11,7 @@ from ...core.errors import DataError, StoreError
 
 
 @contextmanager
-def replacing(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]] = ()) -> Iterator[Path]:
+def atomic_write(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLike[str]] = ()) -> Iterator[Path]:
     """Yield a path to write to; what was written takes the place of ``path`` when all went well.
 
     Parameters

@@ -16,7 +16,7 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
-from .atomic import replacing
+from .atomic import atomic_write
 from .csv import write_csv
 from .npz import write_npz
 from .parquet import write_parquet
@@ -54,7 +54,7 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
     writer = writer_for(path)
     _check_numbers(recording)
     inputs = [recording.source.path] if recording.source.path else []
-    with replacing(path, inputs) as aside:
+    with atomic_write(path, inputs) as aside:
         remarks = writer(aside, recording)
     return (*remarks, *_not_kept(recording))
 

@@ -22,7 +22,7 @@ from ...files.source import load
 from ...files.text.encoding import decode
 from ...files.text.headers import bare_name
 from ...files.text.table import Table, read_table
-from ...files.write.atomic import replacing
+from ...files.write.atomic import atomic_write
 from .schedule import Schedule
 
 UNITS = {"start": "s", "stop": "s", "position": "m", "applied": "m/s^2"}
@@ -59,7 +59,7 @@ def write_schedule(
     """
     if Path(path).is_dir():
         raise StoreError("cannot be written: it is a folder", where=str(path), do="Name a file", code="not_written")
-    with replacing(path, inputs) as aside:
+    with atomic_write(path, inputs) as aside:
         aside.write_text(_text(schedule, told or {}), encoding="utf-8")
 
 

@@ -1,0 +1,76 @@
+"""Registry of model formats: a format is one module and one line; the manual and the command name them all."""
+
+from __future__ import annotations
+
+import ast
+import sys
+from pathlib import Path
+from types import ModuleType
+
+import numpy as np
+import pytest
+
+from inertialcal.core.errors import UsageError
+from inertialcal.core.remarks import Remark
+from inertialcal.files.models import formats
+from inertialcal.files.models.export import export
+from inertialcal.files.models.formats import MODULES, model_format
+from inertialcal.files.models.model_file import load_model_file
+from inertialcal.files.models.model_format import ImportedModels, ModelFormat, ModelText
+from inertialcal.files.models.model_json import write_model
+from inertialcal.sensors.model.sensor_model import SensorModel
+
+DOCS = Path(__file__).parents[2] / "docs"
+FOLDER = Path(formats.__file__).parent
+
+
+def gyro() -> SensorModel:
+    return SensorModel("gyro", ("x", "y", "z"), np.ones(3), "rad/s", np.eye(3), np.array([0.5, 0.0, 0.0]))
+
+
+def toy() -> ModelFormat:
+    """A format that holds the bias of x, after the word toy."""
+
+    def read(given: ModelText) -> ImportedModels | None:
+        if not given.text.startswith("toy "):
+            return None
+        bias = np.array([float(given.text.split()[1]), 0.0, 0.0])
+        model = SensorModel("gyro", ("x", "y", "z"), np.ones(3), "rad/s", np.eye(3), bias)
+        return ImportedModels({"gyro": model}, (Remark("toy", "info", "all but the bias of x is taken as ideal"),))
+
+    return ModelFormat(
+        title="Toy",
+        dump=lambda models: f"toy {models['gyro'].bias[0]!r}\n".replace("np.float64(", "").replace(")", ""),
+        cannot_hold=lambda models: (Remark("not_held", "warning", "Toy cannot hold: nearly all"),),
+        read=read,
+    )
+
+
+def test_a_format_is_a_module_and_a_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    module = ModuleType("inertialcal.files.models.toy")
+    module.FORMAT = toy()  # type: ignore[attr-defined]
+    monkeypatch.setitem(sys.modules, module.__name__, module)
+    monkeypatch.setitem(MODULES, "toy", "toy")
+    write_model(tmp_path / "model.json", gyro())
+    done = export(load_model_file(tmp_path / "model.json"), "toy", tmp_path / "m.toy", unjudged=True)
+    assert [one.code for one in done.remarks] == ["not_held"]
+    assert (tmp_path / "m.toy").read_text() == "toy 0.5\n"
+    again = load_model_file(tmp_path / "m.toy")
+    assert again.format == "Toy"
+    assert [one.code for one in again.remarks] == ["toy"]
+    np.testing.assert_array_equal(again.model.bias, gyro().bias)
+    with pytest.raises(UsageError, match="python, toy"):
+        export(again, "other", tmp_path / "out", unjudged=True)
+
+
+@pytest.mark.parametrize("name", MODULES)
+def test_every_format_is_whole_and_documented(name: str) -> None:
+    assert isinstance(model_format(name), ModelFormat)
+    assert f"`{name}`" in (DOCS / "commands" / "export.md").read_text()
+
+
+def test_formats_import_nothing_of_each_other() -> None:
+    for module in MODULES.values():
+        tree = ast.parse((FOLDER / f"{module}.py").read_text())
+        named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1}
+        assert not named & set(MODULES.values()), module
