@@ -6,7 +6,6 @@ import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,6 +19,7 @@ from inertialcal.campaign.twin import simulate
 from inertialcal.core.curve import Column, Curve
 from inertialcal.procedures.rate_table.traces import BINS
 from inertialcal.rigs import RIGS
+from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
 from inertialcal.statistics.intervals import coverage_factor
@@ -32,7 +32,7 @@ MEGABYTE = 1_000_000
 def twin(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder of a simulated campaign on recordings, run."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(RIGS, "small", SimpleNamespace(twin=lambda seed, fault="": rate_table.build(SMALL, seed)))
+        patch.setitem(RIGS, "small", Rig("small", "", lambda seed, changes: rate_table.build(SMALL, seed)))
         folder = simulate("small", tmp_path_factory.mktemp("twin") / "campaign", 3).folder
     run(folder)
     return folder

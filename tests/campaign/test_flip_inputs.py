@@ -6,7 +6,6 @@ import shutil
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import pytest
@@ -20,7 +19,7 @@ from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Rig, on_bench
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 
 STAMPS = 1e-8  # UNIX seconds with a fraction are good to 0.1 us in a file
@@ -28,16 +27,14 @@ SMALL = replace(Bench(), rate=5.0)
 Edit = Callable[..., Path]
 
 
-def small_twin(seed: int, fault: str = "") -> Twin:
-    bench = replace(SMALL, **FAULTS[fault].change) if fault else SMALL
-    return replace(build(bench, seed), fault=fault)
+SMALL_FLIP = Rig("small_flip", "", on_bench(build, SMALL), FAULTS)
 
 
 @pytest.fixture(scope="module")
 def rig() -> Iterator[str]:
     """Name of the rig with records of 5 samples a second."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(RIGS, "small_flip", SimpleNamespace(twin=small_twin))
+        patch.setitem(RIGS, "small_flip", SMALL_FLIP)
         yield "small_flip"
 
 
@@ -94,7 +91,7 @@ def test_a_simulated_flip_finds_its_truth(simulated: Path) -> None:
 
 
 def test_in_memory_and_from_files_the_figures_are_the_same(simulated: Path) -> None:
-    (result,) = fit_results(small_twin(4))
+    (result,) = fit_results(SMALL_FLIP.twin(4))
     rows = {(row["quantity"], row["axis"]): row for row in run(simulated, write=False).results["results"]
             if row["condition"] == ""}  # fmt: skip
     assert result.estimate is not None
@@ -109,7 +106,7 @@ def test_in_memory_and_from_files_the_figures_are_the_same(simulated: Path) -> N
 
 
 def test_coverage_is_counted_for_every_quantity_that_is_estimated() -> None:
-    found = {(one.quantity, one.axis): one for one in coverage(small_twin, 3)}
+    found = {(one.quantity, one.axis): one for one in coverage(SMALL_FLIP.twin, 3)}
     assert set(found) == {
         ("ambient_acceleration", "y"), ("ambient_acceleration", "z"), ("bias", "y"), ("bias", "z"),
         ("reading", "x"), ("control_error", "x"),
@@ -292,7 +289,7 @@ def test_a_window_shorter_than_the_settling_is_refused(rig: str, tmp_path: Path)
 def test_without_a_mistake_no_mistake_is_named() -> None:
     named = {one.shows for one in FAULTS.values()} | {"control_axis_not_zero"}
     for seed in range(1, 6):
-        (result,) = fit_results(small_twin(seed))
+        (result,) = fit_results(SMALL_FLIP.twin(seed))
         assert not named & {one.code for one in result.remarks}
 
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -23,7 +22,7 @@ from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.files.models.model_json import dump_model
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Changes, Rig, Twin
 from inertialcal.rigs.sams_tsh.rig import Bench, build
 from inertialcal.sensors.model.sensor_model import SensorModel
 
@@ -51,14 +50,14 @@ SENSOR: dict[str, Any] = {
 }
 
 
-def one_twin(seed: int, fault: str = "") -> Twin:
+def one_twin(seed: int, changes: Changes) -> Twin:
     return build(BENCH, seed)
 
 
 @pytest.fixture(scope="module")
 def simulated(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(RIGS, "head_with_model", SimpleNamespace(twin=one_twin))
+        patch.setitem(RIGS, "head_with_model", Rig("head_with_model", "", one_twin))
         yield simulate("head_with_model", tmp_path_factory.mktemp("ground") / "flip", 4).folder
 
 

@@ -6,7 +6,6 @@ import json
 import re
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -22,7 +21,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.faults import FAULTS
 from inertialcal.rigs.npsat1.setup import Bench
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.sensors.model.compensate import compensate
 from npsat1_small import short_twin
 
@@ -36,7 +35,7 @@ REFUSED = ("no_temperature_change", "missing_reference", "swapped_axes", "invert
 def written(twin: Twin, folder: Path) -> Path:
     """Write a twin as ``simulate`` does."""
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(RIGS, "short", SimpleNamespace(twin=lambda seed, fault="": twin))
+        patch.setitem(RIGS, "short", Rig("short", "", lambda seed, changes: twin))
         return simulate("short", folder, twin.seed).folder
 
 
@@ -223,7 +222,7 @@ def test_coverage_of_a_few_twins() -> None:
 
 @pytest.mark.slow
 def test_coverage_of_the_suite() -> None:
-    found = coverage(npsat1.twin, 300)
+    found = coverage(npsat1.RIG.twin, 300)
     assert missed(found) == []
     assert all(one.n == 300 for one in found if one.quantity in COVERED)
 

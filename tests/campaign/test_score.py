@@ -7,7 +7,6 @@ import shutil
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -19,7 +18,7 @@ from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench, draw_gyro
 
@@ -39,7 +38,7 @@ WALK = 3e-6  # [rad/s/sqrt(s)]; 1e-4 rad/s in 20 min, as much as the run-to-run 
 def scored(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """A simulated campaign that was run."""
     with pytest.MonkeyPatch.context() as patch:
-        rig = SimpleNamespace(twin=lambda seed, fault="": rate_table.build(BENCH, seed))
+        rig = Rig("small", "", lambda seed, changes: rate_table.build(BENCH, seed))
         patch.setitem(RIGS, "small", rig)
         folder = simulate("small", tmp_path_factory.mktemp("score") / "campaign", 2).folder
         run(folder)
@@ -117,7 +116,7 @@ def test_wrong_truth_is_seen() -> None:
 
 
 def test_a_quantity_that_is_not_estimated_is_missing() -> None:
-    found = coverage(lambda seed: rate_table.twin(seed, "only_positive"), 2)
+    found = coverage(lambda seed: rate_table.RIG.twin(seed, "only_positive"), 2)
     assert not [one for one in found if one.quantity == "scale_factor_asymmetry"]
 
 

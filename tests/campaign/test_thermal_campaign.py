@@ -7,7 +7,6 @@ import tomllib
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -24,7 +23,7 @@ from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.setup import AIR, VACUUM, Bench, Chamber
-from inertialcal.rigs.protocol import SEED, Twin
+from inertialcal.rigs.protocol import SEED, Rig, Twin
 
 SHORT = {
     AIR: Chamber(900.0, 300.0, 200.0, (760.0, 760.0)),
@@ -45,7 +44,7 @@ def file_of(twin: Twin) -> CampaignFile:
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(RIGS, "small", SimpleNamespace(twin=lambda seed, fault="": small(seed)))
+        patch.setitem(RIGS, "small", Rig("small", "", lambda seed, changes: small(seed)))
         yield simulate("small", tmp_path_factory.mktemp("thermal") / "campaign", 3).folder
 
 

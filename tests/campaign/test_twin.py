@@ -6,7 +6,6 @@ import json
 import shutil
 from collections.abc import Iterator
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,6 +18,7 @@ from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.units import convert
 from inertialcal.files import read
 from inertialcal.rigs import RIGS
+from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
 
@@ -29,7 +29,7 @@ SMALL = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, 
 def small() -> Iterator[str]:
     """Name of a rig with short recordings."""
     with pytest.MonkeyPatch.context() as patch:
-        rig = SimpleNamespace(twin=lambda seed, fault="": rate_table.build(SMALL, seed))
+        rig = Rig("small", "", lambda seed, changes: rate_table.build(SMALL, seed))
         patch.setitem(RIGS, "small", rig)
         yield "small"
 

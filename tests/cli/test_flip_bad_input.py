@@ -6,7 +6,6 @@ import shutil
 from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,7 +13,7 @@ import pytest
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Rig, on_bench
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 from pad_flips import records
@@ -45,14 +44,12 @@ def call(capsys: pytest.CaptureFixture[str], *words: object) -> tuple[int, str]:
     return int(str(left.value.code or 0)), " ".join((out + err).split())
 
 
-def small_twin(seed: int, fault: str = "") -> Twin:
-    bench = replace(SMALL, **FAULTS[fault].change) if fault else SMALL
-    return replace(build(bench, seed), fault=fault)
+SMALL_FLIP = Rig("small_flip", "", on_bench(build, SMALL), FAULTS)
 
 
 @pytest.fixture
 def rig(monkeypatch: pytest.MonkeyPatch) -> str:
-    monkeypatch.setitem(RIGS, "small_flip", SimpleNamespace(twin=small_twin))
+    monkeypatch.setitem(RIGS, "small_flip", SMALL_FLIP)
     return "small_flip"
 
 

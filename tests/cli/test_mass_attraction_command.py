@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 import shutil
 from pathlib import Path
-from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -20,20 +19,20 @@ from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.rig import Bench, Run
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Changes, Rig, Twin
 
 RUNS = (*(Run(f"run{i}") for i in range(1, 4)), Run("null1", moved=False))
 OPTIONS = ("--gate", "100 s", "--column", "pulses", "--unit", "pulses=count")
 
 
-def small(seed: int, fault: str = "") -> Twin:
+def small(seed: int, changes: Changes) -> Twin:
     return mesa.build(Bench(runs=RUNS, lost=0.0), seed)
 
 
 @pytest.fixture(scope="module")
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     with pytest.MonkeyPatch.context() as patch:
-        patch.setitem(RIGS, "small_mesa", SimpleNamespace(twin=small))
+        patch.setitem(RIGS, "small_mesa", Rig("small_mesa", "", small))
         return simulate("small_mesa", tmp_path_factory.mktemp("moved") / "mesa", 2).folder
 
 

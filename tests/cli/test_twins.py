@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 from typing import get_type_hints
 
 import pytest
@@ -12,7 +11,7 @@ from typed_commands import call, call_json
 
 from inertialcal.cli.verbs.twins import simulate
 from inertialcal.rigs import RIGS
-from inertialcal.rigs.protocol import Twin
+from inertialcal.rigs.protocol import Changes, Rig, Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
 
@@ -23,12 +22,12 @@ SHORT = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, 
 def small(monkeypatch: pytest.MonkeyPatch) -> None:
     """A rig with short recordings, and one whose truth is not the truth."""
 
-    def lying(seed: int, fault: str = "") -> Twin:
+    def lying(seed: int, changes: Changes) -> Twin:
         twin = rate_table.build(SHORT, seed)
         return replace(twin, truth=tuple(replace(one, value=1.0) for one in twin.truth))
 
-    monkeypatch.setitem(RIGS, "small", SimpleNamespace(twin=lambda seed, fault="": rate_table.build(SHORT, seed)))
-    monkeypatch.setitem(RIGS, "liar", SimpleNamespace(twin=lying))
+    monkeypatch.setitem(RIGS, "small", Rig("small", "", lambda seed, changes: rate_table.build(SHORT, seed)))
+    monkeypatch.setitem(RIGS, "liar", Rig("liar", "", lying))
 
 
 def test_simulate_run_score(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
@@ -56,7 +55,7 @@ def test_help_and_manual_name_every_rig_and_its_mistakes() -> None:
     said = get_type_hints(simulate, include_extras=True)["rig"].__metadata__[0].help
     assert sorted(said.removeprefix("Of a rig: ").removesuffix(".").split(", ")) == sorted(own)
     page = (Path(__file__).parents[2] / "docs" / "commands" / "simulate.md").read_text(encoding="utf-8")
-    named = [*own, *(fault for rig in own.values() for fault in rig.FAULTS)]
+    named = [*own, *(fault for rig in own.values() for fault in rig.faults)]
     assert not [name for name in named if f"`{name}`" not in page]
 
 

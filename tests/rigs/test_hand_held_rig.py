@@ -13,7 +13,7 @@ import pytest
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.rigs.hand_held.motion import carried, turn_between
-from inertialcal.rigs.hand_held.rig import CHANNELS, FAULTS, Bench, Held, Unit, build, draw_unit, held, twin
+from inertialcal.rigs.hand_held.rig import CHANNELS, FAULTS, RIG, Bench, Held, Unit, build, draw_unit, held
 
 QUIET = replace(
     Bench(), acc_noise=0.0, gyro_noise=0.0, acc_between=0.0, gyro_between=0.0, lift=0.0, latitude=0.0, positions=8
@@ -108,7 +108,7 @@ def test_ferraris_turns_have_the_angle_and_the_axis_that_are_told() -> None:
 
 
 def test_truth_has_every_parameter_that_the_test_can_tell() -> None:
-    values = twin(1).truth
+    values = RIG.twin(1).truth
     kinds = [value.test for value in values]
     assert (kinds.count("accelerometer"), kinds.count("gyro")) == (9, 12 + 9)
     assert len({(v.quantity, v.axis, v.test) for v in values}) == len(values)
@@ -152,4 +152,4 @@ def test_mistakes_do_what_they_say() -> None:
     both = list(build(replace(Bench(), positions=3, copies=2), 1).recordings.values())
     assert both[0].array(CHANNELS).tobytes() == both[1].array(CHANNELS).tobytes()
     with pytest.raises(UsageError, match="no fault 'dropped'"):
-        twin(1, "dropped")
+        RIG.twin(1, "dropped")

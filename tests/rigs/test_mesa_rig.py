@@ -40,17 +40,17 @@ def found(twin: Twin) -> list[str]:
 
 @pytest.mark.parametrize("fault", mesa.FAULTS)
 def test_every_mistake_is_named(fault: str) -> None:
-    assert any(mesa.FAULTS[fault].shows in word for word in found(mesa.twin(3, fault)))
+    assert any(mesa.FAULTS[fault].shows in word for word in found(mesa.RIG.twin(3, fault)))
 
 
 def test_without_a_mistake_nothing_is_wrong() -> None:
-    words = found(mesa.twin(3))
+    words = found(mesa.RIG.twin(3))
     assert not [name for name, f in mesa.FAULTS.items() if any(f.shows in word for word in words)]
 
 
 def test_a_mistake_that_is_not_known_is_refused() -> None:
     with pytest.raises(UsageError, match=r"no fault 'rain'.*There are: slipped"):
-        mesa.twin(1, "rain")
+        mesa.RIG.twin(1, "rain")
 
 
 def test_pulses_are_whole_and_follow_the_mass_by_the_true_scale_factor() -> None:
@@ -94,14 +94,14 @@ def test_work_hours_are_noisier_and_the_mercury_moves_with_the_mass_alone() -> N
 
 
 def test_the_same_seed_gives_the_same_record() -> None:
-    one, other = (mesa.twin(5).recordings["recordings/run2.csv"].channel("pulses").data for _ in range(2))
+    one, other = (mesa.RIG.twin(5).recordings["recordings/run2.csv"].channel("pulses").data for _ in range(2))
     assert np.array_equal(one, other)
-    assert not np.array_equal(one, mesa.twin(6).recordings["recordings/run2.csv"].channel("pulses").data)
+    assert not np.array_equal(one, mesa.RIG.twin(6).recordings["recordings/run2.csv"].channel("pulses").data)
 
 
 def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
     folder = simulate("mesa", tmp_path / "mesa", 4).folder
-    (result,) = fit_results(mesa.twin(4))
+    (result,) = fit_results(mesa.RIG.twin(4))
     assert isinstance(result, Result)
     (own,) = [row for row in result.rows() if (row.quantity, row.condition) == ("scale_factor", "")]
     (shown,) = [
@@ -114,7 +114,7 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
 
 
 def test_the_interval_holds_the_truth_in_a_few_campaigns() -> None:
-    (scale,) = coverage(mesa.twin, 20)
+    (scale,) = coverage(mesa.RIG.twin, 20)
     assert covers(scale.hits, scale.n)
     assert scale.missing == 0
 
@@ -123,7 +123,7 @@ def test_the_interval_holds_the_truth_in_a_few_campaigns() -> None:
 def test_the_interval_holds_the_truth_without_bias_and_null_runs_are_zero() -> None:
     n, held, alarms, errors = 1000, 0, 0, []
     for seed in range(1, n + 1):
-        twin = mesa.twin(seed)
+        twin = mesa.RIG.twin(seed)
         (result,) = fit_results(twin)
         assert isinstance(result, Result)
         assert result.estimate is not None

@@ -549,7 +549,7 @@ def test_the_record_at_rest_has_the_noise_of_the_truth() -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes_whatever_other_parts_there_are() -> None:
-    whole, same, other = npsat1.twin(4), npsat1.twin(4), npsat1.twin(5)
+    whole, same, other = npsat1.RIG.twin(4), npsat1.RIG.twin(4), npsat1.RIG.twin(5)
     table = npsat1.build(replace(Bench(), parts=("rate_table",)), 4)
     for name, recording in whole.recordings.items():
         content = recording.array().tobytes()
@@ -564,7 +564,7 @@ def test_the_same_seed_gives_the_same_bytes_whatever_other_parts_there_are() -> 
 
 
 def test_the_campaign_names_every_recording_and_not_a_word_of_the_truth() -> None:
-    twin = npsat1.twin(1)
+    twin = npsat1.RIG.twin(1)
     text = tomllib.loads(twin.campaign)
     assert {entry["file"] for entry in text["recordings"].values()} == set(twin.recordings)
     tests = {test["id"]: test for test in text["tests"]}
@@ -590,7 +590,7 @@ def test_the_unit_goes_through_the_qualification_range_both_ways() -> None:
 
 def test_a_mistake_that_is_not_known_is_refused() -> None:
     with pytest.raises(UsageError, match=r"no fault 'gremlin'.*There are: no_temperature_change"):
-        npsat1.twin(1, "gremlin")
+        npsat1.RIG.twin(1, "gremlin")
 
 
 # Mistakes
@@ -602,7 +602,7 @@ def small(fault: str = "", *parts: str) -> Twin:
 
 
 def test_a_mistake_that_is_asked_for_is_in_the_twin() -> None:
-    wrong = npsat1.twin(7, "missing_reference")
+    wrong = npsat1.RIG.twin(7, "missing_reference")
     assert (wrong.fault, wrong.rig) == ("missing_reference", "npsat1")
     assert not any(
         name.endswith("_ref") and "temp" not in name for name in wrong.recordings["recordings/x_run1.csv"].names

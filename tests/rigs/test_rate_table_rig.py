@@ -22,8 +22,9 @@ from inertialcal.procedures.rate_table.reduction import Plan
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up
 from inertialcal.rigs.parts.noise import random_walk
+from inertialcal.rigs.parts.standards import drawn_error
 from inertialcal.rigs.parts.stepped_table import Motion, motion
-from inertialcal.rigs.protocol import Twin, drawn_error
+from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.faults import FAULTS
 from inertialcal.rigs.rate_table.setup import CODES, REFERENCE, Bench, chain, draw_gyro
@@ -235,7 +236,7 @@ def test_each_run_has_a_bias_and_scale_factors_of_its_own() -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others() -> None:
-    one, same, other = (rate_table.twin(seed) for seed in (4, 4, 5))
+    one, same, other = (rate_table.RIG.twin(seed) for seed in (4, 4, 5))
     for file, recording in one.recordings.items():
         assert recording.array().tobytes() == same.recordings[file].array().tobytes()
         assert recording.array()[:50].tobytes() != other.recordings[file].array()[:50].tobytes()
@@ -245,7 +246,7 @@ def test_the_same_seed_gives_the_same_bytes_and_another_seed_others() -> None:
 
 
 def test_the_campaign_file_is_valid_and_names_every_recording() -> None:
-    twin = rate_table.twin(1)
+    twin = rate_table.RIG.twin(1)
     file = CampaignFile.model_validate(tomllib.loads(twin.campaign.replace("@SEED@", "1")))
     assert {entry.file for entry in file.recordings.values()} == set(twin.recordings)
     fit, held = (next(test for test in file.tests if test.use == use) for use in ("fit", "hold_out"))
@@ -259,7 +260,7 @@ def test_the_campaign_file_is_valid_and_names_every_recording() -> None:
 
 
 def test_some_saves_are_skipped_and_the_stamps_tell() -> None:
-    stamps = [recording.time_ns for recording in rate_table.twin(2).recordings.values()]
+    stamps = [recording.time_ns for recording in rate_table.RIG.twin(2).recordings.values()]
     gaps = np.concatenate([np.diff(one) for one in stamps if one is not None]) / 1e9
     assert set(np.unique(gaps)) <= {2.0, 4.0, 6.0, 8.0}
     assert 0.002 < np.mean(gaps > 2.0) < 0.03
@@ -278,28 +279,28 @@ def named(twin: Twin) -> set[str]:
 @pytest.mark.parametrize("fault", FAULTS)
 def test_each_mistake_is_named(fault: str) -> None:
     shows = FAULTS[fault].shows
-    twin = rate_table.twin(7, fault)
-    assert twin.truth == rate_table.twin(7).truth
+    twin = rate_table.RIG.twin(7, fault)
+    assert twin.truth == rate_table.RIG.twin(7).truth
     assert any(shows in word for word in named(twin))
 
 
 def test_without_a_mistake_nothing_is_wrong() -> None:
-    result = fit_results(rate_table.twin(7))[0]
-    found = named(rate_table.twin(7))
+    result = fit_results(rate_table.RIG.twin(7))[0]
+    found = named(rate_table.RIG.twin(7))
     assert not [fault.shows for fault in FAULTS.values() if any(fault.shows in word for word in found)]
     assert all(row.status == "estimated" for row in result.rows() if row.quantity in {"bias", "misalignment"})
 
 
 def test_a_mistake_that_is_not_known_is_refused() -> None:
     with pytest.raises(UsageError, match=r"no fault 'gremlin'.*There are: swapped_axis"):
-        rate_table.twin(1, "gremlin")
+        rate_table.RIG.twin(1, "gremlin")
 
 
 @pytest.mark.parametrize("name", RIGS)
 def test_every_rig_has_what_the_campaign_needs(name: str) -> None:
     rig = RIGS[name]
-    assert rig.TITLE
-    assert all(fault.what and fault.shows for fault in rig.FAULTS.values())
+    assert rig.title
+    assert all(fault.what and fault.shows for fault in rig.faults.values())
     twin = rig.twin(1)
     assert twin.rig == name
     assert twin.campaign.count("@SEAL@") == 1

@@ -93,7 +93,7 @@ def test_the_rig_by_its_name_has_the_model_and_the_mistakes_of_the_head_without(
     made = RIGS["sams_tsh_model"].twin(1)
     assert (made.rig, made.fault) == ("sams_tsh_model", "")
     assert made.campaign == build(replace(Bench(), ground="jointly"), 1).campaign
-    assert "wrong_sign" in RIGS["sams_tsh_model"].FAULTS
+    assert "wrong_sign" in RIGS["sams_tsh_model"].faults
     with pytest.raises(UsageError, match="no fault 'rain'"):
         RIGS["sams_tsh_model"].twin(1, "rain")
 

@@ -145,7 +145,7 @@ def test_the_counts_lead_back_to_the_truth() -> None:
 
 
 def test_temperatures_lead_back_too() -> None:
-    twin = sams_tsh.twin(3)
+    twin = sams_tsh.RIG.twin(3)
     _, _, warm = readings(twin)
     start = np.array(twin.drawn["temperature_start"])
     assert warm[:100].mean(axis=0) == pytest.approx(start, abs=2e-3)
@@ -222,7 +222,7 @@ def test_the_turn_leaves_a_spike() -> None:
 
 
 def test_the_campaign_file_is_valid_and_says_nothing_of_the_truth() -> None:
-    twin = sams_tsh.twin(1)
+    twin = sams_tsh.RIG.twin(1)
     file = file_of(twin)
     assert {entry.file for entry in file.recordings.values()} == set(twin.recordings)
     assert file.tests[0].procedure == "flip"
@@ -236,22 +236,22 @@ def test_the_campaign_file_is_valid_and_says_nothing_of_the_truth() -> None:
 
 
 def test_the_same_seed_gives_the_same_bytes_and_another_seed_others() -> None:
-    one, same, other = (sams_tsh.twin(seed) for seed in (4, 4, 5))
+    one, same, other = (sams_tsh.RIG.twin(seed) for seed in (4, 4, 5))
     assert one.recordings[FILE].array().tobytes() == same.recordings[FILE].array().tobytes()
     assert one.recordings[FILE].array().tobytes() != other.recordings[FILE].array().tobytes()
     assert one.truth == same.truth
     assert one.truth != other.truth
-    assert RIGS["sams_tsh"] is sams_tsh
+    assert RIGS["sams_tsh"] is sams_tsh.RIG
 
 
 def test_a_mistake_that_is_not_known_is_refused() -> None:
     with pytest.raises(UsageError, match=r"no fault 'gremlin'.*There are: not_turned"):
-        sams_tsh.twin(1, "gremlin")
+        sams_tsh.RIG.twin(1, "gremlin")
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_a_mistake_leaves_the_truth_and_every_mistake_changes_what_is_handed_over(fault: str) -> None:
-    good, bad = sams_tsh.twin(7), sams_tsh.twin(7, fault)
+    good, bad = sams_tsh.RIG.twin(7), sams_tsh.RIG.twin(7, fault)
     assert truth(bad, "ambient_acceleration") == pytest.approx(truth(good, "ambient_acceleration"))
     assert truth(bad, "bias") == pytest.approx(truth(good, "bias"))
     one, other = (twin.recordings[FILE].array(AXES).tobytes() + twin.campaign.encode() for twin in (good, bad))
@@ -259,7 +259,7 @@ def test_a_mistake_leaves_the_truth_and_every_mistake_changes_what_is_handed_ove
 
 
 def of(fault: str) -> tuple[Bench, Twin]:
-    return replace(Bench(), **FAULTS[fault].change), sams_tsh.twin(7, fault)
+    return replace(Bench(), **FAULTS[fault].change), sams_tsh.RIG.twin(7, fault)
 
 
 def test_not_turned_back_and_turned_about_another_axis_show_in_the_means() -> None:
@@ -300,7 +300,7 @@ def test_what_is_lost_too_short_or_misnamed() -> None:
 def test_the_robot_arm_moves_during_the_flip_alone() -> None:
     _, twin = of("robot_arm")
     seconds, read, _ = readings(twin)
-    difference = read - readings(sams_tsh.twin(7))[1]
+    difference = read - readings(sams_tsh.RIG.twin(7))[1]
     moving = (seconds > 2249.0) & (seconds < 2601.0)
     assert np.abs(difference[~moving]).max() < 2.0 * UG
     assert 5.0 * UG < np.abs(difference[moving]).max() < 45.0 * UG

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import replace
 from pathlib import Path
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -19,8 +18,8 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.hand_held.rig import CHANNELS, Bench, build
-from inertialcal.rigs.protocol import NamedPart, Twin
-from inertialcal.rigs.six_faces.rig import FAULTS, twin
+from inertialcal.rigs.protocol import NamedPart, Rig, Twin
+from inertialcal.rigs.six_faces.rig import FAULTS, RIG
 
 SHORT = Bench(variant="ferraris", dwell=2.5, first=5.0, sample_rate=50.0)
 IDEAL = replace(
@@ -68,22 +67,22 @@ def test_what_is_written_down_is_what_was_done_but_for_a_mounting_that_all_share
 
 
 def test_without_a_mistake_nothing_is_remarked() -> None:
-    assert not [codes(twin(seed)) for seed in range(1, 4) if codes(twin(seed))]
+    assert not [codes(RIG.twin(seed)) for seed in range(1, 4) if codes(RIG.twin(seed))]
 
 
 @pytest.mark.parametrize("fault", FAULTS)
 def test_mistakes_show(fault: str) -> None:
-    assert FAULTS[fault].shows in codes(twin(1, fault))
+    assert FAULTS[fault].shows in codes(RIG.twin(1, fault))
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize("fault", FAULTS)
 def test_mistakes_show_whatever_the_seed(fault: str) -> None:
-    assert all(FAULTS[fault].shows in codes(twin(seed, fault)) for seed in range(2, 6))
+    assert all(FAULTS[fault].shows in codes(RIG.twin(seed, fault)) for seed in range(2, 6))
 
 
 def test_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    monkeypatch.setitem(RIGS, "short", SimpleNamespace(twin=lambda seed, fault="": build(SHORT, seed)))
+    monkeypatch.setitem(RIGS, "short", Rig("short", "", lambda seed, changes: build(SHORT, seed)))
     simulate("short", tmp_path / "d", 1)
     outcome = run(tmp_path / "d")
     assert {one["verdict"] for one in outcome.results["verdicts"]} == {"PASS"}
@@ -102,6 +101,6 @@ def test_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
 
 @pytest.mark.slow
 def test_intervals_hold_the_truth_and_clean_records_raise_no_alarm(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(RIGS, "short", SimpleNamespace(twin=lambda seed, fault="": build(SHORT, seed)))
+    monkeypatch.setitem(RIGS, "short", Rig("short", "", lambda seed, changes: build(SHORT, seed)))
     assert not [one for one in score_rig("short", 300, 1) if one.verdict == "FAIL"]
     assert sum(bool(codes(build(SHORT, seed))) for seed in range(1, 101)) <= 100 * RISK

@@ -43,7 +43,7 @@ def test_without_a_mistake_nothing_is_wrong() -> None:
 
 def test_a_mistake_that_is_not_known_is_refused() -> None:
     with pytest.raises(UsageError, match=r"no fault 'rain'.*There are: knocked"):
-        still_gyro.twin(1, "rain")
+        still_gyro.RIG.twin(1, "rain")
 
 
 def test_what_is_saved_has_the_scatter_of_the_truth_and_the_dead_time() -> None:

@@ -50,7 +50,7 @@ def test_turns_are_none_nor_is_acceleration_nor_vibration() -> None:
 
 def test_the_mistake_of_the_rig_is_found_and_nothing_without_it() -> None:
     for fault, number in (("gain_changed", 1), ("", 0), ("robot_arm", 0), ("other_axis", 0)):
-        recording = sams_tsh.twin(7, fault).recordings[FILE]
+        recording = sams_tsh.RIG.twin(7, fault).recordings[FILE]
         found = gain_changes(block_statistics(recording.array(("x", "y", "z")), 1.0, recording.time_ns))
         assert len(found) == number
         assert all(abs(one.time_ns / SECOND - BEGIN - 1350.0) <= 1.0 for one in found)

@@ -7,7 +7,7 @@ from importlib.resources import as_file, files
 from pathlib import Path
 
 from ..core.errors import StoreError, UsageError
-from ..rigs import RIGS
+from ..rigs import DEMONSTRATED, RIGS
 from .load import FILE, load
 from .publish import OUT
 from .twin import TRUTH, simulate
@@ -19,10 +19,7 @@ def examples() -> list[str]:
     return sorted(entry.name for entry in root.iterdir() if (entry / FILE).is_file())
 
 
-DEMONSTRATED = "npsat1"  # what `demo` shows where nothing is named
 PLAIN = "npsat2011"  # goes to the folder that is named; the others get their name behind it
-SEED = 1996  # of the simulated ones
-SEEDS = {"npsat1": 2011}  # the year of the document behind it; as SEED, not chosen for its looks
 
 
 def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
@@ -47,11 +44,6 @@ def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
     return [(one, target if one == PLAIN else target.with_name(f"{target.name}-{one}"))]
 
 
-def seed_of(rig: str) -> int:
-    """Return the seed that a rig is demonstrated with."""
-    return SEEDS.get(rig, SEED)
-
-
 def build(name: str, target: Path) -> Path:
     """Copy a published example, or simulate a rig, into a folder; return the folder.
 
@@ -64,7 +56,7 @@ def build(name: str, target: Path) -> Path:
         return copy_example(name, target)
     if (target / FILE).is_file():
         return target
-    return simulate(name, target, seed_of(name)).folder
+    return simulate(name, target, RIGS.named(name).demonstration_seed).folder
 
 
 def has_truth(folder: Path) -> bool:
@@ -74,8 +66,8 @@ def has_truth(folder: Path) -> bool:
 
 def title(name: str) -> str:
     """Return one line on an example, as its campaign file has it."""
-    if name in RIGS:
-        return f"a simulated campaign of the rig {name}, seed {seed_of(name)}"
+    if name not in examples():
+        return f"a simulated campaign of the rig {name}, seed {RIGS.named(name).demonstration_seed}"
     with as_file(files("inertialcal") / "examples" / name) as source:
         campaign = load(source).file.campaign
     return f"{campaign.title} ({campaign.source})"

@@ -17,11 +17,12 @@ from ..core.show.rounding import number, with_uncertainty
 from ..core.show.tables import Grid, Part, html, text
 from ..core.units import convert
 from ..procedures.flip import reduction as flip
+from ..rigs import RIGS
 from ..rigs.protocol import TrueValue, Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
 from .in_memory import Fitted, Result, fitted_tests
 from .publish import OUT, previous
-from .twin import Key, Truth, known_truth, read_truth, rig_named, truth_by_key
+from .twin import Key, Truth, known_truth, read_truth, truth_by_key
 
 RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
 P = 0.999
@@ -181,7 +182,7 @@ def score_rig(rig: str, n: int, first: int = 1, progress: Progress | None = None
     Parameters
     ----------
     rig : str
-        Name in the dict of rigs.
+        Name in the registry of rigs.
     n : int
         Campaigns.
     first : int
@@ -192,12 +193,12 @@ def score_rig(rig: str, n: int, first: int = 1, progress: Progress | None = None
     Raises
     ------
     UsageError
-        If there is no such rig, or nothing to count.
+        If there is no such rig, the package that adds it is broken, or there is nothing to count.
     """
-    module = rig_named(rig)
+    made = RIGS.named(rig)
     if n < 1 or first < 0:
         raise UsageError(f"{n} campaigns from seed {first}: need 1 or more, from seed 0 or more")
-    return coverage(module.twin, n, first, progress)
+    return coverage(made.twin, n, first, progress)
 
 
 def coverage(

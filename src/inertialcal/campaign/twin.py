@@ -14,7 +14,6 @@ from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
-from types import ModuleType
 
 from ..core.errors import DataError, StoreError, UsageError
 from ..core.recording import SECOND, Recording
@@ -88,26 +87,13 @@ def known_truth(values: Mapping[Key, TrueValue], key: Key) -> TrueValue | None:
     return values.get(key) or values.get((quantity, axis, "", condition))
 
 
-def rig_named(name: str) -> ModuleType:
-    """Return a rig.
-
-    Raises
-    ------
-    UsageError
-        If there is none of that name.
-    """
-    if name not in RIGS:
-        raise UsageError(f"no rig {name!r}", do=f"There are: {', '.join(RIGS)}", code="unknown_name")
-    return RIGS[name]
-
-
 def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Written:
     """Write the recordings, the campaign file and the truth of a rig.
 
     Parameters
     ----------
     rig : str
-        Name in the dict of rigs.
+        Name in the registry of rigs.
     folder : path
         New, or empty.
     seed : int
@@ -118,22 +104,23 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
     Raises
     ------
     UsageError
-        If there is no such rig or fault, the seed is negative, or something is in the folder.
+        If there is no such rig or fault, the package that adds the rig is broken, the seed is negative, or something
+        is in the folder.
     StoreError
         If the folder cannot be written; nothing is left behind.
     """
-    module, target = rig_named(rig), Path(folder)
+    made, target = RIGS.named(rig), Path(folder)
     if seed < 0:
         raise UsageError(f"seed {seed}: need 0 or more")
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise UsageError(f"{target} exists and is not empty", do="Name a new folder: -o DIR", code="exists")
-    twin: Twin = module.twin(seed, fault)
+    twin = made.twin(seed, fault)
     truth = truth_text(twin)
     seal = hashlib.sha256(truth.encode()).hexdigest()
     texts = {
         FILE: twin.campaign.replace(SEED, str(seed)).replace(SEAL, seal),
         TRUTH: truth,
-        **{file: csv_text(recording) for file, recording in twin.recordings.items()},
+        **{file: csv_text(recording, file) for file, recording in twin.recordings.items()},
         **{file: sections_text([Section(**vars(one)) for one in parts]) for file, parts in twin.protocols.items()},
     }
     _write(target, texts, {file: Schedule(**vars(one)) for file, one in twin.schedules.items()})
@@ -146,9 +133,23 @@ def truth_text(twin: Twin) -> str:
     return json_text(head | {"values": [asdict(value) for value in twin.truth], "drawn": dict(twin.drawn)})
 
 
-def csv_text(recording: Recording) -> str:
-    """Return a recording as CSV, the stamps first in UNIX seconds; reading it back gives the same numbers."""
-    assert recording.time_ns is not None  # noqa: S101 - a rig has a clock
+def csv_text(recording: Recording, file: str = "") -> str:
+    """Return a recording as CSV, the stamps first in UNIX seconds; reading it back gives the same numbers.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of a rig.
+    file : str
+        Where it is going to stand, for the message.
+
+    Raises
+    ------
+    DataError
+        ``no_clock`` if its samples have no time.
+    """
+    if recording.time_ns is None:
+        raise DataError("a simulated recording without a clock", file, do="Give it time_ns", code="no_clock")
     seconds, rest = divmod(recording.time_ns, SECOND)
     whole = not rest.any()
     stamps = [str(s) if whole else f"{s}.{r:09d}" for s, r in zip(seconds.tolist(), rest.tolist(), strict=True)]
@@ -173,7 +174,8 @@ def read_truth(folder: str | Path) -> Truth:
         raw = path.read_bytes()
     except OSError:
         what, why = f"no truth: {path} does not exist", "only a simulated campaign can be scored"
-        raise DataError(what, why=why, do="Try: inertialcal simulate rate_table -o DIR", code="no_truth") from None
+        do = f"Try: inertialcal simulate {next(iter(RIGS))} -o DIR"
+        raise DataError(what, why=why, do=do, code="no_truth") from None
     seal = hashlib.sha256(raw).hexdigest()
     if seal not in source:
         what = f"the truth has SHA-256 {seal[:12]}..., campaign.source names another"

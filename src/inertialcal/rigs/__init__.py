@@ -1,30 +1,32 @@
-"""Test rigs whose truth is known: the one dict name -> module.
+"""Test rigs whose truth is known: name -> `Rig`, loaded when it is asked for.
 
-Each module has ``TITLE``, ``FAULTS`` (name -> `Fault`) and ``twin(seed, fault="")``, which gives the recordings
-of one campaign, the campaign file that its engineer would have written, and the truth behind both. A new rig
-adds itself here and nowhere else.
+A built-in rig is a folder with ``rig.py``, which holds one ``RIG``, and a name in `BUILT_IN`; its ``__init__.py`` holds
+the ``TITLE``, for lists. Installed packages add theirs by the entry point ``inertialcal.rigs``.
 """
 
 from __future__ import annotations
 
-from types import ModuleType
+from importlib import import_module
 
-from .hand_held import rig as hand_held
-from .mesa import rig as mesa
-from .npsat1 import rig as npsat1
-from .rate_table import rig as rate_table
-from .sams_tsh import rig as sams_tsh
-from .sams_tsh_model import rig as sams_tsh_model
-from .six_faces import rig as six_faces
-from .still_gyro import rig as still_gyro
+from ..core.registry import Registry
+from .protocol import Rig
 
-RIGS: dict[str, ModuleType] = {
-    "rate_table": rate_table,
-    "sams_tsh": sams_tsh,
-    "sams_tsh_model": sams_tsh_model,
-    "npsat1": npsat1,
-    "still_gyro": still_gyro,
-    "mesa": mesa,
-    "hand_held": hand_held,
-    "six_faces": six_faces,
-}
+BUILT_IN = (
+    "rate_table",
+    "sams_tsh",
+    "sams_tsh_model",
+    "npsat1",
+    "still_gyro",
+    "mesa",
+    "hand_held",
+    "six_faces",
+)
+DEMONSTRATED = "npsat1"  # where none is named
+
+RIGS = Registry("rig", Rig, "inertialcal.rigs", {name: f"{__name__}.{name}.rig:RIG" for name in BUILT_IN})
+
+
+def titles() -> dict[str, str]:
+    """Return one line on each rig, by name, without loading any; of an installed one, the package that adds it."""
+    own = {name: str(import_module(f"{__name__}.{name}").TITLE) for name in BUILT_IN}
+    return own | {name: f"of the package {package}" for name, package in RIGS.packages().items()}

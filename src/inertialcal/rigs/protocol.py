@@ -1,28 +1,33 @@
-"""Twin of a campaign: what its engineer would hand over, and the truth that he does not know.
+"""Rig and twin: a test bench that is simulated, and a campaign made on it, with the truth that its engineer ignores.
 
-All of it follows from the seed. The campaign file is the same for all seeds, but for two marks that are filled in
-when it is written: `SEED`, and `SEAL` for the SHA-256 of the truth, by which results that were made with that file
-can be told from all others.
+A twin follows from its seed. The campaign file is the same for all seeds, but for two marks that are filled in when it
+is written: `SEED`, and `SEAL` for the SHA-256 of the truth, by which results made from that file can be recognised.
+
+A rig of your own is one object, named by an entry point of your package::
+
+    RIG = Rig("centrifuge", "an accelerometer on a centrifuge", on_bench(build, Bench()), FAULTS)
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeVar
-
-import numpy as np
+from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from ..core.errors import UsageError
-from ..core.estimate import Array
-from ..core.influence import Influence
-from ..core.recording import Recording
+
+if TYPE_CHECKING:
+    from _typeshed import DataclassInstance
+
+    from ..core.estimate import Array
+    from ..core.recording import Recording
 
 SEED, SEAL = "@SEED@", "@SEAL@"
+DEMONSTRATION_SEED = 1996
 
-Bench = TypeVar("Bench")
-
-Drawn = Mapping[str, float | list[float] | list[list[float]]]
+Bench = TypeVar("Bench", bound="DataclassInstance")
+Changes: TypeAlias = Mapping[str, object]  # settings of a bench that differ from those without a mistake
+Drawn: TypeAlias = Mapping[str, float | list[float] | list[list[float]]]
 
 
 @dataclass(frozen=True)
@@ -56,7 +61,7 @@ class Fault:
 
     what: str
     shows: str
-    change: Mapping[str, Any]
+    change: Changes
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,12 +115,6 @@ class Twin:
 
     Parameters
     ----------
-    rig : str
-        Name in the dict of rigs.
-    seed : int
-        Everything else follows from it.
-    fault : str
-        Name of the mistake in it; empty where there is none.
     campaign : str
         Text of campaign.toml, with the marks `SEED` and `SEAL`.
     recordings : mapping of str to Recording
@@ -128,33 +127,72 @@ class Twin:
         Of a moved mass, by the file that the campaign names.
     protocols : mapping of str to tuple of NamedPart
         What is known of positions and turns, by the file that the campaign names.
+    rig : str
+        Name of the rig; filled in by it, as are the others below.
+    seed : int
+        Everything else follows from it.
+    fault : str
+        Name of the mistake in it; empty where there is none.
     """
 
-    rig: str
-    seed: int
-    fault: str
     campaign: str
     recordings: Mapping[str, Recording]
     truth: tuple[TrueValue, ...]
     drawn: Drawn
     schedules: Mapping[str, PlannedMass] = field(default_factory=dict[str, PlannedMass])
     protocols: Mapping[str, tuple[NamedPart, ...]] = field(default_factory=dict[str, tuple[NamedPart, ...]])
+    rig: str = ""
+    seed: int = 0
+    fault: str = ""
 
 
-def drawn_error(influence: Influence | None, rng: np.random.Generator) -> float:
-    """Return the unknown error of a standard, drawn as its certificate says [its unit]; 0 where there is none."""
-    if influence is None:
-        return 0.0
-    if influence.distribution == "rectangular":
-        half = influence.u * np.sqrt(3.0)
-        return float(rng.uniform(-half, half))
-    return float(rng.normal(0.0, influence.u))
+@dataclass(frozen=True)
+class Rig:
+    """A test bench that can be simulated.
+
+    Parameters
+    ----------
+    name : str
+        As it is typed: ``"rate_table"``.
+    title : str
+        One line on it.
+    make : callable
+        Seed of all draws, and settings of the bench that differ -> `Twin`.
+    faults : mapping of str to Fault
+        Mistakes that it can put into a campaign, by name.
+    demonstration_seed : int
+        Seed that it is demonstrated with.
+    """
+
+    name: str
+    title: str
+    make: Callable[[int, Changes], Twin]
+    faults: Mapping[str, Fault] = field(default_factory=dict)
+    demonstration_seed: int = DEMONSTRATION_SEED
+
+    def twin(self, seed: int, fault: str = "") -> Twin:
+        """Return the campaign of a seed, with one mistake in it if asked.
+
+        Parameters
+        ----------
+        seed : int
+            Of all draws.
+        fault : str
+            Name of the mistake; empty: none.
+
+        Raises
+        ------
+        UsageError
+            If there is no mistake of that name.
+        """
+        if fault and fault not in self.faults:
+            raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(self.faults)}", code="unknown_name")
+        made = self.make(seed, self.faults[fault].change if fault else {})
+        return replace(made, rig=self.name, seed=seed, fault=fault)
 
 
-def with_fault(
-    build: Callable[[Bench, int], Twin], bench: Bench, faults: Mapping[str, Fault], seed: int, fault: str
-) -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
+def on_bench(build: Callable[[Bench, int], Twin], bench: Bench) -> Callable[[int, Changes], Twin]:
+    """Return what makes the twins of a rig whose settings are a frozen dataclass.
 
     Parameters
     ----------
@@ -162,19 +200,5 @@ def with_fault(
         Bench and seed -> twin.
     bench : dataclass
         As it is without a mistake.
-    faults : mapping
-        Mistakes that the rig knows.
-    seed : int
-        Of all draws.
-    fault : str
-        Name of the mistake; empty: none.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
     """
-    if fault and fault not in faults:
-        raise UsageError(f"no fault {fault!r}", do=f"There are: {', '.join(faults)}", code="unknown_name")
-    changed = replace(bench, **faults[fault].change) if fault else bench  # type: ignore[type-var]
-    return replace(build(changed, seed), fault=fault)
+    return lambda seed, changes: build(replace(bench, **changes), seed)

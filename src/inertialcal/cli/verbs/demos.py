@@ -8,7 +8,9 @@ from typing import Annotated, Any
 
 import typer
 
+from ...rigs import DEMONSTRATED, RIGS
 from ..options import Json, Quiet
+from ..rig_names import rigs_beginning
 from ..shown.output import json_out
 from ..shown.progress import progress
 from .campaigns import outcome_content, print_outcome, where_text
@@ -18,9 +20,10 @@ def demo(
     rig: Annotated[
         str,
         typer.Argument(
-            help="A rig, simulated: npsat1, rate_table, sams_tsh, still_gyro, mesa, hand_held, six_faces; "
+            help=f"A rig, simulated: {', '.join(dict.fromkeys([DEMONSTRATED, *RIGS]))}; "
             "or published: npsat2011, sams1996, reinel1969.",
-            show_default="npsat1",
+            autocompletion=rigs_beginning,
+            show_default=DEMONSTRATED,
         ),
     ] = "",
     output: Annotated[Path, typer.Option("--output", "-o", help="Where to put the published one.")] = Path(

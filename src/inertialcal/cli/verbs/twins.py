@@ -9,7 +9,9 @@ from typing import Annotated, Any
 
 import typer
 
+from ...rigs import RIGS
 from ..options import Json, Quiet
+from ..rig_names import faults_beginning, rigs_beginning
 from ..shown.output import json_out, table
 from ..shown.progress import progress
 
@@ -18,13 +20,17 @@ def simulate(
     rig: Annotated[
         str,
         typer.Argument(
-            help="Of a rig: rate_table, sams_tsh, sams_tsh_model, npsat1, still_gyro, mesa, hand_held, six_faces.",
+            help=f"Of a rig: {', '.join(RIGS)}.",
+            autocompletion=rigs_beginning,
             show_default=False,
         ),
     ],
     output: Annotated[Path, typer.Option("--output", "-o", help="New folder for the campaign.", show_default=False)],
     seed: Annotated[int, typer.Option(help="Everything that is drawn follows from it.")] = 1,
-    fault: Annotated[str, typer.Option(help="A mistake to put in, like wrong_sign.", show_default=False)] = "",
+    fault: Annotated[
+        str,
+        typer.Option(help="A mistake to put in, like wrong_sign.", autocompletion=faults_beginning, show_default=False),
+    ] = "",
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
@@ -46,7 +52,12 @@ def simulate(
 def score(
     folder: Annotated[Path | None, typer.Argument(help="Folder of a simulated campaign.", show_default=False)] = None,
     rig: Annotated[
-        str | None, typer.Option(help="Score a rig over many seeds, in memory, instead.", show_default=False)
+        str | None,
+        typer.Option(
+            help="Score a rig over many seeds, in memory, instead.",
+            autocompletion=rigs_beginning,
+            show_default=False,
+        ),
     ] = None,
     n: Annotated[int, typer.Option("--n", help="With --rig: how many campaigns.")] = 300,
     seed_from: Annotated[int, typer.Option(help="With --rig: the first seed.")] = 1,

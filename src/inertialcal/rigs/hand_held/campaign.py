@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from ..protocol import SEAL, SEED
-
-if TYPE_CHECKING:
-    from .rig import Bench
+from .setup import Bench
 
 TIME = "unix_s"
 TITLES = {"hand_held": "Positions of a simulated IMU", "six_faces": "Six faces and three turns of a simulated IMU"}

@@ -73,15 +73,15 @@ class Leg:
         Turn in the body [rad].
     direction : tuple of float, optional
         What points up, as it was meant.
-    told : bool
-        Whether axis and angle of the turn are known.
+    known : (tuple of float, float), optional
+        Axis and angle [rad] of the turn, as they are written down.
     """
 
     dwell: int
     turn: int
     vector: Array
     direction: tuple[float, float, float] | None = None
-    told: tuple[tuple[float, float, float], float] | None = None
+    known: tuple[tuple[float, float, float], float] | None = None
 
 
 def moved(legs: tuple[Leg, ...], up: Array, interval: float, gravity: float, latitude: float, lifts: Array) -> Motion:
@@ -117,8 +117,8 @@ def moved(legs: tuple[Leg, ...], up: Array, interval: float, gravity: float, lat
             rates.append(speed * leg.vector + carried(fixed[:, 1], leg.vector, middle))
             hop = np.sin(4.0 * np.pi * (share[1:] - 0.5 / leg.turn)) * np.sin(np.pi * (share[1:] - 0.5 / leg.turn)) ** 2
             forces.append(gravity * carried(fixed[:, 0], leg.vector, middle) + hop[:, np.newaxis] * lift)
-            if leg.told is not None:
-                parts.append(Part(at, at + leg.turn, None, *leg.told))
+            if leg.known is not None:
+                parts.append(Part(at, at + leg.turn, None, *leg.known))
             at += leg.turn
             fixed = np.column_stack([carried(one, leg.vector, np.ones(1))[0] for one in fixed.T])
         place.append(np.repeat([number, number + 1], [leg.dwell + leg.turn // 2, leg.turn - leg.turn // 2]))

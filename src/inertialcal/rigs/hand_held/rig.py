@@ -9,144 +9,28 @@ where orientations are not known (M lower triangular); a fixture defines it wher
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field, replace
-from typing import Literal
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
-from ...core.influence import Influence
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
-from ..protocol import Fault, TrueValue, Twin, drawn_error, with_fault
+from ..parts.standards import drawn_error
+from ..protocol import Fault, Rig, TrueValue, Twin, on_bench
+from . import TITLE
 from .campaign import campaign_text, protocol_file, recording_file
 from .motion import Motion, Part, moved
-from .protocol import FACES, named_parts, protocol
+from .positions import FACES, named_parts, sequence
+from .setup import RIG_NAMES, Bench, Unit
 
-TITLE = "an IMU laid by hand into many positions, without a turntable"
-__all__ = ["FAULTS", "TITLE", "Bench", "Held", "Unit", "build", "draw_unit", "held", "twin"]
+__all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "held"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 CHANNELS = tuple(f"{sensor}_{axis}" for sensor in ("acc", "gyro") for axis in AXES)
-RIG = {"tumble": "hand_held", "ferraris": "six_faces"}
 APART = 3_600  # from record to record [s]
 UNITS = {"acc": "m/s^2", "gyro": "rad/s"}
-
-
-@dataclass(frozen=True, eq=False)
-class Unit:
-    """The unit as it is.
-
-    Parameters
-    ----------
-    acc_matrix, gyro_matrix : ndarray, shape (3, 3)
-        Row: sensor; column: axis of the body [1].
-    acc_bias, gyro_bias : ndarray, shape (3,)
-        [m/s2], [rad/s]
-    g_sensitivity : ndarray, shape (3, 3)
-        [(rad/s)/(m/s2)]
-    """
-
-    acc_matrix: Array
-    gyro_matrix: Array
-    acc_bias: Array
-    gyro_bias: Array
-    g_sensitivity: Array
-
-
-@dataclass(frozen=True)
-class Bench:
-    """The test as it is made.
-
-    Parameters
-    ----------
-    variant : {"tumble", "ferraris"}
-        Many positions, or six faces and three turns.
-    positions : int
-        Of a tumble.
-    rounds : int
-        How often each of six faces is laid, and each turn made, there and back.
-    records : int
-        Recordings; of several the last is held out.
-    first, dwell, turn : float
-        The first position, the others at least, and a turn at least [s]; up to half as long again.
-    sample_rate : float
-        [Hz]
-    spread : float
-        Scatter of an orientation about the one that was meant: of a hand, or of a face that is not square [rad].
-    lift : float
-        Acceleration while the unit is moved [m/s2].
-    acc_noise, gyro_noise : float
-        Of a sample [m/s2], [rad/s].
-    acc_between, gyro_between : float
-        Between positions [m/s2], [rad/s].
-    scale, misalignment : float
-        Sizes of the unit's errors, from unit to unit [1], [rad].
-    acc_bias, gyro_bias, g_sensitivity : float
-        The same [m/s2], [rad/s], [(rad/s)/(m/s2)].
-    latitude, gravity : float
-        Of the site [rad]; as it is told [m/s2].
-    gravity_error, angle, orientation, mounting, clock : Influence
-        Uncertainties of local gravity, of a known turn, of a face, of all faces and turns alike, of the logger's clock.
-    wiring : tuple of str
-        Which gyro each channel of the gyros holds.
-    sign : tuple of int
-        Sign of each of these channels.
-    flat : bool
-        Whether all positions have the z axis level.
-    knocked : bool
-        Whether the table is knocked in one position; of six faces, on one of them.
-    left_out : str
-        Face on which it is never laid: ``"y-"``.
-    misnamed : bool
-        Whether two faces are written down for one another.
-    sense : int
-        Sign of the angles that are written down of turns.
-    said : mapping
-        Unit that a sensor is truly recorded in, where it is not the one that is said.
-    pace : float
-        Stamps are this much closer than the samples.
-    copies : int
-        How often the same record is handed over.
-    """
-
-    variant: Literal["tumble", "ferraris"] = "tumble"
-    positions: int = 26
-    rounds: int = 2
-    records: int = 2
-    first: float = 20.0
-    dwell: float = 5.0
-    turn: float = 1.6
-    sample_rate: float = 100.0
-    spread: float = 0.15
-    lift: float = 2.0
-    acc_noise: float = 0.02
-    gyro_noise: float = 2e-3
-    acc_between: float = 1e-3
-    gyro_between: float = 1e-4
-    scale: float = 0.01
-    misalignment: float = 0.01
-    acc_bias: float = 0.2
-    gyro_bias: float = 0.01
-    g_sensitivity: float = 1.5e-4
-    latitude: float = 0.8
-    gravity: float = 9.807
-    gravity_error: Influence = field(default=Influence(3e-4, "m/s^2", certificate="gravity map"))
-    angle: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
-    orientation: Influence = field(default=Influence(2e-3, "rad", certificate="square block"))
-    mounting: Influence = field(default=Influence(1e-3, "rad", certificate="square block"))
-    clock: Influence = field(default=Influence(2e-5, "1", certificate="data sheet of the logger"))
-    wiring: tuple[str, str, str] = AXES
-    sign: tuple[int, int, int] = (1, 1, 1)
-    flat: bool = False
-    knocked: bool = False
-    left_out: str = ""
-    misnamed: bool = False
-    sense: int = 1
-    said: Mapping[str, str] = field(default_factory=dict)
-    pace: float = 1.0
-    copies: int = 1
 
 
 FAULTS: dict[str, Fault] = {
@@ -181,17 +65,6 @@ class Held:
     parts: tuple[Part, ...]
 
 
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(), FAULTS, seed, fault)
-
-
 def build(bench: Bench, seed: int) -> Twin:
     """Return the campaign that a bench gives.
 
@@ -214,12 +87,12 @@ def build(bench: Bench, seed: int) -> Twin:
     records = [held(bench, unit, gravity, pace, number, of_records, mounting) for number in range(bench.records)]
     lots = [one.recording for one in records for _ in range(bench.copies)]
     files = {recording_file(number): recording for number, recording in enumerate(lots, 1)}
-    text = campaign_text(bench, RIG[bench.variant], len(lots))
+    text = campaign_text(bench, RIG_NAMES[bench.variant], len(lots))
     protocols = {}
     if bench.variant == "ferraris":
         named = [named_parts(one.parts) for one in records for _ in range(bench.copies)]
         protocols = {protocol_file(number): one for number, one in enumerate(named, 1)}
-    return Twin(RIG[bench.variant], seed, "", text, files, true_values(bench, unit), drawn, protocols=protocols)
+    return Twin(text, files, true_values(bench, unit), drawn, protocols=protocols)
 
 
 def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:
@@ -263,7 +136,7 @@ def held(
     mounting : ndarray, shape (3,), optional
         By which all faces and turns are off alike [rad]; absent: not at all.
     """
-    up, legs, meant = protocol(bench, np.zeros(3) if mounting is None else mounting, rng)
+    up, legs, meant = sequence(bench, np.zeros(3) if mounting is None else mounting, rng)
     lifts = bench.lift * rng.normal(size=(len(legs), 3)) / np.sqrt(3.0)
     motion = moved(legs, up, 1.0 / bench.sample_rate, gravity, bench.latitude, lifts)
     readings = _readings(bench, unit, motion, rng)
@@ -343,3 +216,6 @@ def _linear(kind: str, matrix: Array, bias: Array, unit: str, lower: bool) -> li
         *(TrueValue("misalignment", pair, value, "rad", kind) for pair, value in cross),
         *(TrueValue("bias", a, float(bias[i]), unit, kind) for i, a in enumerate(AXES)),
     ]
+
+
+RIG = Rig("hand_held", TITLE, on_bench(build, Bench()), FAULTS)

@@ -13,27 +13,17 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.recording import SECOND, Channel, Recording
-from ..protocol import PlannedMass, TrueValue, Twin, drawn_error, with_fault
+from ..parts.standards import drawn_error
+from ..protocol import PlannedMass, Rig, TrueValue, Twin, on_bench
+from . import TITLE
 from .campaign import PULSES, SCHEDULE, TEMPERATURE, TILT, begin, campaign_text, recording_file
 from .record import Drawn, amplitude_of_mercury, nominal, record
 from .setup import FAULTS, RUNS, Bench, Run
 from .source import dwells_a_cycle, schedule_table
 
-TITLE = "a pulse-rate accelerometer before a moved mass of lead"
-__all__ = ["FAULTS", "RUNS", "TITLE", "Bench", "Run", "build", "twin"]
+__all__ = ["FAULTS", "RIG", "RUNS", "Bench", "Run", "build"]
 
 SPREAD = 0.01  # of the scale factor about the data sheet, from unit to unit (1)
-
-
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -58,7 +48,7 @@ def build(bench: Bench, seed: int) -> Twin:
         "applied_error": drawn.applied_error, "pad_tilt": drawn.pad_tilt, "mercury": drawn.mercury,
         "run_to_run": own.tolist(),
     }  # fmt: skip
-    return Twin("mesa", seed, "", campaign_text(bench), recordings, truth, known, {SCHEDULE: _planned(bench)})
+    return Twin(campaign_text(bench), recordings, truth, known, {SCHEDULE: _planned(bench)})
 
 
 def _drawn(bench: Bench, of_unit: np.random.Generator, of_bench: np.random.Generator) -> Drawn:
@@ -88,3 +78,6 @@ def _recording(bench: Bench, drawn: Drawn, number: int, own: float, rng: np.rand
         Channel(TEMPERATURE, saved.temperature, "degC", "campaign"),
     )
     return Recording(channels, ends, step, bench.dwell, "utc", "time column 'unix_s'")
+
+
+RIG = Rig("mesa", TITLE, on_bench(build, Bench()), FAULTS)

@@ -16,7 +16,8 @@ from collections.abc import Callable
 import numpy as np
 
 from ...core.recording import Recording
-from ..protocol import Twin, with_fault
+from ..protocol import Rig, Twin, on_bench
+from . import TITLE
 from .campaign import campaign_text
 from .faults import FAULTS
 from .names import recording_file
@@ -26,21 +27,9 @@ from .truth import drawn_of, true_values
 from .unit import Unit, draw_unit
 from .world import World, draw_world
 
-TITLE = "a three-axis rate-sensor suite: thermal ramps in air and vacuum, rate table, noise"
-__all__ = ["FAULTS", "TITLE", "Bench", "build", "twin"]
+__all__ = ["FAULTS", "RIG", "Bench", "build"]
 
 Recordings = dict[str, Recording]
-
-
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int, unit: Unit | None = None) -> Twin:
@@ -68,7 +57,7 @@ def build(bench: Bench, seed: int, unit: Unit | None = None) -> Twin:
         make, rng = made[part]
         files |= make(bench, own, world, rng)
     text = campaign_text(bench)
-    return Twin("npsat1", seed, "", text, files, true_values(own, bench.parts), {**drawn, **drawn_of(own)})
+    return Twin(text, files, true_values(own, bench.parts), {**drawn, **drawn_of(own)})
 
 
 def _chambers(bench: Bench, unit: Unit, world: World, rng: np.random.Generator) -> Recordings:
@@ -93,3 +82,6 @@ def _table(bench: Bench, unit: Unit, world: World, rng: np.random.Generator) -> 
 def _rest(bench: Bench, unit: Unit, world: World, rng: np.random.Generator) -> Recordings:
     runs = range(1, bench.static_runs + 1)
     return {recording_file("static", number): static_recording(bench, unit, world, number, rng) for number in runs}
+
+
+RIG = Rig("npsat1", TITLE, on_bench(build, Bench()), FAULTS, demonstration_seed=2011)  # the year of [1]_

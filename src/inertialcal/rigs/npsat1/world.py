@@ -10,7 +10,8 @@ from ...core.axes import AXES
 from ...core.estimate import Array
 from ...physics.earth import earth_rate, level_to_table
 from ..parts.gyro_bench import mounted
-from ..protocol import Drawn, drawn_error
+from ..parts.standards import drawn_error
+from ..protocol import Drawn
 from .setup import Bench
 
 

@@ -1,1 +1,3 @@
-"""One gyro triad on a rate table, as reduced readings."""
+"""A three-axis rate gyro on a stepped rate table."""
+
+TITLE = "a three-axis rate gyro on a stepped rate table, five power-ups to fit and three held out"

@@ -27,14 +27,15 @@ from ...core.recording import SECOND, Channel, Recording
 from ...physics.earth import level_to_table
 from ..parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up, readings
 from ..parts.noise import random_walk
+from ..parts.standards import drawn_error
 from ..parts.stepped_table import Motion, motion
-from ..protocol import Drawn, TrueValue, Twin, drawn_error, with_fault
+from ..protocol import Drawn, Rig, TrueValue, Twin, on_bench
+from . import TITLE
 from .campaign import APPLIED, campaign_text, recording_file, reference_column, validity_column
 from .faults import FAULTS
 from .setup import REFERENCE, STEP, Bench, chain, draw_gyro
 
-TITLE = "a three-axis rate gyro on a stepped rate table, five power-ups to fit and three held out"
-__all__ = ["FAULTS", "TITLE", "Bench", "build", "true_values", "twin"]
+__all__ = ["FAULTS", "RIG", "Bench", "build", "true_values"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 RUN, SET_UP = 86_400, 7_200  # from run to run, and from axis to axis [s]
@@ -68,17 +69,6 @@ class _World:
     phase: dict[str, float]
 
 
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(), FAULTS, seed, fault)
-
-
 def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
     """Return the campaign that a bench gives.
 
@@ -99,7 +89,7 @@ def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
         powered = powered_up(unit, of_runs)
         for axis in bench.turned:
             recordings[recording_file(axis, run)] = _recording(bench, world, powered, axis, run, of_runs)
-    return Twin("rate_table", seed, "", campaign_text(bench), recordings, true_values(unit), drawn)
+    return Twin(campaign_text(bench), recordings, true_values(unit), drawn)
 
 
 def true_values(gyro: Gyro) -> tuple[TrueValue, ...]:
@@ -187,3 +177,6 @@ def _saved(bench: Bench, turning: Motion, signals: dict[str, Array], saved: NDAr
     columns = [APPLIED, *(name for name in signals if name != APPLIED)]
     channels = tuple(Channel(name, signals[name][saved]) for name in columns)
     return Recording(channels, stamps, bench.interval, bench.averaging, epoch="utc")
+
+
+RIG = Rig("rate_table", TITLE, on_bench(build, Bench()), FAULTS)

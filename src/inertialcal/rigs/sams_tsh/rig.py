@@ -20,28 +20,17 @@ from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...sensors.chain.to_counts import to_counts, to_temperature_counts
-from ..protocol import Drawn, TrueValue, Twin, with_fault
+from ..protocol import Drawn, Rig, TrueValue, Twin, on_bench
+from . import TITLE
 from .campaign import BEGIN, FILE, campaign_text
 from .faults import FAULTS
 from .ground import draw_model, true_values
 from .record import Record, record
 from .setup import Bench, G, Head, chain, draw_head
 
-TITLE = "a triaxial accelerometer head turned by half a turn, and back, in orbit"
-__all__ = ["FAULTS", "TITLE", "Bench", "build", "saved", "twin"]
+__all__ = ["FAULTS", "RIG", "Bench", "build", "saved"]
 
 THERMOMETER_NOISE = 0.002  # [degC]
-
-
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -79,7 +68,7 @@ def build(bench: Bench, seed: int) -> Twin:
         "zero_of_electronics": np.asarray(chain(bench, head).zero).tolist(),
     }
     files = {FILE: saved(bench, head, made, of_files)}
-    return Twin("sams_tsh", seed, "", campaign_text(bench, head, model), files, tuple(truth), drawn)
+    return Twin(campaign_text(bench, head, model), files, tuple(truth), drawn)
 
 
 def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> Recording:
@@ -112,3 +101,6 @@ def _gains(bench: Bench, seconds: Array) -> Array:
         when, axis, factor = bench.gain_change
         gain[seconds >= when, AXES.index(axis)] *= factor
     return gain
+
+
+RIG = Rig("sams_tsh", TITLE, on_bench(build, Bench()), FAULTS)

@@ -6,23 +6,13 @@ is off, and what the truth means, stands in ``sams_tsh_ground``.
 
 from __future__ import annotations
 
-from dataclasses import replace
-
-from ..protocol import Twin, with_fault
+from ..protocol import Rig, on_bench
 from ..sams_tsh.faults import FAULTS
 from ..sams_tsh.rig import build
 from ..sams_tsh.setup import Bench
+from . import TITLE
 
-TITLE = "a triaxial accelerometer head with its ground model, turned by half a turn, and back, in orbit"
-__all__ = ["FAULTS", "TITLE", "twin"]
+__all__ = ["FAULTS", "RIG"]
 
 
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return replace(with_fault(build, Bench(ground="jointly"), FAULTS, seed, fault), rig="sams_tsh_model")
+RIG = Rig("sams_tsh_model", TITLE, on_bench(build, Bench(ground="jointly")), FAULTS)

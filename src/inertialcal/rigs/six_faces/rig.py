@@ -9,10 +9,10 @@ from __future__ import annotations
 
 from ..hand_held.rig import FAULTS as BY_HAND
 from ..hand_held.rig import Bench, build
-from ..protocol import Fault, Twin, with_fault
+from ..protocol import Fault, Rig, on_bench
+from . import TITLE
 
-TITLE = "an IMU laid on its six faces and turned about its axes, without a turntable"
-__all__ = ["FAULTS", "TITLE", "twin"]
+__all__ = ["FAULTS", "RIG"]
 
 SHARED = ("acc_in_g", "gyro_in_deg", "swapped_axes", "inverted_axis", "compressed_time", "identical")
 
@@ -25,12 +25,4 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(variant="ferraris"), FAULTS, seed, fault)
+RIG = Rig("six_faces", TITLE, on_bench(build, Bench(variant="ferraris")), FAULTS)

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING
-
+from ...core.axes import AXES
 from ..protocol import SEAL, SEED
-
-if TYPE_CHECKING:
-    from .rig import Bench
+from .setup import Bench
 
 TIME = "unix_s"
 
@@ -23,11 +19,11 @@ def recording_file(number: int) -> str:
     return f"recordings/{recording_name(number)}.csv"
 
 
-def campaign_text(bench: Bench, axes: Sequence[str]) -> str:
+def campaign_text(bench: Bench) -> str:
     """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
     numbers = range(1, bench.records + 1)
     names = ", ".join(f'"{recording_name(number)}"' for number in numbers)
-    channels = ", ".join(f'{axis} = {{ column = "{axis}", unit = "deg/s" }}' for axis in axes)
+    channels = ", ".join(f'{axis} = {{ column = "{axis}", unit = "deg/s" }}' for axis in AXES)
     clock = f'column = "{TIME}", stamp = "end", interval = "{bench.interval:g} s", averaging = "{bench.averaging:g} s"'
     records = "\n".join(
         f'[recordings.{recording_name(number)}]\nsensor = "suite"\nfile = "{recording_file(number)}"\n'

@@ -12,72 +12,30 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
-from ...core.influence import Influence
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...sensors.noise.simulate import simulate
 from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, Term, quantity_name
-from ..protocol import Drawn, Fault, TrueValue, Twin, drawn_error, with_fault
+from ..parts.standards import drawn_error
+from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
+from . import TITLE
 from .campaign import campaign_text, recording_file
+from .setup import Bench
 
-TITLE = "a three-axis rate gyro that stands still, averages of 1 s saved every 2 s"
-__all__ = ["FAULTS", "TITLE", "Bench", "build", "twin"]
+__all__ = ["FAULTS", "RIG", "Bench", "build"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 APART = 86_400  # from record to record [s]
 SPREAD = 0.2  # of the sizes, from unit to unit (1)
 STEP = 1e-5  # of what is saved [deg/s]
-SCALE = Influence(0.002, "1", certificate="data sheet of the unit")
 KNOCK = 0.05  # amplitude of a disturbance [rad/s]
 WARMING = 2_000.0  # time constant of a warm-up [s]
-
-
-@dataclass(frozen=True)
-class Bench:
-    """The record as it is made.
-
-    Parameters
-    ----------
-    records, samples : int
-        Records, and averages of each.
-    interval, averaging : float
-        From average to average, and length of each [s].
-    walk, rate_walk, flicker : float
-        Sizes about which those of a unit are drawn: N [rad/sqrt(s)], K [rad/s/sqrt(s)], B [rad/s].
-    skipped : float
-        Part of the averages that is not saved (1).
-    scale_factor : Influence
-        Uncertainty of what turns readings into rates.
-    knocked : bool
-        Whether somebody knocks against the bench.
-    warming : float
-        Change of all biases while the unit warms up [rad/s].
-    humming : float
-        Amplitude of a line in x [rad/s].
-    stuck : str
-        Axis whose channel hangs; none where empty.
-    """
-
-    records: int = 2
-    samples: int = 12_000
-    interval: float = 2.0
-    averaging: float = 1.0
-    walk: float = 7e-5
-    rate_walk: float = 8e-7
-    flicker: float = 3e-5
-    skipped: float = 0.001
-    scale_factor: Influence = SCALE
-    knocked: bool = False
-    warming: float = 0.0
-    humming: float = 0.0
-    stuck: str = ""
 
 
 FAULTS: dict[str, Fault] = {
@@ -87,17 +45,6 @@ FAULTS: dict[str, Fault] = {
     "stuck": Fault("the channel of y hangs", "zero throughout", {"stuck": "y"}),
     "too_short": Fault("40 s are no record of noise", "too_short", {"samples": 20, "skipped": 0.0}),
 }
-
-
-def twin(seed: int, fault: str = "") -> Twin:
-    """Return the campaign of a seed, with one mistake in it if asked.
-
-    Raises
-    ------
-    UsageError
-        If there is no mistake of that name.
-    """
-    return with_fault(build, Bench(), FAULTS, seed, fault)
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -119,7 +66,7 @@ def build(bench: Bench, seed: int) -> Twin:
         for number in range(1, bench.records + 1)
     }
     drawn: Drawn = {"scale_factor_error": error, "bias": bias.tolist()}
-    return Twin("still_gyro", seed, "", campaign_text(bench, AXES), recordings, _true_values(terms), drawn)
+    return Twin(campaign_text(bench), recordings, _true_values(terms), drawn)
 
 
 def _draw_unit(bench: Bench, rng: np.random.Generator) -> dict[str, tuple[Term, ...]]:
@@ -179,3 +126,6 @@ def _knock(n: int) -> Array:
     middle = n // 2
     swing[middle : middle + 60] = KNOCK * np.sin(np.arange(60) / 3.0) * np.exp(-np.arange(60) / 20.0)
     return swing
+
+
+RIG = Rig("still_gyro", TITLE, on_bench(build, Bench()), FAULTS)

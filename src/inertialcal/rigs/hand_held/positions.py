@@ -1,4 +1,4 @@
-"""Protocol of an IMU laid by hand: what it is laid into, and turned by, and what is written down of it.
+"""Positions and turns of an IMU laid by hand: what it is laid into, and turned by, and what is written down of it.
 
 Directions are what points up, in body axes. Every face and turn is off by its own error, and all of them alike by that
 of the mounting: a small rotation of the unit against the axes that are named.
@@ -7,23 +7,21 @@ of the mounting: a small rotation of the unit against the axes that are named.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.estimate import Array
-from ..protocol import NamedPart, drawn_error
+from ..parts.standards import drawn_error
+from ..protocol import NamedPart
 from .motion import Leg, Part, turn_between
-
-if TYPE_CHECKING:
-    from .rig import Bench
+from .setup import Bench
 
 FACES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], dtype=np.float64)
 NAMES = ("x+", "x-", "y+", "y-", "z+", "z-")
-Protocol = tuple[Array, tuple[Leg, ...], dict[int, tuple[float, float, float]]]
+Sequenced = tuple[Array, tuple[Leg, ...], dict[int, tuple[float, float, float]]]
 
 
-def protocol(bench: Bench, mounting: Array, rng: np.random.Generator) -> Protocol:
+def sequence(bench: Bench, mounting: Array, rng: np.random.Generator) -> Sequenced:
     """Return up at first, what is done in order of time, and the directions that are written down, by position."""
     return _ferraris(bench, mounting, rng) if bench.variant == "ferraris" else _tumble(bench, rng)
 
@@ -44,7 +42,7 @@ def _samples(bench: Bench, seconds: float, rng: np.random.Generator) -> int:
     return round(seconds * (1.0 + 0.5 * rng.random()) * bench.sample_rate)
 
 
-def _tumble(bench: Bench, rng: np.random.Generator) -> Protocol:
+def _tumble(bench: Bench, rng: np.random.Generator) -> Sequenced:
     """Many directions, spread over the sphere, in an order that turns much, with a hand's scatter."""
     ups = _scattered(_spread(bench.positions, bench.flat), bench.spread, rng)
     legs = []
@@ -73,7 +71,7 @@ def _scattered(directions: Array, spread: float, rng: np.random.Generator) -> Ar
     return np.asarray(found / np.linalg.norm(found, axis=1, keepdims=True))
 
 
-def _ferraris(bench: Bench, mounting: Array, rng: np.random.Generator) -> Protocol:
+def _ferraris(bench: Bench, mounting: Array, rng: np.random.Generator) -> Sequenced:
     """Six faces, then a turn about each axis, that axis up, each laid anew and off by its errors."""
     faces = np.vstack([FACES[[name != bench.left_out for name in NAMES]]] * bench.rounds)
     meant = np.vstack([faces, *[np.eye(3)] * bench.rounds])
@@ -92,7 +90,7 @@ def _ferraris(bench: Bench, mounting: Array, rng: np.random.Generator) -> Protoc
         axis = (float(meant[k][0]), float(meant[k][1]), float(meant[k][2]))
         full = 2.0 * np.pi * (-1.0) ** ((k - len(faces)) // 3)
         vector = (full + drawn_error(bench.angle, rng)) * up
-        legs.append(Leg(dwell, _samples(bench, 4.0 * bench.turn, rng), vector, told=(axis, bench.sense * full)))
+        legs.append(Leg(dwell, _samples(bench, 4.0 * bench.turn, rng), vector, known=(axis, bench.sense * full)))
         after = ups[k + 1] if k + 1 < len(ups) else up
         move = turn_between(up, after, 0.0)
         legs.append(Leg(_samples(bench, bench.dwell, rng), _samples(bench, bench.turn, rng), move))
