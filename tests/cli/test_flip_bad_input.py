@@ -125,7 +125,7 @@ def test_a_record_asked_for_wrongly(
 def test_a_mistake_is_named_from_the_record_alone(
     capsys: pytest.CaptureFixture[str], tmp_path: Path, fault: str
 ) -> None:
-    bench = replace(SMALL, **FAULTS[fault].change, saved="g", said="g")
+    bench = replace(FAULTS[fault].put_into(SMALL), saved="g", said="g")
     path = tmp_path / "head.csv"
     path.write_text(csv_text(build(bench, 1).recordings[FILE]), encoding="utf-8")
     status, said = call(capsys, "flip", path, "--unit", "g")

@@ -106,7 +106,7 @@ def test_models_and_figure_are_written(found: dict[str, Any]) -> None:
 @pytest.mark.parametrize("fault", FAULTS)
 def test_mistake_is_named(capsys: pytest.CaptureFixture[str], tmp_path: Path, fault: str) -> None:
     bench = replace(SMALL, dwell=5.0) if fault == "knocked" else SMALL  # long enough that both halves are rests
-    content = call_json(capsys, "positions", *written(tmp_path, replace(bench, **FAULTS[fault].change)), *SI)
+    content = call_json(capsys, "positions", *written(tmp_path, FAULTS[fault].put_into(bench)), *SI)
     codes = {one["code"] for one in (*content["errors"], *content["remarks"])}
     assert FAULTS[fault].shows in codes
     assert content["exit"] == (3 if content["errors"] else 0)

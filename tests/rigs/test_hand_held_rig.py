@@ -135,7 +135,7 @@ def test_mistakes_do_what_they_say() -> None:
     acc, gyro = plain[2][:, :3], plain[2][:, 3:]
 
     def wrong(name: str) -> Array:
-        return made(replace(replace(Bench(), positions=8), **FAULTS[name].change))[2]
+        return made(FAULTS[name].put_into(replace(Bench(), positions=8)))[2]
 
     np.testing.assert_allclose(wrong("acc_in_g")[:, :3] * 9.80665, acc, atol=1e-5)
     np.testing.assert_allclose(np.radians(wrong("gyro_in_deg")[:, 3:]), gyro, atol=1e-6)
@@ -144,7 +144,7 @@ def test_mistakes_do_what_they_say() -> None:
     knocked = np.flatnonzero(np.any(wrong("knocked") != plain[2], axis=1))
     part = plain[0].parts[4]
     assert part.start < knocked[0] < knocked[-1] < part.stop
-    level = made(replace(Bench(), **FAULTS["one_plane"].change))[0]
+    level = made(FAULTS["one_plane"].put_into(Bench()))[0]
     assert max(abs(level.motion.force[p, 2]).max() for p in still(level)) < 1e-9
     assert len(still(made(replace(Bench(), positions=3))[0])) == 3
     fast = build(replace(Bench(), positions=3, pace=0.5), 1)

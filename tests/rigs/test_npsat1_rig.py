@@ -597,8 +597,12 @@ def test_a_mistake_that_is_not_known_is_refused() -> None:
 
 
 def small(fault: str = "", *parts: str) -> Twin:
-    change = dict(FAULTS[fault].change) if fault else {}
-    return npsat1.build(replace(SMALL, **(change | ({"parts": parts} if parts else {}))), 7)
+    bench = replace(SMALL, parts=parts) if parts else SMALL
+    return npsat1.build(with_mistake(bench, fault), 7)
+
+
+def with_mistake(bench: Bench, fault: str) -> Bench:
+    return FAULTS[fault].put_into(bench) if fault else bench
 
 
 def test_a_mistake_that_is_asked_for_is_in_the_twin() -> None:
@@ -634,15 +638,14 @@ ON_TABLE = ("missing_reference", "swapped_axes", "inverted_sign", "no_zero_refer
 
 @pytest.mark.parametrize("fault", ["", *ON_TABLE])
 def test_mistakes_on_the_rate_table_are_named(fault: str) -> None:
-    change = FAULTS[fault].change if fault else {}
-    found = named(replace(Bench(), parts=("rate_table",), table_runs=2, table_fit_runs=2, **change))
+    found = named(with_mistake(replace(Bench(), parts=("rate_table",), table_runs=2, table_fit_runs=2), fault))
     assert {one for one in ON_TABLE if FAULTS[one].shows in found} == ({fault} if fault else set())
 
 
 @pytest.mark.parametrize("fault", ["", *IN_CHAMBER])
 def test_mistakes_in_the_chamber_are_named(fault: str) -> None:
     only_air = replace(Bench(), parts=("thermal",), chambers={AIR: QUICK[AIR]}, chamber_runs=3, chamber_fit_runs=3)
-    found = named(replace(only_air, **(FAULTS[fault].change if fault else {})))
+    found = named(with_mistake(only_air, fault))
     assert {one for one in IN_CHAMBER if FAULTS[one].shows in found} == ({fault} if fault else set())
 
 

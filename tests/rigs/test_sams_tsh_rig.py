@@ -259,7 +259,7 @@ def test_a_mistake_leaves_the_truth_and_every_mistake_changes_what_is_handed_ove
 
 
 def of(fault: str) -> tuple[Bench, Twin]:
-    return replace(Bench(), **FAULTS[fault].change), sams_tsh.RIG.twin(7, fault)
+    return FAULTS[fault].put_into(Bench()), sams_tsh.RIG.twin(7, fault)
 
 
 def test_not_turned_back_and_turned_about_another_axis_show_in_the_means() -> None:

@@ -32,7 +32,7 @@ def found(twin: Twin) -> list[str]:
 
 @pytest.mark.parametrize("fault", still_gyro.FAULTS)
 def test_every_mistake_is_named(fault: str) -> None:
-    bench = replace(SMALL, **still_gyro.FAULTS[fault].change)
+    bench = still_gyro.FAULTS[fault].put_into(SMALL)
     assert any(still_gyro.FAULTS[fault].shows in word for word in found(build(bench, 3)))
 
 

@@ -14,7 +14,6 @@ def rigs_beginning(incomplete: str) -> list[tuple[str, str]]:
 
 def faults_beginning(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
     """Return the mistakes of the rig that was typed whose name begins so, each with what is wrong in it."""
-    rig = ctx.params.get("rig")
-    if rig not in RIGS:
-        return []
-    return [(name, fault.what) for name, fault in RIGS[rig].faults.items() if name.startswith(incomplete)]
+    rig = str(ctx.params.get("rig", ""))
+    faults = RIGS[rig].faults if rig in RIGS else {}
+    return [(name, fault.what) for name, fault in faults.items() if name.startswith(incomplete)]

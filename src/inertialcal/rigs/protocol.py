@@ -63,6 +63,10 @@ class Fault:
     shows: str
     change: Changes
 
+    def put_into(self, bench: Bench) -> Bench:
+        """Return a bench with the mistake in it."""
+        return replace(bench, **self.change)
+
 
 @dataclass(frozen=True, eq=False)
 class PlannedMass:
