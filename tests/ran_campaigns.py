@@ -8,7 +8,7 @@ from typing import Any
 
 from inertialcal.campaign.load import load
 from inertialcal.campaign.modelling import Prepared
-from inertialcal.campaign.prepare import prepare
+from inertialcal.campaign.prepared import prepare
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import csv_text
 from inertialcal.rigs.protocol import SEED

@@ -25,13 +25,14 @@ from pydantic_core import PydanticUndefined
 from typer.main import get_command
 
 import inertialcal as ic
-from inertialcal.campaign import schema, schema_recordings, schema_sensors, schema_standards, schema_words
+from inertialcal.campaign import schema, schema_recordings, schema_sensors, schema_standards
 from inertialcal.campaign.example import build
 from inertialcal.campaign.plans import plan_settings
 from inertialcal.campaign.publish import ROW_COLUMNS
 from inertialcal.campaign.run import VERDICT_COLUMNS
 from inertialcal.cli.__main__ import main
 from inertialcal.cli.app import app
+from inertialcal.core import schema_words
 from inertialcal.core.remarks import Remark
 from inertialcal.procedures import PROCEDURES
 

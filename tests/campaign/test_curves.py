@@ -13,7 +13,7 @@ import pytest
 
 from inertialcal.campaign.curves import displayed_curve, ten_digits
 from inertialcal.campaign.load import load
-from inertialcal.campaign.prepare import prepare
+from inertialcal.campaign.prepared import prepare
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.curve import Column, Curve

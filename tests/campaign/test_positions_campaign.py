@@ -11,7 +11,7 @@ import pytest
 from inertialcal.campaign.load import MARK
 from inertialcal.campaign.positions_loop import judges_of, loops_of, verdicts
 from inertialcal.campaign.positions_mixed import as_read, mixed_up
-from inertialcal.campaign.prepare import prepare
+from inertialcal.campaign.prepared import prepare
 from inertialcal.campaign.run import Outcome, check, run
 from inertialcal.campaign.starter import start
 from inertialcal.campaign.twin import csv_text

@@ -7,10 +7,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.positions_sources import section_of
-from inertialcal.campaign.positions_words import Section, sections_of, sections_text
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
+from inertialcal.procedures.positions.files import section_of
+from inertialcal.procedures.positions.orientation_text import Section, sections_of, sections_text
 
 TURN = "x_rot"
 

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.after import Bias, law_of, without_bias
 from inertialcal.campaign.cross_checks import cross_checks
 from inertialcal.campaign.in_memory import Fitted, fitted_tests
 from inertialcal.campaign.schema import CampaignFile
@@ -20,6 +19,7 @@ from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.recordings import Turned
 from inertialcal.procedures.thermal import reduction as thermal
+from inertialcal.procedures.thermal.correction import Bias, law_of, without_bias
 from inertialcal.rigs.protocol import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin

@@ -11,12 +11,12 @@ from typing import Any
 
 import numpy as np
 import pytest
+from inertialcal.campaign.thermal_inputs import felt_axes, thermal_plan
 
 from inertialcal.campaign.in_memory import fitted_tests
 from inertialcal.campaign.run import Outcome, check, run
 from inertialcal.campaign.schema import CampaignFile
 from inertialcal.campaign.score import coverage, score
-from inertialcal.campaign.thermal_inputs import felt_axes, thermal_plan
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.procedures.thermal import reduction as thermal

@@ -19,8 +19,8 @@ from playwright.sync_api import Browser
 
 from inertialcal.campaign.load import load
 from inertialcal.campaign.run import run
-from inertialcal.campaign.schema_words import Text
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.schema_words import Text
 
 LONGEST = 1700  # characters: a text may have 2000, and its number follows
 GROUPS = batches(LONGEST)

@@ -11,18 +11,16 @@ from ..core.axes import AXES
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..core.recording import SECOND, Channel, Recording
-from ..core.times import read_instant
 from ..core.units import convert, kind, si_unit
-from ..files import read, read_table
-from ..procedures.rate_table.recordings import APPLIED, Turned
+from ..files import read
+from ..procedures.rate_table.recordings import APPLIED
 from ..sensors.chain.converter import Chain
 from ..sensors.ground.recordings import PREDICTED
 from ..sensors.model.on_recordings import apply_chain
 from .chains import build_chain
 from .ground import ChainModel, after_model, chain_model
-from .origins import Origin
 from .schema import Test
-from .schema_recordings import Clock, RecordingEntry, Schedule
+from .schema_recordings import Clock, RecordingEntry
 from .schema_sensors import Sensor
 
 TEMPERATURE, GAIN, PRESSURE, TILT = "temperature", "gain", "pressure", "tilt"
@@ -217,72 +215,6 @@ def _turned(recording: Recording, mounting: Array, axes: tuple[str, ...], prefix
         sensed[:, AXES.index(axis)] = recording.channel(prefix + axis).data
     body = sensed @ mounting
     return {prefix + axis: body[:, AXES.index(axis)].copy() for axis in axes}
-
-
-def turned_recording(
-    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, test: Test
-) -> tuple[Turned, dict[str, str], Origin]:
-    """Return a recording of a stepped table as ``rate_table`` wants it, SHA-256 of its files by path, its origin.
-
-    Raises
-    ------
-    DataError
-        If nothing says which axis was turned, or at which rates; or as `prepare_recording`.
-    """
-    whole = prepare_recording(folder, name, entry, sensor)
-    recording = windowed(whole, test)
-    origin = Origin(name, entry.file, whole.source.sha256, "recording", len(whole), len(recording))
-    hashes = {entry.file: recording.source.sha256}
-    recording = replace(recording, source=replace(recording.source, path=entry.file))
-    axis = entry.axis or test.plan.get("axis")
-    if not axis:
-        what = f"recordings.{name}: nothing says which axis was turned"
-        raise DataError(what, do='Give axis = "x" there, or plan = { axis = "x" }', code="no_axis")
-    run = entry.run or ""
-    if entry.schedule is None:
-        if APPLIED not in recording.names:
-            do = "Give channels.applied (the rate of the table), or a schedule"
-            raise DataError(f"recordings.{name}: nothing says the rate of the table", do=do, code="no_applied")
-        return Turned(recording, str(axis), run, name=name), hashes, origin
-    windows, rates, digest = _scheduled(folder, entry.schedule, recording, sensor)
-    hashes[entry.schedule.file] = digest
-    if test.windows:
-        inside = [any(a <= start and stop <= b for a, b in test.windows) for start, stop in windows]
-        windows, rates = tuple(w for w, use in zip(windows, inside, strict=True) if use), rates[np.array(inside)]
-    return Turned(recording, str(axis), run, windows, rates, name), hashes, origin
-
-
-def _scheduled(
-    folder: Path, schedule: Schedule, recording: Recording, sensor: Sensor
-) -> tuple[tuple[tuple[int, int], ...], np.ndarray, str]:
-    """Windows [ns], rates [SI] and SHA-256 of a schedule."""
-    table = read_table(folder / schedule.file)
-    rates = convert(table.numbers(schedule.rate), schedule.unit, si_unit(sensor.unit))
-    if not np.all(np.isfinite(rates)):
-        where = f"{schedule.file}:{table.rows[int(np.flatnonzero(~np.isfinite(rates))[0])]}"
-        raise DataError(f"column {schedule.rate!r}: no rate", where, do="Fill it in", code="nan_in_required")
-    utc = recording.epoch == "utc"
-    starts, stops = (
-        [
-            _instant(cell, utc, f"{schedule.file}:{row}")
-            for cell, row in zip(table.text(column), table.rows, strict=True)
-        ]
-        for column in (schedule.start, schedule.stop)
-    )
-    return tuple(zip(starts, stops, strict=True)), rates, table.source.sha256
-
-
-def _instant(cell: str, utc: bool, where: str) -> int:
-    try:
-        number: float | str = float(cell)
-    except ValueError:
-        number = cell
-    if not utc and isinstance(number, float) and np.isfinite(number) and abs(number) < 1e9:
-        return round(number * SECOND)
-    try:
-        return read_instant(number)
-    except ValueError as error:
-        raise DataError(str(error), where, code="wrong_time") from None
 
 
 def windowed(recording: Recording, test: Test) -> Recording:

@@ -10,6 +10,7 @@ from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor, kind
+from ..procedures.positions.of_sensor import by_quantity
 from ..procedures.rate_table.closed_loop import AxisLoop
 from ..procedures.static_noise import reduction as static_noise
 from ..procedures.static_noise.scale import SCALE
@@ -18,12 +19,12 @@ from .budgets import budget_rows
 from .cross_checks import MODELLED
 from .curves import curves_content, ten_digits
 from .display import display_unit, displayed, scaled, scaled_interval
+from .engine import Prepared
 from .exclusions import exclusion_rows
 from .load import Campaign
 from .margins import margin
-from .modelling import Modelled, Prepared
-from .positions_result import by_quantity
-from .prepare import modelled_sensor, sensor_of
+from .modelling import Modelled
+from .prepared import modelled_sensor, sensor_of
 from .requirements import RULE, Tested, Verdict, judge, worst
 from .schema import Test
 from .sequence import sequence_rows

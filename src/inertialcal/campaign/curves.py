@@ -19,7 +19,7 @@ from .display import PULSES, display_unit
 from .load import Campaign
 from .modelling import Modelled
 from .overlays import overlays
-from .prepare import modelled_sensor, sensor_of
+from .prepared import modelled_sensor, sensor_of
 from .requirements import Tested
 
 IN_HOURS = ("record_length", "mass_series", "mass_correlation")  # as people plan and read them

@@ -19,9 +19,9 @@ from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.exclusions import Mask
 from ..procedures.static_noise import reduction as static_noise
 from .curves import ten_digits
+from .engine import Prepared
 from .load import Campaign
-from .modelling import Prepared
-from .prepare import sensor_of
+from .prepared import sensor_of
 from .requirements import Tested
 from .schema_sensors import Chain
 

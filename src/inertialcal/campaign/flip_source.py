@@ -11,8 +11,8 @@ import numpy as np
 
 from ..core.recording import SECOND, Recording
 from ..core.times import instant_text
+from ..procedures.flip.entry import Means
 from ..procedures.flip.reduction import Window
-from .schema_recordings import Means
 
 CLOCK_COLUMN = re.compile(r"time column '(.*)'")
 

@@ -8,7 +8,7 @@ from collections.abc import Mapping, Sequence
 from ..core.errors import DataError, UsageError
 from ..core.units import parse_quantity
 from ..files.text.table import Table
-from .schema_recordings import Means
+from ..procedures.flip.entry import Means
 
 PATTERNS = {
     "axis": r"^(axis|channel|sensor)$",

@@ -6,8 +6,9 @@ from collections.abc import Iterator
 
 from ..core.errors import DataError, Problem
 from ..core.units import kind, parse_quantity, same_dimension
+from ..procedures.mass_attraction.entry import Lines
 from .schema import CampaignFile, Test
-from .schema_recordings import Lines, RecordingEntry
+from .schema_recordings import RecordingEntry
 from .toml_lines import At
 
 

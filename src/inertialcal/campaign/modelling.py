@@ -19,17 +19,16 @@ from ..core.estimate import Array, Component, Estimate
 from ..core.remarks import Remark
 from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.closed_loop import AxisLoop, Find, HeldOut, closed_loop, held_out_errors, overall
+from ..procedures.rate_table.recordings import together
 from ..procedures.thermal.closed_loop import Left
+from ..procedures.thermal.correction import ThermalCorrection
 from ..sensors.model.assemble import model_from
 from ..sensors.model.compensate import compensate
 from ..sensors.model.sensor_model import Item, Provenance, SensorModel
-from .after import Bias
 from .chains import body_scale_factors
+from .engine import Prepared
 from .load import Campaign
-from .origins import Origin
-from .schema import Test
 from .schema_sensors import Sensor
-from .tables import together
 from .temperature_terms import with_temperature
 from .thermal_loop import ThermalLoop, judged_loops
 
@@ -41,17 +40,6 @@ TERM = {
     "misalignment": "misalignment",
     "scale_factor_asymmetry": "asymmetry",
 }
-
-
-@dataclass(frozen=True, eq=False)
-class Prepared:
-    """A test ready to be reduced: entry, plan, readings, SHA-256 of its files by path, and its recordings."""
-
-    test: Test
-    plan: Any
-    readings: Any
-    inputs: Mapping[str, str]
-    origins: tuple[Origin, ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +97,7 @@ def make_model(
     campaign: Campaign,
     prepared: Sequence[Prepared],
     sensor: Sensor,
-    biases: Mapping[str, Bias] | None = None,
+    biases: Mapping[str, ThermalCorrection] | None = None,
     left: Mapping[str, tuple[str, tuple[Left, ...]]] | None = None,
 ) -> Modelled | None:
     """Make and judge the model of one sensor; None where no test is for a fit or nothing could be estimated.
@@ -122,7 +110,7 @@ def make_model(
         Rate-table tests of the sensor.
     sensor : Sensor
         Which.
-    biases : mapping of str to Bias, optional
+    biases : mapping of str to ThermalCorrection, optional
         Of thermal tests, by name: what rate-table tests come after.
     left : mapping, optional
         What thermal tests leave on power-ups held out, as ``thermal_loop.left_over`` gives it.
@@ -166,7 +154,7 @@ def make_model(
     return Modelled(whole, result, loops, verdict, remarks, errors, over_temperature)
 
 
-def _taken_off(tests: Sequence[Prepared], biases: Mapping[str, Bias]) -> Bias | None:
+def _taken_off(tests: Sequence[Prepared], biases: Mapping[str, ThermalCorrection]) -> ThermalCorrection | None:
     """Return the bias over temperature that was taken off all of these tests; None where none was.
 
     Raises
@@ -241,7 +229,7 @@ def _model(
     result: rate_table.Result,
     estimate: Estimate,
     tests: Mapping[str, list[Prepared]],
-    law: Bias | None = None,
+    law: ThermalCorrection | None = None,
 ) -> SensorModel:
     axes = tuple(axis for axis in sensor.axes if axis in result.lines)
     referenced = all(one.plan.zero_reference for one in tests["bias"])
@@ -269,12 +257,12 @@ def _model(
     )
 
 
-def _temperatures(law: Bias) -> dict[str, Any]:
+def _temperatures(law: ThermalCorrection) -> dict[str, Any]:
     """Return the temperatures that the terms of a bias over temperature refer to, and hold for."""
     return {"reference_temperature": law.result.plan.reference_temperature, "temperature_range": law.range}
 
 
-def _provenance(name: str, tests: Mapping[str, list[Prepared]], law: Bias | None = None) -> Provenance:
+def _provenance(name: str, tests: Mapping[str, list[Prepared]], law: ThermalCorrection | None = None) -> Provenance:
     """Return where a term comes from: the tests in which its sensor was read, and the bias that was taken off."""
     if law is not None and name.startswith(OVER_TEMPERATURE):
         return Provenance(law.test, tuple(sweep.name for sweep in law.result.readings.sweeps))

@@ -7,12 +7,13 @@ from dataclasses import replace
 
 from ..core.errors import InertialcalError, PlanError
 from ..files.models.model_json import dump_model
-from .after import Bias
+from ..procedures.thermal.correction import ThermalCorrection
 from .cross_checks import MODELLED
+from .engine import Prepared
 from .load import Campaign
-from .modelling import Modelled, Prepared, make_model
+from .modelling import Modelled, make_model
 from .positions_model import make_positions_model
-from .prepare import placed, sensor_of
+from .prepared import placed, sensor_of
 from .requirements import Tested
 from .schema import Test
 from .thermal_left import LeftOver
@@ -24,7 +25,7 @@ def models_of(
     campaign: Campaign,
     prepared: Sequence[Prepared],
     tested: Sequence[Tested],
-    biases: Mapping[str, Bias],
+    biases: Mapping[str, ThermalCorrection],
     left: LeftOver,
 ) -> Modelled | None:
     """Make the model of the sensor that was fitted first, and with it those of others whose positions were fitted.
@@ -67,7 +68,7 @@ def _one(
     test: Test,
     prepared: Sequence[Prepared],
     tested: Sequence[Tested],
-    biases: Mapping[str, Bias],
+    biases: Mapping[str, ThermalCorrection],
     left: LeftOver,
 ) -> Modelled | None:
     """Make the model of the sensor of a test, of all tests of its procedure."""

@@ -14,8 +14,8 @@ from typing import Any, get_args, get_origin, get_type_hints
 from pydantic import ConfigDict, Field, ValidationError, create_model
 
 from ..core.errors import Problem
-from ..procedures import PROCEDURES
-from .quantities import quantity
+from ..core.quantities import quantity
+from ..procedures import procedure_of
 
 
 def plan_values(procedure: str, given: dict[str, Any], where: str) -> tuple[dict[str, Any], list[Problem]]:
@@ -30,7 +30,7 @@ def plan_values(procedure: str, given: dict[str, Any], where: str) -> tuple[dict
     where : str
         Place of the table, for messages.
     """
-    plan = PROCEDURES[procedure].Plan
+    plan: Any = procedure_of(procedure).plan_type
     settings = plan_settings(plan)
     try:
         read = _model(plan).model_validate(given)

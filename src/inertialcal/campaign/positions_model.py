@@ -9,6 +9,7 @@ import numpy as np
 
 from ..core.errors import PlanError
 from ..core.remarks import Remark
+from ..procedures.positions.of_sensor import OfSensor
 from ..procedures.rate_table.closed_loop import overall
 from ..sensors.model.assemble import model_from
 from ..sensors.model.sensor_model import Item, Provenance, SensorModel
@@ -16,7 +17,6 @@ from .chains import body_scale_factors
 from .load import Campaign
 from .modelling import Modelled
 from .positions_loop import loops_of
-from .positions_result import OfSensor
 from .requirements import Tested
 from .schema_sensors import Sensor
 

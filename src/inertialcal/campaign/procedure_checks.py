@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ..core.errors import Problem
-from ..procedures import PROCEDURES
+from ..procedures import procedure_names
 from .mass_checks import mass_checks
 from .plans import plan_values
 from .schema import CampaignFile, Test
@@ -33,8 +33,8 @@ HELD_OUT = ("rate_table", "thermal", "positions")  # procedures whose tests judg
 def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
     """Find a test that its procedure cannot carry out."""
     where = at("tests", number, "procedure")
-    if test.procedure not in PROCEDURES:
-        do = f"There are: {', '.join(PROCEDURES)}"
+    if test.procedure not in procedure_names():
+        do = f"There are: {', '.join(procedure_names())}"
         yield Problem(f"test {test.id!r}: no procedure {test.procedure!r}", where, do=do, code="unknown_name")
         return
     if test.use == "hold_out" and test.procedure not in HELD_OUT:

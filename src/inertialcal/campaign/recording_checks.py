@@ -8,10 +8,11 @@ from pathlib import Path
 from ..core.errors import DataError, InertialcalError, Problem
 from ..core.units import kind, parse_quantity
 from ..files.pad.pairs import pairs_of
+from ..procedures.rate_table.entry import Rows
 from .chains import build_chain, scale_factors
 from .mass_checks import line_units
 from .schema import CampaignFile
-from .schema_recordings import RecordingEntry, Rows
+from .schema_recordings import RecordingEntry
 from .schema_sensors import Sensor
 from .toml_lines import At
 

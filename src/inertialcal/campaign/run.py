@@ -13,18 +13,15 @@ from ..core.remarks import Remark, gather
 from ..core.show.frames import frame
 from ..core.show.result_tables import told
 from ..core.show.tables import Grid, Part, html, text
-from ..procedures import PROCEDURES
-from ..procedures.positions import reduction as positions
+from ..procedures import procedure_of
 from ..report.page import report_html
-from .after import Bias
 from .contents import results_content
+from .engine import Prepared, reduce_test
 from .load import Campaign, load
-from .modelling import Modelled, Prepared
+from .modelling import Modelled
 from .models_made import model_files, models_of
 from .outcome_tables import outcome_parts
-from .positions_result import OfSensor
-from .prepare import placed, prepare, sensor_of
-from .procedure_checks import AFTER
+from .prepared import placed, prepare
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
@@ -185,7 +182,8 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
     tell(len(tested), len(tested), "model and requirements")
     tested, left = left_over(campaign, tested)
-    biases = {one.test.id: Bias(one.test.id, one.result) for one in tested if one.test.procedure == AFTER}
+    made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
+    biases: dict[str, Any] = {name: one for name, one in made.items() if one is not None}
     modelled = models_of(campaign, prepared, tested, biases, left)
     if modelled is not None:
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
@@ -213,9 +211,7 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
             continue  # what it comes after was refused, which says why
         try:
             ready[number] = prepare(campaign, number, results)
-            found = PROCEDURES[test.procedure].reduce(ready[number].plan, ready[number].readings)
-            of_one = isinstance(found, positions.Result)
-            results[test.id] = OfSensor(found, sensor_of(campaign, test).kind) if of_one else found
+            results[test.id] = reduce_test(ready[number])
         except InertialcalError as error:
             problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
     if problems:

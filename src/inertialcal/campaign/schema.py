@@ -10,12 +10,12 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from ..core.quantities import Acceleration, Angle, Length
+from ..core.schema_words import Name, Strict, Text
 from ..core.times import read_instant
-from .quantities import Acceleration, Angle, Length
 from .schema_recordings import RecordingEntry
 from .schema_sensors import Sensor
 from .schema_standards import StandardEntry
-from .schema_words import Name, Strict, Text
 
 
 class CampaignHead(Strict):

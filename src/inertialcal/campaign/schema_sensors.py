@@ -6,9 +6,9 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
+from ..core.quantities import Duration, Unit, Voltage
+from ..core.schema_words import Axis, PerAxis, Strict, Text
 from ..core.units import kind
-from .quantities import Duration, Unit, Voltage
-from .schema_words import Axis, PerAxis, Strict, Text
 
 
 class Thermometer(Strict):

@@ -7,8 +7,8 @@ import math
 from pydantic import Field, model_validator
 
 from ..core.influence import Influence
+from ..core.schema_words import Strict, Text
 from ..core.units import parse_quantity
-from .schema_words import Strict, Text
 
 LARGEST = 1e9  # uncertainty of a standard, SI: beyond it a digit or a unit is wrong
 # Influences that may stand under [standards.NAME], with the unit that they are read into.

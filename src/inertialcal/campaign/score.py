@@ -20,7 +20,7 @@ from ..procedures.flip import reduction as flip
 from ..rigs import RIGS
 from ..rigs.protocol import TrueValue, Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
-from .in_memory import Fitted, Result, fitted_tests
+from .in_memory import Fitted, fitted_tests
 from .publish import OUT, previous
 from .twin import Key, Truth, known_truth, read_truth, truth_by_key
 
@@ -256,7 +256,7 @@ def _intervals(one: Fitted) -> Iterator[tuple[Key, Interval]]:
         yield (quantity, axis, one.test, ""), t_interval(float(value), float(u), float(dof))
 
 
-def _called(result: Result, name: str) -> str:
+def _called(result: Any, name: str) -> str:
     """Return the name of a value as the rows have it: what is left after a ground model is the error of that model."""
     corrected = isinstance(result, flip.Result) and result.plan.corrected
     return name.replace("bias_", f"{flip.MODEL_BIAS}_", 1) if corrected and name.startswith("bias_") else name

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..core.times import instant_text
+from .engine import Prepared
 from .exclusions import RULES, UNREAD
-from .modelling import Prepared
 from .origins import Origin
 
 

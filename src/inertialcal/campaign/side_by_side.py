@@ -7,10 +7,10 @@ from dataclasses import replace
 
 from ..core.errors import InertialcalError
 from ..core.results import Row
-from ..procedures.flip.side_by_side import side_by_side
-from ..procedures.thermal.against import offset_rows, quantity_of
+from ..procedures import procedure_of
+from ..procedures.protocol import Tested as HeldAgainst
 from .load import Campaign
-from .prepare import placed
+from .prepared import placed
 from .requirements import Tested
 
 
@@ -35,7 +35,6 @@ def _beside(campaign: Campaign, one: Tested, other: Tested) -> Tested:
     return replace(one, rows=[*one.rows, *(replace(row, test=one.test.id) for row in rows)])
 
 
-def _rows(one: Tested, other: Tested) -> list[Row]:
-    if one.test.procedure == "thermal":
-        return offset_rows(one.result, other.result, other.test.id, quantity_of(one.test.condition))
-    return side_by_side(one.result, other.result, other.test.id)
+def _rows(one: Tested, other: Tested) -> Sequence[Row]:
+    of_other = HeldAgainst(other.test.id, other.test.condition, other.test.use, None, None, other.result)
+    return procedure_of(one.test.procedure).against(one.result, of_other, one.test.condition) or ()

@@ -22,11 +22,11 @@ from ..files import read
 from ..files.pad.frames import sensor_frame
 from ..files.text.table import read_table
 from ..procedures.flip import reduction as procedure
+from ..procedures.flip.inputs import means_of
 from ..procedures.flip.plan import Axis
 from ..procedures.flip.recordings import Turned, readings_from
 from ..procedures.flip.tables import readings_of_means
 from .display import displayed
-from .flip_inputs import means_of
 from .flip_record import Said, axes_of, found_windows, given_windows, head_recording
 from .flip_source import FlipSource, source_of
 from .flip_table import is_table_of_means, means_columns

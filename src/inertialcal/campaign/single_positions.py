@@ -23,15 +23,15 @@ from ..core.units import factor, kind, parse_quantity
 from ..files.models.model_json import dump_model
 from ..files.write.atomic import atomic_write
 from ..procedures.positions import reduction as procedure
+from ..procedures.positions.channels import SENSORS
 from ..procedures.positions.curves import curves
+from ..procedures.positions.files import Asked, Sources, named_files, sources
+from ..procedures.positions.of_sensor import by_quantity
+from ..procedures.positions.orientation_text import FACES, directions
 from ..procedures.positions.readings import Readings
 from ..sensors.model.sensor_model import Provenance, SensorModel
 from .display import displayed
-from .positions_channels import SENSORS
 from .positions_held import Held, held_out
-from .positions_result import by_quantity
-from .positions_sources import Asked, Sources, named_files, sources
-from .positions_words import FACES, directions
 from .schema_standards import STANDARDS, StandardEntry
 
 KINDS = {"acc": "accelerometer", "gyro": "gyro"}

@@ -16,12 +16,13 @@ from ..core.axes import AXES
 from ..core.errors import DataError, UsageError
 from ..core.recording import Recording
 from ..core.units import convert, kind, normalise
-from ..procedures.rate_table.recordings import APPLIED, readings_from
+from ..procedures.rate_table.procedure import PROCEDURE
+from ..procedures.rate_table.recordings import APPLIED
 from ..procedures.rate_table.reduction import Plan, Readings
-from .channels import turned_recording
 from .schema import Test
 from .schema_recordings import ChannelEntry, RecordingEntry
 from .schema_sensors import Sensor
+from .sources import Folder, Ready, facts_of
 
 SAMPLES_A_STEP = 3.0  # fewer samples between changes of the table's rate: no recording of steps
 FOLLOWS = 0.9  # correlation with the table above which an axis is named as the one that follows
@@ -84,8 +85,8 @@ def stepped_readings(path: Path, columns: Mapping[str, Any], plan: Plan, sensor:
     channels = {name: ChannelEntry(column=column, unit=columns["unit"]) for name, column in named.items()}
     entry = RecordingEntry(sensor="sensor", file=path.name, channels=channels, axis=columns["axis"])
     test = Test(id="rate_table", procedure="rate_table", recordings=["file"])
-    turned, hashes, _ = turned_recording(path.parent, "file", entry, sensor, test)
-    return readings_from(plan, [turned]), hashes[path.name]
+    source = Ready(Folder(path.parent), "file", entry, sensor, facts_of(sensor, {}), PROCEDURE.inputs, test)
+    return PROCEDURE.readings(plan, [source]), source.inputs[path.name]
 
 
 def _by_axis(

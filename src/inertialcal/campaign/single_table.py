@@ -8,12 +8,15 @@ from typing import Any
 
 from ..core.errors import UsageError
 from ..core.units import normalise
+from ..procedures.rate_table.entry import Rows
+from ..procedures.rate_table.plan import Plan
+from ..procedures.rate_table.procedure import PROCEDURE
 from ..procedures.rate_table.reduction import Readings
 from .schema import Test
-from .schema_recordings import RecordingEntry, Rows
+from .schema_recordings import RecordingEntry
 from .schema_sensors import Sensor
+from .sources import Folder, Ready, facts_of
 from .table_columns import Guess
-from .tables import rate_table_readings
 
 
 def table_columns(
@@ -77,15 +80,15 @@ def table_readings(file: Path, columns: Mapping[str, Any], sensor: Sensor) -> tu
     Raises
     ------
     DataError
-        As ``tables.rate_table_readings``.
+        As ``rate_table.tables.readings_of_table``.
     """
     turned = turned_axis(columns)
     rows = Rows(**{name: value for name, value in columns.items() if name != "axis" or not turned})
     entry = RecordingEntry(sensor="sensor", file=file.name, rows=rows)
-    plan = {"axis": turned} if turned else {}
-    test = Test(id="rate_table", procedure="rate_table", recordings=["file"], plan=plan)
-    readings, table, *_ = rate_table_readings(file.parent, "file", entry, sensor, test)
-    return readings, table.source.sha256
+    test = Test(id="rate_table", procedure="rate_table", recordings=["file"])
+    source = Ready(Folder(file.parent), "file", entry, sensor, facts_of(sensor, {}), PROCEDURE.inputs, test)
+    readings = PROCEDURE.readings(Plan(axis=turned), [source])
+    return readings, source.inputs[file.name]
 
 
 def _lacking(found: Guess, names: Sequence[str], said: Mapping[str, Any]) -> Iterator[tuple[str, str, str]]:

@@ -9,13 +9,13 @@ from ..core.influence import Influence
 from ..core.results import finite
 from ..procedures.flip import reduction as flip
 from ..procedures.positions import reduction as positions
+from ..procedures.positions.of_sensor import OfSensor
 from ..procedures.positions.rows import missing
 from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.rows import applies
 from ..procedures.static_noise import reduction as static_noise
 from ..procedures.thermal import reduction as thermal
 from .load import Campaign
-from .positions_result import OfSensor
 from .requirements import Tested
 from .schema_standards import STANDARDS
 

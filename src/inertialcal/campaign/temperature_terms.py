@@ -14,13 +14,17 @@ import numpy as np
 from ..core.estimate import Array, Component, Estimate
 from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.quantities import taken_off_changes
-from .after import Bias, law_of
+from ..procedures.thermal.correction import ThermalCorrection, law_of
 
 BIAS = "bias_"
 
 
 def with_temperature(
-    estimate: Estimate, matrix: rate_table.Result, bias: rate_table.Result, law: Bias, axes: tuple[str, ...]
+    estimate: Estimate,
+    matrix: rate_table.Result,
+    bias: rate_table.Result,
+    law: ThermalCorrection,
+    axes: tuple[str, ...],
 ) -> Estimate:
     """Return the estimate of a rate table with the bias at the reference temperature, and its coefficients.
 
@@ -30,7 +34,7 @@ def with_temperature(
         Of the rate table: ``bias_x`` is what is left there.
     matrix, bias : rate_table.Result
         Reductions that its matrix entries and its biases are of.
-    law : Bias
+    law : ThermalCorrection
         That was taken off both.
     axes : tuple of str
         Of the model.

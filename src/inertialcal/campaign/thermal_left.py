@@ -9,7 +9,7 @@ from ..core.errors import InertialcalError
 from ..procedures.thermal import reduction as thermal
 from ..procedures.thermal.closed_loop import Left, held_out, residual_rows
 from .load import Campaign
-from .prepare import placed
+from .prepared import placed
 from .requirements import Tested
 from .schema import Test
 

@@ -20,10 +20,10 @@ from ..core.recording import SECOND, Recording
 from ..core.show.tables import Grid, Part, html, text
 from ..procedures.mass_attraction.schedule import Schedule
 from ..procedures.mass_attraction.schedule_csv import write_schedule
+from ..procedures.positions.orientation_text import Section, sections_text
 from ..rigs import RIGS
 from ..rigs.protocol import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load
-from .positions_words import Section, sections_text
 from .publish import json_text
 
 TRUTH = ".truth/truth.json"

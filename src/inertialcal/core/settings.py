@@ -53,7 +53,7 @@ class Setting:
 
 
 def setting(
-    help: str,  # noqa: A002 - what everybody calls it
+    help: str,
     default: Any = MISSING,
     *,
     unit: str = "",

@@ -16,7 +16,7 @@ from ..core.axes import AXES, Kind
 if TYPE_CHECKING:
     from ..core.curve import Curve
     from ..core.errors import Problem
-    from ..core.estimate import Array, Estimate
+    from ..core.estimate import Array
     from ..core.influence import Influence, Standards
     from ..core.recording import Recording
     from ..core.remarks import Remark
@@ -201,7 +201,11 @@ class Source(Protocol):
         """Return SI units a unit of the table, for differences."""
         ...
 
-    def extra(self, file: str, read: Callable[[Any], T]) -> T:
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        ...
+
+    def read_file(self, file: str, read: Callable[[Any], T]) -> T:
         """Return what another file says of it (a schedule, sections), read and counted among the inputs."""
         ...
 
@@ -215,27 +219,9 @@ class WithRemarks(Protocol):
         ...
 
 
-class Finding(Protocol):
-    """A result: a frozen dataclass with its estimate and what was found on the way."""
-
-    @property
-    def estimate(self) -> Estimate | None:
-        """Quantities with their covariance, SI."""
-        ...
-
-    @property
-    def remarks(self) -> tuple[Remark, ...]:
-        """Findings."""
-        ...
-
-    def rows(self) -> tuple[Row, ...]:
-        """Rows of ``results.json``, SI."""
-        ...
-
-
 P = TypeVar("P")
-R = TypeVar("R", bound=WithRemarks)
-S = TypeVar("S", bound=Finding)
+R = TypeVar("R", bound="WithRemarks | None")
+S = TypeVar("S", bound=WithRemarks)
 
 
 class Correction(Protocol):
@@ -291,8 +277,6 @@ class Tested(Generic[P, R, S]):
         As the campaign says.
     plan, readings, result
         Of the procedure.
-    facts : Facts
-        Of its sensor.
     """
 
     id: str
@@ -301,7 +285,6 @@ class Tested(Generic[P, R, S]):
     plan: P
     readings: R
     result: S
-    facts: Facts
 
 
 class Procedure(Generic[P, R, S]):
@@ -340,8 +323,8 @@ class Procedure(Generic[P, R, S]):
         """
         return self.plan_type(**{**values, **self.plan_fields(facts)})
 
-    def inputs_for(self, plan: P) -> InputSpec:
-        """Return what is taken with this plan; the same for all plans by default."""
+    def inputs_for(self, plan: P, corrections: Sequence[Correction] = ()) -> InputSpec:
+        """Return what is taken with this plan and after these corrections; always the same by default."""
         return self.inputs
 
     def readings(self, plan: P, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> R:
@@ -357,6 +340,10 @@ class Procedure(Generic[P, R, S]):
     def reduce(self, plan: P, readings: R) -> S:
         """Return the result: pure."""
         raise NotImplementedError
+
+    def of_sensor(self, result: S, facts: Facts) -> Any:
+        """Return a result as it is about the sensor of the test; the whole by default."""
+        return result
 
     def remarks(self, facts: Facts) -> Sequence[Remark]:
         """Return what there is to say of the sensor alone."""
@@ -386,11 +373,22 @@ class Procedure(Generic[P, R, S]):
         """Return what later tests may take off their readings; None where there is nothing."""
         return None
 
+    def against(self, result: S, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row] | None:
+        """Return what two tests differ by; None where they are not set beside each other.
+
+        Raises
+        ------
+        PlanError, DataError
+            If the two cannot be.
+        """
+        return None
+
     # ---- shown ------------------------------------------------------------------------------------------------
 
-    def rows(self, result: S) -> Sequence[Row]:
-        """Return the rows of ``results.json``, SI."""
-        return result.rows()
+    def rows(self, result: Any) -> Sequence[Row]:
+        """Return the rows of ``results.json``, SI, of a result about one sensor."""
+        found: Sequence[Row] = result.rows()
+        return found
 
     def curves(self, result: S) -> Sequence[Curve]:
         """Return the curves of ``results.json``, SI."""

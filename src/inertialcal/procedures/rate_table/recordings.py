@@ -289,3 +289,54 @@ def _angles(one: Turned, dwells: list[Dwell], applied: Array) -> tuple[Array, Ar
     steps = 0.5 * (rate[1:] + rate[:-1]) * np.diff(seconds)
     turned = np.concatenate([[0.0], np.cumsum(steps)])
     return np.array([turned[d.start] for d in dwells]) - 0.5 * applied * interval, angle
+
+
+def together(parts: list[Readings]) -> Readings:
+    """Return the dwells of several recordings as one test.
+
+    Raises
+    ------
+    DataError
+        If one has runs and another has none: they could not be told apart.
+    """
+    if len(parts) == 1:
+        return parts[0]
+    if len({part.run is None for part in parts}) > 1:
+        raise DataError("some recordings of the test name their runs and some do not", do="Give rows.run for all")
+    sensors = list(dict.fromkeys(name for part in parts for name in part.outputs))
+    before = np.cumsum([0, *(len(part) for part in parts)])
+    earth: Array | None = None
+    sources: dict[str, Array] = {}
+    if all(part.earth is not None for part in parts):
+        earth, sources = gathered([(part.earth, dict(part.earth_sources)) for part in parts if part.earth is not None])
+    return Readings(
+        applied=np.concatenate([part.applied for part in parts]),
+        axis=np.concatenate([part.axis for part in parts]),
+        outputs={name: _filled([part.outputs.get(name) for part in parts], parts) for name in sensors},
+        scatters={name: _filled([part.scatters.get(name) for part in parts], parts) for name in sensors
+                  if any(name in part.scatters for part in parts)},
+        samples=None if any(part.samples is None for part in parts)
+        else np.concatenate([part.samples for part in parts if part.samples is not None]),
+        run=None if parts[0].run is None
+        else np.concatenate([part.run for part in parts if part.run is not None]),
+        group=None if all(part.group is None for part in parts)
+        else np.concatenate([np.full(len(part), "") if part.group is None else part.group for part in parts]),
+        where=tuple(place for part in parts for place in part.where),
+        sensors=parts[0].sensors,
+        earth=earth,
+        earth_sources=sources,
+        taken_off=joined([part.taken_off for part in parts], [len(part) for part in parts]),
+        remarks=tuple(remark for part in parts for remark in part.remarks),
+        incomplete=None if all(part.incomplete is None for part in parts) else np.concatenate(
+            [np.zeros(len(part), dtype=bool) if part.incomplete is None else part.incomplete for part in parts]
+        ),
+        tallies=tuple(one for part in parts for one in part.tallies),
+        traces=tuple(
+            one.shifted(int(rows)) for part, rows in zip(parts, before[:-1], strict=True) for one in part.traces
+        ),
+    )  # fmt: skip
+
+
+def _filled(columns: list[Array | None], parts: list[Readings]) -> Array:
+    filled = [np.full(len(part), np.nan) if c is None else c for c, part in zip(columns, parts, strict=True)]
+    return np.concatenate(filled)

@@ -10,21 +10,25 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ..core.axes import AXES
-from ..core.errors import DataError
-from ..core.estimate import Array, Component, Estimate
-from ..core.influence import Influence
-from ..core.recording import Recording
-from ..core.remarks import Remark
-from ..procedures.rate_table.recordings import Turned
-from ..procedures.rate_table.taken_off import TakenOff
-from ..procedures.thermal import reduction as thermal
-from ..procedures.thermal.quantities import Asked, estimate, power_unit
-from ..sensors.thermal import powers_of
-from .channels import TEMPERATURE
+from ...core.axes import AXES
+from ...core.errors import DataError
+from ...core.estimate import Array, Component, Estimate
+from ...core.influence import Influence
+from ...core.recording import Recording
+from ...core.remarks import Remark
+from ...sensors.thermal import powers_of
+from ..rate_table.taken_off import TakenOff
+from .earth import earth_along
+from .law import Law
+from .quantities import Asked, estimate, power_unit
+from .recordings import TEMPERATURE
+
+if TYPE_CHECKING:
+    from .reduction import Result
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
 PATH = "sensor.hysteresis"
@@ -32,19 +36,19 @@ TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
 
 
 @dataclass(frozen=True, eq=False)
-class Bias:
+class ThermalCorrection:
     """The bias over temperature that a thermal test found, to be taken off.
 
     Parameters
     ----------
     test : str
         Its name.
-    result : thermal.Result
+    result : Result
         Of it.
     """
 
     test: str
-    result: thermal.Result
+    result: Result
 
     @property
     def range(self) -> tuple[float, float]:
@@ -52,39 +56,39 @@ class Bias:
         domains = [one.law.domain for one in self.result.sensors.values()]
         return max(low for low, _ in domains), min(high for _, high in domains)
 
+    def apply(
+        self, recordings: Sequence[tuple[str, Recording]]
+    ) -> tuple[list[Recording], list[Mapping[str, TakenOff]]]:
+        """Return recordings with the bias over temperature taken off, and what is not known of it in each.
 
-def without_bias(turned: Sequence[Turned], bias: Bias) -> list[Turned]:
-    """Return recordings of a rate table with the bias over temperature taken off.
+        Parameters
+        ----------
+        recordings : sequence of (str, Recording)
+            Each with its name: channels named by axis [rad/s], and their temperatures [degC].
 
-    Parameters
-    ----------
-    turned : sequence of Turned
-        Channels named by axis [rad/s], and their temperatures [degC].
-    bias : Bias
-        To be taken off.
-
-    Raises
-    ------
-    DataError
-        ``no_temperature`` if a recording has none; ``no_law`` if the thermal test found no bias of a sensor;
-        ``outside`` if a recording lies outside the temperatures of the law.
-    """
-    corrected, levels = [], []
-    for one in turned:
-        recording, level = _without(one, bias)
-        corrected.append(replace(one, recording=recording))
-        levels.append(level)
-    unknown = _unknowns(bias, levels)
-    return [
-        replace(one, taken_off={name: off.take(np.array([i])) for name, off in unknown.items()})
-        for i, one in enumerate(corrected)
-    ]
+        Raises
+        ------
+        DataError
+            ``no_temperature`` if a recording has none; ``no_law`` if the thermal test found no bias of a sensor;
+            ``outside`` if a recording lies outside the temperatures of the law.
+        """
+        corrected, levels = [], []
+        for name, one in recordings:
+            recording, level = _without(one, name, self)
+            corrected.append(recording)
+            levels.append(level)
+        unknown = _unknowns(self, levels)
+        taken_off: list[Mapping[str, TakenOff]] = [
+            {origin: one.take(np.array([i])) for origin, one in unknown.items()} for i in range(len(corrected))
+        ]
+        return corrected, taken_off
 
 
-def _without(one: Turned, bias: Bias) -> tuple[Recording, dict[str, float]]:
+def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[Recording, dict[str, float]]:
     """Return a recording without the bias, and the mean temperature of each of its sensors [degC]."""
-    recording, level, channels, outside = one.recording, {}, [], 0
-    place = recording.source.path or one.name
+    level: dict[str, float] = {}
+    channels, outside = [], 0
+    place = recording.source.path or name
     for channel in recording.channels:
         if channel.name not in AXES:
             channels.append(channel)
@@ -97,7 +101,7 @@ def _without(one: Turned, bias: Bias) -> tuple[Recording, dict[str, float]]:
         outside = max(outside, int(np.count_nonzero(np.isfinite(warmth) & ~inside)))
         level[channel.name] = float(np.mean(warmth[inside]))
         off = np.where(inside, law.basis(np.where(inside, warmth, law.domain[0])) @ law.coefficients, np.nan)
-        earth = thermal.earth_along(bias.result.plan)[0][AXES.index(channel.name)]
+        earth = earth_along(bias.result.plan)[0][AXES.index(channel.name)]
         channels.append(replace(channel, data=np.asarray(channel.data, dtype=float) - (off - earth)))
     remarks = recording.remarks
     if outside:
@@ -106,7 +110,7 @@ def _without(one: Turned, bias: Bias) -> tuple[Recording, dict[str, float]]:
     return replace(recording, channels=tuple(channels), remarks=remarks), level
 
 
-def _law(bias: Bias, axis: str, place: str) -> thermal.Law:
+def _law(bias: ThermalCorrection, axis: str, place: str) -> Law:
     found = bias.result.sensors.get(axis)
     if found is None:
         what = f"after = {bias.test!r}, but that found no bias over temperature of {axis}"
@@ -130,7 +134,7 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
     return DataError(what, place, do="Leave out after, or ramp further", code="outside")
 
 
-def _unknowns(bias: Bias, levels: Sequence[Mapping[str, float]]) -> dict[str, TakenOff]:
+def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[str, TakenOff]:
     """Return what is not known of the bias that was taken off, a dwell a recording, by source."""
     result, n = bias.result, len(levels)
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
@@ -151,10 +155,10 @@ def _unknowns(bias: Bias, levels: Sequence[Mapping[str, float]]) -> dict[str, Ta
     return named
 
 
-def law_of(bias: Bias) -> dict[str, tuple[float, str]]:
+def law_of(bias: ThermalCorrection) -> dict[str, tuple[float, str]]:
     """Return value and unit of each coefficient of the bias over temperature, by name: ``bias_x``, ..., SI."""
     found = {}
-    earth = thermal.earth_along(bias.result.plan)[0]
+    earth = earth_along(bias.result.plan)[0]
     for axis, one in bias.result.sensors.items():
         powers = powers_of(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
         values = powers @ one.law.coefficients

@@ -17,12 +17,12 @@ from typing import Any
 
 import numpy as np
 
-from ..core.axes import AXES
-from ..core.errors import DataError, UsageError
-from ..core.estimate import Array
-from ..core.units import factor, parse_quantity
-from ..files.text.table import Table, read_table
-from .positions_site import turn_problems
+from ...core.axes import AXES
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array
+from ...core.units import factor, parse_quantity
+from ...files.text.table import Table, read_table
+from .site import turn_problems
 
 FACES = "faces"  # in place of words: each position lies on the face that is nearest
 POSITION = re.compile(

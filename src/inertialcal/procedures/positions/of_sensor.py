@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from ..core.axes import Kind
-from ..core.curve import Curve
-from ..core.estimate import Estimate
-from ..core.remarks import Remark
-from ..core.results import Row
-from ..procedures.positions import reduction as positions
-from ..procedures.positions.curves import curves
-from ..sensors.model.sensor_model import SensorModel
+from ...core.axes import Kind
+from ...core.curve import Curve
+from ...core.estimate import Estimate
+from ...core.remarks import Remark
+from ...core.results import Row
+from ...sensors.model.sensor_model import SensorModel
+from . import reduction as positions
+from .curves import curves
 
 OWN = {"accelerometer": "positions", "gyro": "transitions"}  # curve that is about a sensor
 

@@ -10,19 +10,19 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.errors import DataError, UsageError
-from ..core.estimate import Array
-from ..core.recording import SECOND, Recording
-from ..files import read
-from ..files.text.table import read_table
-from ..procedures.positions.plan import Plan
-from ..procedures.positions.readings import Readings
-from ..procedures.positions.recordings import Section, readings_from
-from .positions_channels import SENSORS, Taken, taken
-from .positions_site import site_problems, turn_problems
-from .positions_table import is_table, readings_columns, table_readings
-from .positions_words import Section as Said
-from .positions_words import direction_of, runs_of, sections_of, turn_of
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Recording
+from ...files import read
+from ...files.text.table import read_table
+from .channels import SENSORS, Taken, taken
+from .orientation_text import Section as Said
+from .orientation_text import direction_of, runs_of, sections_of, turn_of
+from .plan import Plan
+from .readings import Readings
+from .recordings import Section, readings_from
+from .site import site_problems, turn_problems
+from .tables import is_table, readings_columns, table_readings
 
 GAP = 1.0  # between files that are put one after the other [s]
 OWN = ("acc", "gyro", "temperature")  # units that are said of sensors, and not of columns of time

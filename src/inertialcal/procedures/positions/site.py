@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from ..core.errors import Problem
-from ..procedures.positions.plan import Plan
+from ...core.errors import Problem
+from .plan import Plan
 
 
 def site_problems(plan: Plan) -> list[Problem]:

@@ -7,15 +7,15 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..core.axes import AXES
-from ..core.errors import DataError
-from ..core.estimate import Array
-from ..core.recording import Recording
-from ..core.remarks import Remark
-from ..files.text.table import Table
-from ..procedures.positions.readings import Readings, Triad
-from .positions_channels import Taken
-from .positions_words import LABELS, direction_of, unit_vectors
+from ...core.axes import AXES
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import Recording
+from ...core.remarks import Remark
+from ...files.text.table import Table
+from .channels import Taken
+from .orientation_text import LABELS, direction_of, unit_vectors
+from .readings import Readings, Triad
 
 LONGEST = 1_000  # rows; a longer file without time is no table of positions
 SCATTER = re.compile(r"(^|_)(std|stdev|sd|sigma|scatter|u)(_|$)", re.IGNORECASE)

@@ -9,11 +9,11 @@ from pathlib import Path
 
 import numpy as np
 
-from ..core.axes import AXES
-from ..core.errors import DataError, UsageError
-from ..core.recording import SECOND, Channel, Recording
-from ..core.remarks import Remark
-from ..core.units import convert, kind, normalise
+from ...core.axes import AXES
+from ...core.errors import DataError, UsageError
+from ...core.recording import SECOND, Channel, Recording
+from ...core.remarks import Remark
+from ...core.units import convert, kind, normalise
 
 SENSORS = {"acc": ("acceleration", "m/s^2", "m/s2"), "gyro": ("angular_rate", "rad/s", "deg/s")}
 ROLES = tuple(f"{sensor}_{axis}" for sensor in SENSORS for axis in AXES)

@@ -1,34 +1,20 @@
-"""A test made ready: its plan, and the readings of all its recordings."""
+"""A test of a campaign folder made ready: its plan, and the readings of all its recordings."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
 from ..core.errors import InertialcalError, Problem
 from ..core.remarks import Remark
-from .after import Bias
+from ..procedures import procedure_of
 from .cross_checks import MODELLED
-from .flip_inputs import prepared_flip
+from .engine import Prepared, prepare_test
 from .load import Campaign
-from .mass_inputs import prepared_mass_attraction
-from .modelling import Prepared
-from .noise_inputs import prepared_static_noise
-from .positions_inputs import prepared_positions
-from .rate_table_inputs import prepared_rate_table
 from .schema import Test
 from .schema_sensors import Sensor
-from .thermal_inputs import prepared_thermal
-
-WAYS: dict[str, Callable[[Campaign, Test, Sensor], Prepared]] = {
-    "rate_table": prepared_rate_table,
-    "flip": prepared_flip,
-    "thermal": prepared_thermal,
-    "static_noise": prepared_static_noise,
-    "mass_attraction": prepared_mass_attraction,
-    "positions": prepared_positions,
-}
+from .sources import Folder
 
 
 def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = None) -> Prepared:
@@ -43,15 +29,12 @@ def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = N
     found : mapping of str to Result, optional
         Of tests that were reduced before, by name: what a test comes after is taken off. Without them nothing is.
     """
-    test = campaign.file.tests[number]
+    file, test = campaign.file, campaign.file.tests[number]
+    before = {} if found is None else {one.id: one for one in file.tests if one.id in test.after}
     try:
-        sensor = sensor_of(campaign, test)
-        bias = next((Bias(name, found[name]) for name in test.after if found is not None), None)
-        prepared = (
-            WAYS[test.procedure](campaign, test, sensor)
-            if bias is None
-            else prepared_rate_table(campaign, test, sensor, bias)
-        )
+        made = [procedure_of(one.procedure).correction(name, (found or {})[name]) for name, one in before.items()]
+        corrections = [one for one in made if one is not None]
+        prepared = prepare_test(file, test, campaign.standards, Folder(campaign.folder), corrections)
         inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
         return replace(prepared, readings=replace(prepared.readings, remarks=inside))
     except InertialcalError as error:
@@ -59,13 +42,13 @@ def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = N
 
 
 def _inside(campaign: Campaign, remark: Remark) -> Remark:
-    """Tell files by their name in the campaign: results must not depend on where the folder lies."""
+    """Name files as the campaign does: results must not depend on where the folder lies."""
     prefix = f"{campaign.folder}/"
     return replace(remark, where=remark.where.replace(prefix, ""), what=remark.what.replace(prefix, ""))
 
 
 def placed(problem: Problem, campaign: Campaign, number: int) -> Problem:
-    """Files are told by their name in the campaign; what has no place gets that of its test."""
+    """Return a problem with its file as the campaign names it; what has no place gets that of its test."""
     where = problem.where.removeprefix(f"{campaign.folder}/") or campaign.at("tests", number)
     return replace(problem, where=where)
 

@@ -1,0 +1,58 @@
+"""The procedure ``flip``: what it takes, what it says of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from ..protocol import Correction, InputSpec, Procedure, Source, Tested
+from .plan import INFLUENCES, Plan
+
+if TYPE_CHECKING:
+    from ...core.results import Row
+    from .readings import Readings
+    from .reduction import Result
+
+
+class Flip(Procedure[Plan, "Readings", "Result"]):
+    """Bias and ambient acceleration of a head that was turned."""
+
+    name, command = "flip", "flip"
+    title = "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."
+    plan_type, influences = Plan, INFLUENCES
+    inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")
+
+    def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
+        """Return what is taken: with ``corrected`` the bias of a ground model is taken off."""
+        return replace(self.inputs, ground_model="applied") if plan.corrected else self.inputs
+
+    def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+        """Return the dwells, of reduced means or of recordings."""
+        from ...core.errors import DataError
+        from .inputs import readings_of_means_tables, turned_head
+        from .recordings import readings_from
+
+        tables = [one for one in sources if one.is_table]
+        if tables and len(tables) < len(sources):
+            names = ", ".join(one.name for one in tables)
+            what = f"test {sources[0].test!r}: reduced means ({names}) and recordings in one test"
+            raise DataError(what, do="Make two tests of them", code="wrong_value")
+        if tables:
+            return readings_of_means_tables(tables)
+        return readings_from(plan, [turned_head(one) for one in sources])
+
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
+        """Return bias and ambient acceleration."""
+        from .reduction import reduce
+
+        return reduce(plan, readings)
+
+    def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
+        """Return what two tests of one head differ by, as after one ground model and another."""
+        from .side_by_side import side_by_side
+
+        return side_by_side(result, other.result, other.id)
+
+
+PROCEDURE = Flip()

@@ -1,0 +1,61 @@
+"""The procedure ``mass_attraction``: what it takes, what it says of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+from ..protocol import Correction, Facts, InputSpec, Procedure, Role, Source
+from .plan import INFLUENCES, Plan
+
+if TYPE_CHECKING:
+    from .readings import Readings
+    from .reduction import Result
+
+
+class MassAttraction(Procedure[Plan, "Readings", "Result"]):
+    """Scale factor of an accelerometer from the attraction of a moved mass."""
+
+    name, command = "mass_attraction", "mass-attraction"
+    title = "Scale factor of an accelerometer from the attraction of a moved mass."
+    plan_type, influences = Plan, INFLUENCES
+    inputs = InputSpec(
+        ("accelerometer",),
+        (Role("tilt", "angle", "rad", by_axis=False), Role("temperature", "temperature", "degC", by_axis=False)),
+        table="lines",
+        missing=True,
+        windows="refused",
+    )
+
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return the input axis and the scale factor of the data sheet, with the standards."""
+        return {"axis": facts.axes[0], "nominal": facts.pulse_scale_factor, "standards": facts.standards}
+
+    def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+        """Return the runs, of recordings with their schedules and of tables reduced before."""
+        from ...core.errors import DataError
+        from .inputs import lines_of, moved_mass
+        from .recordings import readings_from
+
+        moved, lines = [], []
+        for source in sources:
+            if not source.is_table:
+                moved.append(moved_mass(source))
+                continue
+            found = lines_of(source.table(), source.entry.lines, source.file)
+            chosen = [one for one in found if source.groups is None or one.name in source.groups]
+            source.chose(len(chosen))
+            lines += chosen
+        if not moved and not lines:
+            raise DataError(f"test {sources[0].test!r}: no row is in its groups", code="nothing_left")
+        return replace(readings_from(plan, moved), lines=tuple(lines))
+
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
+        """Return the scale factor."""
+        from .reduction import reduce
+
+        return reduce(plan, readings)
+
+
+PROCEDURE = MassAttraction()

@@ -1,0 +1,57 @@
+"""The procedure ``positions``: what it takes, what it says of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..protocol import Correction, Facts, InputSpec, Procedure, Source
+from .plan import INFLUENCES, Plan
+
+if TYPE_CHECKING:
+    from .of_sensor import OfSensor
+    from .readings import Readings
+    from .reduction import Result
+
+
+class Positions(Procedure[Plan, "Readings", "Result"]):
+    """Accelerometers and gyros from static positions and the rotations between them."""
+
+    name, command = "positions", "positions"
+    title = "Accelerometers and gyros from static positions and the rotations between them, without a turntable."
+    plan_type, influences = Plan, INFLUENCES
+    uses = frozenset({"fit", "hold_out", "report_only"})
+    inputs = InputSpec(("accelerometer", "gyro"), several_sensors=True)
+
+    def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:
+        """Return the plan: gravity and height of the site, where the plan says none."""
+        from ...core.errors import PlanError
+        from .site import site_problems
+
+        place = {"gravity": facts.gravity, "height": facts.height or 0.0} | dict(values)
+        plan = Plan(**place, latitude=facts.latitude, standards=facts.standards)
+        problems = site_problems(plan)
+        if problems:
+            raise PlanError(problems)
+        return plan
+
+    def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+        """Return static intervals and the rotations between them."""
+        from .inputs import readings_of
+
+        return readings_of(plan, sources)
+
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
+        """Return what positions and rotations tell of both triads."""
+        from .reduction import reduce
+
+        return reduce(plan, readings)
+
+    def of_sensor(self, result: Result, facts: Facts) -> OfSensor:
+        """Return what it says of the sensor that the test is about."""
+        from .of_sensor import OfSensor
+
+        return OfSensor(result, facts.kind or "accelerometer")
+
+
+PROCEDURE = Positions()

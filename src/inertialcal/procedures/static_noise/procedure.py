@@ -1,0 +1,90 @@
+"""The procedure ``static_noise``: what it takes, what it says of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ...core.axes import AXES
+from ..protocol import Correction, Exclusion, Facts, InputSpec, Procedure, Source, Tested
+from .plan import INFLUENCES, Plan
+
+if TYPE_CHECKING:
+    from ...core.remarks import Remark
+    from ...core.results import Interval, Row
+    from .readings import Readings
+    from .reduction import Result
+
+NO_READINGS = {"stuck": "one value repeated for too long", "saturated": "at the end of the range"}
+
+
+class StaticNoise(Procedure[Plan, "Readings", "Result"]):
+    """Noise of a sensor at rest."""
+
+    name, command = "static_noise", "allan"
+    title = "Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record."
+    plan_type, influences = Plan, INFLUENCES
+    inputs = InputSpec(("gyro", "accelerometer"), missing=True, ground_model="bias_kept", windows="records")
+
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return the kind of the sensor and the standards; the unit only where there is no kind."""
+        return {"kind": facts.kind, "unit": "" if facts.kind else facts.unit, "standards": facts.standards}
+
+    def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+        """Return the records at rest, a record a recording or a window."""
+        from .at_rest import AtRest
+        from .recordings import readings_from
+        from .usable import check
+
+        found = [
+            AtRest(one, {axis: axis for axis in AXES if axis in one.names}, name=label, shown=source.facts.unit)
+            for source in sources
+            for label, one in source.recordings()
+        ]
+        readings = readings_from(plan, found)
+        check(plan, readings)
+        return readings
+
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
+        """Return the noise terms."""
+        from .reduction import reduce
+
+        return reduce(plan, readings)
+
+    def remarks(self, facts: Facts) -> Sequence[Remark]:
+        """Say where body axes are mixtures of the sensor's: their noise is one, too."""
+        from ...core.remarks import Remark
+
+        if not facts.oblique:
+            return ()
+        what = "the mounting is oblique: noise of body axes is a mixture of that of the sensors"
+        return [Remark("axes_mixed", "info", what, do="Leave mounting out for the noise of each sensor")]
+
+    def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
+        """Yield the warm-up, samples that are no readings, and disturbances."""
+        disturbed = f"rule: disturbed = {test.plan.disturbed}"
+        for record in test.readings.records:
+            if record.warm_up:
+                decided = f"campaign: warm_up = {test.plan.warm_up:g} s"
+                yield Exclusion("warm_up", decided, "the warm-up", record.name, count=record.warm_up, counts="sample")
+            for fault in (one for one in record.faults if one.left_out):
+                reason = NO_READINGS[fault.code]
+                yield Exclusion(fault.code, disturbed, reason, record.name, fault.axis, fault.count, "sample")
+        for axis in test.result.axes:
+            for found in (one for one in axis.records if one.looked.left_out):
+                reason = f"disturbances at {len(found.looked.bad)} place(s)"
+                count = found.looked.left_out
+                yield Exclusion("disturbed", disturbed, reason, found.run.name, axis.axis, count, "sample")
+
+    def budgeted(self, result: Result) -> bool:
+        """Return whether the scale factor takes part; else the scatter of the noise is all there is."""
+        from .scale import SCALE
+
+        return bool(result.plan.standards.get(SCALE))
+
+    def interval_at(self, result: Result, row: Row, p: float) -> Interval | None:
+        """Return the interval of a noise term."""
+        return result.interval_at(row, p)
+
+
+PROCEDURE = StaticNoise()

@@ -1,0 +1,95 @@
+"""The procedure ``thermal``: what it takes, what it says of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ..protocol import Correction, Exclusion, Facts, InputSpec, Procedure, Role, Source, Tested
+from .plan import INFLUENCES, Plan, Thermometer
+
+if TYPE_CHECKING:
+    from ...core.results import Row
+    from .readings import Readings
+    from .reduction import Result
+
+RULES = ("warm_up", "turn_over", "one_path", "sparse")
+LATITUDE = "site.latitude"
+
+
+class Thermal(Procedure[Plan, "Readings", "Result"]):
+    """Bias over temperature of a unit at rest."""
+
+    name, command = "thermal", "thermal"
+    title = "Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups."
+    plan_type, influences = Plan, INFLUENCES
+    uses = frozenset({"fit", "hold_out", "report_only"})
+    counts_dwells = False
+    inputs = InputSpec(
+        ("gyro",),
+        (Role("temperature", "temperature", "degC", required=True), Role("pressure", "pressure", "Pa", by_axis=False)),
+        voltages=True,
+        by_body=True,
+    )
+
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return what sensor and site say, thermometers as the plan has them."""
+        own = facts.thermometers
+        known = None if own is None else {axis: Thermometer(*one) for axis, one in own.items()}
+        return super().plan_fields(facts) | {"thermometers": known}
+
+    def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+        """Return the recordings of all sources."""
+        from .recordings import Warmed, readings_from
+
+        return readings_from([Warmed(one, source.run, source.name) for source in sources
+                              for _, one in source.recordings()])  # fmt: skip
+
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
+        """Return the bias over temperature."""
+        from .reduction import reduce
+
+        return reduce(plan, readings)
+
+    def correction(self, test: str, result: Result) -> Correction:
+        """Return the bias over temperature, to be taken off."""
+        from .correction import ThermalCorrection
+
+        return ThermalCorrection(test, result)
+
+    def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
+        """Return the bias that one condition has more than the other."""
+        from .against import offset_rows, quantity_of
+
+        return offset_rows(result, other.result, other.id, quantity_of(condition))
+
+    def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
+        """Yield the samples that no cell was made of, by rule."""
+        from .sensor import WORDS
+
+        for axis, one in test.result.sensors.items():
+            decided = {
+                "warm_up": f"rule: warm_up = {one.start_up.cut:.4g} s",
+                "turn_over": f"rule: turn_over = {one.series.turn_over:.4g} degC",
+            }
+            for rule in (rule for rule in RULES if one.cells.left_out.get(rule)):
+                count, by = one.cells.left_out[rule], decided.get(rule, f"rule: {rule}")
+                yield Exclusion(rule, by, WORDS[rule], axis=axis, count=count, counts="sample")
+
+    def needs(self, influence: str, result: Result) -> bool:
+        """Return whether an influence would change this result; the latitude, where the attitude is known too."""
+        from .rows import needed
+
+        known = result.plan.attitude is not None and result.plan.latitude is not None
+        return influence in needed(result.plan) or (influence == LATITUDE and known)
+
+    def effects(self) -> Mapping[str, str]:
+        """Return what each influence changes."""
+        return {**self.influences, LATITUDE: "earth rate along the axes"}
+
+    def truths(self, result: Result) -> Sequence[Row]:
+        """Return all rows: those against another test say more than the estimate."""
+        return result.rows()
+
+
+PROCEDURE = Thermal()
