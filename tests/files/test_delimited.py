@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
-from inertialcal.files.text.columns import Content
+from inertialcal.files.columns import Content
 from inertialcal.files.text.delimited import column_names, exact, fast, parse
 from inertialcal.files.text.layout import sniff
 

@@ -8,7 +8,13 @@ import zipfile
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.files.formats import UNREAD, recognise
+from inertialcal.files.formats import UNREAD
+from inertialcal.files.registry import find_reader
+from inertialcal.files.source import Loaded
+
+
+def recognise(data: bytes, name: str) -> str:
+    return find_reader(Loaded(name, data, "")).name
 
 
 def _zip(*names: str) -> bytes:

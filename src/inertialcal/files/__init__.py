@@ -12,11 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from ..core.errors import UsageError
     from ..core.recording import Recording
-    from .pad.name import Pair
     from .text.table import Table
-    from .time.window import Window
 
 __all__ = ["read", "read_table"]
 
@@ -40,7 +37,8 @@ def read(
     ----------
     path : str or Path
         CSV and other text (also gzip), Parquet, MATLAB, HDF5, npy, npz; data file or header of a pair of the
-        acceleration archive (PAD), or a folder of such pairs.
+        acceleration archive (PAD), or a folder of such pairs; what a reader of another distribution takes (entry
+        point ``inertialcal.readers``).
     units : mapping of str to str, optional
         Unit by column or by group: ``{"gyro": "deg/s", "acc_x": "g", "timestamp": "ns"}``; goes before what
         the file says.
@@ -71,76 +69,20 @@ def read(
     DataError
         By code: ``missing_file``, ``empty_file``, ``unsupported_format``, ``not_text``, ``damaged_file``,
         ``too_large``, ``ragged_row``, ``duplicate_column``, ``text_in_numbers``, ``nan_in_required``,
-        ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``, ``nothing_left``, those of
-        a time column that was named and cannot be time (``not_time``, ``time_missing``, ``time_unit_unknown``), and
-        those of ``pad.read_pad``.
+        ``wrong_column``, ``unknown_unit``, ``epoch_digits``, ``no_channel``, ``no_time``, ``nothing_left``,
+        ``broken_plugin``, those of a time column that was named and cannot be time (``not_time``,
+        ``time_missing``, ``time_unit_unknown``), and those of ``pad.read_pad``.
     UsageError
         If a unit is given to no column (``wrong_column``), cannot belong to it (``unit_mismatch``), the
         sample rate is not above zero (``sample_rate``), a time is none (``wrong_time``), or a frame or a time
         column is asked for where there is none (``wrong_frame``, ``wrong_column``).
     """
-    from ..core.recording import Source  # noqa: PLC0415 - numpy starts slowly
-    from .assemble import assemble  # noqa: PLC0415
-    from .content import parse_content  # noqa: PLC0415
-    from .pad.pairs import pairs_of  # noqa: PLC0415
-    from .source import load  # noqa: PLC0415
-    from .time.window import Window, cut  # noqa: PLC0415
+    from .reader import Request  # noqa: PLC0415 - numpy starts slowly
+    from .registry import read_recording  # noqa: PLC0415
+    from .time.window import Window  # noqa: PLC0415
 
     window = Window(start, stop, mission_start)
-    pairs = pairs_of(path)
-    if pairs:
-        return _archived(path, pairs, time_column, window, frame, units, sample_rate, required)
-    if frame is not None:
-        raise _no_frame(path)
-    loaded = load(path)
-    content = parse_content(loaded, variables)
-    packed = ", gzip" if loaded.packed else ""
-    recording = assemble(
-        content,
-        Source(loaded.path, loaded.sha256, content.format + packed),
-        units=units,
-        sample_rate=sample_rate,
-        time_column=time_column,
-        required=required,
-    )
-    return cut(recording, window)
-
-
-def _archived(
-    path: str | Path,
-    pairs: Sequence[Pair],
-    time_column: str | None,
-    window: Window,
-    frame: str | None,
-    units: Mapping[str, str] | None,
-    sample_rate: float | None,
-    required: Sequence[str],
-) -> Recording:
-    """Return the recording of archive pairs; their time is fixed."""
-    from ..core.errors import UsageError  # noqa: PLC0415
-    from .pad.reader import read_pad  # noqa: PLC0415
-
-    if time_column is not None:
-        raise UsageError(
-            f"{path}: time column {time_column!r}",
-            why="the time of an archive record follows from its header",
-            do="Leave --time-column out",
-            code="wrong_column",
-        )
-    return read_pad(
-        str(path), pairs, window=window, frame=frame, units=units, sample_rate=sample_rate, required=required
-    )
-
-
-def _no_frame(path: str | Path) -> UsageError:
-    from ..core.errors import UsageError  # noqa: PLC0415
-
-    return UsageError(
-        f"{path}: a frame is asked for",
-        why="only records of the acceleration archive say their coordinate systems",
-        do="Leave --frame out",
-        code="wrong_frame",
-    )
+    return read_recording(path, Request(units or {}, sample_rate, time_column, required, variables, window, frame))
 
 
 def read_table(path: str | Path) -> Table:

@@ -13,9 +13,9 @@ from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording, Source
 from ..core.remarks import Remark, gather
 from ..signals.time.time_axis import analyse
+from .columns import Content
 from .info.axis_remarks import axis_remarks, rate_remark
 from .info.describe import Described, describe, find_column
-from .text.columns import Content
 from .text.missing import missing_remarks, nan_in_required
 from .text.unfilled import without_unfilled_end
 from .time.clock import Clock, find_clock

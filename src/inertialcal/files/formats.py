@@ -1,23 +1,13 @@
-"""Which format a file is in: by what its first bytes say, then by the ending of its name."""
+"""Formats that are known by their first bytes and not read: each by its name, so that a refusal says what it is."""
 
 from __future__ import annotations
 
 import io
 import zipfile
-from typing import Literal
 
 from ..core.errors import DataError
 
-Format = Literal["text", "parquet", "hdf5", "mat5", "mat4", "npy", "npz"]
-
-READABLE = "CSV and other text, Parquet, MATLAB, HDF5, NumPy, PAD pairs"
-HDF5 = b"\x89HDF\r\n\x1a\n"
-HDF5_AT = (0, 512, 1024, 2048)  # a user block may stand first (HDF5 file format, II.A)
-MAGIC: tuple[tuple[bytes, Format], ...] = (
-    (b"PAR1", "parquet"),
-    (b"\x93NUMPY", "npy"),
-    (b"MATLAB 5.0 MAT-file", "mat5"),
-)
+ZIP = b"PK\x03\x04"
 UNREAD = (
     (b"LabVIEW Measurement", "a LabVIEW measurement file (.lvm)"),
     (b"\x1a\x45\xdf\xa3", "an EBML recorder file (enDAQ .IDE)"),
@@ -43,66 +33,52 @@ UNREAD = (
 UNREAD_TEXT = ((b"<", "XML or HTML"), (b"{", "JSON"))  # after blanks
 
 
-def recognise(data: bytes, name: str) -> Format:
-    """Return the format of a file's content.
+def refusal(data: bytes, path: str, readable: str) -> DataError | None:
+    """Return the error for a format that is known but not read, or for a damaged archive; None for anything else.
 
     Parameters
     ----------
     data : bytes
         Content, unpacked.
-    name : str
-        Path; its ending decides between what bytes cannot tell apart.
-
-    Raises
-    ------
-    DataError
-        If it is of a known format that is not read.
+    path : str
+        File, for the message.
+    readable : str
+        Formats that are read.
     """
-    for magic, found in MAGIC:
-        if data.startswith(magic):
-            return found
-    if any(data[at : at + len(HDF5)] == HDF5 for at in HDF5_AT):
-        return "hdf5"
-    if data.startswith(b"PK\x03\x04"):
-        return _zipped(data, name)
-    if name.lower().endswith(".mat") and b"\x00" in data[:20]:
-        return "mat4"  # a version 4 file starts with five binary integers, an ASCII one has no nul
-    _refuse_unread(data, name)
-    return "text"
-
-
-def _refuse_unread(data: bytes, name: str) -> None:
-    """Raise for formats that are known but not read."""
-    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
-    for magic, what in UNREAD:
-        if data.startswith(magic):
-            raise unread(what, name)
-    for magic, what in UNREAD_TEXT:
-        if start.startswith(magic):
-            raise unread(what, name)
-
-
-def _zipped(data: bytes, name: str) -> Format:
-    """``npz``, or an error that names what else is in the archive."""
-    try:
-        with zipfile.ZipFile(io.BytesIO(data)) as archive:
-            members = archive.namelist()
-    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
-        raise DataError(
-            "damaged zip archive", where=name, do="Copy it again from its source", code="damaged_file"
-        ) from None
-    if any(member.endswith(".npy") for member in members):
-        return "npz"
-    if "xl/workbook.xml" in members:
-        raise unread("an Excel workbook (save it as CSV)", name)
-    raise unread("a zip archive (unpack it)", name)
-
-
-def unread(what: str, name: str) -> DataError:
-    """Return the error for a format that is known but not read."""
+    what = _zipped(data) if data.startswith(ZIP) else _unread(data)
+    if what is None:
+        return None
+    if not what:
+        return DataError("damaged zip archive", where=path, do="Copy it again from its source", code="damaged_file")
     return DataError(
         f"this is {what}, which is not read yet",
-        where=name,
-        do=f"Export it as text or Parquet. Formats read: {READABLE}",
+        where=path,
+        do=f"Export it as text or Parquet. Formats read: {readable}",
         code="unsupported_format",
     )
+
+
+def members(data: bytes) -> list[str]:
+    """Return the names in a zip archive; none where it is damaged, or no archive."""
+    if not data.startswith(ZIP):
+        return []
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            return archive.namelist()
+    except (zipfile.BadZipFile, OSError, ValueError, NotImplementedError):
+        return []
+
+
+def _zipped(data: bytes) -> str:
+    """Return what a zip archive is; empty where it is damaged."""
+    found = members(data)
+    if "xl/workbook.xml" in found:
+        return "an Excel workbook (save it as CSV)"
+    return "a zip archive (unpack it)" if found else ""
+
+
+def _unread(data: bytes) -> str | None:
+    """Return which format that is not read this is, by its first bytes."""
+    start = data[:64].lstrip(b"\xef\xbb\xbf \t\r\n")
+    found = next((what for magic, what in UNREAD if data.startswith(magic)), None)
+    return found or next((what for magic, what in UNREAD_TEXT if start.startswith(magic)), None)

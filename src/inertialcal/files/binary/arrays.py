@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
-from ..text.columns import Column, Content
+from ..columns import Column, Content
 
 MOST_CHANNELS = 1000
 SAMPLE_RATES = frozenset(

@@ -12,11 +12,14 @@ from typing import Any
 
 import numpy as np
 
+from ..columns import Content
 from ..foreign import translated
+from ..reader import Reader
 from ..source import LARGEST, Loaded, too_large
-from ..text.columns import Content
 from .arrays import NamedArray, columns_of
 
+MAGIC = b"\x89HDF\r\n\x1a\n"
+MAGIC_AT = (0, 512, 1024, 2048)  # a user block may stand first (HDF5 file format, II.A)
 DEEPEST = 8  # groups within groups
 MOST = 10_000  # objects looked at
 OWN = "#"  # MATLAB keeps its own tables under #refs# and #subsystem#
@@ -94,3 +97,10 @@ def _text(attribute: Any) -> str | None:
     if isinstance(attribute, bytes):
         return attribute.decode("utf-8", "replace")
     return attribute if isinstance(attribute, str) else None
+
+
+def _recognises(data: bytes, path: str) -> bool:
+    return any(data[at : at + len(MAGIC)] == MAGIC for at in MAGIC_AT)
+
+
+READER = Reader("hdf5", "HDF5", (".h5", ".hdf5", ".mat"), _recognises, read_hdf5)

@@ -8,32 +8,44 @@ from __future__ import annotations
 import io
 import warnings
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal
+from typing import Any
 
 import numpy as np
 
+from ..columns import Content
 from ..foreign import translated
+from ..formats import ZIP
+from ..reader import Reader
 from ..source import Loaded
-from ..text.columns import Content
 from .arrays import NamedArray, columns_of
 from .mat5_elements import check_elements
 
+MAGIC = b"MATLAB 5.0 MAT-file"
+NEWER = "5 to 7"  # versions
 DEEPEST = 8  # structures within structures
 
 
-def read_matlab(loaded: Loaded, kind: Literal["mat4", "mat5"], variables: Sequence[str] | None = None) -> Content:
-    """Return the columns of the matrices of one length.
+def read_matlab4(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of the matrices of one length, of a file of version 4; Raises as `read_matlab5`."""
+    return _read(loaded, "4", variables)
+
+
+def read_matlab5(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of the matrices of one length, of a file of version 5 to 7.
 
     Raises
     ------
     DataError
         If it is damaged, or larger than the limits of ``files.source``.
     """
+    return _read(loaded, NEWER, variables)
+
+
+def _read(loaded: Loaded, version: str, variables: Sequence[str] | None) -> Content:
     from scipy import io as scipy_io  # noqa: PLC0415 - heavy import
 
-    version = "4" if kind == "mat4" else "5 to 7"
     with translated(loaded.path, f"a MATLAB file of version {version}"):
-        if kind == "mat5":
+        if version == NEWER:
             check_elements(loaded.data, loaded.path)
         # mat_dtype: doubles that MATLAB packed as bytes come back as doubles; counts stay whole numbers. It
         # also drops imaginary parts, with no more than a warning: then the types as stored tell which.
@@ -62,3 +74,16 @@ def _flat(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
             yield from _flat(f"{name}.{field}", value.reshape(-1)[0][field], depth + 1)
     else:
         yield name, value if value.dtype.kind in "biuf" else None
+
+
+def _is_version_4(data: bytes, path: str) -> bool:
+    """Whether a file starts with five binary integers; an ASCII one has no nul."""
+    return path.lower().endswith(".mat") and b"\x00" in data[:20] and not data.startswith(ZIP)
+
+
+def _is_version_5(data: bytes, path: str) -> bool:
+    return data.startswith(MAGIC)
+
+
+VERSION_4 = Reader("mat4", "MATLAB", (".mat",), _is_version_4, read_matlab4)
+VERSION_5 = Reader("mat5", "MATLAB", (".mat",), _is_version_5, read_matlab5)

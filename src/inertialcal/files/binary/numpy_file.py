@@ -6,28 +6,38 @@ import io
 import math
 import zipfile
 from collections.abc import Sequence
-from typing import Literal
 
 import numpy as np
 from numpy.lib import format as npy_format
 
+from ..columns import Content
 from ..foreign import translated
+from ..formats import members
+from ..reader import Reader
 from ..source import Loaded, check_size
-from ..text.columns import Content
 from .arrays import NamedArray, columns_of
 
+MAGIC = b"\x93NUMPY"
 
-def read_numpy(loaded: Loaded, kind: Literal["npy", "npz"], variables: Sequence[str] | None = None) -> Content:
-    """Return the columns of an array, or of the arrays of one length.
+
+def read_npy(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of an array; Raises as `read_npz`."""
+    with translated(loaded.path, "a NumPy npy file"):
+        arrays = _npy("", loaded.data, loaded.path)
+    return columns_of(arrays, "NumPy npy", loaded.path, variables=variables)
+
+
+def read_npz(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of the arrays of one length.
 
     Raises
     ------
     DataError
         If it is damaged, holds Python objects, or unpacks beyond the limits of ``files.source``.
     """
-    with translated(loaded.path, f"a NumPy {kind} file"):
-        arrays = _npy("", loaded.data, loaded.path) if kind == "npy" else _npz(loaded)
-    return columns_of(arrays, f"NumPy {kind}", loaded.path, variables=variables)
+    with translated(loaded.path, "a NumPy npz file"):
+        arrays = _npz(loaded)
+    return columns_of(arrays, "NumPy npz", loaded.path, variables=variables)
 
 
 def _npz(loaded: Loaded) -> list[NamedArray]:
@@ -57,3 +67,15 @@ def _npy(name: str, data: bytes, path: str) -> list[NamedArray]:
         return [NamedArray(name, array)]
     prefix = f"{name}." if name else ""
     return [NamedArray(f"{prefix}{field}", array[field]) for field in array.dtype.names]
+
+
+def _is_npy(data: bytes, path: str) -> bool:
+    return data.startswith(MAGIC)
+
+
+def _is_npz(data: bytes, path: str) -> bool:
+    return any(name.endswith(".npy") for name in members(data))
+
+
+NPY = Reader("npy", "NumPy", (".npy",), _is_npy, read_npy)
+NPZ = Reader("npz", "NumPy", (".npz",), _is_npz, read_npz)

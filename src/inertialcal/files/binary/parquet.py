@@ -2,25 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
+from ..columns import Column, Content
 from ..foreign import translated
+from ..reader import Reader
 from ..source import Loaded, check_size
 from ..text.cells import judge
-from ..text.columns import Column, Content
 from ..text.delimited import text_in_numbers
 
+MAGIC = b"PAR1"
 CELL = 8  # bytes of a value in memory
 UNIT_KEYS = (b"unit", b"units")
 RATE_KEYS = (b"sample_rate", b"sample_rate_hz", b"fs")
 
 
-def read_parquet(loaded: Loaded) -> Content:
-    """Return the columns of a Parquet file.
+def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return all columns of a Parquet file, whatever variables are named.
 
     Raises
     ------
@@ -120,3 +123,10 @@ def _left_out_remark(names: list[str], path: str) -> tuple[Remark, ...]:
         return ()
     what = f"neither numbers, dates nor text, left out: {', '.join(names)[:120]}"
     return (Remark("variables_left_out", "info", what, where=path, count=len(names)),)
+
+
+def _recognises(data: bytes, path: str) -> bool:
+    return data.startswith(MAGIC)
+
+
+READER = Reader("parquet", "Parquet", (".parquet",), _recognises, read_parquet)

@@ -10,7 +10,7 @@ import numpy as np
 from ...core import units
 from ...core.errors import DataError, UsageError
 from ...core.remarks import Remark
-from ..text.columns import Column
+from ..columns import Column
 from ..text.headers import KINDS, Heading, bare_name, heading, normal_unit
 
 GROUPS = {

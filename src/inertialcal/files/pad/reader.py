@@ -15,6 +15,7 @@ import hashlib
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -26,7 +27,8 @@ from ...core.remarks import Remark, condensed
 from ...core.times import instant_text
 from ..assemble import assemble
 from ..binary.arrays import number_column
-from ..text.columns import Content
+from ..columns import Content
+from ..reader import ArchiveReader, Request
 from ..time.window import Window, cut_remark, nothing_left
 from .applied import STEPS, applied
 from .checks import check_byte_order, check_pair
@@ -34,6 +36,7 @@ from .data import FLOAT, Digest, layout_of, read_numbers
 from .frames import check_frame, turned
 from .header import PadHeader, read_header
 from .name import Pair
+from .pairs import pairs_of
 from .remarks import change_remarks, gap_remark, header_remarks, time_remarks
 from .time import regenerate
 
@@ -61,6 +64,37 @@ class _Part:
     time_ns: Times
     values: list[NDArray[Any]]
     remarks: tuple[Remark, ...]
+
+
+def read_archived(path: str | Path, request: Request) -> Recording | None:
+    """Return the recording of a path that is a pair of the archive or a folder of such; None where it is neither.
+
+    Raises
+    ------
+    DataError
+        As `pairs_of` and `read_pad`.
+    UsageError
+        As `read_pad`; ``wrong_column``, if a time column is named.
+    """
+    pairs = pairs_of(path)
+    if not pairs:
+        return None
+    if request.time_column is not None:
+        raise UsageError(
+            f"{path}: time column {request.time_column!r}",
+            why="the time of an archive record follows from its header",
+            do="Leave --time-column out",
+            code="wrong_column",
+        )
+    return read_pad(
+        str(path),
+        pairs,
+        window=request.window,
+        frame=request.frame,
+        units=request.units,
+        sample_rate=request.sample_rate,
+        required=request.required,
+    )
 
 
 def read_pad(
@@ -255,3 +289,6 @@ def _taken(parts: list[_Part], column: int) -> NDArray[Any]:
 
 def _end_to_end(arrays: list[NDArray[Any]]) -> NDArray[Any]:
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
+
+
+READER = ArchiveReader("pad", "PAD pairs", read_archived)

@@ -15,7 +15,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from .columns import Rows
+from ..columns import Rows
 
 Decimal = Literal[".", ","]
 

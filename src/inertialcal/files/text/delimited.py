@@ -14,10 +14,14 @@ import numpy as np
 
 from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
+from ..columns import Column, Content, Rows
+from ..reader import Reader
+from ..source import Loaded
 from .cells import judge
-from .columns import Column, Content, Rows
+from .encoding import decode, looks_like_text
 from .layout import Layout, is_blank, sniff, split
 
+ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
 
 
@@ -263,3 +267,13 @@ def _across(text: str, layout: Layout, where: str) -> Content:
         content = _content([column], np.arange(len(cells)), downward)
     remark = Remark("values_across", "info", f"one line of {len(cells)} numbers: read as one column", where)
     return replace(content, rows=None, format=layout.words, remarks=(*content.remarks, remark))
+
+
+def read_text(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
+    """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``encoding.decode``."""
+    text, remarks = decode(loaded.data, loaded.path)
+    content = parse(text, loaded.path)
+    return replace(content, remarks=remarks + content.remarks)
+
+
+READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text)

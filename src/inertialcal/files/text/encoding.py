@@ -9,6 +9,7 @@ from ...core.remarks import Remark
 
 CONTROL = bytes(sorted(set(range(1, 32)) - set(b"\t\n\v\f\r\x1a")))  # Ctrl-Z ends a text of CP/M and DOS
 CONTROL_SHARE = 1e-3  # of the bytes, from which it is no text
+BEGINNING = 2**16  # bytes that tell text
 MARKS = ((codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 
 
@@ -33,6 +34,11 @@ def decode(data: bytes, where: str) -> tuple[str, tuple[Remark, ...]]:
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     return text.rstrip("\x1a"), remarks
+
+
+def looks_like_text(data: bytes, path: str) -> bool:
+    """Whether the beginning of a file is text, so that `decode` may be tried."""
+    return data.startswith(tuple(mark for mark, _ in MARKS)) or b"\x00" not in data[:BEGINNING]
 
 
 def _utf16(data: bytes, where: str) -> str:

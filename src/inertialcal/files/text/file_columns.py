@@ -10,10 +10,10 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, InertialcalError
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ..columns import Column, Content
 from ..info.describe import describe
 from ..time.clock import find_clock
 from ..time.time_column import time_column
-from .columns import Column, Content
 from .titles import channel_titles
 
 

@@ -6,7 +6,7 @@ from collections.abc import Callable
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
-from .columns import Rows
+from ..columns import Rows
 
 
 def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], str]) -> tuple[Remark, ...]:

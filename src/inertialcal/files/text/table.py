@@ -16,11 +16,10 @@ from ...core.recording import Source
 from ...core.remarks import Remark
 from ...core.show.result_tables import told
 from ...core.show.tables import Grid, Part, ending, html, text
-from ..content import parse_content
-from ..formats import recognise
+from ..columns import Content, Rows
+from ..registry import TEXT, find_reader
 from ..source import Loaded, load
 from .cells import BLANKS, Decimal, judge, kind, to_float
-from .columns import Content, Rows
 from .delimited import cell_columns, column_names, text_in_numbers
 from .encoding import decode
 from .headers import bare_name, heading
@@ -163,8 +162,9 @@ def read_table(path: str | Path) -> Table:
         If there is no such file, it is empty or no text, rows differ in width, or a name appears twice.
     """
     loaded = load(path)
-    if recognise(loaded.data, loaded.path) != "text":
-        return _from_content(parse_content(loaded), loaded)
+    reader = find_reader(loaded)
+    if reader.name != TEXT.name:
+        return _from_content(reader.read(loaded, None), loaded)
     text, remarks = decode(loaded.data, loaded.path)
     layout = sniff(text, loaded.path)
     names = column_names(layout, loaded.path)

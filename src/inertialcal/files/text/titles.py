@@ -13,8 +13,8 @@ from dataclasses import dataclass
 
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
+from ..columns import Column
 from ..info.describe import Described, describe
-from .columns import Column
 from .headers import bare_name, heading
 
 

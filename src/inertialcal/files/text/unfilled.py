@@ -12,7 +12,7 @@ from dataclasses import replace
 import numpy as np
 
 from ...core.remarks import Remark
-from .columns import Column, Content
+from ..columns import Column, Content
 
 FEWEST = 2  # rows of zeros, columns
 

@@ -21,8 +21,8 @@ from ...core import units
 from ...core.errors import DataError
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
+from ..columns import Content
 from ..info.describe import Described, find_column
-from ..text.columns import Content
 from .stamps import beyond_epoch, digits, epoch_unit, from_iso, is_utc, looks_iso, to_ns
 
 FEWEST = 10  # rows from which an unnamed first column can be time

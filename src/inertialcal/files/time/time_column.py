@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...core import units
 from ...core.errors import DataError
 from ...core.recording import SECOND, Recording, Times
-from ..text.columns import Column
+from ..columns import Column
 from ..text.headers import heading
 from ..text.titles import contradicts, read_back, spelled
 from .stamps import EARLIEST, LATEST, beyond_epoch, is_utc, to_ns

@@ -18,7 +18,7 @@ import numpy as np
 from ...core.errors import DataError, InertialcalError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
-from ..text.columns import Column
+from ..columns import Column
 from ..text.delimited import parse
 from ..text.file_columns import arrow_array, file_columns, stated_rate
 from ..text.layout import SAMPLE

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.recording import Times
-from ...core.remarks import Remark
+from ..core.recording import Times
+from ..core.remarks import Remark
 
 Rows = NDArray[np.int64]
 

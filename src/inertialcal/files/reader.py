@@ -1,0 +1,72 @@
+"""What a reader is: its name, the endings it is known by, how it tells its files, and the columns it gives.
+
+A reader of one's own is a `Reader` that a distribution names under the entry point ``inertialcal.readers``, or a line
+in ``registry.READERS``. It gets a file whole and unpacked, and hands over its columns as they are; units, time, missing
+values and remarks are then found as for any other format. ``binary.arrays.number_column`` makes a column of numbers.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from ..core.recording import Recording
+from .columns import Content
+from .source import Loaded
+from .time.window import Window
+
+
+@dataclass(frozen=True)
+class Reader:
+    """A reader of files that hold columns.
+
+    Parameters
+    ----------
+    name : str
+        ``"parquet"``.
+    title : str
+        As a list of formats names it: ``"Parquet"``.
+    endings : tuple of str
+        Of the names of such files, in small letters: ``(".parquet",)``.
+    recognises : callable
+        Whether bytes (all of the file, unpacked) and path are of this format.
+    read : callable
+        Columns of a loaded file; the second argument names the variables to take, where a file holds several sets.
+    """
+
+    name: str
+    title: str
+    endings: tuple[str, ...]
+    recognises: Callable[[bytes, str], bool]
+    read: Callable[[Loaded, Sequence[str] | None], Content]
+
+
+@dataclass(frozen=True)
+class Request:
+    """What a caller says of a recording besides its path; fields as ``files.read`` takes them."""
+
+    units: Mapping[str, str] = field(default_factory=dict)
+    sample_rate: float | None = None
+    time_column: str | None = None
+    required: Sequence[str] = ()
+    variables: Sequence[str] | None = None
+    window: Window = field(default_factory=Window)
+    frame: str | None = None
+
+
+@dataclass(frozen=True)
+class ArchiveReader:
+    """A reader of records that are several files: found by path, with a time of their own.
+
+    Parameters
+    ----------
+    name, title : str
+        As those of `Reader`.
+    read : callable
+        Recording of a path; None where it is no such record.
+    """
+
+    name: str
+    title: str
+    read: Callable[[str | Path, Request], Recording | None]
