@@ -25,7 +25,7 @@ from pydantic_core import PydanticUndefined
 from typer.main import get_command
 
 import inertialcal as ic
-from inertialcal.campaign import schema, schema_recordings, schema_sensors, schema_standards
+from inertialcal.campaign import schema, schema_recordings, schema_sensors
 from inertialcal.campaign.example import build
 from inertialcal.campaign.plans import plan_settings
 from inertialcal.campaign.publish import ROW_COLUMNS
@@ -33,6 +33,7 @@ from inertialcal.campaign.run import VERDICT_COLUMNS
 from inertialcal.cli.__main__ import main
 from inertialcal.cli.app import app
 from inertialcal.core import schema_words
+from inertialcal.core import standards as schema_standards
 from inertialcal.core.remarks import Remark
 from inertialcal.procedures import PROCEDURES
 

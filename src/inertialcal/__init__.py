@@ -14,27 +14,27 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from .campaign.calls.rate_table import rate_table
     from .campaign.compare import compare
     from .campaign.compensation import compensate
     from .campaign.models import load_model
     from .campaign.run import check, run
     from .campaign.score import score
-    from .campaign.single import rate_table
-    from .campaign.single_flip import flip
-    from .campaign.single_mass_attraction import mass_attraction
-    from .campaign.single_mass_plan import plan_mass_attraction
-    from .campaign.single_noise import allan
-    from .campaign.single_positions import positions
-    from .campaign.single_positions_plan import plan_positions
-    from .campaign.single_sine import sine
-    from .campaign.single_spectrum import psd
-    from .campaign.single_thermal import thermal
     from .campaign.twin import simulate
     from .files import read
     from .files.info.survey import survey as info
     from .files.text.table import read_table
     from .files.write.recording import write
+    from .procedures.flip.files.call import flip
+    from .procedures.mass_attraction.files import mass_attraction
+    from .procedures.mass_attraction.planning.planner import plan_mass_attraction
+    from .procedures.positions.files.call import positions
     from .procedures.positions.lot.batch import positions_batch
+    from .procedures.positions.planning.planner import plan_positions
+    from .procedures.sine.files import sine
+    from .procedures.static_noise.files.allan import allan
+    from .procedures.static_noise.files.psd import psd
+    from .procedures.thermal.files import thermal
     from .report.plot import plot
 
 __all__ = [
@@ -64,26 +64,26 @@ __all__ = [
 ]
 
 _HOMES = {
-    "allan": ("campaign.single_noise", "allan"),
-    "psd": ("campaign.single_spectrum", "psd"),
-    "sine": ("campaign.single_sine", "sine"),
+    "allan": ("procedures.static_noise.files.allan", "allan"),
+    "psd": ("procedures.static_noise.files.psd", "psd"),
+    "sine": ("procedures.sine.files", "sine"),
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
     "compensate": ("campaign.compensation", "compensate"),
-    "flip": ("campaign.single_flip", "flip"),
-    "thermal": ("campaign.single_thermal", "thermal"),
-    "mass_attraction": ("campaign.single_mass_attraction", "mass_attraction"),
+    "flip": ("procedures.flip.files.call", "flip"),
+    "thermal": ("procedures.thermal.files", "thermal"),
+    "mass_attraction": ("procedures.mass_attraction.files", "mass_attraction"),
     "load_model": ("campaign.models", "load_model"),
-    "plan_mass_attraction": ("campaign.single_mass_plan", "plan_mass_attraction"),
-    "plan_positions": ("campaign.single_positions_plan", "plan_positions"),
+    "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
+    "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
     "plot": ("report.plot", "plot"),
-    "positions": ("campaign.single_positions", "positions"),
+    "positions": ("procedures.positions.files.call", "positions"),
     "positions_batch": ("procedures.positions.lot.batch", "positions_batch"),
     "score": ("campaign.score", "score"),
     "simulate": ("campaign.twin", "simulate"),
     "write": ("files.write.recording", "write"),
     "info": ("files.info.survey", "survey"),
-    "rate_table": ("campaign.single", "rate_table"),
+    "rate_table": ("campaign.calls.rate_table", "rate_table"),
     "read": ("files", "read"),
     "read_table": ("files.text.table", "read_table"),
     "run": ("campaign.run", "run"),

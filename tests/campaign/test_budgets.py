@@ -14,12 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.campaign.budgets import budget_rows
-from inertialcal.campaign.display import display_unit, stated_unit
 from inertialcal.campaign.modelling import _merged
 from inertialcal.campaign.run import run
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
+from inertialcal.procedures.display import display_unit, stated_unit
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.reduction import Plan, Readings, reduce
 from ran_campaigns import Ran

@@ -11,12 +11,12 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.curves import displayed_curve, ten_digits
 from inertialcal.campaign.load import load
 from inertialcal.campaign.prepared import prepare
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.curve import Column, Curve
+from inertialcal.procedures.display import displayed_curve, ten_digits
 from inertialcal.procedures.rate_table.traces import BINS
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig

@@ -11,12 +11,12 @@ import inertialcal as ic
 from inertialcal.campaign.flip_campaign import new_campaign, write_flip_campaign
 from inertialcal.campaign.load import load
 from inertialcal.campaign.run import run
-from inertialcal.campaign.single_flip import FlipFile
 from inertialcal.campaign.starter import start
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.results import Row
+from inertialcal.procedures.flip.files.call import FlipFile
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import build
 from pad_flips import BENCH, records

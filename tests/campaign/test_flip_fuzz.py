@@ -17,9 +17,9 @@ import pytest
 from inertialcal.campaign.example import copy_example
 from inertialcal.campaign.publish import json_text
 from inertialcal.campaign.run import run
-from inertialcal.campaign.single_flip import flip
 from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import InertialcalError
+from inertialcal.procedures.flip.files.call import flip
 from inertialcal.rigs.protocol import SEED
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build

@@ -9,11 +9,11 @@ from itertools import pairwise
 import numpy as np
 import pytest
 
-from inertialcal.campaign.flip_record import Said, found_windows, given_windows, head_recording
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.units import factor
+from inertialcal.procedures.flip.files.record import Said, found_windows, given_windows, head_recording
 
 RATE = 5.0
 UTC = 824_817_600 * SECOND  # 1996-02-20 12:00:00

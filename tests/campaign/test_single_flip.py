@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 import inertialcal as ic
-from inertialcal.campaign.single_flip import FlipFile
 from inertialcal.campaign.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.results import Row
+from inertialcal.procedures.flip.files.call import FlipFile
 from inertialcal.rigs.sams_tsh.campaign import FILE, instant, windows
 from inertialcal.rigs.sams_tsh.rig import Bench, build
 

@@ -12,13 +12,13 @@ import pytest
 from numpy.typing import NDArray
 
 import inertialcal as ic
-from inertialcal.campaign.noise_channels import Group, groups_of
-from inertialcal.campaign.noise_folder import write_folder
-from inertialcal.campaign.single_noise import NoiseFile
+from inertialcal.cli.nouns.noise_folder import write_folder
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.core.results import Row
 from inertialcal.core.units import factor
+from inertialcal.procedures.static_noise.files.allan import NoiseFile
+from inertialcal.procedures.static_noise.files.channels import Group, groups_of
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk
 

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
-from inertialcal.campaign.single_positions_plan import in_words
 from inertialcal.core.errors import PlanError, UsageError
+from inertialcal.procedures.positions.planning.planner import in_words
 
 
 def test_target_in_units_of_the_user_is_met() -> None:

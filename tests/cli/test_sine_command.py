@@ -10,11 +10,11 @@ from typed_commands import call, call_json
 
 import inertialcal as ic
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
-from inertialcal.campaign.single_sine import SineFile
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
 from inertialcal.procedures.mass_attraction.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
+from inertialcal.procedures.sine.files import SineFile
 from inertialcal.report.figures import FIGURES, on_new_figure
 
 SINE = np.tile([0.0, 1.0, 0.0, -1.0], N // 4)

@@ -11,9 +11,9 @@ from dataclasses import replace
 
 import pytest
 
-from inertialcal.campaign.flip_record import found_windows
 from inertialcal.core.errors import UsageError
 from inertialcal.core.recording import SECOND
+from inertialcal.procedures.flip.files.record import found_windows
 from inertialcal.procedures.flip.reduction import Turned, readings_from, reduce
 from inertialcal.rigs.sams_tsh.orbit_ambient import ARM_FADE
 from inertialcal.statistics.intervals import covers

@@ -7,7 +7,7 @@ import pytest
 from scipy import linalg, stats
 
 from inertialcal.core.errors import PlanError
-from inertialcal.procedures.mass_attraction.forecast import (
+from inertialcal.procedures.mass_attraction.planning.forecast import (
     Cycle,
     difference_covariance,
     forecast,

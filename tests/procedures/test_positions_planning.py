@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import PlanError
 from inertialcal.procedures.positions.lot.batch import positions_batch
-from inertialcal.procedures.positions.planning import (
+from inertialcal.procedures.positions.planning.design import (
     Setup,
     course,
     cube,

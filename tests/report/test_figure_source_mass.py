@@ -10,8 +10,8 @@ import pytest
 from matplotlib.collections import PolyCollection
 
 import inertialcal as ic
-from inertialcal.campaign.single_mass_plan import MassPlan
 from inertialcal.core.errors import InertialcalError
+from inertialcal.procedures.mass_attraction.planning.planner import MassPlan
 from inertialcal.report.figures import FIGURES, on_new_figure, to_svg
 from inertialcal.report.figures.drawing.data import curves, numbers
 

@@ -18,11 +18,10 @@ from typing import Any
 from ..core.estimate import Component, Estimate
 from ..core.results import finite
 from ..core.units import divide, factor
+from ..procedures.display import display_unit, stated_unit, ten_digits
 from ..procedures.flip.rows import MODEL_BIAS
 from ..procedures.rate_table.rows import RESIDUAL
 from ..procedures.thermal.quantities import AT
-from .curves import ten_digits
-from .display import display_unit, stated_unit
 
 ROUNDING = 1e-20  # share of a variance that cannot be told from none: 1e-10 of u
 

@@ -14,9 +14,9 @@ from ..core.remarks import Remark
 from ..core.results import Row
 from ..files.models.model_file import load_model_file
 from ..files.source import load
+from ..procedures.display import displayed
 from ..sensors.model.sensor_model import FIELD_UNIT
 from ..sensors.model.serial import FORMAT
-from .display import displayed
 from .model_rows import model_rows
 from .models import RESULTS, find_model
 from .publish import OUT

@@ -10,6 +10,7 @@ from ..core.estimate import Estimate
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor, kind
+from ..procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
 from ..procedures.positions.of_sensor import by_quantity
 from ..procedures.rate_table.closed_loop import AxisLoop
 from ..procedures.static_noise import reduction as static_noise
@@ -17,8 +18,7 @@ from ..procedures.static_noise.scale import SCALE
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows
 from .cross_checks import MODELLED
-from .curves import curves_content, ten_digits
-from .display import display_unit, displayed, scaled, scaled_interval
+from .curves import curves_content
 from .engine import Prepared
 from .exclusions import exclusion_rows
 from .load import Campaign

@@ -14,11 +14,11 @@ import numpy as np
 
 from ..core.remarks import Remark
 from ..core.units import convert
+from ..procedures.display import ten_digits
 from ..procedures.flip import reduction as flip
 from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.exclusions import Mask
 from ..procedures.static_noise import reduction as static_noise
-from .curves import ten_digits
 from .engine import Prepared
 from .load import Campaign
 from .prepared import sensor_of

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from ..core.errors import PlanError, StoreError, UsageError
 from ..procedures.flip import reduction as flip
-from .flip_source import FlipSource, entry_text, quoted
+from ..procedures.flip.files.source import FlipSource, entry_text, quoted
 from .load import FILE
 from .starter_flip import flip_text, sensor_text
 

@@ -12,12 +12,12 @@ from typing import Any
 
 from ..core.influence import Standards
 from ..core.results import Row
+from ..core.standards import STANDARDS
 from ..procedures import procedure_of
 from ..procedures.protocol import Tested
 from ..rigs.protocol import SEED, Twin
 from .engine import prepare_test, reduce_test
 from .schema import CampaignFile, Test
-from .schema_standards import STANDARDS
 from .sources import Memory
 
 

@@ -14,9 +14,9 @@ from pydantic import BaseModel, ValidationError
 
 from ..core.errors import DataError, PlanError, Problem
 from ..core.influence import Influence, Standards
+from ..core.standards import STANDARDS
 from .cross_checks import cross_checks
 from .schema import CampaignFile
-from .schema_standards import STANDARDS
 from .toml_lines import Path as KeyPath
 from .toml_lines import key_lines, nearest_line
 

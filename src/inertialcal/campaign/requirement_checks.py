@@ -7,7 +7,7 @@ from difflib import get_close_matches
 
 from ..core.errors import DataError, Problem
 from ..core.units import kind, normalise, parse_quantity, same_dimension
-from . import noise_units as noise
+from ..procedures.static_noise import units as noise
 from .conditions import parse_condition
 from .schema import CampaignFile, Requirement
 from .toml_lines import At

@@ -12,10 +12,10 @@ from pydantic import Field, field_validator, model_validator
 
 from ..core.quantities import Acceleration, Angle, Length
 from ..core.schema_words import Name, Strict, Text
+from ..core.standards import StandardEntry
 from ..core.times import read_instant
 from .schema_recordings import RecordingEntry
 from .schema_sensors import Sensor
-from .schema_standards import StandardEntry
 
 
 class CampaignHead(Strict):

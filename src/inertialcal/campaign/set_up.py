@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ..core.units import Quantity, convert
-from .curves import ten_digits
+from ..procedures.display import ten_digits
 from .schema import Site
 from .schema_sensors import Sensor
 

@@ -7,6 +7,7 @@ from typing import Any
 
 from ..core.influence import Influence
 from ..core.results import finite
+from ..core.standards import STANDARDS
 from ..procedures.flip import reduction as flip
 from ..procedures.positions import reduction as positions
 from ..procedures.positions.of_sensor import OfSensor
@@ -17,7 +18,6 @@ from ..procedures.static_noise import reduction as static_noise
 from ..procedures.thermal import reduction as thermal
 from .load import Campaign
 from .requirements import Tested
-from .schema_standards import STANDARDS
 
 LATITUDE = "site.latitude"
 EFFECTS = rate_table.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}

@@ -14,14 +14,14 @@ from ..core.remarks import Remark
 from ..core.units import kind
 from ..files import read
 from ..files.text.table import Table, read_table
-from .flip_source import CLOCK_COLUMN, FlipSource
+from ..procedures.flip.files.source import CLOCK_COLUMN, FlipSource
+from .calls.table_columns import Guess, guess
 from .load import FILE, MARK
 from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table
 from .starter_positions import REQUIREMENT as POSITIONS_REQUIREMENT
 from .starter_positions import is_laid, positions_parts
 from .starter_still import REQUIREMENT as STILL_REQUIREMENT
 from .starter_still import gyros, is_still, of_one_level, still_parts
-from .table_columns import Guess, guess
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files

@@ -16,9 +16,9 @@ from ..files import read
 from ..files.pad.pairs import pairs_of
 from ..files.text.table import Table
 from ..procedures.flip import reduction as flip
-from .flip_record import found_windows, head_recording
-from .flip_source import FlipSource, entry_text, quoted, source_of
-from .flip_table import is_table_of_means, means_columns
+from ..procedures.flip.files.record import found_windows, head_recording
+from ..procedures.flip.files.source import FlipSource, entry_text, quoted, source_of
+from ..procedures.flip.files.table import is_table_of_means, means_columns
 from .load import MARK
 
 

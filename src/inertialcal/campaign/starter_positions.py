@@ -9,8 +9,8 @@ import numpy as np
 from ..core.errors import InertialcalError
 from ..core.recording import Channel, Recording
 from ..core.units import kind
+from ..procedures.flip.files.source import CLOCK_COLUMN, quoted
 from ..signals.segmentation.segments import detect, static_intervals
-from .flip_source import CLOCK_COLUMN, quoted
 from .load import MARK
 from .starter_flip import accelerometers
 from .starter_still import gyros

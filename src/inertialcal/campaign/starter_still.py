@@ -12,8 +12,8 @@ from ..core.recording import Channel, Recording
 from ..core.units import kind
 from ..files.info.channel_survey import survey_channel
 from ..files.info.hints import unit_hints
+from ..procedures.flip.files.source import CLOCK_COLUMN, quoted
 from ..signals.segmentation.stillness import judge
-from .flip_source import CLOCK_COLUMN, quoted
 from .load import MARK
 from .starter_flip import accelerometers
 

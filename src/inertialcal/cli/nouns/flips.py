@@ -13,7 +13,7 @@ from ..options import Frame, Json, MissionStart, Quiet, Start, Stop
 from ..shown.output import clean, json_out
 
 if TYPE_CHECKING:
-    from ...campaign.single_flip import FlipFile
+    from ...procedures.flip.files.call import FlipFile
 
 Paths = Annotated[list[Path], typer.Argument(help="A table of means, or recordings of the head.", show_default=False)]
 
@@ -44,7 +44,7 @@ def flip(
     quiet: Quiet = False,
 ) -> int:
     """Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."""
-    from ...campaign.single_flip import flip as reduce_files
+    from ...procedures.flip.files.call import flip as reduce_files
     from ..pairs import pairs
 
     figures.check_figure(output)

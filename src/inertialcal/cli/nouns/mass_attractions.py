@@ -54,7 +54,7 @@ def mass_attraction(
     quiet: Quiet = False,
 ) -> int:
     """Scale factor from a moved mass: its line in the drift, with the error from the lines beside it."""
-    from ...campaign.single_mass_attraction import mass_attraction as reduce_files
+    from ...procedures.mass_attraction.files import mass_attraction as reduce_files
     from ..shown.summary import print_reduced
     from .recordings import units_of
 

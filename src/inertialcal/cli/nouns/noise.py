@@ -14,8 +14,8 @@ from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from ..shown.output import clean, json_out
 
 if TYPE_CHECKING:
-    from ...campaign.single_noise import NoiseFile
-    from ...campaign.single_spectrum import SpectrumFile
+    from ...procedures.static_noise.files.allan import NoiseFile
+    from ...procedures.static_noise.files.psd import SpectrumFile
 
 Records = Annotated[
     list[Path],
@@ -104,8 +104,8 @@ def allan(
     quiet: Quiet = False,
 ) -> int:
     """Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record."""
-    from ...campaign.noise_settings import quantity as said
-    from ...campaign.single_noise import allan as reduce_files
+    from ...procedures.static_noise.files.allan import allan as reduce_files
+    from ...procedures.static_noise.files.settings import quantity as said
     from ..shown.noise_text import blocks_text, noise_text
 
     _check_output(output, figure)
@@ -154,7 +154,7 @@ def psd(
     quiet: Quiet = False,
 ) -> int:
     """Spectrum of a sensor at rest: its lines by name, its noise terms, and a check against the Allan deviation."""
-    from ...campaign.single_spectrum import psd as reduce_file
+    from ...procedures.static_noise.files.psd import psd as reduce_file
     from ..shown.noise_text import spectrum_text
 
     _check_output(output, None)
@@ -237,7 +237,7 @@ def _write(
         return []
     if output.suffix:
         return [figures.write(output, found, files, {"figure": figure}, most=3)]
-    from ...campaign.noise_folder import write_folder
+    from .noise_folder import write_folder
 
     return [clean(f"written: {path}") for path in write_folder(output, found, blocks)]
 

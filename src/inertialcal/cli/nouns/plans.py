@@ -13,7 +13,7 @@ from ..shown.output import clean, json_out
 from .plans_positions import positions
 
 if TYPE_CHECKING:
-    from ...campaign.single_mass_plan import MassPlan
+    from ...procedures.mass_attraction.planning.planner import MassPlan
 
 FIGURES = {
     "body": "mass_body",
@@ -108,7 +108,7 @@ def mass_attraction(
     quiet: Quiet = False,
 ) -> int:
     """Source mass, drive, budget, and uncertainty of the scale factor against hours."""
-    from ...campaign.single_mass_plan import plan_mass_attraction
+    from ...procedures.mass_attraction.planning.planner import plan_mass_attraction
 
     figures.check_figure(output, {"--figure": figure})
     chosen = _figure(figure)
@@ -172,8 +172,8 @@ def _json(found: MassPlan, written: list[str]) -> None:
 
 
 def _print(found: MassPlan, written: list[str]) -> None:
-    from ...campaign.mass_parts import mass_parts
     from ...core.show.tables import text
+    from ...procedures.mass_attraction.planning.shown import mass_parts
     from ..shown.summary import remarks_text
 
     print(text(mass_parts(found.rows)))

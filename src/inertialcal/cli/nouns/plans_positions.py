@@ -11,7 +11,7 @@ from ..pairs import pairs
 from ..shown.output import json_out
 
 if TYPE_CHECKING:
-    from ...campaign.single_positions_plan import PositionsPlan
+    from ...procedures.positions.planning.planner import PositionsPlan
 
 
 def positions(
@@ -35,7 +35,7 @@ def positions(
     quiet: Quiet = False,
 ) -> int:
     """Positions of accelerometers to take, one after another, and the uncertainty to expect of them."""
-    from ...campaign.single_positions_plan import plan_positions
+    from ...procedures.positions.planning.planner import plan_positions
 
     wanted = pairs(target or [], "--target", 'bias="0.1 mg"')
     found = plan_positions(

@@ -13,7 +13,7 @@ from ..options import Json, Quiet, Start, Stop, Units
 from ..shown.output import clean, json_out
 
 if TYPE_CHECKING:
-    from ...campaign.single_positions import PositionsFile
+    from ...procedures.positions.files.call import PositionsFile
 
 FIGURES = ("positions_residuals", "positions_sphere", "transitions")
 Files = Annotated[
@@ -78,7 +78,7 @@ def positions(
     quiet: Quiet = False,
 ) -> int:
     """Scale factors, misalignment, bias and g-sensitivity from static positions and rotations by hand."""
-    from ...campaign.single_positions import positions as reduce_files
+    from ...procedures.positions.files.call import positions as reduce_files
     from ..pairs import pairs
     from ..shown.summary import print_reduced
     from .recordings import units_of

@@ -118,7 +118,7 @@ def rate_table(
     quiet: Quiet = False,
 ) -> int:
     """Scale factor, bias, asymmetry and misalignment from dwells at known rates: a table, or a recording of it."""
-    from ...campaign.single import rate_table as reduce_file
+    from ...campaign.calls.rate_table import rate_table as reduce_file
 
     figures.check_figure(output, {"--figure": figure})
     found = reduce_file(

@@ -13,7 +13,7 @@ from ..shown.output import json_out
 from .noise import Averaging, SampleRate, TimeColumn, _named, _recorded
 
 if TYPE_CHECKING:
-    from ...campaign.single_sine import SineFile
+    from ...procedures.sine.files import SineFile
 
 
 def sine(
@@ -46,7 +46,7 @@ def sine(
     quiet: Quiet = False,
 ) -> int:
     """Amplitude of a known drive in drift and noise, its uncertainty from the lines beside it; or an upper limit."""
-    from ...campaign.single_sine import sine as reduce_file
+    from ...procedures.sine.files import sine as reduce_file
 
     figures.check_figure(output)
     with _named([file] if schedule is None else [file, schedule]):

@@ -47,7 +47,7 @@ def thermal(
     quiet: Quiet = False,
 ) -> int:
     """Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups."""
-    from ...campaign.single_thermal import thermal as reduce_files
+    from ...procedures.thermal.files import thermal as reduce_files
     from ..pairs import pairs
     from ..shown.summary import print_reduced
     from .recordings import units_of

@@ -11,9 +11,9 @@ from ...core.show.tables import ending, short
 from .output import clean, table, wrapped
 
 if TYPE_CHECKING:
-    from ...campaign.single_noise import NoiseFile, SensorNoise
-    from ...campaign.single_spectrum import SpectrumFile
     from ...core.results import Row
+    from ...procedures.static_noise.files.allan import NoiseFile, SensorNoise
+    from ...procedures.static_noise.files.psd import SpectrumFile
     from ...procedures.static_noise.reduction import Reach
     from ...sensors.noise.filter_block import FilterBlock
 

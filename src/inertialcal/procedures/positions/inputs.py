@@ -15,8 +15,8 @@ from ...core.axes import AXES, Kind
 from ...core.errors import DataError
 from ...core.recording import Channel, Recording
 from ..protocol import Source
-from .channels import check_clock
-from .files import named_section, section_of
+from .files.channels import check_clock
+from .files.sources import named_section, section_of
 from .orientation_text import FACES, of_words, runs_of, sections_of
 from .plan import Plan
 from .readings import Readings

@@ -1,0 +1,1 @@
+"""A rate table of files without a campaign."""

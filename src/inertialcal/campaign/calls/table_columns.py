@@ -1,0 +1,82 @@
+"""Which column of a reduced rate-table test is what, as far as the names tell.
+
+Only names are looked at, never numbers, and nothing is taken that could be two things: what is not found is
+left for the user to say.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+from ...files.text.table import Table
+
+PATTERNS = {
+    "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega)(_|$)",
+    "scatter": r"(^|_)(std|stdev|sd|sigma|scatter)(_|$)",
+    "samples": r"^(n|samples|n_samples|count)$",
+    "group": r"^(set|group|sample_set)$",
+    "run": r"^(run|run_id|power_up|turn_on)$",
+    "axis": r"^(axis|turned|axis_turned)$",
+}
+OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
+READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr)(_|$)"
+AXIS = re.compile(r"(^|_)([xyz])(_|$)", re.IGNORECASE)
+
+
+@dataclass(frozen=True)
+class Guess:
+    """Columns by what they hold; None where no name, or more than one, says so.
+
+    Parameters
+    ----------
+    applied, scatter, samples, group, run, axis : str or None
+        Names of columns.
+    readings : tuple of str
+        Columns that can be the sensor's reading.
+    unit : str or None
+        That the names of applied and readings say, where they agree.
+    """
+
+    applied: str | None = None
+    scatter: str | None = None
+    samples: str | None = None
+    group: str | None = None
+    run: str | None = None
+    axis: str | None = None
+    readings: tuple[str, ...] = ()
+    unit: str | None = None
+    by_axis: dict[str, str] = field(default_factory=dict)
+
+
+def guess(table: Table) -> Guess:
+    """Return what the names of a table's columns tell."""
+    names = list(table.names)
+    found = {what: _only(names, pattern) for what, pattern in PATTERNS.items()}
+    taken = set(found.values())
+    rest = [name for name in names if name not in taken and not _matches(name, OTHER)]
+    readings = [name for name in rest if _matches(name, READING)] or [name for name in rest if AXIS.search(_key(name))]
+    by_axis = {match[2].lower(): name for name in readings if (match := AXIS.search(_key(name)))}
+    unit = _common_unit(table, [name for name in (found["applied"], *readings) if name])
+    if len(by_axis) != len(readings):
+        by_axis = {}
+    return Guess(**found, readings=tuple(readings), unit=unit, by_axis=by_axis)
+
+
+def _key(name: str) -> str:
+    return re.sub(r"[^a-z0-9]+", "_", name.lower())
+
+
+def _matches(name: str, pattern: str) -> bool:
+    return re.search(pattern, _key(name)) is not None
+
+
+def _only(names: Sequence[str], pattern: str) -> str | None:
+    found = [name for name in names if _matches(name, pattern) and not _matches(name, OTHER + "|" + READING)]
+    return found[0] if len(found) == 1 else None
+
+
+def _common_unit(table: Table, names: Sequence[str]) -> str | None:
+    units = {table.unit(name) for name in names}
+    return units.pop() if len(units) == 1 else None

@@ -1,0 +1,67 @@
+"""[standards] of campaign.toml: influences that may be stated, and how their uncertainty is said."""
+
+from __future__ import annotations
+
+import math
+
+from pydantic import Field, model_validator
+
+from .influence import Influence
+from .schema_words import Strict, Text
+from .units import parse_quantity
+
+LARGEST = 1e9  # uncertainty of a standard, SI: beyond it a digit or a unit is wrong
+# Influences that may stand under [standards.NAME], with the unit that they are read into.
+STANDARDS: dict[str, dict[str, str]] = {
+    "rate_table": {"rate": "1", "mounting": "rad"},
+    "turn": {"angle": "rad", "axis": "rad"},
+    "converter": {"reference": "1", "zero": "m/s^2"},
+    "sensor": {"scale_factor": "1", "hysteresis": "rad/s"},
+    "thermometer": {"temperature": "degC"},
+    "site": {"latitude": "rad"},
+    "source_mass": {"density": "1", "placing": "1", "gravitational_constant": "1"},
+    "tilt_meter": {"mercury": "rad"},
+    "pad": {"tilt": "rad"},
+    "gravity": {"value": "m/s^2"},
+    "fixture": {"orientation": "rad", "mounting": "rad"},
+    "clock": {"rate": "1"},
+}
+
+
+class StandardEntry(Strict):
+    """Uncertainty of a standard: one of ``u``, ``expanded`` with ``k``, or ``half_width``."""
+
+    u: str | None = None
+    expanded: str | None = None
+    k: float | None = Field(default=None, gt=0)
+    half_width: str | None = None
+    dof: float | None = Field(default=None, gt=0)
+    certificate: Text = ""
+
+    @model_validator(mode="after")
+    def _one_form(self) -> StandardEntry:
+        given = [name for name in ("u", "expanded", "half_width") if getattr(self, name) is not None]
+        if len(given) != 1:
+            raise ValueError(f"needs one of u, expanded (with k) or half_width; given: {', '.join(given) or 'none'}")
+        if (self.expanded is None) != (self.k is None):
+            raise ValueError("expanded and k go together: U = k u")
+        return self
+
+    def influence(self, unit: str) -> Influence:
+        """Return the standard uncertainty in ``unit``.
+
+        Raises
+        ------
+        DataError
+            If the text is no quantity of that kind, or not positive.
+        """
+        text, divisor = (self.u, 1.0) if self.u is not None else (self.expanded, self.k or 1.0)
+        if self.half_width is not None:
+            text, divisor = self.half_width, math.sqrt(3.0)
+        quantity = parse_quantity(text or "")
+        u = quantity.to(unit, difference=True) / divisor
+        if not 0.0 <= u <= LARGEST:
+            raise ValueError(f"{text!r}: an uncertainty is positive and finite, and no larger than {LARGEST:g} {unit}")
+        shape = "rectangular" if self.half_width is not None else "normal"
+        dof = math.inf if self.dof is None else self.dof
+        return Influence(u, unit, dof, shape, self.certificate, (quantity.value / divisor, quantity.unit))

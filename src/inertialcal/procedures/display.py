@@ -1,0 +1,155 @@
+"""From SI to the units that the campaign speaks: those of its sensor, percent for relative errors."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from ..core.curve import Column, Curve
+from ..core.results import Interval, Row
+from ..core.units import divide, factor, kind, normalise, power, same_dimension, si_unit
+from .static_noise.units import noise_unit
+
+PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter
+PERCENT = ("scale_factor_error", "high_g_difference", "scale_factor_asymmetry", "cross_axis_sensitivity")
+TURNED = ("transition_error", "scatter_rotation")  # angles that people tell in degrees
+PER_FORCE = "g_sensitivity"  # told per g
+
+
+def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
+    """Return the unit that a figure is shown in.
+
+    Parameters
+    ----------
+    quantity : str
+        The field's word.
+    unit : str
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    """
+    if quantity in PERCENT and unit == "1":
+        return "%"
+    own = _own_unit(quantity, unit, sensor_unit)
+    if own:
+        return own
+    if kind(unit) == kind(sensor_unit):
+        return sensor_unit
+    if unit in {"V/(rad/s)", "V/(m/s^2)"}:
+        return f"V/({sensor_unit})"
+    if unit == PULSES:
+        return normalise(f"count/s/({sensor_unit})")
+    return _coefficient_unit(unit, sensor_unit)
+
+
+def _own_unit(quantity: str, unit: str, sensor_unit: str) -> str:
+    """Return the unit that people tell a quantity in, whatever else has that kind of unit; empty where none."""
+    if quantity in TURNED:
+        return stated_unit(unit, sensor_unit)
+    if quantity == PER_FORCE:  # of readings in counts whose scale factor is not told it stays in counts
+        told = normalise(f"({sensor_unit})/g")
+        return told if same_dimension(told, unit) else ""
+    noise = noise_unit(quantity, sensor_unit)
+    return noise if noise and same_dimension(noise, unit) else ""
+
+
+def _coefficient_unit(unit: str, sensor_unit: str) -> str:
+    """Return the unit of a coefficient of a polynomial, or of a square, with that of the sensor in place of SI."""
+    own = si_unit(sensor_unit)
+    for rest in (*(f"/{by}" for by in ("degC", "V")), *(f"/{by}^{j}" for by in ("degC", "V") for j in range(2, 13))):
+        if unit == normalise(f"({own}){rest}") or unit == f"{own}{rest}":
+            return normalise(f"({sensor_unit}){rest}")
+    return normalise(f"({sensor_unit})^2") if unit == normalise(f"({own})^2") else unit
+
+
+def stated_unit(unit: str, sensor_unit: str) -> str:
+    """Return the unit that the uncertainty of a source is shown in: as it was stated, SI as people speak of it.
+
+    Parameters
+    ----------
+    unit : str
+        That it was stated in, or SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    """
+    if unit == "1":
+        return "%"
+    if unit == "rad":
+        return "rad" if "rad" in sensor_unit else "deg"
+    return sensor_unit if unit == si_unit(sensor_unit) else unit
+
+
+def displayed(row: Row, sensor_unit: str) -> Row:
+    """Return the row in the units of the campaign."""
+    unit = display_unit(row.quantity, row.unit, sensor_unit)
+    if unit == row.unit:
+        return row
+    scale = factor(row.unit, unit)
+    return replace(
+        row,
+        value=scaled(row.value, scale),
+        u=scaled(row.u, scale),
+        interval=scaled_interval(row.interval, scale),
+        unit=unit,
+    )
+
+
+def scaled(number: float | None, scale: float) -> float | None:
+    """Return the number times a factor; absent stays absent."""
+    return None if number is None else number * scale
+
+
+def scaled_interval(interval: Interval | None, scale: float) -> Interval | None:
+    """Return the interval times a factor; open sides stay open."""
+    if interval is None:
+        return None
+    return Interval(scaled(interval.lo, scale), scaled(interval.hi, scale), interval.p)
+
+
+IN_HOURS = ("record_length", "mass_series", "mass_correlation")  # as people plan and read them
+
+
+TEN_DIGITS = ("applied", "rate", "time", "start", "stop")
+
+
+def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
+    """Return a curve in the units of the campaign.
+
+    Parameters
+    ----------
+    curve : Curve
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    """
+    columns = {name: _displayed(column, sensor_unit) for name, column in curve.columns.items()}
+    if curve.name in IN_HOURS:
+        columns |= {name: _in_hours(column) for name, column in columns.items() if column.unit == "s"}
+    short = [name for name in columns if name in TEN_DIGITS or curve.name == "trace"]
+    return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
+
+
+def _in_hours(column: Column) -> Column:
+    """Return lengths of records as people plan them."""
+    return Column([None if value is None else value * factor("s", "h") for value in column.values], "h")
+
+
+def _displayed(column: Column, sensor_unit: str) -> Column:
+    unit = column.unit
+    shown = "%" if unit == "1" else sensor_unit if unit and kind(unit) == kind(sensor_unit) else unit
+    density = divide(power(sensor_unit, 2), "Hz")
+    shown = density if unit and same_dimension(unit, density) else shown
+    shown = display_unit("scale_factor", unit, sensor_unit) if unit == PULSES else shown
+    if shown == unit:
+        return column
+    return Column(np.array(column.values, dtype=float) * factor(unit, shown), shown)
+
+
+def _shortened(column: Column) -> Column:
+    return replace(column, values=[ten_digits(value) for value in column.values])
+
+
+def ten_digits(value: float) -> float:
+    """Return a number to ten digits: 3 deg/s went through radians and shall come out as 3."""
+    return float(f"{value:.10g}")

@@ -1,0 +1,1 @@
+"""A flip of files without a campaign."""

@@ -1,0 +1,1 @@
+"""A moved mass planned: shape, motion, orbit, what its test would tell."""

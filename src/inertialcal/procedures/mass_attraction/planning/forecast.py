@@ -1,0 +1,210 @@
+"""What a mass-attraction test will give: uncertainty of the scale factor against hours, for a noise and a drive.
+
+Readings of the dwells are taken as::
+
+    y = offset (+ line) + scale factor * applied + noise
+
+with all in the unit of the acceleration, and the scale factor is what generalised least squares finds: with an offset
+(and, where asked for, a line) free, of noise of which everything is known. Its relative variance is ``1 / (s' W s)``, s
+being what is applied and W the inverse covariance of the dwell means with the offset projected out. Random walk and
+flicker have no covariance of their own, but the differences of neighbouring dwells have one, and they are all that an
+offset leaves; it is exact for means over a dwell with the pauses between them (`sensors.noise`).
+
+Up to ``EXACT`` dwells that is solved as it stands. Beyond, each further cycle adds what the last half of them added on
+average: a drive has a frequency, and noise there does not change with the length of the record.
+
+The doubt of what is applied is the same in every cycle, and does not shrink. Times are those of whole cycles.
+
+What it means: the standard deviation of scale factors from such tests. A real test does not know its noise beforehand,
+and finds it with some loss.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+from numpy.typing import ArrayLike
+from scipy import linalg
+
+from ....core.errors import PlanError
+from ....core.estimate import Array
+from ....sensors.noise.phase import Phase
+from ....sensors.noise.terms import RateRamp, Term, total_phase
+
+EXACT = 1024  # dwells
+LONGEST = 2**40  # cycles that are still told
+
+
+@dataclass(frozen=True)
+class Cycle:
+    """What one cycle applies, and how long it takes.
+
+    Parameters
+    ----------
+    applied : tuple of float
+        In each dwell [m/s^2].
+    dwell, move : float
+        [s].
+    """
+
+    applied: tuple[float, ...]
+    dwell: float
+    move: float
+
+    def __post_init__(self) -> None:
+        if len(self.applied) < 2 or not np.ptp(self.applied) > 0.0:
+            raise PlanError("a cycle needs two or more dwells that apply different accelerations", code="schedule")
+        if not (self.dwell > 0.0 and self.move >= 0.0):
+            raise PlanError(f"a dwell of {self.dwell:g} s with moves of {self.move:g} s", code="schedule")
+
+    @property
+    def period(self) -> float:
+        """[s]."""
+        return len(self.applied) * (self.dwell + self.move)
+
+
+@dataclass(frozen=True, eq=False)
+class Forecast:
+    """Uncertainty of the scale factor against time.
+
+    Parameters
+    ----------
+    time : ndarray, shape (n,)
+        Of whole cycles [s].
+    u_noise : ndarray, shape (n,)
+        From the noise, relative [1].
+    u_applied : float
+        From what is applied, relative [1].
+    """
+
+    time: Array
+    u_noise: Array
+    u_applied: float = 0.0
+
+    @property
+    def u(self) -> Array:
+        """From both, relative, shape (n,) [1]."""
+        return np.hypot(self.u_noise, self.u_applied)
+
+
+def forecast(
+    cycle: Cycle, terms: Sequence[Term], times: ArrayLike, *, u_applied: float = 0.0, line: bool = False
+) -> Forecast:
+    """Return the relative standard uncertainty of the scale factor after each time.
+
+    Parameters
+    ----------
+    cycle : Cycle
+        Of the drive.
+    terms : sequence of Term
+        Noise of the sensor [m/s^2].
+    times : array_like, shape (n,)
+        Down to whole cycles, at least one [s].
+    u_applied : float
+        Relative standard uncertainty of the amplitude [1].
+    line : bool
+        Whether a line in time is free, beside the offset; one is wherever the noise has a ramp.
+
+    Raises
+    ------
+    PlanError
+        If there is no noise, or the cycle is none.
+    """
+    cycles = np.maximum(np.floor(np.atleast_1d(np.asarray(times, dtype=float)) / cycle.period + 1e-9), 1.0)
+    found = np.array([relative_noise(cycle, tuple(terms), int(count), line) for count in cycles])
+    return Forecast(cycles * cycle.period, found, u_applied)
+
+
+def relative_noise(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool = False) -> float:
+    """Return the relative standard uncertainty of the scale factor from the noise alone after so many cycles [1]."""
+    told = _information(cycle, terms, cycles, line)
+    return 1.0 / math.sqrt(told) if told > 0.0 else math.inf
+
+
+def time_to(
+    cycle: Cycle, terms: Sequence[Term], target: float, *, u_applied: float = 0.0, line: bool = False
+) -> float | None:
+    """Return the time after which the uncertainty is at most the target [s].
+
+    Parameters
+    ----------
+    cycle, terms, u_applied, line
+        As `forecast`.
+    target : float
+        Relative standard uncertainty of the scale factor [1].
+
+    Returns
+    -------
+    float or None
+        Of whole cycles; None where no time is enough, because what is applied is not known as well as that.
+    """
+    if not target > u_applied:
+        return None
+    wanted = math.sqrt(target**2 - u_applied**2)
+    high = 1
+    while relative_noise(cycle, tuple(terms), high, line) > wanted:
+        high *= 2
+        if high > LONGEST:
+            return None
+    low = high // 2
+    while high - low > 1:
+        middle = (low + high) // 2
+        enough = relative_noise(cycle, tuple(terms), middle, line) <= wanted
+        low, high = (low, middle) if enough else (middle, high)
+    return high * cycle.period
+
+
+def takeover(cycle: Cycle, terms: Sequence[Term], u_applied: float, *, line: bool = False) -> float | None:
+    """Return the time from which what is applied is the larger doubt [s]; None where it is known without one."""
+    return time_to(cycle, terms, math.sqrt(2.0) * u_applied, u_applied=u_applied, line=line) if u_applied else None
+
+
+@lru_cache(512)
+def _information(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool) -> float:
+    """Inverse of the relative variance after so many cycles."""
+    ramps = [isinstance(term, RateRamp) for term in terms]
+    if all(ramps):
+        raise PlanError(
+            "no noise is given" + (" but a ramp" if ramps else ""),
+            why="without noise any test is exact",
+            do="Give white noise, flicker or random walk",
+            code="no_noise",
+        )
+    line = line or any(ramps)
+    most = max(EXACT // len(cycle.applied), 2)
+    if cycles <= most:
+        return _solved(cycle, terms, cycles, line)
+    half, all_of_them = (_information(cycle, terms, count, line) for count in (most // 2, most))
+    return all_of_them + (cycles - most) * (all_of_them - half) / (most - most // 2)
+
+
+def _solved(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool) -> float:
+    """Generalised least squares of the differences of neighbouring dwells."""
+    applied = np.diff(np.tile(np.array(cycle.applied), cycles))
+    noise = total_phase(
+        tuple(term for term in terms if not isinstance(term, RateRamp)), cycle.dwell + cycle.move, cycle.dwell
+    )
+    covariance = difference_covariance(noise, len(applied))
+    beside = np.ones((len(applied), int(line)))
+    design = np.column_stack([applied, beside])
+    solved = np.atleast_2d(linalg.solve_toeplitz(covariance, design))
+    normal = design.T @ solved
+    if not line:
+        return float(normal[0, 0])
+    if len(applied) < len(normal) or not normal[1, 1] > 0.0:
+        return 0.0
+    return float(normal[0, 0] - normal[0, 1] ** 2 / normal[1, 1])
+
+
+def difference_covariance(noise: Phase, count: int) -> Array:
+    """Return the covariance of differences of neighbouring samples at lags 0 to count - 1, shape (count,) [unit^2].
+
+    Differences of samples are second differences of their running sum, whose covariance the noise gives.
+    """
+    C = noise.covariance(np.abs(np.arange(-2.0, count + 2.0)))
+    found: Array = C[:-4] - 4.0 * C[1:-3] + 6.0 * C[2:-2] - 4.0 * C[3:-1] + C[4:]
+    return found

@@ -1,0 +1,1 @@
+"""Positions of files without a campaign: which channel is what, and the call."""

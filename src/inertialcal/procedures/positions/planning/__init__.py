@@ -1,0 +1,1 @@
+"""Positions planned: which ones tell most."""

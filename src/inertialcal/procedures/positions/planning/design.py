@@ -1,0 +1,363 @@
+"""Which positions tell an accelerometer triad well: uncertainty before the test, the next position, how many.
+
+At rest a triad reads ``r = b + M f``. Where each position is known, a sensor has four unknowns and each position one
+equation for it, with the error of the position beside the scatter: ``g pose`` across what points up. Where only the
+size of gravity is known, a position has one equation for all nine unknowns of a triangular M, and no error of the
+position matters::
+
+    d(|M^-1 (r - b)| - g) = - g sum_i u_i^2 ds_i - g sum_(i>j) u_i u_j dm_ij - sum_i u_i db_i
+
+with u the direction up. Predictions are for sensors near M = I, b = 0, a fit that weighs each reading by its error, and
+scatter of one known size in all positions: degrees of freedom are infinite. The error of gravity is one for all
+positions, and no number of them makes it smaller.
+
+References
+----------
+.. [1] Fedorov, Theory of Optimal Experiments, Academic Press 1972 (D- and A-optimal designs, one point after another).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from itertools import product
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from ....core.axes import AXES
+from ....core.constants import STANDARD_GRAVITY
+from ....core.errors import PlanError
+from ....core.estimate import Array
+from ..fit.observability import observed
+
+MOST = 200  # positions that a person lays
+FAINT = 1e-9  # information that a first position is compared with, where the others tell nothing yet
+DETERMINANT, TRACE = "determinant", "trace"
+LOWER = ((1, 0), (2, 0), (2, 1))
+
+
+@dataclass(frozen=True)
+class Setup:
+    """What is known before the test.
+
+    Parameters
+    ----------
+    scatter : float
+        Standard deviation of the mean reading of one position, all causes [m/s2].
+    known : bool
+        Whether the direction of each position is known.
+    pose : float
+        Standard uncertainty of a known direction, about each axis [rad].
+    gravity, gravity_u : float
+        Local gravity and its standard uncertainty [m/s2].
+    """
+
+    scatter: float
+    known: bool = False
+    pose: float = 0.0
+    gravity: float = field(default=float(STANDARD_GRAVITY.value))
+    gravity_u: float = 0.0
+
+    def __post_init__(self) -> None:
+        numbers = {"scatter": self.scatter, "gravity": self.gravity}
+        wrong = {name: value for name, value in numbers.items() if not 0.0 < value < np.inf}
+        wrong |= {n: v for n, v in {"pose": self.pose, "gravity_u": self.gravity_u}.items() if not 0.0 <= v < np.inf}
+        for name, value in wrong.items():
+            raise PlanError(f"{name} {value!r}: need a positive number", code="bad_argument")
+
+
+@dataclass(frozen=True, eq=False)
+class Prediction:
+    """Uncertainty that a set of positions would give.
+
+    Parameters
+    ----------
+    names, units : tuple of str
+        Parameters as a model names them.
+    u : ndarray, shape (k,)
+        Standard uncertainties; infinite where the positions do not tell.
+    covariance : ndarray, shape (k, k)
+        NaN in rows and columns of what is not told.
+    rank, count : int
+        Combinations that are told, of how many.
+    condition : float
+        Of what is told.
+    untold : tuple of str
+        Combinations that are not, in words.
+    """
+
+    names: tuple[str, ...]
+    units: tuple[str, ...]
+    u: Array
+    covariance: Array
+    rank: int
+    count: int
+    condition: float
+    untold: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Course:
+    """Positions to take, one after another.
+
+    Parameters
+    ----------
+    directions : ndarray, shape (n, 3)
+        What points up, in body axes.
+    prediction : Prediction
+        After the last of them.
+    """
+
+    directions: Array
+    prediction: Prediction
+
+
+def cube() -> Array:
+    """Return the 26 directions of a cube: faces, edges, corners, shape (26, 3)."""
+    found = [np.array(one, dtype=np.float64) for one in product((0, 1, -1), repeat=3) if any(one)]
+    ordered = sorted(found, key=lambda one: float(one @ one))
+    return np.array([one / np.linalg.norm(one) for one in ordered])
+
+
+def sphere(n: int) -> Array:
+    """Return n directions spread over the sphere along a spiral, shape (n, 3)."""
+    k = np.arange(n) + 0.5
+    z = 1.0 - 2.0 * k / n
+    around = np.pi * (1.0 + np.sqrt(5.0)) * k
+    ring = np.sqrt(1.0 - z**2)
+    return np.column_stack([ring * np.cos(around), ring * np.sin(around), z])
+
+
+def parameter_names(known: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    """Return the parameters that a test tells, and their units."""
+    pairs = [(i, j) for i in range(3) for j in range(3) if i != j] if known else LOWER
+    names = (
+        *(f"scale_factor_error_{a}" for a in AXES),
+        *(f"misalignment_{AXES[i]}{AXES[j]}" for i, j in pairs),
+        *(f"bias_{a}" for a in AXES),
+    )
+    return names, ("1",) * 3 + ("rad",) * len(pairs) + ("m/s^2",) * 3
+
+
+def equations(setup: Setup, directions: ArrayLike) -> tuple[Array, Array]:
+    """Return the derivatives of the readings by the parameters, biases in gravities, and the standard deviations.
+
+    Parameters
+    ----------
+    directions : array_like, shape (n, 3)
+        What points up, in body axes.
+
+    Returns
+    -------
+    tuple of ndarray
+        Shape (n, e, k) [gravities] and (n, e) [gravities]: e is 1 where directions are not known, else 3.
+    """
+    u = np.asarray(directions, dtype=np.float64).reshape(-1, 3)
+    u = u / np.linalg.norm(u, axis=1, keepdims=True)
+    relative = setup.scatter / setup.gravity
+    if not setup.known:
+        rows = np.column_stack([u**2, *(u[:, i] * u[:, j] for i, j in LOWER), u])
+        return -rows[:, np.newaxis], np.full((len(u), 1), relative)
+    rows = np.zeros((len(u), 3, 12))
+    pairs = [(i, j) for i in range(3) for j in range(3) if i != j]
+    for i in range(3):
+        rows[:, i, i], rows[:, i, 9 + i] = u[:, i], 1.0
+    for at, (i, j) in enumerate(pairs):
+        rows[:, i, 3 + at] = u[:, j]
+    return rows, np.sqrt(relative**2 + setup.pose**2 * (1.0 - u**2))
+
+
+def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
+    """Return the uncertainty that positions would give.
+
+    Parameters
+    ----------
+    directions : array_like, shape (n, 3)
+        What points up, in body axes.
+
+    Raises
+    ------
+    PlanError
+        ``bad_argument`` without a position.
+    """
+    rows, deviations = equations(setup, directions)
+    if not len(rows):
+        raise PlanError("no position given", do="Give one or more", code="bad_argument")
+    names, units = parameter_names(setup.known)
+    k = len(names)
+    flat, weights = rows.reshape(-1, k), 1.0 / deviations.reshape(-1, 1)
+    seen = observed(flat * (setup.scatter / setup.gravity) * weights, names, setup.scatter / setup.gravity)
+    covariance = _covariance(setup, flat * weights, seen.kept, seen.told)
+    with np.errstate(invalid="ignore"):
+        u = np.where(seen.told, np.sqrt(np.diag(covariance)), np.inf)
+    return Prediction(names, units, u, covariance, seen.rank, seen.count, seen.condition, seen.combinations)
+
+
+def _covariance(setup: Setup, weighted: Array, kept: Array, told: NDArray[np.bool_]) -> Array:
+    """Return the covariance in the units of the parameters, the error of gravity in it."""
+    k = weighted.shape[1]
+    inner = kept.T @ (weighted.T @ weighted) @ kept
+    total = kept @ np.linalg.inv(inner) @ kept.T if kept.shape[1] else np.zeros((k, k))
+    common = np.zeros(k)
+    common[:3] = setup.gravity_u / setup.gravity
+    total = total + np.outer(common, common)
+    lengths = np.ones(k)
+    lengths[-3:] = setup.gravity
+    total = total * np.outer(lengths, lengths)
+    total[~told] = np.nan
+    total[:, ~told] = np.nan
+    return np.asarray(total)
+
+
+def next_position(
+    setup: Setup, directions: ArrayLike, candidates: ArrayLike | None = None, goal: str = DETERMINANT
+) -> Array:
+    """Return the candidate that helps most beside the positions taken.
+
+    Parameters
+    ----------
+    directions : array_like, shape (n, 3)
+        Positions taken; may be empty.
+    candidates : array_like, shape (c, 3), optional
+        By default the 26 directions of a cube.
+    goal : str
+        ``"determinant"`` (all parameters together: D-optimal), ``"trace"`` (sum of variances, biases in gravities:
+        A-optimal), or the name of a parameter.
+
+    Returns
+    -------
+    ndarray, shape (3,)
+        First of the best.
+
+    Raises
+    ------
+    PlanError
+        ``unknown_parameter``.
+    """
+    weights = _weights(setup, goal)
+    options = cube() if candidates is None else np.asarray(candidates, dtype=np.float64).reshape(-1, 3)
+    best = _best(setup, _information(setup, directions), options, weights)
+    return np.asarray(options[best], dtype=np.float64)
+
+
+def _weights(setup: Setup, goal: str) -> Array | None:
+    """Return what each variance counts; None for the determinant."""
+    names, _ = parameter_names(setup.known)
+    if goal == DETERMINANT:
+        return None
+    if goal == TRACE:
+        return np.ones(len(names))
+    if goal not in names:
+        raise PlanError(
+            f"goal {goal!r}: no such parameter",
+            do=f"Use {DETERMINANT}, {TRACE} or one of {', '.join(names)}",
+            code="unknown_parameter",
+        )
+    return np.array([float(name == goal) for name in names])
+
+
+def _information(setup: Setup, directions: ArrayLike) -> Array:
+    rows, deviations = equations(setup, directions)
+    weighted = (rows / deviations[..., np.newaxis]).reshape(-1, rows.shape[-1])
+    return np.asarray(weighted.T @ weighted)
+
+
+def _best(setup: Setup, information: Array, options: Array, weights: Array | None) -> int:
+    """Return the number of the option after which the goal is best; ties go to the first."""
+    rows, deviations = equations(setup, options)
+    weighted = rows / deviations[..., np.newaxis]
+    k = rows.shape[-1]
+    base = information + FAINT * (setup.gravity / setup.scatter) ** 2 * np.eye(k)
+    after = base + np.einsum("cek,cel->ckl", weighted, weighted)
+    if weights is None:
+        score = -np.linalg.slogdet(after)[1]
+    else:
+        score = np.log(np.diagonal(np.linalg.inv(after), axis1=1, axis2=2) @ weights)
+    return int(np.argmax(score <= score.min() + 1e-9))
+
+
+def course(
+    setup: Setup,
+    target: Mapping[str, float],
+    directions: ArrayLike = (),
+    candidates: ArrayLike | None = None,
+    most: int = MOST,
+) -> Course:
+    """Return positions, one after another, until every target is met.
+
+    Parameters
+    ----------
+    target : mapping of str to float
+        Parameter (``bias_x``) or quantity (``bias``: on all axes) -> largest standard uncertainty, in its unit.
+    directions : array_like, shape (n, 3)
+        Positions taken already.
+    candidates : array_like, shape (c, 3), optional
+        By default the 26 directions of a cube. One may be taken again.
+    most : int
+        Positions in all, those taken already too.
+
+    Raises
+    ------
+    PlanError
+        ``unknown_parameter``; ``target_not_reached`` with what is left, and what stands in the way.
+    """
+    limits = _limits(setup, target)
+    options = cube() if candidates is None else np.asarray(candidates, dtype=np.float64).reshape(-1, 3)
+    taken = [np.asarray(one, dtype=np.float64) for one in np.reshape(np.asarray(directions, dtype=np.float64), (-1, 3))]
+    _check_gravity(setup, limits)
+    scale = np.ones(len(limits))
+    scale[-3:] = setup.gravity
+    wanted = (scale / limits) ** 2
+    information = _information(setup, np.array(taken).reshape(-1, 3))
+    while True:
+        found = predict_uncertainty(setup, np.array(taken)) if taken else None
+        if found is not None and np.all(found.u <= limits):
+            return Course(np.array(taken), found)
+        if found is not None and len(taken) >= most:
+            raise _not_reached(found, limits, most)
+        best = options[_best(setup, information, options, wanted)]
+        taken.append(best)
+        information = information + _information(setup, best)
+
+
+def _limits(setup: Setup, target: Mapping[str, float]) -> Array:
+    names, _ = parameter_names(setup.known)
+    limits = np.full(len(names), np.inf)
+    for wanted, value in target.items():
+        at = [i for i, name in enumerate(names) if wanted in (name, name.rsplit("_", 1)[0])]
+        if not at or not 0.0 < value < np.inf:
+            raise PlanError(
+                f"target {wanted} = {value!r}: no such parameter, or no positive number",
+                do=f"There are: {', '.join(names)}, and their names without axis",
+                code="unknown_parameter",
+            )
+        limits[at] = np.minimum(limits[at], value)
+    if not target:
+        raise PlanError("no target given", do="Give one: scale_factor_error = 1e-4", code="unknown_parameter")
+    return limits
+
+
+def _check_gravity(setup: Setup, limits: Array) -> None:
+    relative = setup.gravity_u / setup.gravity
+    if np.any(limits[:3] <= relative):
+        raise PlanError(
+            f"scale_factor_error cannot be told better than {relative:.2g}: the uncertainty of gravity",
+            why="an error of gravity is the same in all positions",
+            do="Give gravity with a smaller uncertainty, or another target",
+            code="target_not_reached",
+        )
+
+
+def _not_reached(found: Prediction, limits: Array, most: int) -> PlanError:
+    asked = np.isfinite(limits)
+    worst = int(np.argmax(np.where(asked, found.u, 0.0) / np.where(asked, limits, 1.0)))
+    name, unit = found.names[worst], found.units[worst]
+    blind = np.isinf(found.u[worst])
+    slow = "the uncertainty falls with the root of their number"
+    return PlanError(
+        f"{name}: {found.u[worst]:.3g} {unit} after {most} positions, {limits[worst]:.3g} wanted",
+        why=f"the candidates do not tell {found.untold[0]}" if blind else slow,
+        do="Average longer in each position, or allow other positions",
+        code="target_not_reached",
+    )

@@ -1,0 +1,203 @@
+"""Readings of one channel with a known drive: times, values and drive of the samples that there are."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array
+from ...core.recording import Channel, Recording
+from ...core.remarks import Remark
+from ...core.show.rounding import number
+from ...files.text.headers import bare_name
+from ...signals.sine import Drive, applied_drive, averaging_response, sine_drive
+from ..mass_attraction.schedule import Schedule
+from ..mass_attraction.schedule_csv import read_schedule
+
+HALF = 0.5  # of the samples, that may be missing
+SEEN = 1e-3  # of an amplitude, from which averaging is told of
+WHOLE = 0.01  # of a period, by which a record may differ from whole cycles
+
+
+@dataclass(frozen=True, eq=False)
+class Driven:
+    """One channel under a known drive.
+
+    Parameters
+    ----------
+    channel : Channel
+        As read.
+    drive : Drive
+        At the samples that there are; over ``amplitude`` in the unit of the drive itself.
+    readings : ndarray, shape (n,)
+        Finite [unit of the channel].
+    response : float
+        Part of the drive that samples show, being means over a time.
+    applied : float or None
+        Amplitude applied by a schedule, which the drive is over [m/s^2].
+    u_applied : float or None
+        Its relative standard uncertainty.
+    remarks : tuple of Remark
+        What cutting brought up.
+    """
+
+    channel: Channel
+    drive: Drive
+    readings: Array
+    response: float = 1.0
+    applied: float | None = None
+    u_applied: float | None = None
+    remarks: tuple[Remark, ...] = ()
+
+    @property
+    def unit(self) -> str:
+        """Of the readings; empty where nobody said."""
+        return self.channel.unit or ""
+
+
+def channel_of(recording: Recording, column: str | None) -> Channel:
+    """Return the channel to look at.
+
+    Raises
+    ------
+    DataError
+        If there is none of that name.
+    UsageError
+        ``no_column`` if none is named and there are several.
+    """
+    if column is not None:
+        bare = [one.name for one in recording.channels if bare_name(one.name) == column]
+        return recording.channel(bare[0] if len(bare) == 1 else column)
+    known = [one for one in recording.channels if np.issubdtype(one.data.dtype, np.number)]
+    if len(known) == 1:
+        return known[0]
+    what = f"{recording.source.path or 'the record'}: {len(known)} columns of numbers: {', '.join(recording.names)}"
+    raise UsageError(what, why="a drive is looked for in one", do="Name it: --column NAME", code="no_column")
+
+
+def driven_by_sine(recording: Recording, channel: Channel, period: float, phase: float | None) -> Driven:
+    """Return a channel under a sine of known period, its samples at their own times.
+
+    Parameters
+    ----------
+    recording : Recording
+        With a time or a sample interval.
+    channel : Channel
+        Of it.
+    period : float
+        [s]
+    phase : float, optional
+        At the first sample of the record [rad].
+
+    Raises
+    ------
+    DataError
+        ``no_time``, ``gaps`` if more than half is missing, ``bad_period``; as ``signals.sine.sine_drive``.
+    """
+    if not (np.isfinite(period) and period > 0.0):
+        raise DataError(f"a period of {period:g} s", do="It must be positive", code="bad_period")
+    times, there, remarks = _present(recording, channel)
+    late = 2.0 * np.pi * float(times[there][0] - times[0]) / period
+    drive = sine_drive(times[there], 1.0 / period, None if phase is None else phase + late)
+    averaging = recording.averaging_time
+    response = 1.0 if averaging is None else averaging_response(1.0 / period, averaging)
+    remarks += [*_cycles(drive), *_averaged(response, averaging, drive)]
+    return Driven(channel, drive, _values(channel)[there], response, remarks=tuple(remarks))
+
+
+def driven_by_schedule(recording: Recording, channel: Channel, path: str | Path) -> Driven:
+    """Return the means of a channel over the dwells of a schedule that begins with the record.
+
+    Parameters
+    ----------
+    recording : Recording
+        With a time or a sample interval.
+    channel : Channel
+        Of it.
+    path : path
+        CSV of the schedule.
+
+    Raises
+    ------
+    DataError
+        ``different_length`` if schedule and record do not end together within a dwell and a move; ``gaps`` if more than
+        half of the dwells have no reading; as ``files.text.schedule_csv`` and ``signals.sine.applied_drive``.
+    """
+    schedule = read_schedule(path)
+    times, there, _ = _present(recording, channel)
+    step = float(np.median(np.diff(times)))
+    own = times - times[0] + schedule.start[0] + 0.5 * min(step, schedule.dwell)  # middle of each sample, its clock
+    _check_end(schedule, own[-1] + 0.5 * min(step, schedule.dwell), recording, path)
+    dwell = np.searchsorted(schedule.start, own, side="right") - 1
+    inside = there & (own < schedule.stop[dwell] + 1e-9 * step)
+    counts = np.bincount(dwell[inside], minlength=len(schedule))
+    sums = np.bincount(dwell[inside], _values(channel)[inside], minlength=len(schedule))
+    read = counts > 0
+    remarks = [] if read.all() else [_missing(int(np.count_nonzero(~read)), len(read), "dwells")]
+    middle = 0.5 * (schedule.applied.max() + schedule.applied.min())
+    shape = (schedule.applied - middle) / schedule.amplitude
+    drive = applied_drive(schedule.middle[read], shape[read], schedule.frequency)
+    return Driven(channel, drive, sums[read] / counts[read], 1.0, schedule.amplitude, schedule.u_applied,
+                  (*remarks, *_cycles(drive)))  # fmt: skip
+
+
+def _values(channel: Channel) -> Array:
+    return np.asarray(channel.data, dtype=np.float64)
+
+
+def _present(recording: Recording, channel: Channel) -> tuple[Array, NDArray[np.bool_], list[Remark]]:
+    """Return the times of all samples, which have a reading, and what is to be said of those that have none."""
+    where = recording.source.path
+    if channel.data.dtype.kind not in "iufb":
+        raise DataError(f"column {channel.name!r} holds no numbers", where=where, code="wrong_column")
+    times, there = recording.seconds, np.isfinite(_values(channel))
+    if times is None and recording.sample_interval is not None:
+        times = np.arange(len(recording), dtype=np.float64) * float(recording.sample_interval)
+    if times is None or len(times) < 2:
+        do = "Give the sample rate: --sample-rate, or a time column: --time-column"
+        raise DataError("the file has no time", where=where, why="a period needs one", do=do, code="no_time")
+    gone = int(np.count_nonzero(~there))
+    if gone > HALF * len(there):
+        what = f"{gone} of {len(there)} samples of {channel.name!r} are missing"
+        why = "between so many gaps drift cannot be told from the drive"
+        raise DataError(what, where=where, why=why, do="Record again", code="gaps")
+    return times, there, [_missing(gone, len(there), "samples")] if gone else []
+
+
+def _missing(gone: int, n: int, of: str) -> Remark:
+    what = f"{gone} of {n} {of} have no reading: they are left out, the others keep their times"
+    return Remark("gaps", "info", what, count=gone)
+
+
+def _cycles(drive: Drive) -> list[Remark]:
+    left = abs(drive.cycles - round(drive.cycles))
+    if left <= WHOLE:
+        return []
+    what = f"the record has {number(drive.cycles, 5)} cycles, not a whole number: the fit does not need one"
+    return [Remark("whole_cycles", "info", what, do="Fourier lines and moving means of this record would mix")]
+
+
+def _averaged(response: float, averaging: float | None, drive: Drive) -> list[Remark]:
+    if averaging is not None and response < 1.0 - SEEN:
+        share, window = number(100.0 * (1.0 - response), 3), number(averaging, 4)
+        what = f"samples are means over {window} s: they show {share} % less of the drive, which is put back"
+        return [Remark("averaging", "info", what)]
+    loss = 1.0 - abs(averaging_response(drive.frequency, min(drive.step, 0.5 / drive.frequency)))
+    if averaging is None and loss > SEEN:
+        what = f"if samples are means over their interval, they show {number(100.0 * loss, 3)} % less of the drive"
+        return [Remark("averaging", "info", what, do='Say it: --averaging "10 s"')]
+    return []
+
+
+def _check_end(schedule: Schedule, end: float, recording: Recording, path: str | Path) -> None:
+    late = end - float(schedule.stop[-1])
+    if abs(late) <= schedule.step:
+        return
+    what = f"the schedule {path} has {len(schedule)} dwells over {schedule.stop[-1] - schedule.start[0]:.6g} s,"
+    what += f" the record lasts {end - schedule.start[0]:.6g} s"
+    do = "Give the schedule of this record, or cut the record: --from, --to"
+    raise DataError(what, where=recording.source.path, why="they are not of one run", do=do, code="different_length")

@@ -1,0 +1,1 @@
+"""Noise of files without a campaign: Allan deviation, spectrum, numbers for filters."""
