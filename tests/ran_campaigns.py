@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from inertialcal.campaign.engine import Prepared
 from inertialcal.campaign.load import load
-from inertialcal.campaign.modelling import Prepared
 from inertialcal.campaign.prepared import prepare
 from inertialcal.campaign.run import run
 from inertialcal.campaign.twin import csv_text

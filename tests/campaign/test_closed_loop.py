@@ -8,11 +8,10 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from inertialcal.campaign.modelling import Prepared, compensated_dwells, joint, mixed_up
-from inertialcal.campaign.schema import Test as Entry
+from inertialcal.campaign.modelling import compensated_dwells, mixed_up
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.rate_table.closed_loop import closed_loop, overall
-from inertialcal.procedures.rate_table.reduction import Plan, Readings, Result, Truth, simulate
+from inertialcal.procedures.rate_table.reduction import Plan, Readings, Result, Truth, reduce, simulate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.statistics.intervals import binomial_interval
@@ -23,8 +22,7 @@ RISK = 0.05
 
 
 def fitted(readings: Readings) -> tuple[Result, SensorModel]:
-    entry = Entry(id="fit", procedure="rate_table", recordings=["a"])
-    result = joint([Prepared(entry, PLAN, readings, {})])
+    result = reduce(PLAN, readings)
     assert result.estimate is not None
     names = [name for name in result.estimate.names if name.rpartition("_")[0] in PARAMETERS]
     return result, model_from(

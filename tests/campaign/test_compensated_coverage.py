@@ -7,10 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inertialcal.campaign.modelling import Prepared, joint
-from inertialcal.campaign.schema import Test as Entry
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.rate_table.reduction import Plan, Truth, simulate
+from inertialcal.procedures.rate_table.reduction import Plan, Truth, reduce, simulate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.uncertainty import compensated_uncertainty
@@ -31,9 +29,7 @@ def inside(seed: int) -> list[bool]:
     matrix = np.eye(3) + rng.normal(0.0, 0.01, (3, 3))
     truth = Truth(matrix, rng.normal(0.0, 1e-3, 3), rng.normal(0.0, 2e-3, 3), runs=RUNS)
     truth = replace(truth, dwell_std=1e-6, sample_std=1e-6, run_scale_std=0.0)
-    result = joint(
-        [Prepared(Entry(id="fit", procedure="rate_table", recordings=["a"]), PLAN, simulate(PLAN, truth, rng), {})]
-    )
+    result = reduce(PLAN, simulate(PLAN, truth, rng))
     assert result.estimate is not None
     names = [name for name in result.estimate.names if name.rpartition("_")[0] in PARAMETERS]
     runs = [level.std for axis in AXES for level in result.lines[axis].levels if level.name == "run"]

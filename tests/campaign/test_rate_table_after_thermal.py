@@ -17,9 +17,8 @@ from inertialcal.campaign.temperature_terms import with_temperature
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures.rate_table import reduction as rate_table
-from inertialcal.procedures.rate_table.recordings import Turned
 from inertialcal.procedures.thermal import reduction as thermal
-from inertialcal.procedures.thermal.correction import Bias, law_of, without_bias
+from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
 from inertialcal.rigs.protocol import SEED, Twin
 from inertialcal.statistics.intervals import contains, t_interval
 from npsat1_small import short_twin
@@ -43,10 +42,10 @@ def found(twin: Twin) -> dict[str, Fitted]:
 
 
 @pytest.fixture(scope="module")
-def bias(found: dict[str, Fitted]) -> Bias:
+def bias(found: dict[str, Fitted]) -> ThermalCorrection:
     result = found["thermal_ambient"].result
     assert isinstance(result, thermal.Result)
-    return Bias("thermal_ambient", result)
+    return ThermalCorrection("thermal_ambient", result)
 
 
 def on_table(found: dict[str, Fitted]) -> rate_table.Result:
@@ -56,7 +55,7 @@ def on_table(found: dict[str, Fitted]) -> rate_table.Result:
 
 
 def test_what_is_left_is_the_reading_less_the_polynomial_at_its_temperature(
-    twin: Twin, found: dict[str, Fitted], bias: Bias
+    twin: Twin, found: dict[str, Fitted], bias: ThermalCorrection
 ) -> None:
     """Within the run-to-run spread of the temperature; the polynomial itself is some 0.1 deg/s."""
     as_it_is = {one.test: one for one in fitted_tests(replace(twin, campaign=AFTER.sub("", twin.campaign)))}
@@ -86,7 +85,7 @@ def test_the_truth_lies_within_what_is_stated(twin: Twin, found: dict[str, Fitte
 
 
 def test_the_scatter_of_the_thermal_test_is_in_the_bias_and_not_in_the_matrix(
-    found: dict[str, Fitted], bias: Bias
+    found: dict[str, Fitted], bias: ThermalCorrection
 ) -> None:
     estimate = on_table(found).estimate
     assert estimate is not None
@@ -113,7 +112,9 @@ def test_the_thermometer_and_the_converter_drop_out(found: dict[str, Fitted]) ->
     }
 
 
-def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(found: dict[str, Fitted], bias: Bias) -> None:
+def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(
+    found: dict[str, Fitted], bias: ThermalCorrection
+) -> None:
     """The sum of polynomial and rest is what was read on the table: there the thermal test adds nothing."""
     result = on_table(found)
     assert result.estimate is not None
@@ -146,19 +147,19 @@ def test_with_a_reading_at_rest_it_drops_out(twin: Twin) -> None:
     assert not any(one.source.startswith("thermal_ambient: ") for one in result.estimate.components)
 
 
-def turned(bias: Bias, **channels: Any) -> Turned:
+def turned(bias: ThermalCorrection, **channels: Any) -> tuple[str, Recording]:
     recording = bias.result.readings.sweeps[0]
     n = len(recording)
     made = {"x": np.zeros(n), "temperature_x": recording.temperature["x"]} | channels
     own = tuple(Channel(name, np.asarray(values), "rad/s") for name, values in made.items() if values is not None)
-    return Turned(Recording(own, time_ns=np.arange(n) * 10**9, epoch="elapsed"), "x")
+    return "turned", Recording(own, time_ns=np.arange(n) * 10**9, epoch="elapsed")
 
 
-def test_samples_beyond_the_ramps_are_left_out_and_counted(bias: Bias) -> None:
+def test_samples_beyond_the_ramps_are_left_out_and_counted(bias: ThermalCorrection) -> None:
     n = len(bias.result.readings.sweeps[0])
     warmth = np.full(n, 25.0)
     warmth[:7] = 99.0
-    one = without_bias([turned(bias, temperature_x=warmth)], bias)[0].recording
+    one = bias.apply([turned(bias, temperature_x=warmth)])[0][0]
     assert np.isnan(one.channel("x").data).sum() == 7
     assert [(r.code, r.count) for r in one.remarks] == [("outside", 7)]
 
@@ -170,19 +171,21 @@ def test_samples_beyond_the_ramps_are_left_out_and_counted(bias: Bias) -> None:
         ({"temperature_x": 120.0}, "outside", "x was at 120 to 120 degC, thermal_ambient knows its bias from -"),
     ],
 )
-def test_what_has_no_bias_there_is_refused(bias: Bias, channels: dict[str, Any], code: str, words: str) -> None:
+def test_what_has_no_bias_there_is_refused(
+    bias: ThermalCorrection, channels: dict[str, Any], code: str, words: str
+) -> None:
     n = len(bias.result.readings.sweeps[0])
     filled = {name: None if value is None else np.full(n, value) for name, value in channels.items()}
     with pytest.raises(DataError, match=words) as caught:
-        without_bias([turned(bias, **filled)], bias)
+        bias.apply([turned(bias, **filled)])
     assert caught.value.problems[0].code == code
 
 
-def test_a_sensor_without_a_law_is_refused(bias: Bias) -> None:
+def test_a_sensor_without_a_law_is_refused(bias: ThermalCorrection) -> None:
     sensors = {axis: one for axis, one in bias.result.sensors.items() if axis != "x"}
     lacking = replace(bias, result=replace(bias.result, sensors=sensors))
     with pytest.raises(DataError, match="found no bias over temperature of x"):
-        without_bias([turned(bias)], lacking)
+        lacking.apply([turned(bias)])
 
 
 @pytest.mark.parametrize(

@@ -11,14 +11,17 @@ from typing import Any
 
 import numpy as np
 import pytest
-from inertialcal.campaign.thermal_inputs import felt_axes, thermal_plan
 
+from inertialcal.campaign.engine import plan_of
 from inertialcal.campaign.in_memory import fitted_tests
 from inertialcal.campaign.run import Outcome, check, run
 from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.schema_sensors import Sensor
 from inertialcal.campaign.score import coverage, score
+from inertialcal.campaign.sources import facts_of
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
+from inertialcal.procedures import procedure_of
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
@@ -157,9 +160,15 @@ def test_coverage_in_memory_counts_each_test_and_condition() -> None:
 # Set-up
 
 
+def planned(file: CampaignFile, sensor: Sensor) -> thermal.Plan:
+    plan = plan_of(procedure_of("thermal"), file.tests[0].plan, facts_of(sensor, {}, file.site))
+    assert isinstance(plan, thermal.Plan)
+    return plan
+
+
 def test_the_plan_has_what_sensor_and_site_say() -> None:
     file = file_of(small(1))
-    plan = thermal_plan(file, {}, file.tests[0], file.sensors["suite"])
+    plan = planned(file, file.sensors["suite"])
     assert plan.at == [-20.0, 0.0, 20.0, 60.0]
     assert plan.latitude == pytest.approx(np.radians(36.6))
     assert plan.attitude is not None
@@ -170,17 +179,17 @@ def test_the_plan_has_what_sensor_and_site_say() -> None:
 def test_thermometers_and_references_follow_a_mounting_that_exchanges_axes() -> None:
     file = file_of(small(1))
     exchanged = file.sensors["suite"].model_copy(update={"mounting": [[0, 1, 0], [-1, 0, 0], [0, 0, 1]]})
-    assert felt_axes(exchanged) == {"x": "y", "y": "x", "z": "z"}
-    plan = thermal_plan(file, {}, file.tests[0], exchanged)
-    assert plan.thermometers is not None
-    assert plan.thermometers["x"].temperature == 25.4  # that of the y sensor
+    straight, turned = (planned(file, one).thermometers for one in (file.sensors["suite"], exchanged))
+    assert straight is not None
+    assert turned == {"x": straight["y"], "y": straight["x"], "z": straight["z"]}
+    assert turned["x"].temperature == 25.4  # that of the y sensor
 
 
 def test_a_mounting_that_mixes_sensors_has_no_thermometer_of_an_axis() -> None:
     c = float(np.sqrt(0.5))
     file = file_of(small(1))
     mixed = file.sensors["suite"].model_copy(update={"mounting": [[c, c, 0], [-c, c, 0], [0, 0, 1]]})
-    assert felt_axes(mixed) is None
+    assert facts_of(mixed, {}).thermometers is None
 
 
 # Bad input
