@@ -62,7 +62,7 @@ def test_an_index_without_header_is_never_time(file: Path) -> None:
 def test_the_unit_of_the_header(file: Path, header: str, scale: float, rate: float) -> None:
     recording = read(table(file, f"{header},gyro_x", lambda i: i * scale, noise))
     assert recording.sample_rate == pytest.approx(rate)
-    assert recording.interval_from == f"time column {header!r}"
+    assert (recording.interval_from, recording.time_column) == ("column", header)
     assert recording.epoch == "elapsed"
     assert recording.names == ("gyro_x",)
     assert codes(recording) == []
@@ -209,7 +209,7 @@ def test_stamps_beyond_int64(file: Path) -> None:
 
 def test_the_column_with_a_unit_goes_first(file: Path) -> None:
     recording = read(table(file, "time,unix_s,x", lambda i: i / 3, lambda i: NOW + i, noise))
-    assert recording.interval_from == "time column 'unix_s'"
+    assert recording.interval_origin == "time column 'unix_s'"
 
 
 def test_a_rate_from_elsewhere_goes_before_the_stamps(file: Path) -> None:

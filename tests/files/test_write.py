@@ -77,7 +77,7 @@ def times(draw: st.DrawFn, n: int) -> dict[str, Any]:
         st.sampled_from(["t", "time", "Time (s)", "t_ms", "unix_s", "timestamp", "millis", "column_1", "x [V]"])
     )
     time_ns = start + np.cumsum(np.array(steps, dtype=np.int64) * step)
-    return {"time_ns": time_ns, "epoch": epoch, "interval_from": f"time column {name!r}"}
+    return {"time_ns": time_ns, "epoch": epoch, "interval_from": "column", "time_column": name}
 
 
 @pytest.mark.parametrize("ending", FORMATS)
@@ -188,7 +188,7 @@ def test_a_csv_as_a_person_would_write_it(tmp_path: Path) -> None:
     time_ns = UTC + np.array([0, 1, 2, 5]) * SECOND
     one = recording(
         Channel("wx", data, "deg/s"), whole, Channel("n", np.arange(4, dtype=np.int16)),
-        time_ns=time_ns, epoch="utc", sample_interval=1.0, interval_from="time column 'when'",
+        time_ns=time_ns, epoch="utc", sample_interval=1.0, interval_from="column", time_column="when",
     )  # fmt: skip
     write(tmp_path / "out.csv", one)
     assert (tmp_path / "out.csv").read_text() == (
@@ -259,7 +259,7 @@ def test_numbers_are_the_nearest_floats() -> None:
 def test_time_keeps_its_name_where_the_recording_tells_it() -> None:
     said = {"t_s": "t_s", "Time (s)": "Time (s)", "it's": "it's", "": "time", "wx": "time"}
     for name, expected in said.items():
-        one = recording(Channel("wx", np.zeros(2)), interval_from=f"time column {name!r}")
+        one = recording(Channel("wx", np.zeros(2)), interval_from="column", time_column=name)
         assert time_name(one) == expected
     assert time_name(recording(interval_from="flag")) == "time"
 
@@ -269,11 +269,13 @@ def test_stamps_that_seconds_cannot_hold_go_in_nanoseconds_or_instants() -> None
     column = time_column(recording(Channel("a", np.zeros(2)), time_ns=fine), in_names=True)
     assert column is not None
     assert column.name == "time [ns]"
-    in_ms = recording(Channel("a", np.zeros(2)), time_ns=fine, interval_from="time column 't_ms'")
+    in_ms = recording(Channel("a", np.zeros(2)), time_ns=fine, interval_from="column", time_column="t_ms")
     column = time_column(in_ms, in_names=False)
     assert column is not None
     assert (column.name, column.unit) == ("time", "ns")
-    named = recording(Channel("a", np.zeros(2)), time_ns=UTC + fine, epoch="utc", interval_from="time column 'unix_s'")
+    named = recording(
+        Channel("a", np.zeros(2)), time_ns=UTC + fine, epoch="utc", interval_from="column", time_column="unix_s"
+    )
     column = time_column(named, in_names=True)
     assert column is not None
     assert column.values.dtype == "datetime64[ns]"

@@ -46,7 +46,7 @@ def white(seed: int = 1, samples: int = 20_000) -> NDArray[np.float64]:
 
 def recording(values: NDArray[Any], interval: float = 0.02, time_ns: NDArray[np.int64] | None = None) -> Recording:
     channels = (Channel("gx", values, "rad/s", "header", "x", "gyro"),)
-    return Recording(channels, time_ns, interval, interval_from="time column 't'")
+    return Recording(channels, time_ns, interval, interval_from="column", time_column="t")
 
 
 def stamps(n: int, interval: float = 0.02) -> NDArray[np.int64]:
@@ -250,7 +250,7 @@ def test_a_stuck_stretch_is_left_out_with_its_time_row_and_unit() -> None:
 def test_saturated_samples_are_left_out_and_told_in_one_line() -> None:
     values = np.clip(np.rint(white(samples=6_000) / STEP) * STEP, -1e-3, 1.2e-3)
     channels = tuple(Channel(f"g{axis}", values, "rad/s", "header", axis, "gyro") for axis in "xy")
-    file = Recording(channels, stamps(6_000), 0.02, interval_from="time column 't'")
+    file = Recording(channels, stamps(6_000), 0.02, interval_from="column", time_column="t")
     at_rest = noise.AtRest(file, {"x": "gx", "y": "gy"}, name="r")
     readings = noise.readings_from(GYRO, [at_rest])
     (remark,) = (one for one in readings.remarks if one.code == "saturated")

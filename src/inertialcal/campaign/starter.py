@@ -14,7 +14,7 @@ from ..core.remarks import Remark
 from ..core.units import kind
 from ..files import read
 from ..files.text.table import Table, read_table
-from ..procedures.flip.files.source import CLOCK_COLUMN, FlipSource
+from ..procedures.flip.files.source import FlipSource
 from .calls.table_columns import Guess, guess
 from .load import FILE, MARK
 from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table
@@ -236,8 +236,7 @@ def _keys(found: Guess) -> tuple[str, ...]:
 
 
 def _raw_entry(number: int, file: str, one: Recording) -> str:
-    column = CLOCK_COLUMN.search(one.interval_from)
-    clock = [f"column = {_text(column[1])}"] if column else []
+    clock = [f"column = {_text(one.time_column)}"] if one.time_column else []
     clock += ['stamp = "middle"', 'interval = "? s"', 'averaging = "? s"']
     channels = ['applied = { column = "?", unit = "?" }']
     channels += [

@@ -9,7 +9,7 @@ import numpy as np
 from ..core.errors import InertialcalError
 from ..core.recording import Channel, Recording
 from ..core.units import kind
-from ..procedures.flip.files.source import CLOCK_COLUMN, quoted
+from ..procedures.flip.files.source import quoted
 from ..signals.segmentation.segments import detect, static_intervals
 from .load import MARK
 from .starter_flip import accelerometers
@@ -87,8 +87,8 @@ def _sensor(sensor: str, by_file: Mapping[str, Mapping[str, Channel]]) -> str:
 
 
 def _entry(name: str, sensor: str, file: str, recording: Recording, channels: Mapping[str, Channel]) -> str:
-    column = CLOCK_COLUMN.search(recording.interval_from)
-    clock = f"clock = {{ column = {quoted(column[1])} }}\n" if column else ""
+    column = recording.time_column
+    clock = f"clock = {{ column = {quoted(column)} }}\n" if column else ""
     each = [f"{axis} = {{ column = {quoted(c.name)}, unit = {quoted(c.unit or '?')} }}" for axis, c in channels.items()]
     mark = "" if all(c.unit for c in channels.values()) else f"  {MARK}"
     return (

@@ -12,7 +12,7 @@ from ..core.recording import Channel, Recording
 from ..core.units import kind
 from ..files.info.channel_survey import survey_channel
 from ..files.info.hints import unit_hints
-from ..procedures.flip.files.source import CLOCK_COLUMN, quoted
+from ..procedures.flip.files.source import quoted
 from ..signals.segmentation.stillness import judge
 from .load import MARK
 from .starter_flip import accelerometers
@@ -117,8 +117,8 @@ def _tests(name: str, axes: Mapping[str, str]) -> Iterator[str]:
 
 
 def _entry(label: str, sensor: str, file: str, recording: Recording, channels: Mapping[str, Channel]) -> str:
-    column = CLOCK_COLUMN.search(recording.interval_from)
-    clock = f"clock = {{ column = {quoted(column[1])} }}\n" if column else ""
+    column = recording.time_column
+    clock = f"clock = {{ column = {quoted(column)} }}\n" if column else ""
     each = [f"{axis} = {{ column = {quoted(c.name)}, unit = {quoted(c.unit or '?')} }}" for axis, c in channels.items()]
     sure = all(c.unit and c.axis for c in channels.values())
     return (

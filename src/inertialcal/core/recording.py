@@ -56,11 +56,12 @@ class Channel:
 
 @dataclass(frozen=True)
 class Source:
-    """Where a recording was read from: path as given, SHA-256 of its bytes, format."""
+    """Where a recording was read from: path as given, SHA-256 of its bytes, format in words, name of the reader."""
 
     path: str = ""
     sha256: str = ""
     format: str = ""
+    reader: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,8 +80,8 @@ class Recording:
         Length of the window that a sample is the mean of [s]; None when nobody said.
     epoch : {"utc", "elapsed"}
         What time zero is.
-    interval_from : str
-        Where the sample interval comes from: ``"time column 't'"``, ``"flag"``, ``"header"`` or ``""``.
+    interval_from : {"column", "flag", "header", ""}
+        Where the sample interval comes from.
     source : Source
         File, hash, format.
     remarks : tuple of Remark
@@ -89,6 +90,8 @@ class Recording:
         Row of the source (counted from 1) of sample 0, for messages; 0 when rows have no meaning.
     applied : tuple of str
         Corrections that the source says were made already: ``"bias"``, ``"scale_factor"``, ``"misalignment"``.
+    time_column : str
+        Name of the column whose stamps give the sample interval; empty where they do not.
 
     Raises
     ------
@@ -101,11 +104,12 @@ class Recording:
     sample_interval: float | None = None
     averaging_time: float | None = None
     epoch: Literal["utc", "elapsed"] = "elapsed"
-    interval_from: str = ""
+    interval_from: Literal["column", "flag", "header", ""] = ""
     source: Source = field(default_factory=Source)
     remarks: tuple[Remark, ...] = ()
     first_row: int = 0
     applied: tuple[str, ...] = ()
+    time_column: str = ""
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]
@@ -127,6 +131,11 @@ class Recording:
         if self.time_ns is not None:
             return len(self.time_ns)
         return len(self.channels[0].data) if self.channels else 0
+
+    @property
+    def interval_origin(self) -> str:
+        """Where the sample interval comes from, in words; empty where that is not known."""
+        return f"time column {self.time_column!r}" if self.interval_from == "column" else self.interval_from
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -231,7 +240,7 @@ def _clock(recording: Recording) -> str:
     """Return one line on rate, averaging and span."""
     said = []
     if recording.sample_rate is not None:
-        origin = f" ({recording.interval_from})" if recording.interval_from else ""
+        origin = f" ({recording.interval_origin})" if recording.interval_from else ""
         said.append(f"{number(recording.sample_rate)} Hz{origin}")
     if recording.averaging_time is not None:
         said.append(f"each the mean of {number(recording.averaging_time)} s")

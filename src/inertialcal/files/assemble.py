@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,7 +131,9 @@ def _timed(
     path: str,
 ) -> Recording:
     """Return a recording without channels: time, interval and where it comes from."""
-    interval, source = None, ""
+    interval: float | None = None
+    source: Literal["column", "flag", "header", ""] = ""
+    column = ""
     if sample_rate is not None:
         interval, source = 1.0 / sample_rate, "flag"
     elif content.sample_rate is not None:
@@ -140,10 +143,10 @@ def _timed(
     axis = analyse(clock.time_ns)
     remarks = axis_remarks(axis, lambda index: content.place(path, index))
     if interval is None:
-        interval, source = axis.interval, f"time column {described[clock.column].name!r}"
+        interval, source, column = axis.interval, "column", described[clock.column].name
     else:
         remarks += rate_remark(axis, interval, path)
-    return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks)
+    return Recording((), clock.time_ns, interval, None, clock.epoch, source, remarks=remarks, time_column=column)
 
 
 def _missing(described: Sequence[Described], content: Content, path: str) -> list[Remark]:

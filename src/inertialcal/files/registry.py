@@ -56,35 +56,18 @@ def read_recording(path: str | Path, request: Request) -> Recording:
             code="wrong_frame",
         )
     loaded = load(path)
-    content = read_columns(loaded, request.variables)
+    reader = find_reader(loaded)
+    content = reader.read(loaded, request.variables)
     packed = ", gzip" if loaded.packed else ""
     recording = assemble(
         content,
-        Source(loaded.path, loaded.sha256, content.format + packed),
+        Source(loaded.path, loaded.sha256, content.format + packed, reader.name),
         units=request.units,
         sample_rate=request.sample_rate,
         time_column=request.time_column,
         required=request.required,
     )
     return cut(recording, request.window)
-
-
-def read_columns(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
-    """Return the columns of a loaded file.
-
-    Parameters
-    ----------
-    loaded : Loaded
-        The file.
-    variables : sequence of str, optional
-        Of a MATLAB, HDF5 or npz file, those to take; all of the longest clock by default.
-
-    Raises
-    ------
-    DataError
-        If the format is not read, or the content is damaged.
-    """
-    return find_reader(loaded).read(loaded, variables)
 
 
 def find_reader(loaded: Loaded) -> Reader:

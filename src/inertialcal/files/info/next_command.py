@@ -22,7 +22,7 @@ TEXT = re.compile(r"column '(.*)' is text")
 AXIS_COLUMNS = {"axis", "channel", "sensor"}
 POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
 FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
-ARCHIVED = "PAD"  # triaxial heads in orbit
+ARCHIVED = "pad"  # triaxial heads in orbit
 GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 SHORT = 1_000  # samples below which a noise analysis says little
 SWING = 10.0  # change of the temperature that nobody makes by accident [K]
@@ -89,7 +89,7 @@ def is_reduced_table(recording: Recording) -> bool:
 
 def _is_of_flip(recording: Recording, remarks: Sequence[Remark]) -> bool:
     """Whether a file looks like one of a head in orbit: an archive record, means of a flip, or a triad in free fall."""
-    archived = recording.source.format.startswith(ARCHIVED)
+    archived = recording.source.reader == ARCHIVED
     return archived or _is_of_means(recording, remarks) or _floats(recording)
 
 

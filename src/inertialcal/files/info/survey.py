@@ -252,7 +252,7 @@ def _placer(recording: Recording) -> Callable[[int], str]:
 def _time(recording: Recording) -> TimeSurvey:
     """Time axis, as the recording has it."""
     stamps = recording.time_ns
-    interval, source = recording.sample_interval, recording.interval_from
+    interval, source = recording.sample_interval, recording.interval_origin
     if stamps is None or not len(stamps):
         return TimeSurvey(None, None, interval, source, None)
     utc = recording.epoch == "utc"

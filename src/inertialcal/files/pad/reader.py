@@ -40,6 +40,7 @@ from .pairs import pairs_of
 from .remarks import change_remarks, gap_remark, header_remarks, time_remarks
 from .time import regenerate
 
+NAME = "pad"
 JOINED = 0.5  # in intervals: a file that begins so near to the next sample goes on where the last one ended
 MARGIN = 1.01, 1  # factor and seconds by which a file may last longer than its size and sample rate say
 WORDS = {"<f4": "little endian", ">f4": "big endian", "": "text"}
@@ -156,7 +157,7 @@ def read_pad(
         remarks.append(cut_remark(path, sum(len(p.time_ns) for p in kept), total, len(files) - len(opened)))
     content = _joined(kept, files[0].header, frame, rate, path)
     content = replace(content, remarks=(*content.remarks, *condensed(remarks)))
-    source = Source(path, digest.hexdigest(), content.format)
+    source = Source(path, digest.hexdigest(), content.format, NAME)
     recording = assemble(content, source, units=units, sample_rate=sample_rate, required=required)
     said = {step for part in kept for step in applied(part.file.header)}
     return replace(recording, applied=tuple(step for step in STEPS if step in said))
@@ -291,4 +292,4 @@ def _end_to_end(arrays: list[NDArray[Any]]) -> NDArray[Any]:
     return arrays[0] if len(arrays) == 1 else np.concatenate(arrays)
 
 
-READER = ArchiveReader("pad", "PAD pairs", read_archived)
+READER = ArchiveReader(NAME, "PAD pairs", read_archived)

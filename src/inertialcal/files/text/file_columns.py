@@ -87,6 +87,6 @@ def stated_rate(recording: Recording) -> float | None:
 
     The interval that is read back from it may differ in the last bit.
     """
-    if recording.interval_from.startswith("time column"):
+    if recording.interval_from == "column":
         return None
     return recording.sample_rate

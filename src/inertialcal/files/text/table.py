@@ -164,7 +164,7 @@ def read_table(path: str | Path) -> Table:
     loaded = load(path)
     reader = find_reader(loaded)
     if reader.name != TEXT.name:
-        return _from_content(reader.read(loaded, None), loaded)
+        return _from_content(reader.read(loaded, None), loaded, reader.name)
     text, remarks = decode(loaded.data, loaded.path)
     layout = sniff(text, loaded.path)
     names = column_names(layout, loaded.path)
@@ -174,14 +174,14 @@ def read_table(path: str | Path) -> Table:
         names=names,
         cells=tuple(tuple(cell.strip(BLANKS) for cell in column) for column in cells),
         rows=rows,
-        source=Source(loaded.path, loaded.sha256, layout.words),
+        source=Source(loaded.path, loaded.sha256, layout.words, reader.name),
         units=units,
         decimal=layout.decimal,
         remarks=remarks + layout.remarks,
     )
 
 
-def _from_content(content: Content, loaded: Loaded) -> Table:
+def _from_content(content: Content, loaded: Loaded, reader: str) -> Table:
     """Return a binary format's columns as text, with full digits."""
     cells = []
     for column in content.columns:
@@ -191,7 +191,7 @@ def _from_content(content: Content, loaded: Loaded) -> Table:
         names=tuple(column.name for column in content.columns),
         cells=tuple(cells),
         rows=np.arange(1, len(content) + 1),
-        source=Source(loaded.path, loaded.sha256, content.format),
+        source=Source(loaded.path, loaded.sha256, content.format, reader),
         units=tuple(heading(column.name, column.unit).unit for column in content.columns),
         remarks=content.remarks,
     )

@@ -6,8 +6,6 @@ functions: what is written reads back as the same stamps and the same epoch.
 
 from __future__ import annotations
 
-import ast
-import re
 from collections.abc import Iterator
 from typing import Any
 
@@ -24,7 +22,6 @@ from .stamps import EARLIEST, LATEST, beyond_epoch, is_utc, to_ns
 
 PLAIN = "time"
 EXACT = 2**53  # whole numbers up to here are floats without rounding
-FROM_COLUMN = re.compile(r"time column (?P<name>'.*'|\".*\")", re.DOTALL)
 
 
 def time_column(recording: Recording, in_names: bool, instants: bool = True) -> Column | None:
@@ -66,8 +63,7 @@ def time_column(recording: Recording, in_names: bool, instants: bool = True) -> 
 
 def time_name(recording: Recording) -> str:
     """Return the name of the column that the time came from, ``"time"`` where that is not known."""
-    match = FROM_COLUMN.fullmatch(recording.interval_from)
-    name = str(ast.literal_eval(match["name"])).strip() if match else ""
+    name = recording.time_column.strip()
     return name if name.isprintable() and name not in {"", *recording.names} else PLAIN
 
 

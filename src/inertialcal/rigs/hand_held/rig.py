@@ -147,7 +147,7 @@ def held(
         for k, name in enumerate(CHANNELS)
     )
     time = np.rint(stamps * 1e6).astype(np.int64) * (SECOND // 1_000_000)
-    recording = Recording(channels, time, interval, interval, "utc", "time column 'unix_s'")
+    recording = Recording(channels, time, interval, interval, "utc", "column", time_column="unix_s")
     return Held(recording, motion, _as_meant(motion.parts, meant))
 
 

@@ -77,7 +77,7 @@ def _recording(bench: Bench, drawn: Drawn, number: int, own: float, rng: np.rand
         Channel(TILT, tilt, "rad", "campaign"),
         Channel(TEMPERATURE, saved.temperature, "degC", "campaign"),
     )
-    return Recording(channels, ends, step, bench.dwell, "utc", "time column 'unix_s'")
+    return Recording(channels, ends, step, bench.dwell, "utc", "column", time_column="unix_s")
 
 
 RIG = Rig("mesa", TITLE, on_bench(build, Bench()), FAULTS)

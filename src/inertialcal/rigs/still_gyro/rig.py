@@ -116,7 +116,7 @@ def _recording(
         channels.append(Channel(axis, np.round(saved[kept], 6), "deg/s", "campaign", axis, "gyro"))
     stamps = (BEGIN + number * APART) * SECOND + np.rint((time + bench.averaging) * SECOND).astype(np.int64)
     return Recording(
-        tuple(channels), stamps[kept], bench.interval, bench.averaging, "utc", "time column 'unix_s'"
+        tuple(channels), stamps[kept], bench.interval, bench.averaging, "utc", "column", time_column="unix_s"
     )  # fmt: skip
 
 

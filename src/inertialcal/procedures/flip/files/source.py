@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -13,8 +12,6 @@ from ....core.recording import SECOND, Recording
 from ....core.times import instant_text
 from ..entry import Means
 from ..reduction import Window
-
-CLOCK_COLUMN = re.compile(r"time column '(.*)'")
 
 
 @dataclass(frozen=True)
@@ -49,9 +46,7 @@ def source_of(
     recording: Recording, columns: Mapping[str, tuple[str, str]], frame: str = "", windows: tuple[Window, ...] = ()
 ) -> FlipSource:
     """Return what a recording, as read, has to be called in a campaign file."""
-    column = CLOCK_COLUMN.search(recording.interval_from)
-    name = column[1] if column else ""
-    return FlipSource(columns, name, frame, recording.epoch == "utc", windows)
+    return FlipSource(columns, recording.time_column, frame, recording.epoch == "utc", windows)
 
 
 def entry_text(name: str, file: str, source: FlipSource, mark: str = "") -> str:
