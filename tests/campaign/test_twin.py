@@ -93,7 +93,7 @@ def test_the_truth_is_told_in_the_words_of_the_results(folder: Path) -> None:
     truth = read_truth(folder)
     named = {(row["quantity"], row["axis"]) for row in run(folder, write=False).results["results"]}
     assert {(one.quantity, one.axis) for one in truth.values} <= named
-    assert (truth.rig, truth.seed, truth.fault) == ("rate_table", 3, "")
+    assert (truth.rig, truth.seed, truth.fault) == ("small", 3, "")
     drawn = json.loads((folder / TRUTH).read_text())["drawn"]
     assert {"table_rate_error", "converter_reference_error", "tilt", "mounting_x_turned"} <= set(drawn)
 
