@@ -32,7 +32,7 @@ LONG = (
     "test_browser_use", "test_browser_injection", "test_page", "test_flip_noise", "test_rate_table", "test_fuzz",
     "test_flip_coverage", "test_figure_places", "test_thermal_coverage", "test_thermal_held_out", "test_closed_loop",
     "test_thermal_campaign", "test_noise_coverage", "test_flip_inputs", "test_requirements", "test_noise_campaign",
-    "test_static_noise", "test_flip_bad_input", "test_noise_command", "test_plan_mass_attraction", "test_apply_text",
+    "test_static_noise", "test_flip_bad_input", "test_noise_command", "test_plan_mass_attraction", "test_apply_code",
     "test_segments", "test_compensated_coverage", "test_positions_campaign", "test_positions_coverage",
 )  # fmt: skip
 

@@ -25,7 +25,7 @@ from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import Conditions, needed, predict
 from inertialcal.sensors.model.sensor_model import Item, SensorModel, to_output
 
-sys.path.insert(0, str(Path(__file__).parents[1] / "sensors"))
+sys.path.insert(0, str(Path(__file__).parents[2] / "sensors"))
 from random_models import conditions, inputs, random_model
 
 AGREE = 1e-12  # of full scale

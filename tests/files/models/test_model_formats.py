@@ -20,7 +20,7 @@ from inertialcal.files.models.model_format import ImportedModels, ModelFormat, M
 from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.sensor_model import SensorModel
 
-DOCS = Path(__file__).parents[2] / "docs"
+DOCS = Path(__file__).parents[3] / "docs"
 FOLDER = Path(formats.__file__).parent
 
 
