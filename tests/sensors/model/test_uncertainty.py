@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_models import conditions, inputs, random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array, Component, Estimate
@@ -17,6 +16,7 @@ from inertialcal.sensors.model.sensitivity import point, reading_by
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.sensors.model.terms import values, with_values
 from inertialcal.sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
+from random_models import conditions, inputs, random_model
 
 SEEDS = st.integers(0, 2**32 - 1)
 REACH = 1e-4  # of full scale, by which a step of central differences moves a reading

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_models import conditions, inputs, random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
@@ -20,6 +19,7 @@ from inertialcal.sensors.model.equation import Conditions, condition_columns, cu
 from inertialcal.sensors.model.nonlinearity import rising_branch
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.sensors.model.uniqueness import felt_range
+from random_models import conditions, inputs, random_model
 
 IDENTITY = 1e-12  # of full scale
 SEEDS = st.integers(0, 2**32 - 1)

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_models import random_model
 
 from inertialcal.core.units import factor, normalise
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.sensors.model.terms import orders, values, with_values
+from random_models import random_model
 
 SEEDS = st.integers(0, 2**32 - 1)
 

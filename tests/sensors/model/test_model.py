@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_models import random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.sensors.model.sensor_model import Item, SensorModel, check_item, to_output, to_readings
+from random_models import random_model
 
 
 def plain(**terms: object) -> SensorModel:

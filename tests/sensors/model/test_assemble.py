@@ -4,12 +4,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_models import random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.units import factor
 from inertialcal.sensors.model.assemble import NOT_ESTIMATED, in_units, model_from
+from random_models import random_model
 
 SEEDS = st.integers(0, 2**32 - 1)
 

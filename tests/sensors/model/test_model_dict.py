@@ -8,11 +8,11 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from random_models import random_model
 
 from inertialcal.core.errors import DataError
 from inertialcal.sensors.model.serial import from_dict, to_dict
 from inertialcal.sensors.model.terms import SHAPES
+from random_models import random_model
 
 SEEDS = st.integers(0, 2**32 - 1)
 

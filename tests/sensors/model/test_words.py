@@ -4,11 +4,11 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from random_models import random_model
 
 from inertialcal.core.units import normalise
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel, equation, lines, show
+from random_models import random_model
 
 
 def test_the_published_matrix_in_words() -> None:
