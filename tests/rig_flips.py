@@ -116,7 +116,7 @@ def one_flip(turning: Turning, corner: float, seed: int) -> Tally:
 def held(result: Result, made: Record) -> Counter[str]:
     """Return which 95 % intervals hold the truth; a count of 0 where one does not."""
     estimate = result.estimate
-    assert estimate is not None, result.whole.reason
+    assert estimate is not None, result.whole.reason.text
     found: Counter[str] = Counter()
     for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
         axis = AXES.index(name[-1])

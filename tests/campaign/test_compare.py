@@ -21,6 +21,7 @@ from inertialcal.campaign.differences import Difference, differences
 from inertialcal.campaign.matched_rows import matched
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
+from inertialcal.core.key import Key, Method, Reason, key_of
 from inertialcal.core.results import Row, not_estimated
 from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.assemble import model_from
@@ -30,7 +31,8 @@ from inertialcal.statistics.intervals import binomial_interval, covers
 
 def row(value: float | None, u: float | None = 0.1, dof: float | None = None, **rest: Any) -> Row:
     given = {"quantity": "bias", "axis": "x", "unit": "deg/s", "test": "rate_x"} | rest
-    return Row(value=value, u=u, dof=dof, **given)
+    key = key_of(given.pop("quantity"), given.pop("axis"))
+    return Row(key, value, u, dof=dof, **given)
 
 
 def one_difference(first: Row, second: Row) -> Difference:
@@ -74,7 +76,12 @@ def test_one_side_may_be_exact() -> None:
 
 
 NOT_COMPARED = [
-    (not_estimated("bias", "x", "deg/s", "no readings"), row(1.0), "first: not estimated (no readings)", None),
+    (
+        not_estimated(Key("bias", "x"), "deg/s", Reason("not_read", "no readings")),
+        row(1.0),
+        "first: not estimated (no readings)",
+        None,
+    ),
     (row(1.0), row(1.2, status="upper_limit"), "second: upper limit", 0.2),
     (row(1.0, None), row(1.2), "first: no uncertainty", 0.2),
     (row(1.0), row(1.2, 0.1, 0.0), "second: no degrees of freedom", 0.2),
@@ -89,7 +96,7 @@ def test_what_cannot_be_compared_says_why(first: Row, second: Row, reason: str, 
     assert found.p_value is None
     assert (found.row.status, found.row.u, found.row.interval) == ("not_estimated", None, None)
     assert found.row.value == (None if value is None else pytest.approx(value))
-    assert found.row.reason == reason
+    assert found.row.reason.text == reason
 
 
 # Several figures
@@ -100,7 +107,7 @@ def test_holm_over_the_rows_compared() -> None:
     values = [float(stats.norm.isf(p / 2.0)) for p in (0.03, 0.01, 0.02)]
     pairs = [(row(0.0, 0.0), row(value, 1.0)) for value in values]
     assert [d.word for d in differences(pairs)] == ["different"] * 3
-    lost = not_estimated("bias", "y", "deg/s", "why")
+    lost = not_estimated(Key("bias", "y"), "deg/s", Reason("not_read", "why"))
     assert [d.word for d in differences([*pairs, (lost, lost)])] == ["different"] * 3 + ["not compared"]
     more = [*pairs, (row(0.0), row(0.0))]  # now 0.01 <= 0.05/4, and 0.02 > 0.05/3 ends it
     assert [d.word for d in differences(more)] == [
@@ -252,10 +259,10 @@ def test_not_shown_different_is_not_unchanged() -> None:
 
 
 def test_general_changes_judge_what_was_compared_and_named_ones_all() -> None:
-    lost = not_estimated("bias", "y", "deg/s", "no readings")
+    lost = not_estimated(Key("bias", "y"), "deg/s", Reason("not_read", "no readings"))
     pairs = [
         (row(1.0, 0.001), row(1.0, 0.001)),
-        (row(1.0, 0.001, condition="as_published"), row(9.0, 0.001, condition="as_published")),
+        (row(1.0, 0.001, method=Method.TEXTBOOK), row(9.0, 0.001, method=Method.TEXTBOOK)),
         (lost, lost),
     ]
     general, remarks = judged(differences(pairs), parse_allowed(["0.1 deg/s"]))
@@ -406,7 +413,9 @@ def test_scatters_are_compared_by_their_ratio() -> None:
     assert found.p_value == pytest.approx(2.0 * stats.f.sf(9.0, 30, 3))
     assert found.row.interval is not None
     assert (found.row.interval.lo or 0.0) < 0.0 < (found.row.interval.hi or 0.0)
-    assert one_difference(scatter(1.0, None), scatter(3.0, 30)).row.reason.startswith("first: a standard deviation")
+    assert one_difference(scatter(1.0, None), scatter(3.0, 30)).row.reason.text.startswith(
+        "first: a standard deviation"
+    )
 
 
 def test_no_change_of_a_scatter_goes_by_its_own_interval() -> None:

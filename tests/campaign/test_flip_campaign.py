@@ -48,7 +48,7 @@ def same_figures(found: FlipFile, folder: Path) -> None:
     """What `run` gives must be what the files alone gave, to the rounding of 32-bit samples."""
     rows = run(folder, write=False).results["results"]
     told = [(row["quantity"], row["axis"], row["condition"], row["unit"], row["status"]) for row in rows]
-    assert told == [(row.quantity, row.axis, row.condition, row.unit, row.status) for row in found.rows]
+    assert told == [(row.quantity, row.axis, str(row.case), row.unit, row.status) for row in found.rows]
     for row, own in zip(rows, found.rows, strict=True):
         assert (row["value"] is None, row["u"] is None) == (own.value is None, own.u is None)
         assert (row["value"] or 0.0) == pytest.approx(own.value or 0.0, abs=ROUNDING)
@@ -134,7 +134,7 @@ def test_init_fills_in_what_the_records_show(tmp_path: Path) -> None:
     assert [lines[number - 1].partition(" ")[0] for number in marked] == ["maker", "part", "serial", "plan"]
     path.write_text(text.replace("# FILL IN", ""), encoding="utf-8")
     rows = {(r["quantity"], r["axis"]): r for r in run(folder, write=False).results["results"] if not r["condition"]}
-    expected: dict[tuple[str, str], Row] = {(r.quantity, r.axis): r for r in ic.flip(folder).rows if not r.condition}
+    expected: dict[tuple[str, str], Row] = {(r.quantity, r.axis): r for r in ic.flip(folder).rows if r.case.plain}
     assert rows["bias", "z"]["value"] * 1e6 == pytest.approx(expected["bias", "z"].value, abs=ROUNDING)  # g
 
 

@@ -75,7 +75,7 @@ def test_a_day_takes_less_than_a_gibibyte_by_what_shorter_records_take(tmp_path:
 
 def test_what_is_read_is_kept_as_wide_as_it_was(tmp_path: Path) -> None:
     found = ic.flip(record(tmp_path, 150_000, SENSOR))
-    rows = {(row.quantity, row.axis): row for row in found.rows if row.condition == ""}
+    rows = {(row.quantity, row.axis): row for row in found.rows if str(row.case) == ""}
     for i, axis in ((1, "y"), (2, "z")):
         for quantity, true in (("ambient_acceleration", AMBIENT[i]), ("bias", BIAS[i])):
             row = rows[quantity, axis]

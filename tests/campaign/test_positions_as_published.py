@@ -123,7 +123,7 @@ def test_the_model_is_made_of_the_result(folder: Path, outcome: Outcome) -> None
 
 
 def test_compare_judges_none_of_it(itself: Comparison) -> None:
-    beside = [one for one in itself.differences if one.row.condition == WAY]
+    beside = [one for one in itself.differences if str(one.row.case) == WAY]
     assert len(beside) == 39
     assert {one.word for one in beside} == {"not compared"}
     assert {one.no_change for one in beside} == {None}

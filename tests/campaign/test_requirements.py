@@ -11,6 +11,7 @@ from inertialcal.campaign.requirements import Tested as Reduced
 from inertialcal.campaign.requirements import Verdict, judge, worst
 from inertialcal.campaign.schema import Requirement
 from inertialcal.campaign.schema import Test as Entry
+from inertialcal.core.key import Key, Reason
 from inertialcal.core.results import Row
 from inertialcal.procedures.rate_table.reduction import Plan, Truth, reduce, simulate
 from inertialcal.statistics.intervals import binomial_interval
@@ -77,11 +78,13 @@ def test_the_band_over_several_rates_is_wider_than_at_one() -> None:
 
 
 def test_single_figures_are_judged_by_their_interval() -> None:
-    row = Row("bias", "x", 0.01, 0.001, "rad/s", 10.0)
+    row = Row(Key("bias", "x"), 0.01, 0.001, "rad/s", 10.0)
     at = Reduced(ENTRY, object(), [row])
     for limit, word in (("0.02 rad/s", "PASS"), ("0.005 rad/s", "FAIL"), ("0.0105 rad/s", "INCONCLUSIVE")):
         assert judge(requirement(quantity="bias", limit=limit), [at])[0][0].verdict == word
-    unknown = Row("bias", "x", None, None, "rad/s", status="not_estimated", reason="never turned")
+    unknown = Row(
+        Key("bias", "x"), None, None, "rad/s", status="not_estimated", reason=Reason("not_turned", "never turned")
+    )
     verdict = judge(requirement(quantity="bias", limit="1 rad/s"), [Reduced(ENTRY, object(), [unknown])])[0][0]
     assert (verdict.verdict, verdict.reason) == ("INCONCLUSIVE", "never turned")
     wrong = judge(requirement(quantity="bias", limit="1 V"), [at])[0][0]

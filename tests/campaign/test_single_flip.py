@@ -42,7 +42,7 @@ def table(folder: Path, text: str = TABLE_3) -> Path:
 
 
 def by_name(found: FlipFile) -> dict[tuple[str, str], Row]:
-    return {(row.quantity, row.axis): row for row in found.rows if row.condition == ""}
+    return {(row.quantity, row.axis): row for row in found.rows if str(row.case) == ""}
 
 
 @pytest.fixture(scope="module")
@@ -118,7 +118,7 @@ def test_several_recordings_are_several_flips(record: Path, tmp_path: Path) -> N
     second.write_text(csv_text(build(BENCH, 5).recordings[FILE]), encoding="utf-8")
     found = ic.flip([record, second], unit="g")
     assert found.result.readings.flips == ("1", "2")
-    assert {row.condition for row in found.rows} >= {"", "flip 1", "flip 2"}
+    assert {str(row.case) for row in found.rows} >= {"", "flip 1", "flip 2"}
     assert len(found.inputs) == 2
 
 

@@ -50,7 +50,7 @@ def imu() -> Recording:
 
 
 def row_of(found: NoiseFile, quantity: str, axis: str, test: str) -> Row:
-    return next(r for r in found.rows if (r.quantity, r.axis, r.test, r.condition) == (quantity, axis, test, ""))
+    return next(r for r in found.rows if (r.quantity, r.axis, r.test, str(r.case)) == (quantity, axis, test, ""))
 
 
 def only(groups: tuple[Group, ...]) -> Group:

@@ -36,7 +36,7 @@ def test_six_faces_name_what_they_do_not_tell() -> None:
     found = ic.plan_positions(scatter="0.1 mg", have="faces")
     assert "6 of 9" in str(found)
     assert "not told: misalignment_yx, misalignment_zx, misalignment_zy" in str(found)
-    left = {row.axis: row.reason for row in found.rows if row.status == "not_estimated"}
+    left = {row.axis: row.reason.text for row in found.rows if row.status == "not_estimated"}
     assert left == {axis: f"these positions do not tell misalignment_{axis}" for axis in ("yx", "zx", "zy")}
     assert "9 of 9" in str(ic.plan_positions(scatter="0.1 mg", have="faces", following=3))
     assert "12 of 12" in str(ic.plan_positions(scatter="0.1 mg", have="faces", known=True))

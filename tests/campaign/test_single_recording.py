@@ -28,7 +28,7 @@ def write(folder: Path, head: str = HEAD, seed: int = 1) -> Path:
 
 def test_the_truth_is_found_with_no_more_than_the_axis(tmp_path: Path) -> None:
     found = ic.rate_table(write(tmp_path), axis="y")
-    values = {(row.quantity, row.axis): row for row in found.rows if not row.condition}
+    values = {(row.quantity, row.axis): row for row in found.rows if not str(row.case)}
     for quantity, axis, truth in (
         ("scale_factor_error", "y", 100.0 * (SENSED[1] - 1.0)),
         ("cross_axis_sensitivity", "xy", 100.0 * SENSED[0]),

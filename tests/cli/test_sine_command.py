@@ -43,7 +43,7 @@ def scheduled(path: Path, cycles: int = 25) -> str:
 
 
 def of(found: SineFile, quantity: str) -> Row:
-    return next(row for row in found.rows if row.quantity == quantity and not row.condition)
+    return next(row for row in found.rows if row.quantity == quantity and row.case.plain)
 
 
 def test_what_is_printed(capsys: pytest.CaptureFixture[str], pulses: str) -> None:

@@ -8,14 +8,15 @@ import math
 import numpy as np
 import pytest
 
-from inertialcal.core.results import Interval, Row, finite, is_beside, not_estimated
+from inertialcal.core.key import At, Case, Key, Member, Method, Reason, case_of, key_of
+from inertialcal.core.results import Interval, Row, finite, not_estimated
 
 KEYS = ["quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "interval", "status", "reason"]
 
 
 def test_row_with_everything() -> None:
     interval = Interval(0.4988, 0.5012)
-    row = Row("scale_factor", "x", 0.5, 6e-4, "V/(deg/s)", 12.5, interval, test="rate_x", condition="ambient")
+    row = Row(Key("scale_factor", "x"), 0.5, 6e-4, "V/(deg/s)", 12.5, interval, test="rate_x", condition="ambient")
     assert list(row.to_dict()) == KEYS
     assert json.loads(json.dumps(row.to_dict(), allow_nan=False)) == {
         "quantity": "scale_factor",
@@ -33,19 +34,19 @@ def test_row_with_everything() -> None:
 
 
 def test_what_is_absent_is_null() -> None:
-    row = Row("bias", "x", math.nan, None, "deg/s", math.inf, Interval(None, math.inf, 0.9)).to_dict()
+    row = Row(Key("bias", "x"), math.nan, None, "deg/s", math.inf, Interval(None, math.inf, 0.9)).to_dict()
     assert row["value"] is None
     assert row["u"] is None
     assert row["dof"] is None
     assert row["interval"] == {"lo": None, "hi": None, "p": 0.9}
-    assert Row("bias", "x", 1.0, None, "deg/s").to_dict()["interval"] is None
+    assert Row(Key("bias", "x"), 1.0, None, "deg/s").to_dict()["interval"] is None
 
 
 def test_row_that_the_data_cannot_carry() -> None:
-    row = not_estimated("misalignment", "xz", "rad", "axis z was never turned", "ambient")
+    row = not_estimated(Key("misalignment", "xz"), "rad", Reason("not_turned", "axis z was never turned"))
     assert (row.value, row.u, row.status) == (None, None, "not_estimated")
     assert row.to_dict()["reason"] == "axis z was never turned"
-    assert row.condition == "ambient"
+    assert row.reason.code == "not_turned"
 
 
 @pytest.mark.parametrize(
@@ -63,4 +64,59 @@ def test_finite(number: float | None, plain: float | None) -> None:
      ("low_pass", True), ("flip 12", True), ("as_published, flip 2", True), ("flip", False), ("no flip 1", False)],
 )  # fmt: skip
 def test_conditions_that_are_not_the_result(condition: str, beside: bool) -> None:
-    assert is_beside(condition) is beside
+    assert case_of(condition).beside is beside
+    assert str(case_of(condition)) == condition
+
+
+CASES = {
+    "": Case(),
+    "vacuum": Case(condition="vacuum"),
+    "as_published": Case(Method.TEXTBOOK),
+    "flip 3": Case(member=Member("flip", "3")),
+    "as_published, flip 3": Case(Method.TEXTBOOK, Member("flip", "3")),
+    "run power up, 2 alone": Case(member=Member("run", "power up, 2")),
+    "-20 degC": Case(at=At("temperature", -20.0, "degC")),
+    "warming, -20 degC": Case(member=Member("path", "warming"), at=At("temperature", -20.0, "degC")),
+    "line at 9.97 Hz": Case(at=At("line", 9.97, "Hz")),
+    "line at 2 x 9.97 Hz, run a alone": Case(member=Member("run", "a"), at=At("line", 9.97, "Hz"), times=2),
+    "gyro": Case(sensor="gyro"),
+    "held out, no g-sensitivity": Case(member=Member("held_out", "no g-sensitivity")),
+}
+
+
+@pytest.mark.parametrize("condition", CASES)
+def test_what_a_row_is_as_text_and_back(condition: str) -> None:
+    assert case_of(condition) == CASES[condition]
+    assert str(CASES[condition]) == condition
+
+
+@pytest.mark.parametrize(
+    ("key", "name"),
+    [
+        (Key("bias", "x"), "bias_x"),
+        (Key("misalignment", "xz"), "misalignment_xz"),
+        (Key("bias_temperature", "x", power=2), "bias_temperature_2_x"),
+        (Key("bias_voltage", "y"), "bias_voltage_0_y"),
+        (Key("bias", "z", at=At("temperature", -20.0, "degC")), "bias_z at -20 degC"),
+    ],
+)
+def test_names_of_values_and_back(key: Key, name: str) -> None:
+    assert str(key) == name
+    assert key_of(name) == key
+
+
+@pytest.mark.parametrize(
+    "row",
+    [
+        Row(Key("bias", "x", at=At("temperature", 20.0, "degC")), 1.0, 0.1, "deg/s", condition="vacuum"),
+        Row(Key("bias_temperature", "x", power=3), 1.0, None, "deg/s", 4.0, Interval(0.5, None), method=Method.MEDIAN),
+        Row(Key("line_frequency", "z", power=2, at=At("line", 9.97, "Hz")), 20.0, 0.1, "Hz", member=Member("run", "a")),
+        Row(Key("scatter_position", "", "gyro"), 1.0, 0.1, "deg/s", reason=Reason("", "why"), test="t"),
+        Row(Key("bias", "y"), None, None, "ug", status="not_estimated", condition="ambient"),
+    ],
+)
+def test_rows_are_read_back(row: Row) -> None:
+    told = row.to_dict()
+    assert Row.from_dict(told).to_dict() == told
+    assert Row.from_dict(told).key == row.key
+    assert Row.from_dict(told).case.method is row.method

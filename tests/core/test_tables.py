@@ -4,6 +4,7 @@ from html.parser import HTMLParser
 
 import pytest
 
+from inertialcal.core.key import Key, Reason
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Interval, Row, not_estimated
 from inertialcal.core.show.result_tables import dof, figures, folded, told
@@ -113,10 +114,10 @@ def test_remarks_are_counted_by_severity_the_serious_first() -> None:
 
 def test_figures_are_rounded_to_their_uncertainty_and_reasons_told_once() -> None:
     rows = [
-        Row("bias", "x", 0.00748231, 0.00029, "deg/s", 93.74, Interval(0.0068988, 0.0080657)),
-        Row("linearity_error", "x", 0.265, 0.043, "%", None, status="upper_limit"),
-        not_estimated("misalignment", "yx", "rad", "no readings"),
-        not_estimated("misalignment", "zx", "rad", "no readings"),
+        Row(Key("bias", "x"), 0.00748231, 0.00029, "deg/s", 93.74, Interval(0.0068988, 0.0080657)),
+        Row(Key("linearity_error", "x"), 0.265, 0.043, "%", None, status="upper_limit"),
+        not_estimated(Key("misalignment", "yx"), "rad", Reason("not_read", "no readings")),
+        not_estimated(Key("misalignment", "zx"), "rad", Reason("not_read", "no readings")),
     ]
     grid, reason = figures([row.to_dict() for row in rows], "test")
     assert isinstance(grid, Grid)

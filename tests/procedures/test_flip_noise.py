@@ -11,6 +11,7 @@ from scipy.spatial.transform import Rotation
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
+from inertialcal.core.key import Key
 from inertialcal.procedures.flip.reduction import Plan, Quiet, Readings, Result, Truth, reduce, simulate
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
@@ -85,7 +86,7 @@ def test_sub_means_inside_a_dwell_would_alarm_far_too_often() -> None:
         readings = simulate(plan, replace(TRUTH, corner=0.1), np.random.default_rng(seed))
         means, weights = readings.quiet[0].means["x"], readings.quiet[0].weights
         u = math.hypot(*(means[w > 0.0].std(ddof=1) / math.sqrt((w > 0.0).sum()) for w in weights)) / 2.0
-        alarms += abs(reduce(plan, readings).whole.separated[0].value("control_error_x") or 0.0) > 2.0 * u
+        alarms += abs(reduce(plan, readings).whole.separated[0].value(Key("control_error", "x")) or 0.0) > 2.0 * u
     assert alarms > 15
 
 
@@ -125,10 +126,10 @@ def test_a_record_that_shows_no_noise_gives_no_uncertainty() -> None:
     assert row.value is not None
     assert row.u is None
     assert row.status == "not_estimated"
-    assert "block means" in row.reason
-    assert "quiet places as long and as far apart as its dwells: need 3" in row.reason
+    assert "block means" in row.reason.text
+    assert "quiet places as long and as far apart as its dwells: need 3" in row.reason.text
     apart = replace(short, quiet=tuple(_alone(short, k) for k in (0, 1)))
-    assert "the positions lie in different recordings" in reduce(plan, apart).whole.reason
+    assert "the positions lie in different recordings" in reduce(plan, apart).whole.reason.text
 
 
 def _alone(readings: Readings, dwell: int) -> Quiet:
@@ -158,7 +159,7 @@ def test_flips_that_differ_beyond_their_noise_are_remarked() -> None:
     differing = reduce(Plan(), several(TRUTH.ambient + np.arange(3)[:, None] * 2.0 * UG, 1))
     told = [one.what for one in differing.remarks if one.code == "flips_differ"]
     assert any(what.startswith("ambient_acceleration_y: chi-square") for what in told)
-    assert {one.condition for one in differing.rows()} == {"", "flip 1", "flip 2", "flip 3"}
+    assert {str(one.case) for one in differing.rows()} == {"", "flip 1", "flip 2", "flip 3"}
     assert differing.estimate is not None
     assert differing.estimate.dof == pytest.approx(2.0)
 

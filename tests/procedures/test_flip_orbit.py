@@ -65,7 +65,7 @@ def of_tables(means: Means, predicted: Means) -> Readings:
 
 
 def row(result: Result, quantity: str, axis: str, condition: str = "") -> Row:
-    (found,) = [r for r in result.rows() if (r.quantity, r.axis, r.condition) == (quantity, axis, condition)]
+    (found,) = [r for r in result.rows() if (r.quantity, r.axis, str(r.case)) == (quantity, axis, condition)]
     return found
 
 
@@ -115,8 +115,8 @@ def test_a_flip_without_prediction_is_named_and_not_pooled() -> None:
     part = {axis: {"2": times["2"]} for axis, times in TABLE_2.items()}
     result = reduce(Plan(), of_tables(TABLE_3, part))
     assert value(result, "bias_shift", "y") == value(result, "bias_shift", "y", "flip 2")
-    assert "of flip 2 alone" in row(result, "bias_shift", "y").reason
-    assert not [r for r in result.rows() if r.quantity == "bias_shift" and r.condition == "flip 3"]
+    assert "of flip 2 alone" in row(result, "bias_shift", "y").reason.text
+    assert not [r for r in result.rows() if r.quantity == "bias_shift" and str(r.case) == "flip 3"]
 
 
 def test_without_predictions_there_are_no_such_rows() -> None:
@@ -161,4 +161,4 @@ def test_along_the_turn_there_is_a_prediction_and_the_reason_why_no_more() -> No
     assert value(result, "predicted_bias", "x") / UG == pytest.approx(900.0)
     shift = row(result, "bias_shift", "x")
     assert (shift.value, shift.status) == (None, "not_estimated")
-    assert "along the turn are one" in shift.reason
+    assert "along the turn are one" in shift.reason.text

@@ -75,7 +75,7 @@ def test_bias_and_ambient_acceleration_come_out_of_a_recording() -> None:
             assert abs(result.estimate.values[at] - truth[axis]) < 4.0 * result.estimate.u[at]
             white = math.sqrt(2.0 / (340.0 / INTERVAL)) / 2.0  # of the half difference of both windows
             assert white / 4.0 < result.estimate.u[at] < 4.0 * white  # 148 blocks tell it no better
-    assert {row.condition for row in result.rows()} == {"", "median", "low_pass", "as_published"}
+    assert {str(row.case) for row in result.rows()} == {"", "median", "low_pass", "as_published"}
     assert {"at_rails", "short_record"} <= {one.code for one in result.remarks}
     assert [curve.name for curve in result.curves()] == ["flip_dwells"] * 3 + ["quiet"] * 3
 
@@ -131,10 +131,10 @@ def test_a_missing_sample_changes_the_low_pass_little_and_a_short_window_is_refu
 
 def test_a_window_too_short_for_the_low_pass_has_the_other_statistics() -> None:
     result = reduce(Plan(), read(Plan(), (600.0, 740.0, 0.0), (760.0, 900.0, math.pi)))
-    rows = [row for row in result.rows() if row.condition == "low_pass"]
+    rows = [row for row in result.rows() if str(row.case) == "low_pass"]
     assert rows
-    assert all(row.status == "not_estimated" and "the low-pass settles" in row.reason for row in rows)
-    assert [row.value for row in result.rows() if row.condition == "median" and row.quantity == "bias"]
+    assert all(row.status == "not_estimated" and "the low-pass settles" in row.reason.text for row in rows)
+    assert [row.value for row in result.rows() if str(row.case) == "median" and row.quantity == "bias"]
 
 
 def test_half_widths_are_t_intervals_of_ten_means_of_six_seconds() -> None:

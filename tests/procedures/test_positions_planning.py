@@ -95,7 +95,7 @@ def test_error_of_gravity_is_common_and_stays() -> None:
 @pytest.mark.parametrize("setup", [SETUP, KNOWN])
 def test_next_position_is_the_best_of_all(setup: Setup) -> None:
     taken = np.vstack([FACES, cube()[6:15]]) if not setup.known else cube()[:7]
-    names, _ = parameter_names(setup.known)
+    names = parameter_names(setup.known)
     unit = np.ones(len(names))
     unit[-3:] = G
 

@@ -196,7 +196,7 @@ class TestFerraris:
         own = result.gyro.sensor.matrix * result.gyro.sensor.ideal[:, None]
         assert own == pytest.approx(closed.K_g[:, None] * closed.R_g, abs=3e-3 * closed.K_g.max())
         assert "turn_sense" in {one.code for one in result.remarks}
-        why = {row.reason for row in result.rows() if row.condition == "gyro" and row.quantity == "misalignment"}
+        why = {row.reason.text for row in result.rows() if row.key.sensor == "gyro" and row.quantity == "misalignment"}
         assert why == {
             "no rotation was repeated, and turn.angle and fixture.orientation are not both stated: nothing judges it"
         }

@@ -78,17 +78,19 @@ class TestNotTold:
         assert set(result.acc.seen.combinations) == {"misalignment_yx", "misalignment_zx", "misalignment_zy"}
         found = result.estimates["accelerometer"]
         assert set(found.names) == {f"{name}_{axis}" for name in ("scale_factor_error", "bias") for axis in "xyz"}
-        rows = {(row.quantity, row.axis): row for row in result.rows() if row.condition == "accelerometer"}
+        rows = {(row.quantity, row.axis): row for row in result.rows() if row.key.sensor == "accelerometer"}
         assert rows["misalignment", "zy"].status == "not_estimated"
-        assert rows["misalignment", "zy"].reason == "these positions do not tell it"
-        assert rows["misalignment", "yz"].reason.startswith("the accelerometers' own axes define the body frame")
+        assert rows["misalignment", "zy"].reason.text == "these positions do not tell it"
+        assert rows["misalignment", "yz"].reason.text.startswith("the accelerometers' own axes define the body frame")
 
     def test_as_many_positions_as_unknowns_have_no_uncertainty(self, clean: Readings) -> None:
         result = reduce(PLAN, clean.take(0, 9))
         assert "accelerometer" not in result.estimates
         assert "no_dof" in {one.code for one in result.remarks}
-        assert all(row.u is None for row in result.rows() if row.condition == "accelerometer")
-        reasons = {row.reason for row in result.rows() if row.condition == "gyro" and row.quantity == "misalignment"}
+        assert all(row.u is None for row in result.rows() if row.key.sensor == "accelerometer")
+        reasons = {
+            row.reason.text for row in result.rows() if row.key.sensor == "gyro" and row.quantity == "misalignment"
+        }
         assert reasons == {"the accelerometers are not wholly known, so that the direction of gravity is not"}
 
     def test_known_positions_in_one_plane(self) -> None:

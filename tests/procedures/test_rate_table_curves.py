@@ -45,7 +45,7 @@ def column(curve: Curve, name: str) -> np.ndarray:
 
 
 def row(result: Result, quantity: str, axis: str) -> float:
-    found = next(r for r in result.rows() if (r.quantity, r.axis, r.condition) == (quantity, axis, ""))
+    found = next(r for r in result.rows() if (r.quantity, r.axis, str(r.case)) == (quantity, axis, ""))
     assert found.value is not None
     return found.value
 

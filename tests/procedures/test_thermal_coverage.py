@@ -96,7 +96,7 @@ def offsets_held(n: int) -> tuple[int, int]:
         air, vacuum = (reduce(given, simulate(given, truth, rng)) for truth in (AIR, VACUUM))
         named = _renamed(vacuum)
         rows = offset_rows(named, air, "air", "vacuum_offset")
-        interval = next(row.interval for row in rows if row.condition == "0 degC")
+        interval = next(row.interval for row in rows if str(row.case) == "0 degC")
         assert interval is not None
         held += contains(interval, true)
     return held, n
@@ -122,7 +122,7 @@ def test_plain_least_squares_would_not_hold_it() -> None:
     hits = 0
     for seed in range(1, 41):
         result = reduce(SCATTER, simulate(SCATTER, AIR, np.random.default_rng(seed)))
-        row = next(one for one in result.rows() if (one.quantity, one.condition) == ("bias", "as_published"))
+        row = next(one for one in result.rows() if (one.quantity, str(one.case)) == ("bias", "as_published"))
         assert row.interval is not None
         hits += contains(row.interval, TRUE["bias_x"])
     assert not covers(hits, 40)

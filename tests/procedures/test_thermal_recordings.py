@@ -115,7 +115,7 @@ UNITS = {"gyro": "rad/s", "temperature": "degC"}
 
 
 def rows_of(rows: tuple[Row, ...], quantity: str) -> dict[str, Row]:
-    return {row.axis: row for row in rows if row.quantity == quantity and row.condition == ""}
+    return {row.axis: row for row in rows if row.quantity == quantity and str(row.case) == ""}
 
 
 def own_gap(axis: str, path: Path) -> Array:
@@ -143,7 +143,7 @@ def test_the_real_record_states_its_path_difference_and_is_unclear_about_hystere
         assert stated == pytest.approx(own_gap(axis, real)[5:35].mean(), abs=scale), axis
     for row in rows_of(found.rows, "hysteresis").values():
         assert row.status == "not_estimated"
-        assert row.reason.startswith("unclear: one loop")
+        assert row.reason.text.startswith("unclear: one loop")
     largest = max(float(np.abs(own_gap(axis, real)).max()) for axis in "xyz")
     assert 0.005 < largest < 0.0134  # the gap is up to 0.0134 on x
 

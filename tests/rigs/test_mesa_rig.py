@@ -35,7 +35,7 @@ def found(twin: Twin) -> list[str]:
         (result,) = fit_results(twin)
     except DataError as error:
         return [word for problem in error.problems for word in (problem.code, problem.what)]
-    return [*(one.code for one in result.remarks), *(row.reason for row in result.rows())]
+    return [*(one.code for one in result.remarks), *(row.reason.text for row in result.rows())]
 
 
 @pytest.mark.parametrize("fault", mesa.FAULTS)
@@ -103,7 +103,7 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
     folder = simulate("mesa", tmp_path / "mesa", 4).folder
     (result,) = fit_results(mesa.RIG.twin(4))
     assert isinstance(result, Result)
-    (own,) = [row for row in result.rows() if (row.quantity, row.condition) == ("scale_factor", "")]
+    (own,) = [row for row in result.rows() if (row.quantity, str(row.case)) == ("scale_factor", "")]
     (shown,) = [
         row for row in run(folder, write=False).results["results"]
         if (row["quantity"], row["condition"]) == ("scale_factor", "")

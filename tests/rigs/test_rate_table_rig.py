@@ -272,7 +272,7 @@ def named(twin: Twin) -> set[str]:
         result = fit_results(twin)[0]
     except DataError as error:
         return {problem.code for problem in error.problems}
-    reasons = {row.reason for row in result.rows() if row.status == "not_estimated"}
+    reasons = {row.reason.text for row in result.rows() if row.status == "not_estimated"}
     return reasons | {remark.code for remark in result.remarks}
 
 

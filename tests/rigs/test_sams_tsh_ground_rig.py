@@ -24,7 +24,7 @@ QUIET = replace(BENCH, standards={}, density_ug=0.01, corner=0.0, pushes=0.0, sw
 def rows(twin: Twin, corrected: bool) -> dict[tuple[str, str], Row]:
     """Rows of the test of readings with the bias left in, or with it taken off."""
     (found,) = [one for one in fit_results(twin) if isinstance(one, flip.Result) and one.plan.corrected == corrected]
-    return {(row.quantity, row.axis): row for row in found.rows() if row.condition == ""}
+    return {(row.quantity, row.axis): row for row in found.rows() if str(row.case) == ""}
 
 
 def truth(twin: Twin) -> dict[tuple[str, str], float]:

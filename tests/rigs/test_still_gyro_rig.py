@@ -27,7 +27,7 @@ def found(twin: Twin) -> list[str]:
         (result,) = fit_results(twin)
     except DataError as error:
         return [word for problem in error.problems for word in (problem.code, problem.what)]
-    return [*(one.code for one in result.remarks), *(row.reason for row in result.rows())]
+    return [*(one.code for one in result.remarks), *(row.reason.text for row in result.rows())]
 
 
 @pytest.mark.parametrize("fault", still_gyro.FAULTS)

@@ -21,7 +21,6 @@ from ..core.units import divide, factor
 from ..procedures.display import display_unit, stated_unit, ten_digits
 from ..procedures.flip.rows import MODEL_BIAS
 from ..procedures.rate_table.rows import RESIDUAL
-from ..procedures.thermal.quantities import AT
 
 ROUNDING = 1e-20  # share of a variance that cannot be told from none: 1e-10 of u
 
@@ -67,10 +66,10 @@ def budget_rows(test: str, estimate: Estimate | None, sensor_unit: str, plan: An
 def _figures(estimate: Estimate, plan: Any) -> Iterator[_Figure]:
     """Return the figures of the rows that an estimate gives, by the names that they have there."""
     ideal: Mapping[str, float] = getattr(plan, "scale_factor", None) or {}
-    for i, name in enumerate(estimate.names):
-        if AT in name:  # the same sources as the coefficients that it is made of
+    for i, key in enumerate(estimate.keys):
+        if key.at is not None:  # the same sources as the coefficients that it is made of
             continue
-        quantity, _, axis = name.rpartition("_")
+        quantity, axis = key.name, key.axis
         if quantity == "bias" and getattr(plan, "zero_reference", False):
             quantity = RESIDUAL
         elif quantity == "bias" and getattr(plan, "corrected", False):

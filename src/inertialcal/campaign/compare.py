@@ -13,7 +13,7 @@ from typing import Any
 
 from ..core.errors import DataError
 from ..core.remarks import Remark
-from ..core.results import Interval, finite, is_beside
+from ..core.results import Interval, finite
 from ..core.show.tables import Part, html, text
 from ..statistics.decision import Status, Verdict, no_change, overall
 from ..statistics.intervals import ends
@@ -140,7 +140,7 @@ def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tupl
 
 
 def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
-    compared, beside = one.word != "not compared", is_beside(one.row.condition)
+    compared, beside = one.word != "not compared", one.row.case.beside
     named = is_named(one.row, stated) and (compared or not beside)  # a figure without u beside the result is none
     if not (named or (compared and not beside)):
         return None
@@ -165,7 +165,7 @@ def _verdict(one: Difference, verdict: Verdict) -> dict[str, Any]:
         "requirement": "no_change",
         "quantity": row.quantity,
         "test": row.test,
-        "condition": row.condition,
+        "condition": str(row.case),
         "axis": row.axis,
         "at": None,
         "at_unit": "",

@@ -139,7 +139,7 @@ def _results(given: Path) -> Compared:
         raise DataError("no results here", where=str(given), do=f"Type: inertialcal run {given}", code="no_results")
     content, sha256 = _content(path)
     try:
-        rows = tuple(_row(row) for row in content["results"])
+        rows = tuple(Row.from_dict(row) for row in content["results"])
         type_b = frozenset(str(b["source"]) for b in content.get("budgets", []) if b["kind"] == "B")
         serial = str(content.get("item", {}).get("serial", ""))
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -161,12 +161,6 @@ def _content(path: Path) -> tuple[dict[str, Any], str]:
     if not isinstance(content, dict):
         raise DataError("neither a model nor results: no object", where=str(path), code="schema")
     return content, loaded.sha256
-
-
-def _row(row: Mapping[str, Any]) -> Row:
-    numbers = {name: None if row[name] is None else float(row[name]) for name in ("value", "u", "dof")}
-    words = {name: str(row[name]) for name in ("quantity", "axis", "unit", "reason", "test", "condition")}
-    return Row(**words, **numbers, status=row["status"])  # type: ignore[arg-type]
 
 
 def _recordings(path: Path) -> dict[str, str]:

@@ -6,7 +6,6 @@ from collections.abc import Sequence
 
 from ..core.remarks import Remark
 from ..core.results import Row
-from ..core.results import is_beside as is_beside_the_result
 from ..core.show.result_tables import folded, told
 from ..core.show.rounding import number, with_uncertainty
 from ..core.show.tables import Grid, Part
@@ -55,7 +54,7 @@ def is_shown(one: Difference) -> bool:
 
 def is_beside(one: Difference) -> bool:
     """Return whether the figure is of another way of reducing the same readings, or of a part of them."""
-    return is_beside_the_result(one.row.condition)
+    return one.row.case.beside
 
 
 def line(one: Difference, judged: bool) -> list[str]:
@@ -73,7 +72,7 @@ def _narrow(one: Difference, judged: bool) -> list[str]:
 
 
 def _name(row: Row) -> str:
-    return f"{row.quantity} ({row.condition})" if row.condition else row.quantity
+    return f"{row.quantity} ({case})" if (case := str(row.case)) else row.quantity
 
 
 def _interval(row: Row, digits: int) -> str:
@@ -96,5 +95,5 @@ def not_compared(differences: Sequence[Difference]) -> list[str]:
     reasons: dict[str, list[str]] = {}
     for one in differences:
         if one.word == "not compared" and not is_beside(one):
-            reasons.setdefault(one.row.reason, []).append(f"{one.row.quantity} {one.row.axis}".strip())
+            reasons.setdefault(one.row.reason.text, []).append(f"{one.row.quantity} {one.row.axis}".strip())
     return [f"not compared: {', '.join(dict.fromkeys(names))}: {reason}" for reason, names in reasons.items()]

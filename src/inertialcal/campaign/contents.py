@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ..core.estimate import Estimate
+from ..core.key import Reason, key_of
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor, kind
@@ -26,7 +27,6 @@ from .margins import margin
 from .modelling import Modelled
 from .prepared import modelled_sensor, sensor_of
 from .requirements import RULE, Tested, Verdict, judge, worst
-from .schema import Test
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
@@ -57,7 +57,9 @@ def results_content(
         Of all tests.
     """
     rows = [
-        displayed(_conditioned(row, one.test), sensor_of(campaign, one.test).unit) for one in tested for row in one.rows
+        displayed(replace(row, condition=one.test.condition), sensor_of(campaign, one.test).unit)
+        for one in tested
+        for row in one.rows
     ]
     if modelled is not None:
         for name, (unit, one) in _named(campaign, modelled).items():
@@ -68,8 +70,8 @@ def results_content(
     for requirement in campaign.file.requirements:
         found, more = judge(requirement, tested)
         judged += [(verdict, requirement.quantity) for verdict in found]
-        known = {(row.test, row.quantity, row.axis, row.condition) for row in rows}
-        new = [row for row in more if (row.test, row.quantity, row.axis, row.condition) not in known]
+        known = {(row.test, row.key, row.case) for row in rows}
+        new = [row for row in more if (row.test, row.key, row.case) not in known]
         rows += [displayed(row, unit) for row in new]
     verdicts = [verdict for verdict, _ in judged]
     left_out = [*exclusion_rows(campaign, prepared, tested), *thermal_exclusions(tested)]
@@ -93,11 +95,6 @@ def results_content(
         "verification": _verification(campaign, verdicts, modelled),
     }
     return results, verdicts
-
-
-def _conditioned(row: Any, test: Test) -> Any:
-    """Give a row the condition of its test, where it has none of its own."""
-    return replace(row, condition=test.condition) if test.condition and not row.condition else row
 
 
 def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None) -> list[dict[str, Any]]:
@@ -156,14 +153,12 @@ def _model_rows(modelled: Modelled) -> list[Row]:
     estimate = modelled.model.estimate
     rows = []
     if estimate is not None:
-        for i, name in enumerate(estimate.names):
-            quantity, _, axis = name.rpartition("_")
+        for i, key in enumerate(estimate.keys):
             value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
-            rows.append(Row(quantity, axis, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
+            rows.append(Row(key, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
     units = {one.name: one.unit for one in modelled.model.parameters}
     for name, reason in modelled.model.not_estimated.items():
-        quantity, _, axis = name.rpartition("_")
-        rows.append(not_estimated(quantity, axis, units.get(name, "1"), reason))
+        rows.append(not_estimated(key_of(name), units.get(name, "1"), Reason("not_estimated", reason)))
     return rows if modelled.result is not None else by_quantity(rows)
 
 

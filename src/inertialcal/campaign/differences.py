@@ -23,6 +23,7 @@ import numpy as np
 from scipy import special
 
 from ..core.estimate import Component, Estimate
+from ..core.key import Reason
 from ..core.results import Interval, Row, finite
 from ..statistics.decision import Verdict, holm
 from ..statistics.intervals import t_interval
@@ -30,7 +31,8 @@ from ..statistics.scatters import difference_interval, equality_p_value
 
 Word = Literal["different", "not shown different", "not compared"]
 P = 0.95
-SCATTER = "scatter_"  # quantities that are standard deviations
+LEVELS = ("sample", "dwell", "run", "recording", "position", "rotation")
+SCATTERS = tuple(f"scatter_{level}" for level in LEVELS)  # quantities that are standard deviations
 
 
 @dataclass(frozen=True)
@@ -113,7 +115,7 @@ def _not_comparable(one: Row, other: Row) -> str:
 
 def is_scatter(row: Row) -> bool:
     """Whether a figure is a standard deviation."""
-    return row.quantity.startswith(SCATTER)
+    return row.key.quantity in SCATTERS
 
 
 def _scatter_p(one: Row, other: Row) -> float:
@@ -154,17 +156,18 @@ def _row(
     test = one.test if one.test == other.test else f"{one.test} / {other.test}"
     interval = None if d is None or u is None else _interval(one, other, d, u, dof)
     return Row(
-        one.quantity,
-        one.axis,
+        one.key,
         d,
         u,
         one.unit,
         finite(dof),
         interval,
         "not_estimated" if reason else "estimated",
-        reason,
+        Reason("not_compared", reason) if reason else Reason(),
         test,
         one.condition,
+        one.method,
+        one.member,
     )
 
 

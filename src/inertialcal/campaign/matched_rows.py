@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -12,7 +12,6 @@ from ..core.results import Row
 from ..core.units import convert, factor, same_dimension
 
 SHOWN = 6  # names in a remark
-Key = tuple[str, ...]
 
 
 def matched(
@@ -26,9 +25,9 @@ def matched(
         Whether the test is part of a figure's name. Figures that only differ in the name of their test are then
         still taken together where both sides have exactly one.
     """
-    keys: list[Any] = [lambda row: (row.quantity, row.axis, row.condition)]
+    keys: list[Any] = [lambda row: (row.key, row.case)]
     if by_test:
-        keys.insert(0, lambda row: (row.quantity, row.axis, row.condition, row.test))
+        keys.insert(0, lambda row: (row.key, row.case, row.test))
     left, right = list(range(len(first))), list(range(len(second)))
     pairs: dict[int, int] = {}
     for key in keys:
@@ -45,7 +44,7 @@ def matched(
     return [(first[i], _in_unit(second[fitting[i]], first[i].unit)) for i in sorted(fitting)], tuple(remarks)
 
 
-def _unique(named: Sequence[tuple[Key, int]]) -> dict[Key, int]:
+def _unique(named: Sequence[tuple[Hashable, int]]) -> dict[Hashable, int]:
     """Positions by name, of names that stand once."""
     count = Counter(name for name, _ in named)
     return {name: i for name, i in named if count[name] == 1}

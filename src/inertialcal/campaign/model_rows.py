@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from ..core.key import Reason, key_of
 from ..core.results import Interval, Row, finite
 from ..sensors.model.sensor_model import SensorModel, lines
 from ..sensors.model.terms import values
@@ -20,15 +21,14 @@ def model_rows(model: SensorModel) -> tuple[Row, ...]:
         origin = model.provenance.get(one.name)
         rows.append(
             Row(
-                one.quantity,
-                one.axis,
+                key_of(one.quantity, one.axis),
                 float(value),
                 line.u,
                 one.unit,
                 finite(dof),
                 _interval(float(value), line.u, dof),
                 "not_estimated" if line.u is None else "estimated",
-                line.note,
+                Reason("note", line.note),
                 test=origin.test if origin is not None else "",
             )
         )

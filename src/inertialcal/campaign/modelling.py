@@ -16,6 +16,7 @@ import numpy as np
 
 from ..core.errors import PlanError
 from ..core.estimate import Array, Component, Estimate
+from ..core.key import Key, key_of
 from ..core.remarks import Remark
 from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.closed_loop import AxisLoop, Find, HeldOut, closed_loop, held_out_errors, overall
@@ -33,7 +34,8 @@ from .temperature_terms import with_temperature
 from .thermal_loop import ThermalLoop, judged_loops
 
 MATRIX = ("scale_factor", "misalignment", "asymmetry")
-OVER_TEMPERATURE = "bias_temperature_"
+OVER_TEMPERATURE = "bias_temperature"
+BIASES = ("bias", OVER_TEMPERATURE)
 TERM = {
     "bias": "bias",
     "scale_factor_error": "scale_factor",
@@ -198,16 +200,16 @@ def _merged(matrix: Estimate | None, bias: Estimate | None) -> Estimate | None:
     """Matrix entries of one reduction and biases of another, taken as independent."""
     if matrix is None or bias is None:
         return matrix if bias is None else bias
-    a = matrix.select([name for name in matrix.names if not name.startswith("bias")])
-    b = bias.select([name for name in bias.names if name.startswith("bias")])
-    na, nb = len(a.names), len(b.names)
+    a = matrix.select([key for key in matrix.keys if key.quantity not in BIASES])
+    b = bias.select([key for key in bias.keys if key.quantity in BIASES])
+    na, nb = len(a.keys), len(b.keys)
     components = [
         replace(c, covariance=_block(c.covariance, 0, na + nb), dof=_wide(c, na, nb, 0)) for c in a.components
     ]
     components += [
         replace(c, covariance=_block(c.covariance, na, na + nb), dof=_wide(c, nb, na, na)) for c in b.components
     ]
-    return Estimate((*a.names, *b.names), np.concatenate([a.values, b.values]), (*a.units, *b.units), tuple(components))
+    return Estimate((*a.keys, *b.keys), np.concatenate([a.values, b.values]), (*a.units, *b.units), tuple(components))
 
 
 def _block(covariance: Array, start: int, size: int) -> Array:
@@ -233,16 +235,16 @@ def _model(
 ) -> SensorModel:
     axes = tuple(axis for axis in sensor.axes if axis in result.lines)
     referenced = all(one.plan.zero_reference for one in tests["bias"])
-    names = [
-        name for name in estimate.names
-        if (name.rpartition("_")[0] in TERM or name.startswith(OVER_TEMPERATURE))
-        and set(name.rpartition("_")[2]) <= set(axes)
-        and not (name.startswith("bias") and referenced)
+    keys = [
+        key for key in estimate.keys
+        if (key.quantity in TERM or key.quantity == OVER_TEMPERATURE)
+        and set(key.axis) <= set(axes)
+        and not (key.quantity in BIASES and referenced)
     ]  # fmt: skip
     volts = None if sensor.mounting is not None else body_scale_factors(sensor)
     item = campaign.file.item
     return model_from(
-        estimate.select(names),
+        estimate.select(keys),
         sensor.kind,
         axes,
         scale_factor=1.0 if volts is None else np.array([volts[axis] for axis in axes]),
@@ -252,7 +254,7 @@ def _model(
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
         not_estimated=_reasons(result),
-        provenance={name: _provenance(name, tests, law) for name in names},
+        provenance={str(key): _provenance(key, tests, law) for key in keys},
         **({} if law is None else _temperatures(law)),
     )
 
@@ -262,26 +264,22 @@ def _temperatures(law: ThermalCorrection) -> dict[str, Any]:
     return {"reference_temperature": law.result.plan.reference_temperature, "temperature_range": law.range}
 
 
-def _provenance(name: str, tests: Mapping[str, list[Prepared]], law: ThermalCorrection | None = None) -> Provenance:
+def _provenance(key: Key, tests: Mapping[str, list[Prepared]], law: ThermalCorrection | None = None) -> Provenance:
     """Return where a term comes from: the tests in which its sensor was read, and the bias that was taken off."""
-    if law is not None and name.startswith(OVER_TEMPERATURE):
+    if law is not None and key.quantity == OVER_TEMPERATURE:
         return Provenance(law.test, tuple(sweep.name for sweep in law.result.readings.sweeps))
-    sensor = name.rpartition("_")[2][0]
-    family = tests["bias" if name.startswith("bias") else "matrix"]
+    sensor = key.axis[0]
+    family = tests["bias" if key.quantity in BIASES else "matrix"]
     which = [one for one in family if np.isfinite(one.readings.outputs.get(sensor, np.nan)).any()]
     recordings = tuple(dict.fromkeys(r for one in which for r in one.test.recordings))
-    if law is not None and name.startswith("bias"):
+    if law is not None and key.quantity in BIASES:
         own = tuple(sweep.name for sweep in law.result.readings.sweeps)
         return Provenance(", ".join([law.test, *(one.test.id for one in which)]), (*own, *recordings))
     return Provenance(", ".join(one.test.id for one in which), recordings)
 
 
 def _reasons(result: rate_table.Result) -> dict[str, str]:
-    return {
-        f"{row.quantity}_{row.axis}": row.reason
-        for row in result.rows()
-        if row.status == "not_estimated" and not row.condition
-    }
+    return {str(row.key): row.reason.text for row in result.rows() if row.status == "not_estimated" and row.case.plain}
 
 
 def _input_range(result: rate_table.Result, axes: tuple[str, ...]) -> Array:
@@ -341,7 +339,7 @@ def mixed_up(model: SensorModel) -> dict[str, Find]:
     with axes exchanged, row and column (or bias) of one axis stand at another.
     """
     matrix, bias, k = model.matrix[0], model.bias, len(model.axes)
-    whole = not any(name.startswith(("misalignment", "scale_factor_error")) for name in model.not_estimated)
+    whole = not any(key_of(name).quantity in ("misalignment", "scale_factor_error") for name in model.not_estimated)
     forms = {"the matrix with its sign turned": (2.0 * np.eye(k) - matrix, bias)}
     forms["the bias with its sign turned"] = (matrix, -bias)
     if whole and k > 1:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ..core.key import case_of
 from ..core.remarks import Remark
-from ..core.results import is_beside
 from ..core.show.alternatives import names_of
 from ..core.show.result_tables import estimated, figure, folded, not_estimated, told
 from ..core.show.rounding import number
@@ -28,13 +28,13 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
     remarks : sequence of Remark
         Of the campaign.
     """
-    shown = [row for row in results["results"] if not is_beside(row["condition"])]
+    shown = [row for row in results["results"] if not case_of(row["condition"]).beside]
     parts: list[Part] = []
     for test in dict.fromkeys(row["test"] for row in shown):
         parts += estimated(own_rows([row for row in shown if row["test"] == test]), str(test))
         parts += _side_by_side(results, str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
-    left_out = [row["condition"] for row in results["results"] if is_beside(row["condition"])]
+    left_out = [row["condition"] for row in results["results"] if case_of(row["condition"]).beside]
     if left_out:
         names = names_of(list(dict.fromkeys(left_out)))
         parts.append(f"left out here: {len(left_out)} figures beside the result ({names})")

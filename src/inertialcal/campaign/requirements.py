@@ -20,8 +20,10 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ..core.errors import DataError
+from ..core.key import Key, Member, Method, Reason
 from ..core.results import Interval, Row, not_estimated
 from ..core.units import parse_quantity
 from ..procedures.rate_table import reduction as rate_table
@@ -229,29 +231,29 @@ def _resolution_rows(
     known = np.array([error.dwells > 0 for error in errors])
     lower, upper = _limits(requirement, "1")
     size = max(abs(limit) for limit in (lower, upper) if limit is not None)
-    ways = {
-        f"{requirement.id}": np.array([verdict.verdict == "PASS" for verdict in judged]),
-        "as_published": np.array([error.largest <= size for error in errors]),
+    ways: dict[Member | None, NDArray[np.bool_]] = {
+        Member("requirement", requirement.id): np.array([verdict.verdict == "PASS" for verdict in judged]),
+        None: np.array([error.largest <= size for error in errors]),
     }
-    for condition, holds in ways.items():
-        keep = known if condition != "as_published" else np.ones_like(known)
+    for member, holds in ways.items():  # without one: as published
+        keep = known if member is not None else np.ones_like(known)
         found = rate_table.resolution(rates[keep], holds[keep])
-        row = _resolution_row(found, sensor, condition, requirement)
+        row = _resolution_row(found, sensor, requirement)
+        row = replace(row, member=member, method=Method.RESULT if member is not None else Method.TEXTBOOK)
         yield replace(row, test=test.id)
 
 
-def _resolution_row(found: rate_table.Resolution, sensor: str, condition: str, requirement: Requirement) -> Row:
+def _resolution_row(found: rate_table.Resolution, sensor: str, requirement: Requirement) -> Row:
     text = f"lowest rate tested from which {requirement.id} holds ({requirement.limit or 'its limits'})"
+    key = Key("resolution", sensor)
     if found.value is None:
-        return not_estimated("resolution", sensor, "rad/s", f"{text}: it does not hold at the highest rate", condition)
+        return not_estimated(key, "rad/s", Reason("fails", f"{text}: it does not hold at the highest rate"))
     if found.below is None:
         interval = Interval(0.0, found.value)
-        reason = f"{text}: it holds at the lowest rate tested"
-        return Row(
-            "resolution", sensor, found.value, None, "rad/s", None, interval, "upper_limit", reason, "", condition
-        )
+        reason = Reason("limits", f"{text}: it holds at the lowest rate tested")
+        return Row(key, found.value, None, "rad/s", None, interval, "upper_limit", reason)
     interval = Interval(found.below, found.value)
-    return Row("resolution", sensor, found.value, found.u, "rad/s", None, interval, reason=text, condition=condition)
+    return Row(key, found.value, found.u, "rad/s", None, interval, reason=Reason("limits", text))
 
 
 def _over_temperature(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:
@@ -277,7 +279,7 @@ def _over_temperature(requirement: Requirement, about: Sequence[Tested]) -> Iter
 def _figures(requirement: Requirement, about: Sequence[Tested]) -> Iterator[Verdict]:
     for one in about:
         for row in one.rows:
-            if row.quantity != requirement.quantity or row.condition or requirement.axis not in (None, row.axis):
+            if row.quantity != requirement.quantity or not row.case.plain or requirement.axis not in (None, row.axis):
                 continue
             yield _figure(requirement, one, row)
 
@@ -301,12 +303,12 @@ def _figure(requirement: Requirement, one: Tested, row: Row) -> Verdict:
     doubt = one.result.doubt(row.axis) if isinstance(one.result, static_noise.Result) else ""
     below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
     if below and (lower is None or lower <= 0.0):
-        reason = BELOW if isinstance(one.result, static_noise.Result) else row.reason
+        reason = BELOW if isinstance(one.result, static_noise.Result) else row.reason.text
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
                        *_doubted("PASS", reason, doubt))  # fmt: skip
     if row.status != "estimated":
         return Verdict(requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, row.interval, lower, upper,
-                       "INCONCLUSIVE", row.reason)  # fmt: skip
+                       "INCONCLUSIVE", row.reason.text)  # fmt: skip
     found = _decided(one, row, lower, upper)
     return Verdict(
         requirement.id, test, row.axis, None, "", row.value, row.u, row.unit, found.interval, lower, upper,

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import Any
 
 from ..core.errors import DataError, UsageError
-from ..core.results import Interval, is_beside
+from ..core.key import case_of
+from ..core.results import Interval
 from ..core.show.rounding import number, with_uncertainty
 from ..core.show.tables import Grid, Part, html, text
 from ..core.units import convert
@@ -157,7 +158,7 @@ def score(folder: str | Path) -> Score:
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
                         "stale_results")  # fmt: skip
     conditions = {step["test"]: step["condition"] for step in results["sequence"]}
-    rows = [row for row in results["results"] if not is_beside(row["condition"])]
+    rows = [row for row in results["results"] if not case_of(row["condition"]).beside]
     pairs = [(row, truth.of(_key(row, conditions))) for row in rows]
     return Score(truth, tuple(_scored(row, true) for row, true in pairs if true is not None))
 
@@ -245,8 +246,8 @@ def _intervals(one: Fitted) -> Iterator[tuple[Key, Interval]]:
     """Yield the intervals of a test, SI."""
     if one.rows is not None:
         for row in one.rows:
-            if row.interval is not None and not is_beside(row.condition):
-                yield (row.quantity, row.axis, one.test, row.condition), row.interval
+            if row.interval is not None and not row.case.beside:
+                yield (row.quantity, row.axis, one.test, str(row.case)), row.interval
         return
     estimate = one.result.estimate
     if estimate is None:

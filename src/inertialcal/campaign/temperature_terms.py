@@ -12,11 +12,12 @@ from dataclasses import replace
 import numpy as np
 
 from ..core.estimate import Array, Component, Estimate
+from ..core.key import Key
 from ..procedures.rate_table import reduction as rate_table
 from ..procedures.rate_table.quantities import taken_off_changes
 from ..procedures.thermal.correction import ThermalCorrection, law_of
 
-BIAS = "bias_"
+BIAS = "bias"
 
 
 def with_temperature(
@@ -40,17 +41,18 @@ def with_temperature(
         Of the model.
     """
     found = law_of(law)
-    more = tuple(name for name in found if name.startswith("bias_temperature_") and name[-1] in axes)
-    names = (*estimate.names, *more)
-    values = [value + found[name][0] if name in found else value for name, value in zip(estimate.names, estimate.values,
-              strict=True)] + [found[name][0] for name in more]  # fmt: skip
-    units = (*estimate.units, *(found[name][1] for name in more))
+    more = tuple(key for key in found if key.power and key.axis in axes)
+    keys = (*estimate.keys, *more)
+    at_reference = {key: value for key, (value, _) in found.items()}
+    values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
+    values += [at_reference[key] for key in more]
+    units = (*estimate.units, *(found[key][1] for key in more))
     sources = {
         s: off for one in (matrix, bias) for line in one.lines.values() for s, off in line.readings.taken_off.items()
     }
     kept = [_wider(one, len(more)) for one in estimate.components if one.source not in sources]
-    off = [_joint(source, one, names, _changes(source, matrix, bias)) for source, one in sources.items()]
-    return Estimate(names, np.array(values), units, (*kept, *off))
+    off = [_joint(source, one, keys, _changes(source, matrix, bias)) for source, one in sources.items()]
+    return Estimate(keys, np.array(values), units, (*kept, *off))
 
 
 def _wider(component: Component, more: int) -> Component:
@@ -62,19 +64,19 @@ def _wider(component: Component, more: int) -> Component:
     return replace(component, covariance=covariance, dof=dof)
 
 
-def _changes(source: str, matrix: rate_table.Result, bias: rate_table.Result) -> dict[str, Array]:
+def _changes(source: str, matrix: rate_table.Result, bias: rate_table.Result) -> dict[Key, Array]:
     """Return what one of each unknown changes in every quantity of the rate table."""
-    entries = {n: c for n, c in taken_off_changes(matrix.lines, source).items() if not n.startswith(BIAS)}
-    return entries | {n: c for n, c in taken_off_changes(bias.lines, source).items() if n.startswith(BIAS)}
+    entries = {key: c for key, c in taken_off_changes(matrix.lines, source).items() if key.quantity != BIAS}
+    return entries | {key: c for key, c in taken_off_changes(bias.lines, source).items() if key.quantity == BIAS}
 
 
-def _joint(source: str, off: rate_table.TakenOff, names: tuple[str, ...], changes: Mapping[str, Array]) -> Component:
+def _joint(source: str, off: rate_table.TakenOff, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
     size = len(off.law)
-    own = {name: off.law[:, at] for at, name in enumerate(off.names)}
+    own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
     rows = [
-        (changes[name] if name in changes and len(changes[name]) else np.zeros(size)) + own.get(name, np.zeros(size))
-        for name in names
+        (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
+        for key in keys
     ]
     covariance = np.array(rows) @ np.array(rows).T
-    dof = np.array([off.dof["xyz".index(name.rpartition("_")[2][0])] for name in names])
+    dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
     return Component(source, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated)

@@ -18,12 +18,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from .errors import DataError
+from .key import Key, key_of
 from .show.frames import frame
 from .show.result_tables import dof
 from .show.rounding import with_uncertainty
@@ -76,8 +78,8 @@ class Estimate:
 
     Parameters
     ----------
-    names : tuple of str
-        One a value: ``"scale_factor_error_x"``.
+    given : tuple of Key or str
+        One a value: what it is, or its name: ``"scale_factor_error_x"``.
     values : ndarray, shape (k,)
         In ``units``.
     units : tuple of str
@@ -92,7 +94,7 @@ class Estimate:
         diagonal, or degrees of freedom are not positive.
     """
 
-    names: tuple[str, ...]
+    given: tuple[Key | str, ...]
     values: Array
     units: tuple[str, ...]
     components: tuple[Component, ...]
@@ -105,6 +107,16 @@ class Estimate:
             raise DataError(f"a name appears twice in {self.names}")
         for component in self.components:
             _check_covariance(component, k)
+
+    @cached_property
+    def keys(self) -> tuple[Key, ...]:
+        """What each value is of."""
+        return tuple(one if isinstance(one, Key) else key_of(one) for one in self.given)
+
+    @cached_property
+    def names(self) -> tuple[str, ...]:
+        """Keys as text, to be shown and printed."""
+        return tuple(str(one) for one in self.given)
 
     @property
     def covariance(self) -> Array:
@@ -131,7 +143,7 @@ class Estimate:
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / spent, dtype=float)
 
-    def index(self, name: str) -> int:
+    def index(self, name: Key | str) -> int:
         """Position of a value.
 
         Raises
@@ -140,20 +152,20 @@ class Estimate:
             If there is none of that name; the message lists those there are.
         """
         try:
-            return self.names.index(name)
+            return self.names.index(str(name))
         except ValueError:
-            raise DataError(f"no value {name!r}", do=f"There are: {', '.join(self.names)}") from None
+            raise DataError(f"no value {str(name)!r}", do=f"There are: {', '.join(self.names)}") from None
 
-    def value(self, name: str) -> float:
+    def value(self, name: Key | str) -> float:
         """One value, in its unit."""
         return float(self.values[self.index(name)])
 
-    def select(self, names: Sequence[str]) -> Estimate:
+    def select(self, names: Sequence[Key | str]) -> Estimate:
         """Return the estimate of some of the values, in the order given."""
         at = [self.index(name) for name in names]
         grid = np.ix_(at, at)
         components = tuple(replace(c, covariance=c.covariance[grid], dof=_take(c.dof, at)) for c in self.components)
-        return Estimate(tuple(names), self.values[at], tuple(self.units[i] for i in at), components)
+        return Estimate(tuple(self.given[i] for i in at), self.values[at], tuple(self.units[i] for i in at), components)
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame: a row a value, with ``value``, ``u``, ``unit`` and ``dof``."""

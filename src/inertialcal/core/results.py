@@ -7,20 +7,12 @@ are null; degrees of freedom null mean infinite.
 from __future__ import annotations
 
 import math
-import re
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-WAYS = (
-    "all_readings",
-    "median",
-    "low_pass",
-    "as_published",
-    "within_runs",
-    "between_runs",
-)  # conditions: other ways of reducing the same readings
-# conditions: one flip, or one record, of several, each by its own
-FLIP = re.compile(r"(as_published, )?flip .+|run .+ alone", re.DOTALL)
+from .key import NO_REASON, Case, Key, Member, Method, Reason, case_of, key_of
+
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
 
@@ -39,10 +31,8 @@ class Row:
 
     Parameters
     ----------
-    quantity : str
-        The field's word: ``"scale_factor"``, ``"bias"``.
-    axis : str
-        ``"x"``, or ``"xz"`` for a matrix entry (row = sensor that reads, column = axis that moves).
+    key : Key
+        What it is of: quantity, axis, sensor, power, place.
     value, u : float or None
         In ``unit``.
     unit : str
@@ -53,25 +43,47 @@ class Row:
         95 % unless it says otherwise.
     status : {"estimated", "not_estimated", "upper_limit"}
         Whether the data carried the answer.
-    reason : str
+    reason : Reason
         Why not, or what limits it.
     test : str
         Identifier of the test in the campaign.
     condition : str
-        Under which conditions; ``"as_published"`` marks a document's own way of reduction.
+        Of the campaign, under which the test ran.
+    method : Method
+        By which way; ``Method.TEXTBOOK`` is a document's own.
+    member : Member or None
+        Of which part of the readings: one flip, one run.
     """
 
-    quantity: str
-    axis: str
+    key: Key
     value: float | None
     u: float | None
     unit: str
     dof: float | None = None
     interval: Interval | None = None
     status: Status = "estimated"
-    reason: str = ""
+    reason: Reason = NO_REASON
     test: str = ""
     condition: str = ""
+    method: Method = Method.RESULT
+    member: Member | None = None
+
+    @property
+    def quantity(self) -> str:
+        """The field's word, with the power of a coefficient: ``"bias_temperature_2"``."""
+        return self.key.name
+
+    @property
+    def axis(self) -> str:
+        """Sensor, or two letters for a matrix entry."""
+        return self.key.axis
+
+    @property
+    def case(self) -> Case:
+        """Which of several figures of one quantity and axis it is."""
+        key = self.key
+        times = key.power if key.at is not None and key.at.what == "line" else 0
+        return Case(self.method, self.member, key.at, times, key.sensor, self.condition)
 
     def to_dict(self) -> dict[str, Any]:
         """Return the row as ``results.json`` holds it; not finite numbers are null."""
@@ -80,7 +92,7 @@ class Row:
             "quantity": self.quantity,
             "axis": self.axis,
             "test": self.test,
-            "condition": self.condition,
+            "condition": str(self.case),
             "value": finite(self.value),
             "u": finite(self.u),
             "unit": self.unit,
@@ -89,18 +101,28 @@ class Row:
             if interval is None
             else {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
             "status": self.status,
-            "reason": self.reason,
+            "reason": self.reason.text,
         }
 
+    @classmethod
+    def from_dict(cls, row: Mapping[str, Any]) -> Row:
+        """Return a row of ``results.json``; the code of its reason is not there, and a requirement's name is none."""
+        case, ends = case_of(str(row["condition"])), row.get("interval")
+        key = key_of(str(row["quantity"]), str(row["axis"]))
+        value, u, dof = (None if row[name] is None else float(row[name]) for name in ("value", "u", "dof"))
+        return cls(
+            key._replace(sensor=case.sensor, at=case.at, power=case.times or key.power),
+            value, u, str(row["unit"]), dof,
+            None if ends is None else Interval(ends["lo"], ends["hi"], ends["p"]),
+            row["status"], Reason("", str(row["reason"])), str(row["test"]), case.condition, case.method, case.member,
+        )  # fmt: skip
 
-def not_estimated(quantity: str, axis: str, unit: str, reason: str, condition: str = "") -> Row:
+
+def not_estimated(
+    key: Key, unit: str, reason: Reason, method: Method = Method.RESULT, member: Member | None = None
+) -> Row:
     """Return the row of a quantity that the data cannot carry."""
-    return Row(quantity, axis, None, None, unit, status="not_estimated", reason=reason, condition=condition)
-
-
-def is_beside(condition: str) -> bool:
-    """Return whether a condition marks another way of reducing the same readings, or a part of them, not the result."""
-    return condition in WAYS or FLIP.fullmatch(condition) is not None
+    return Row(key, None, None, unit, status="not_estimated", reason=reason, method=method, member=member)
 
 
 def finite(number: float | None) -> float | None:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from ..core.results import is_beside
+from ..core.key import case_of
 from ..core.units import factor
 from .findings import Figure, Finding, estimated, largest, of_row, worst_axis
 from .numbers import clean
@@ -45,7 +45,7 @@ def highlights(results: Any) -> list[Highlight]:
     results : Branch
         Content of results.json.
     """
-    rows = [row for row in results["results"] if not is_beside(row["condition"])]
+    rows = [row for row in results["results"] if not case_of(row["condition"]).beside]
     delivered = [row for row in rows if MODEL.fullmatch(str(row["test"]))] or rows
     found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]

@@ -7,6 +7,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..core.key import case_of
 from ..core.show.alternatives import columns_of, lines_of, missing_of
 from ..core.show.side_by_side import own_rows, pairs_of
 from .findings import Finding, of_test
@@ -14,7 +15,6 @@ from .numbers import Text
 from .wording import SEVERITIES
 
 MODEL = "model"
-ALONE = re.compile("run (?P<name>.+) alone", re.DOTALL)  # condition of one of several records
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 
@@ -169,8 +169,9 @@ def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[An
         mine = [row for row in rows if row["test"] == test]
         judged = [one for one in verdicts if one["test"] == test]
         lines, every = table(own_rows(mine))
-        alone = [(way, Text(one["name"])) for way in every if (one := ALONE.fullmatch(way))]
-        ways = [way for way in every if not ALONE.fullmatch(way)]
+        runs = {way: part for way in every if (part := case_of(way).member) is not None and part.kind == "run"}
+        alone = [(way, Text(part.label)) for way, part in runs.items()]
+        ways = [way for way in every if way not in runs]
         found.append(
             Section(
                 test, anchor("test", test, number), steps.get(test), of_test(mine, judged), lines, ways, alone,

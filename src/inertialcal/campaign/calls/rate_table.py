@@ -11,7 +11,7 @@ from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
@@ -62,7 +62,7 @@ class RateTableFile:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which column was what, the figures in the unit of the file, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
-        rows = [row.to_dict() for row in self.rows if not is_beside(row.condition)]
+        rows = [row.to_dict() for row in self.rows if not row.case.beside]
         dwells = f"rate table: {len(self.result.readings)} dwells"
         return (f"columns: {taken}", *figures(rows, dwells), *told(self.remarks))
 

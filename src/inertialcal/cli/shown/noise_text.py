@@ -19,7 +19,6 @@ if TYPE_CHECKING:
 
 HEADS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "what the record tells")
 OTHERS = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
-ALONE = "run "
 SIZE, TIME = "gauss_markov_sigma", "gauss_markov_correlation_time"  # a limit of one says all of the other
 
 
@@ -43,8 +42,8 @@ def _sensor(one: SensorNoise) -> str:
     rate = number(1.0 / readings.records[0].interval)
     several = f" in {len(readings)} records" if len(readings) > 1 else ""
     head = f"{one.name}: {duration(readings.length)} at {rate} Hz{several}"
-    rows = [row for row in one.rows() if not row.condition]
-    inside = {(row.quantity, row.axis): row for row in one.result.rows() if not row.condition}
+    rows = [row for row in one.rows() if row.case.plain]
+    inside = {(row.quantity, row.axis): row for row in one.result.rows() if row.case.plain}
     found = {(axis.axis, reach.quantity): reach for axis in one.result.axes for reach in reaches(one.result.plan, axis)}
     lengths = {key: _told(reach, one.result.plan.relative_error) for key, reach in found.items()}
     cells = [_cells(row, inside, lengths, one.group.kind is not None) for row in rows if row.status == "estimated"]
@@ -116,21 +115,19 @@ def _lines(one: SensorNoise) -> str:
     rows = [row for row in one.rows() if row.quantity == "line_amplitude"]
     if not rows:
         return ""
-    cells = [[f"  {row.condition}", short(row.axis), figure(row.to_dict()), row.unit] for row in rows]
+    cells = [[f"  {row.case}", short(row.axis), figure(row.to_dict()), row.unit] for row in rows]
     return table(cells, ["  line of the spectrum", "axis", "amplitude ± u", "unit"])
 
 
 def _alone(one: SensorNoise) -> str:
     """Return the terms of single records, where there are several."""
-    rows = [row for row in one.rows() if row.condition.startswith(ALONE)]
-    if not rows:
-        return ""
     cells = [
-        [f"  {ending(row.condition.removeprefix(ALONE).removesuffix(' alone'))}", row.quantity, short(row.axis),
+        [f"  {ending(row.member.label)}", row.quantity, short(row.axis),
          figure(row.to_dict()), row.unit, interval(row.to_dict())]
-        for row in rows
+        for row in one.rows()
+        if row.member is not None and row.key.at is None
     ]  # fmt: skip
-    return table(cells, OTHERS)
+    return table(cells, OTHERS) if cells else ""
 
 
 def spectrum_text(found: SpectrumFile) -> str:
@@ -147,8 +144,10 @@ def spectrum_text(found: SpectrumFile) -> str:
         for grid in found.tables(sensor):
             parts += [wrapped(grid.caption), table([[f"  {row[0]}", *row[1:]] for row in grid.rows],
                       [f"  {grid.heads[0]}", *grid.heads[1:]], tuple(grid.right))]  # fmt: skip
-        rows = [row for row in sensor.rows() if not row.condition and row.status == "estimated"]
-        cells = [[f"  {row.quantity}", short(row.axis), figure(row.to_dict()), row.unit, row.reason] for row in rows]
+        rows = [row for row in sensor.rows() if row.case.plain and row.status == "estimated"]
+        cells = [
+            [f"  {row.quantity}", short(row.axis), figure(row.to_dict()), row.unit, row.reason.text] for row in rows
+        ]
         parts += ["terms", table(cells, ["  term", "axis", "value ± u", "unit", ""])]
         blocks.append("\n".join([*parts, *found.agreement(sensor)]))
     return "\n\n".join(["\n\n".join(blocks), "\n".join(_remarks(found.remarks))]).rstrip()

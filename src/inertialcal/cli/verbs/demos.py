@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ...core.key import case_of
 from ...rigs import DEMONSTRATED, RIGS
 from ..options import Json, Quiet
 from ..rig_names import rigs_beginning
@@ -66,7 +67,7 @@ BESIDE = ("vacuum_offset", "angle_random_walk")  # shown with the model, which h
 
 
 def _of_others(row: Any) -> bool:
-    return row["quantity"] in BESIDE and "degC" not in row["condition"]
+    return row["quantity"] in BESIDE and case_of(row["condition"]).at is None
 
 
 def _print_scored(outcome: Any, found: Any) -> None:

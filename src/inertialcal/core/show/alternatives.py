@@ -9,10 +9,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ..results import FLIP, WAYS, is_beside
+from ..key import WAYS, Case, Method, case_of
 
 MOST = 5  # columns beside the result
-ALL, PUBLISHED = "all_readings", "as_published"
+ALL, TEXTBOOK = Case(Method.ALL_READINGS), Case(Method.TEXTBOOK)
 Row = Mapping[str, Any]
 Key = tuple[str, str, str, str]  # quantity, condition of its own, axis, unit
 
@@ -20,13 +20,13 @@ Key = tuple[str, str, str, str]  # quantity, condition of its own, axis, unit
 def lines_of(rows: Iterable[Row]) -> dict[Key, dict[str, Row]]:
     """Return what is shown, a line a figure: its rows by the condition that they stand beside under, "" the result."""
     every = list(rows)
-    results = [row for row in every if not is_beside(row["condition"])]
+    results = [row for row in every if not case_of(row["condition"]).beside]
     open_ones = {_figure(row) for row in results if _is_open(row)}
     whole = _of_the_test([str(row["condition"]) for row in results])
     found: dict[Key, dict[str, Row]] = {}
     for row in every:
         if _is_shown(row, open_ones):
-            way = row["condition"] if is_beside(row["condition"]) else ""
+            way = row["condition"] if case_of(row["condition"]).beside else ""
             own = whole if way else row["condition"]
             found.setdefault((row["quantity"], own, row["axis"], row["unit"]), {})[way] = row
     return found
@@ -42,11 +42,11 @@ def _of_the_test(conditions: Sequence[str]) -> str:
 def columns_of(lines: Mapping[Key, Mapping[str, Row]]) -> tuple[list[str], list[str]]:
     """Return which conditions have a column beside the result, and for which there is no room."""
     there = list(dict.fromkeys(way for ways in lines.values() for way in ways if way))
-    shown = [way for way in WAYS if way in there]
-    flips = [way for way in there if FLIP.fullmatch(way)]
+    shown: list[str] = [way for way in WAYS if way in there]
+    parts = [way for way in there if way not in shown]
     left: list[str] = []
-    for published in (False, True):
-        group = [way for way in flips if way.startswith(PUBLISHED) is published]
+    for method in (Method.RESULT, Method.TEXTBOOK):
+        group = [way for way in parts if case_of(way).method is method]
         fits = len(shown) + len(group) <= MOST
         shown, left = (shown + group, left) if fits else (shown, left + group)
     return shown, left
@@ -56,12 +56,12 @@ def missing_of(rows: Iterable[Row]) -> dict[str, list[Row]]:
     """Return by their reason the rows of the result that the data could not carry; of those beside it what is new."""
     every = list(rows)
     shown = {id(row) for ways in lines_of(every).values() for row in ways.values()}
-    known = {(*_figure(row), row["reason"]) for row in every if not is_beside(row["condition"])}
+    known = {(*_figure(row), row["reason"]) for row in every if not case_of(row["condition"]).beside}
     found: dict[str, list[Row]] = {}
     for row in every:
-        way = row["condition"]
-        again = is_beside(way) and way != PUBLISHED and (*_figure(row), row["reason"]) in known
-        if _is_open(row) and way != ALL and not again and id(row) not in shown:
+        case = case_of(row["condition"])
+        again = case.beside and case != TEXTBOOK and (*_figure(row), row["reason"]) in known
+        if _is_open(row) and case != ALL and not again and id(row) not in shown:
             found.setdefault(row["reason"], []).append(row)
     return found
 
@@ -80,8 +80,8 @@ def _is_open(row: Row) -> bool:
 def _is_shown(row: Row, open_ones: set[tuple[str, str]]) -> bool:
     if not _is_open(row):
         return True
-    told = row["value"] is not None and is_beside(row["condition"])
-    return told and not (row["condition"] == ALL and _figure(row) in open_ones)
+    told = row["value"] is not None and case_of(row["condition"]).beside
+    return told and not (case_of(row["condition"]) == ALL and _figure(row) in open_ones)
 
 
 def _figure(row: Row) -> tuple[str, str]:

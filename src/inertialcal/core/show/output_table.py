@@ -14,9 +14,9 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..results import is_beside
+from ..key import Key, case_of, key_of
 
-FIRST = "bias_voltage_"  # in volts, volts per volt, ...: of the thermal test
+FIRST = "bias_voltage"  # in volts, volts per volt, ...: of the thermal test
 AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
 OTHERS = ("vacuum_offset", "residual_bias", "angle_random_walk")
 NOTE = {"bias": "left on the rate table"}
@@ -34,7 +34,8 @@ def output_rows(rows: Sequence[Any], steps: Sequence[Mapping[str, Any]]) -> list
     if table is None:
         return []
     first = table["after"][0]
-    own = [row for row in rows if not is_beside(row["condition"]) and "degC" not in row["condition"]]
+    cases = [case_of(row["condition"]) for row in rows]
+    own = [row for row, case in zip(rows, cases, strict=True) if not case.beside and case.at is None]
     turned = {step["test"] for step in steps if step.get("procedure") == table.get("procedure")} - {table["test"]}
     chosen = [row for row in own if row["test"] not in turned and _is_chosen(row, first, table["test"])]
     return sorted(chosen, key=_order)
@@ -42,14 +43,18 @@ def output_rows(rows: Sequence[Any], steps: Sequence[Mapping[str, Any]]) -> list
 
 def _is_chosen(row: Mapping[str, Any], first: str, table: str) -> bool:
     if row["test"] == first:
-        return str(row["quantity"]).startswith(FIRST)
+        return _key(row).quantity == FIRST
     return row["quantity"] in (AFTER if row["test"] == table else OTHERS)
+
+
+def _key(row: Mapping[str, Any]) -> Key:
+    return key_of(str(row["quantity"]), str(row["axis"]))
 
 
 def _order(row: Mapping[str, Any]) -> tuple[str, int, str]:
     """Return sensor by sensor: polynomial, rate table, others."""
     name = str(row["quantity"])
-    place = 0 if name.startswith(FIRST) else 1 + [*AFTER, *OTHERS].index(name)
+    place = 0 if _key(row).quantity == FIRST else 1 + [*AFTER, *OTHERS].index(name)
     return str(row["axis"])[:1], place, f"{name} {row['axis']} {row['test']}"
 
 

@@ -8,9 +8,9 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
+from ..key import case_of
 from ..remarks import Remark
-from ..results import is_beside
-from .alternatives import PUBLISHED, missing_of
+from .alternatives import TEXTBOOK, missing_of
 from .rounding import PLAIN, near, number, with_uncertainty
 from .tables import Folded, Grid, Part
 
@@ -83,11 +83,12 @@ def not_estimated(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
 
 def _told(row: Mapping[str, Any]) -> str:
     """Return which figure a row is, or for one beside the result of what it is."""
-    if is_beside(row["condition"]) and row["condition"] != PUBLISHED:
+    case = case_of(row["condition"])
+    if case.beside and case != TEXTBOOK:
         return str(row["condition"]).replace("_", " ")
     value = row["value"]
     known = "" if value is None else f" ({number(value, 3 if abs(value) < WHOLE else PLAIN)} {row['unit']})"
-    condition = "" if is_beside(row["condition"]) else row["condition"]
+    condition = "" if case.beside else row["condition"]
     return f"{_name({**row, 'condition': condition})} {row['axis']}".strip() + known
 
 

@@ -8,11 +8,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any
 
-from ..results import FLIP, is_beside
+from ..key import Method, case_of
 
 ERROR, OTHER, CHANGE = "model_bias_error", "other_model_bias_error", "model_bias_error_change"
 REDUCTION = "model_bias_error_reduction"
-PUBLISHED = "as_published"
 Row = Mapping[str, Any]
 
 
@@ -27,7 +26,7 @@ def pairs_of(rows: Iterable[Row]) -> dict[tuple[str, str], dict[str, Row]]:
     for axis in sorted(told):
         for row in every:
             if row["axis"] == axis:
-                way = str(row["condition"]) if is_beside(row["condition"]) else ""
+                way = str(row["condition"]) if case_of(row["condition"]).beside else ""
                 found.setdefault((axis, way), {})[str(row["quantity"])] = row
     return {key: pair for key, pair in found.items() if CHANGE in pair}
 
@@ -56,5 +55,5 @@ def _plain(number: Any) -> float | None:
 
 
 def _is_shown(row: Row) -> bool:
-    condition = str(row["condition"])
-    return not is_beside(condition) or (FLIP.fullmatch(condition) is not None and not condition.startswith(PUBLISHED))
+    case = case_of(row["condition"])
+    return not case.beside or (case.member is not None and case.method is Method.RESULT)

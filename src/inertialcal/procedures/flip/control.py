@@ -23,16 +23,16 @@ from scipy import special
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Key
 from ...core.remarks import Remark
 from ...core.units import factor
 from ...statistics.decision import holm
 from .plan import Plan
 from .pooling import Flip
 from .readings import Readings
-from .separation import AMBIENT, BIAS, CONTROL, READING
+from .separation import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, missing_position
 from .uncertainty import independent, record_of
 
-MISSING = "missing position"
 RISK, FIT_RISK, CLEAR = 0.05, 0.01, 0.001
 LARGEST = 1e9  # degrees of freedom, as good as infinite
 LEAST = 1e-8  # standard gravities: no head has a bias so small; ug were read as something smaller
@@ -61,7 +61,7 @@ def control_axis(plan: Plan, flips: Sequence[Flip], whole: Flip) -> list[Remark]
     for (one, p), rejected in zip(judged, holm([p for _, p in judged], RISK), strict=True):
         if rejected:
             place = f"flip {one.label}" if one.label and len(flips) > 1 else ""
-            what = f"{plan.axis} does not turn, but {_told(one, f'{CONTROL}_{plan.axis}')}: zero has p = {p:.2g}"
+            what = f"{plan.axis} does not turn, but {_told(one, Key(CONTROL, plan.axis))}: zero has p = {p:.2g}"
             do = "Look for a disturbance, a drift, or another axis or angle; its size is the error of this test"
             found.append(Remark("control_axis_not_zero", "warning", what, place, do=do))
     return found
@@ -72,30 +72,30 @@ def not_zero(plan: Plan, one: Flip) -> float | None:
 
     None where it has no uncertainty.
     """
-    names = [name for name in one.names if name.startswith(CONTROL)]
-    if one.estimate is None or not names:
+    keys = [key for key in one.keys if key.quantity in (CONTROL, QUADRATURE)]
+    if one.estimate is None or not keys:
         return None
-    own = one.estimate.select(names)
+    own = one.estimate.select(keys)
     if not np.all(own.u > 0.0):
         return None
     square = float(own.values @ np.linalg.solve(own.covariance, own.values))
     dof = min(float(np.min(own.dof)), 1e9)
-    return float(special.fdtrc(len(names), dof, square / len(names)))
+    return float(special.fdtrc(len(keys), dof, square / len(keys)))
 
 
-def _p(one: Flip, name: str) -> float | None:
-    if one.estimate is None or name not in one.names:
+def _p(one: Flip, key: Key) -> float | None:
+    if one.estimate is None or key not in one.keys:
         return None
-    own = one.estimate.select([name])
+    own = one.estimate.select([key])
     dof, t = float(own.dof[0]), float(own.values[0]) / float(own.u[0]) if own.u[0] > 0.0 else np.inf
     return 2.0 * float(special.stdtr(min(dof, 1e9), -abs(t)))
 
 
-def _told(one: Flip, name: str) -> str:
+def _told(one: Flip, key: Key) -> str:
     """Return a value with its uncertainty in words [ug]."""
     scale = factor("m/s^2", "ug")
-    value = one.values[one.names.index(name)] * scale
-    u = "" if one.estimate is None else f" (u = {one.estimate.select([name]).u[0] * scale:.3g} ug)"
+    value = one.values[one.keys.index(key)] * scale
+    u = "" if one.estimate is None else f" (u = {one.estimate.select([key]).u[0] * scale:.3g} ug)"
     return f"reads {value:+.4g} ug of the turn{u}"
 
 
@@ -103,10 +103,9 @@ def _other_axis(plan: Plan, flips: Sequence[Flip]) -> list[Remark]:
     found = []
     for one in flips:
         moved = not_zero(plan, one)
-        still = [axis for axis in plan.turned if (p := _p(one, f"{AMBIENT}_{axis}")) is not None and p > RISK]
+        still = [axis for axis in plan.turned if (p := _p(one, Key(AMBIENT, axis))) is not None and p > RISK]
         if moved is not None and moved < CLEAR and still:
-            name = f"{CONTROL}_{plan.axis}"
-            what = f"{plan.axis} {_told(one, name)} while {' and '.join(still)} kept the reading"
+            what = f"{plan.axis} {_told(one, Key(CONTROL, plan.axis))} while {' and '.join(still)} kept the reading"
             do = f"The head may have been turned about {' or '.join(still)}: check plan.axis, columns and mounting"
             found.append(Remark("turned_about_other_axis", "warning", what, f"flip {one.label}", do=do))
     return found
@@ -154,12 +153,14 @@ def _denominator(dof: Array) -> float:
 def _positions(flips: Sequence[Flip]) -> list[Remark]:
     found = []
     for one in flips:
-        lost = sorted({why for why in one.reasons.values() if why.startswith(MISSING)})
+        lost = {key.axis: one.reasons[key] for key in one.reasons if one.reasons[key].code == "missing_position"}
         if lost:
-            only = {why.partition(" was read ")[2] for why in lost}
-            axes = ", ".join(why.removeprefix(f"{MISSING}: ").partition(" ")[0] for why in lost)
-            what = f"{MISSING}: {axes} {'was' if len(lost) == 1 else 'were'} read {only.pop()}"
-            what = "; ".join(lost) if only else what
+            places = [one.separated[0].single[axis] for axis in sorted(lost)]
+            what = missing_position(places[0], *sorted(lost))
+            if len(set(places)) > 1:
+                what = "; ".join(
+                    missing_position(place, axis) for place, axis in zip(places, sorted(lost), strict=True)
+                )
             do = "A single-sided flip gives bias and ambient acceleration together: read the other position"
             found.append(Remark("missing_position", "warning", what, f"flip {one.label}", do=do))
     return found
@@ -171,12 +172,12 @@ def _magnitude(plan: Plan, whole: Flip) -> list[Remark]:
     limits = {AMBIENT: plan.largest_ambient, BIAS: plan.largest_bias, READING: plan.largest_bias}
     do = "Check the unit of the readings (g, mg, ug), the gain and the positions"
     scale = factor("m/s^2", "ug")
-    for name, value in zip(whole.names, whole.values, strict=True):
-        limit = limits.get(name[:-2])
+    for key, value in zip(whole.keys, whole.values, strict=True):
+        limit = limits.get(key.quantity)
         if limit is not None and abs(value) > limit:
-            what = f"{name} is {value * scale:.4g} ug, beyond the {limit * scale:.6g} ug that the plan has as largest"
+            what = f"{key} is {value * scale:.4g} ug, beyond the {limit * scale:.6g} ug that the plan has as largest"
             found.append(Remark("magnitude", "error", what, do=do))
-    levels = [abs(v) for name, v in zip(whole.names, whole.values, strict=True) if name[:-2] in limits]
+    levels = [abs(v) for key, v in zip(whole.keys, whole.values, strict=True) if key.quantity in limits]
     if levels and max(levels) < LEAST * factor("g", "m/s^2"):
         what = f"all readings are below {max(levels) * scale:.2g} ug, less than the bias of any head"
         found.append(Remark("magnitude", "warning", what, do=do))

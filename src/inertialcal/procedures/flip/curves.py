@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from ...core.axes import AXES
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
+from ...core.key import Key
 from .plan import Plan
 from .positions import directions, rotation
 from .readings import Quiet, Readings
@@ -67,15 +68,15 @@ def _model(plan: Plan, readings: Readings, one: Separated, axis: str, own: NDArr
     if axis == plan.axis:
         read = np.isfinite(readings.outputs[axis][own])
         told = directions(angle[read])
-        parts = [one.value(f"{name}_{axis}") or 0.0 for name in (CONTROL, QUADRATURE)][: told.shape[1]]
-        level = one.value(f"{READING}_{axis}")
+        parts = [one.value(Key(name, axis)) or 0.0 for name in (CONTROL, QUADRATURE)][: told.shape[1]]
+        level = one.value(Key(READING, axis))
         found = np.full(len(own), np.nan)
         found[read] = (np.nan if level is None else level) + told @ np.array(parts)
         return found
-    bias = one.value(f"{BIAS}_{axis}")
+    bias = one.value(Key(BIAS, axis))
     if bias is None:
         return np.full(len(own), np.nan)
-    g = np.array([one.value(f"{AMBIENT}_{name}") or 0.0 for name in AXES])
+    g = np.array([one.value(Key(AMBIENT, name)) or 0.0 for name in AXES])
     return np.asarray(bias + rotation(plan.axis, angle)[:, AXES.index(axis)] @ g)
 
 

@@ -25,6 +25,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from ...core.key import Key
 from .plan import Plan
 from .pooling import Flip, pooled
 from .readings import Readings
@@ -47,10 +48,10 @@ class Against:
     predicted : float
         Bias that the model predicts, by the weights of the flip [m/s^2].
     quantity : str
-        What ``flip`` holds at ``name``: ``bias_shift`` or ``corrected_bias``; empty along the turn.
+        What ``flip`` holds at ``key``: ``bias_shift`` or ``corrected_bias``; empty along the turn.
     flip : Flip
         With that value in place of the bias, and its uncertainty.
-    name : str
+    key : Key
         Of the value in the flip.
     flips : tuple of str
         Labels of those that went in: all that have a prediction.
@@ -61,7 +62,7 @@ class Against:
     predicted: float
     quantity: str
     flip: Flip
-    name: str
+    key: Key
     flips: tuple[str, ...]
 
 
@@ -90,19 +91,19 @@ def against_model(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Iter
 
 def _of_axis(plan: Plan, readings: Readings, flips: Sequence[Flip], axis: str) -> list[Against]:
     """Return the flips that bias, or the reading along the turn, was found in and whose dwells have a prediction."""
-    name = f"{READING if axis == plan.axis else BIAS}_{axis}"
+    key = Key(READING if axis == plan.axis else BIAS, axis)
     quantity = "" if axis == plan.axis else CORRECTED if plan.corrected else SHIFT
     found = []
     for one in flips:
-        if name in one.names and (predicted := _predicted(readings, one, name)) is not None:
-            moved = _moved(one, name, predicted if plan.corrected else -predicted)
-            found.append(Against(axis, one.label, predicted, quantity, moved, name, (one.label,)))
+        if key in one.keys and (predicted := _predicted(readings, one, key)) is not None:
+            moved = _moved(one, key, predicted if plan.corrected else -predicted)
+            found.append(Against(axis, one.label, predicted, quantity, moved, key, (one.label,)))
     return found
 
 
-def _predicted(readings: Readings, flip: Flip, name: str) -> float | None:
+def _predicted(readings: Readings, flip: Flip, key: Key) -> float | None:
     """Return what the flip's own weights make of the prediction [m/s^2]; None where a dwell that counts has none."""
-    at = flip.names.index(name)
+    at = flip.keys.index(key)
     total = 0.0
     for axis, weights in flip.separated[0].weights.items():
         line = weights[at]
@@ -112,9 +113,9 @@ def _predicted(readings: Readings, flip: Flip, name: str) -> float | None:
     return total if np.isfinite(total) else None
 
 
-def _moved(flip: Flip, name: str, by: float) -> Flip:
+def _moved(flip: Flip, key: Key, by: float) -> Flip:
     """Return the flip with one value moved by a number without error."""
     values = flip.values.copy()
-    values[flip.names.index(name)] += by
+    values[flip.keys.index(key)] += by
     estimate = None if flip.estimate is None else replace(flip.estimate, values=values)
     return replace(flip, values=values, estimate=estimate)

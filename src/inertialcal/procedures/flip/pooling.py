@@ -21,11 +21,12 @@ import numpy as np
 from scipy import special
 
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import Key, Reason
 from ...core.remarks import Remark
 from ...statistics.decision import holm
 from .plan import Plan
 from .readings import Readings
-from .separation import AMBIENT, BIAS, CONTROL, TEMPERATURE, Separated, separate
+from .separation import AMBIENT, BIAS, CONTROL, RATES, WARM, Separated, separate
 from .standards import components, patterns
 from .uncertainty import noise_components, record_of
 
@@ -42,29 +43,34 @@ class Flip:
     ----------
     label : str
         Of the flip; empty for all.
-    names : tuple of str
+    keys : tuple of Key
         Of the values.
     values : ndarray, shape (p,)
         SI.
     estimate : Estimate or None
         The same with covariance; None where there is none.
-    reason : str
+    reason : Reason
         Why there is no uncertainty.
     separated : tuple of Separated
         What went in.
     """
 
     label: str
-    names: tuple[str, ...]
+    keys: tuple[Key, ...]
     values: Array
     estimate: Estimate | None
-    reason: str
+    reason: Reason
     separated: tuple[Separated, ...]
 
     @property
-    def reasons(self) -> dict[str, str]:
+    def names(self) -> tuple[str, ...]:
+        """Keys as text."""
+        return tuple(map(str, self.keys))
+
+    @property
+    def reasons(self) -> dict[Key, Reason]:
         """Why quantities are not separated."""
-        return {name: why for one in self.separated for name, why in one.reasons.items() if name not in self.names}
+        return {key: why for one in self.separated for key, why in one.reasons.items() if key not in self.keys}
 
 
 def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
@@ -80,7 +86,7 @@ def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
         one = separate(plan, readings, label)
         noise, reason = noise_components(plan, readings, one)
         made = None if reason or not noise else [*noise, *components(plan, patterns(plan, readings, one))]
-        found.append(_flip(label, one.names, one.values, made, reason, (one,)))
+        found.append(_flip(label, one.keys, one.values, made, reason, (one,)))
     return tuple(found)
 
 
@@ -89,7 +95,7 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     used = _used(flips)
     if len(used) == 1:
         one = used[0]
-        return Flip("", one.names, one.values, one.estimate, one.reason, one.separated)
+        return Flip("", one.keys, one.values, one.estimate, one.reason, one.separated)
     values = np.array([one.values for one in used])
     scatter = np.atleast_2d(np.cov(values, rowvar=False)) / len(used)
     between = Component("scatter between flips", "A", scatter, float(len(used) - 1), "t")
@@ -97,15 +103,15 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
     parts = [between, *_in_common(plan, readings, used), *components(plan, common)]
-    return _flip("", used[0].names, values.mean(axis=0), parts, "", separated)
+    return _flip("", used[0].keys, values.mean(axis=0), parts, Reason(), separated)
 
 
 def _used(flips: Sequence[Flip]) -> list[Flip]:
     """Return the flips that are pooled: those that separate most, and the same."""
-    most = max(len(one.names) for one in flips)
-    used = [one for one in flips if len(one.names) == most and _separates(one)]
-    used = used or [one for one in flips if len(one.names) == most]
-    return [one for one in used if one.names == used[0].names]
+    most = max(len(one.keys) for one in flips)
+    used = [one for one in flips if len(one.keys) == most and _separates(one)]
+    used = used or [one for one in flips if len(one.keys) == most]
+    return [one for one in used if one.keys == used[0].keys]
 
 
 def _in_common(plan: Plan, readings: Readings, used: Sequence[Flip]) -> list[Component]:
@@ -144,31 +150,31 @@ def _positive(covariance: Array, beside: Array) -> Array:
 
 
 def _separates(one: Flip) -> bool:
-    return any(name.startswith(AMBIENT) for name in one.names)
+    return any(key.quantity in (AMBIENT, RATES[AMBIENT]) for key in one.keys)
 
 
 def _flip(
     label: str,
-    names: tuple[str, ...],
+    keys: tuple[Key, ...],
     values: Array,
     parts: list[Component] | None,
-    reason: str,
+    reason: Reason,
     separated: tuple[Separated, ...],
 ) -> Flip:
     if parts is None:
-        return Flip(label, names, values, None, reason or "nothing was read", separated)
-    return Flip(label, names, values, Estimate(names, values, units(names), tuple(parts)), "", separated)
+        return Flip(label, keys, values, None, reason or Reason("not_read", "nothing was read"), separated)
+    return Flip(label, keys, values, Estimate(keys, values, units(keys), tuple(parts)), Reason(), separated)
 
 
-def units(names: Sequence[str]) -> tuple[str, ...]:
+def units(keys: Sequence[Key]) -> tuple[str, ...]:
     """Return the SI unit of each value."""
-    return tuple(_unit(name) for name in names)
+    return tuple(_unit(key.quantity) for key in keys)
 
 
-def _unit(name: str) -> str:
-    if TEMPERATURE in name:
+def _unit(quantity: str) -> str:
+    if quantity in WARM.values():
         return "m/s^2/degC"
-    return "m/s^3" if name[:-2].endswith("_rate") else "m/s^2"
+    return "m/s^3" if quantity in RATES.values() else "m/s^2"
 
 
 def differences(flips: Sequence[Flip]) -> list[Remark]:
@@ -180,11 +186,11 @@ def differences(flips: Sequence[Flip]) -> list[Remark]:
     if 1 < count < FEW:
         what = f"{count} flips: the scatter between them has {count - 1} degree{'' if count == 2 else 's'} of freedom"
         found.append(Remark("few_flips", "warning", what, do=f"Repeat until there are {FEW} flips or more"))
-    told_of = {name: told for name in _shared(used) if count > 1 and (told := _against_noise(name, used)) is not None}
+    told_of = {key: told for key in _shared(used) if count > 1 and (told := _against_noise(key, used)) is not None}
     rejected = holm([p for _, p in told_of.values()], RISK) if told_of else ()
-    for (name, told), differs in zip(told_of.items(), rejected, strict=True):
+    for (key, told), differs in zip(told_of.items(), rejected, strict=True):
         if differs:
-            what = f"{name}: chi-square {told[0]:.3g} between {count} flips, {count - 1} expected from their noise"
+            what = f"{key}: chi-square {told[0]:.3g} between {count} flips, {count - 1} expected from their noise"
             do = "It changed between them: look at each flip"
             found.append(Remark("flips_differ", "warning", what, do=do))
     return found
@@ -196,13 +202,13 @@ def _left_out(flips: Sequence[Flip], used: Sequence[Flip]) -> Remark:
     return Remark("flip_not_pooled", "warning", what, count=len(left), do="See each flip by itself, and its remarks")
 
 
-def _shared(used: Sequence[Flip]) -> list[str]:
-    return [name for name in used[0].names if name[:-2] in (AMBIENT, BIAS, CONTROL)]
+def _shared(used: Sequence[Flip]) -> list[Key]:
+    return [key for key in used[0].keys if key.quantity in (AMBIENT, BIAS, CONTROL)]
 
 
-def _against_noise(name: str, flips: Sequence[Flip]) -> tuple[float, float] | None:
+def _against_noise(key: Key, flips: Sequence[Flip]) -> tuple[float, float] | None:
     """Chi-square of a value between flips against their noise, and its probability; None where noise is unknown."""
-    estimates = [one.estimate.select([name]) for one in flips if one.estimate is not None]
+    estimates = [one.estimate.select([key]) for one in flips if one.estimate is not None]
     if len(estimates) < len(flips):
         return None
     noise = [sum(float(c.covariance[0, 0]) for c in one.components if c.kind == "A") for one in estimates]

@@ -3,7 +3,7 @@
 Each position's mean has a t-interval from ten means of 6 s; the half widths of both positions are added and taken as
 the accuracy of all results of the flip. It takes the noise as white within a dwell and says nothing of what wanders
 between dwells: the control axis of Table 5 is out by three times the accuracy. It stands beside the default with
-``condition = "as_published"``. The axis along the turn has its half sum as bias, its ambient acceleration included.
+``Method.TEXTBOOK``. The axis along the turn has its half sum as bias, its ambient acceleration included.
 
 References
 ----------
@@ -15,15 +15,15 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.estimate import Array
+from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row
 from .plan import Plan
 from .positions import SAME, directions
 from .readings import Readings
 
-CONDITION = "as_published"
 ACCURACY = "accuracy"
-REASON = "accuracy as the sum of both half widths, noise taken as white within a dwell"
-WIDTH = "the sum of both half widths itself"
+REASON = Reason("limits", "accuracy as the sum of both half widths, noise taken as white within a dwell")
+WIDTH = Reason("width", "the sum of both half widths itself")
 
 
 def published_rows(plan: Plan, readings: Readings, flip: str, bias: str) -> list[Row]:
@@ -60,14 +60,14 @@ def _of_axis(plan: Plan, readings: Readings, axis: str, pair: tuple[int, int], b
         half = float(one.values[axis][list(pair)].sum())
         if not np.isfinite(half):
             continue
-        name = f"{ACCURACY}_{100.0 * one.p:g}"
-        width = Row(name, axis, half, None, "m/s^2", status="not_estimated", reason=WIDTH, condition=CONDITION)
+        key = Key(f"{ACCURACY}_{100.0 * one.p:g}", axis)
+        width = Row(key, half, None, "m/s^2", status="not_estimated", reason=WIDTH, method=Method.TEXTBOOK)
         if not found:
-            found = [_row(quantity, axis, value, half, one.p) for quantity, value in values.items()]
+            found = [_row(Key(quantity, axis), value, half, one.p) for quantity, value in values.items()]
         found.append(width)
     return found
 
 
-def _row(quantity: str, axis: str, value: float, half: float, p: float) -> Row:
+def _row(key: Key, value: float, half: float, p: float) -> Row:
     interval = Interval(value - half, value + half, p)
-    return Row(quantity, axis, value, None, "m/s^2", interval=interval, reason=REASON, condition=CONDITION)
+    return Row(key, value, None, "m/s^2", interval=interval, reason=REASON, method=Method.TEXTBOOK)

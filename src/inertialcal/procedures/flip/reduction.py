@@ -102,7 +102,7 @@ class Result:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""
         caption = f"flip: {len(self.readings)} dwells, {len(self.flips)} flip(s) about {self.plan.axis}"
-        found = figures([row.to_dict() for row in self.rows() if row.condition == ""], caption)
+        found = figures([row.to_dict() for row in self.rows() if row.case.plain], caption)
         return (*found, *told(self.remarks))
 
     def __str__(self) -> str:

@@ -30,6 +30,7 @@ from numpy.typing import NDArray
 from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Key, Reason
 from .plan import Plan
 from .positions import SAME, directions, rotation
 from .readings import Readings
@@ -40,7 +41,7 @@ RESOLVED = 1e-6  # a coefficient that is its own to this
 AMBIENT, BIAS, READING, CONTROL = "ambient_acceleration", "bias", "reading", "control_error"
 QUADRATURE = f"{CONTROL}_quadrature"
 RATES = {AMBIENT: f"{AMBIENT}_rate", BIAS: f"{BIAS}_rate", READING: f"{READING}_rate"}
-TEMPERATURE = "temperature_coefficient"
+WARM = {BIAS: f"{BIAS}_temperature_coefficient", READING: f"{READING}_temperature_coefficient"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,28 +52,31 @@ class Separated:
     ----------
     flip : str
         Its label.
-    names : tuple of str
-        ``ambient_acceleration_y``, ``bias_y``, ``control_error_x``, ...
+    keys : tuple of Key
+        Ambient acceleration of y, bias of y, control error of x, ...
     values : ndarray, shape (p,)
         SI.
     weights : mapping of str to ndarray, shape (p, n)
         Of each axis' readings, all dwells of the Readings, in the values.
     checks : mapping of str to ndarray, shape (r, n)
         Of each turned axis in orthonormal combinations that the model says are zero: r degrees of freedom are left.
-    reasons : mapping of str to str
+    reasons : mapping of Key to Reason
         Why a quantity cannot be separated.
+    single : mapping of str to tuple of float
+        Where each axis was read that was read at one position only [deg].
     """
 
     flip: str
-    names: tuple[str, ...]
+    keys: tuple[Key, ...]
     values: Array
     weights: Mapping[str, Array]
     checks: Mapping[str, Array]
-    reasons: Mapping[str, str]
+    reasons: Mapping[Key, Reason]
+    single: Mapping[str, tuple[float, ...]]
 
-    def value(self, name: str) -> float | None:
+    def value(self, key: Key) -> float | None:
         """One value, or None where it was not separated."""
-        return float(self.values[self.names.index(name)]) if name in self.names else None
+        return float(self.values[self.keys.index(key)]) if key in self.keys else None
 
 
 def separate(plan: Plan, readings: Readings, flip: str) -> Separated:
@@ -90,14 +94,15 @@ def separate(plan: Plan, readings: Readings, flip: str) -> Separated:
         (_Rows.of(readings, flip, control), _control_columns),
     ]
     parts = [_part(plan, readings, rows, columns(plan, readings, rows)) for rows, columns in groups]
-    reasons = {name: why for part in parts for name, why in part.reasons.items()}
+    reasons = {key: why for part in parts for key, why in part.reasons.items()}
     return Separated(
         flip,
-        tuple(name for part in parts for name in part.names),
+        tuple(key for part in parts for key in part.keys),
         np.concatenate([part.lines @ part.rows.y for part in parts]),
         {axis: np.vstack([p.rows.spread(p.lines, axis, len(readings)) for p in parts]) for axis in readings.axes},
         {axis: parts[0].rows.spread(parts[0].rest, axis, len(readings)) for axis in turned},
         reasons,
+        parts[0].rows.single() | parts[1].rows.single(),
     )
 
 
@@ -106,23 +111,23 @@ class _Part:
     """What one set of readings gives: weights of its rows in each value, and combinations that should be zero."""
 
     rows: _Rows
-    names: list[str]
+    keys: list[Key]
     lines: Array
     rest: Array
-    reasons: dict[str, str]
+    reasons: dict[Key, Reason]
 
 
-def _part(plan: Plan, readings: Readings, rows: _Rows, columns: Mapping[str, Array]) -> _Part:
+def _part(plan: Plan, readings: Readings, rows: _Rows, columns: Mapping[Key, Array]) -> _Part:
     X = np.column_stack([np.zeros((len(rows.y), 0)), *columns.values()])
     solution, rest = _solve(X)
     own = np.abs(solution @ X - np.eye(len(columns))).max(axis=1, initial=0.0) < RESOLVED
-    names = [name for name, kept in zip(columns, own, strict=True) if kept]
-    lost = [name for name in columns if name not in names]
+    keys = [key for key, kept in zip(columns, own, strict=True) if kept]
+    lost = [key for key in columns if key not in keys]
     if plan.drift != "none" and len(rows.y) and lost:
         raise _not_carried(plan, rows, lost)
-    single = _single_sided(plan, rows, names)
-    reasons = {name: _why(rows, name) for name in lost}
-    return _Part(rows, [*names, *single], np.vstack([solution[own], *single.values()]), rest, reasons)
+    single = _single_sided(plan, rows, keys)
+    reasons = {key: _why(rows, key.axis) for key in lost}
+    return _Part(rows, [*keys, *single], np.vstack([solution[own], *single.values()]), rest, reasons)
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,35 +155,44 @@ class _Rows:
         found[:, self.dwell[own]] = lines[:, own]
         return found
 
+    def positions(self, axis: str) -> tuple[float, ...]:
+        """Return where an axis was read [deg]."""
+        return tuple(np.unique(np.round(np.degrees(self.angle[self.axis == axis]), 6)).tolist())
 
-def _turned_columns(plan: Plan, readings: Readings, rows: _Rows) -> dict[str, Array]:
+    def single(self) -> dict[str, tuple[float, ...]]:
+        """Return where those axes were read that were read at one position only [deg]."""
+        axes = [str(axis) for axis in np.unique(self.axis)]
+        return {axis: self.positions(axis) for axis in axes if _one_position(self.angle[self.axis == axis])}
+
+
+def _turned_columns(plan: Plan, readings: Readings, rows: _Rows) -> dict[Key, Array]:
     C = rotation(plan.axis, rows.angle)
     at = np.array([AXES.index(axis) for axis in rows.axis], dtype=np.intp)
     across = [axis for axis in plan.turned if axis in readings.axes]
     seen = {axis: C[np.arange(len(at)), at, AXES.index(axis)] for axis in plan.turned}
-    columns = {f"{AMBIENT}_{axis}": c for axis, c in seen.items() if axis in across or np.any(c)}
+    columns = {Key(AMBIENT, axis): c for axis, c in seen.items() if axis in across or np.any(c)}
     level = {axis: (rows.axis == axis).astype(float) for axis in across}
-    columns |= {f"{BIAS}_{axis}": one for axis, one in level.items()}
+    columns |= {Key(BIAS, axis): one for axis, one in level.items()}
     if plan.drift == "ambient":
         since = _since(plan, readings, rows)
-        columns |= {f"{RATES[AMBIENT]}_{axis}": since * seen[axis] for axis in across}
+        columns |= {Key(RATES[AMBIENT], axis): since * seen[axis] for axis in across}
     elif plan.drift != "none":
         since = _since(plan, readings, rows)
-        name = RATES[BIAS] if plan.drift == "bias" else f"{BIAS}_{TEMPERATURE}"
-        columns |= {f"{name}_{axis}": since * one for axis, one in level.items()}
+        name = RATES[BIAS] if plan.drift == "bias" else WARM[BIAS]
+        columns |= {Key(name, axis): since * one for axis, one in level.items()}
     return columns
 
 
-def _control_columns(plan: Plan, readings: Readings, rows: _Rows) -> dict[str, Array]:
+def _control_columns(plan: Plan, readings: Readings, rows: _Rows) -> dict[Key, Array]:
     axis = plan.axis
     if axis not in readings.axes:
         return {}
-    columns = {f"{READING}_{axis}": np.ones(len(rows.y)), f"{CONTROL}_{axis}": np.zeros(len(rows.y))}
+    columns = {Key(READING, axis): np.ones(len(rows.y)), Key(CONTROL, axis): np.zeros(len(rows.y))}
     told = directions(rows.angle) if len(rows.y) else np.zeros((0, 0))
-    columns |= {f"{name}_{axis}": part for name, part in zip((CONTROL, QUADRATURE), told.T, strict=False)}
+    columns |= {Key(name, axis): part for name, part in zip((CONTROL, QUADRATURE), told.T, strict=False)}
     if plan.drift != "none":
-        name = f"{READING}_{TEMPERATURE}" if plan.drift == "temperature" else RATES[READING]
-        columns[f"{name}_{axis}"] = _since(plan, readings, rows)
+        name = WARM[READING] if plan.drift == "temperature" else RATES[READING]
+        columns[Key(name, axis)] = _since(plan, readings, rows)
     return columns
 
 
@@ -202,9 +216,9 @@ def _drifting(plan: Plan, readings: Readings, rows: _Rows) -> Array:
     return np.array([readings.temperature.get(str(axis), unknown)[k] for axis, k in pairs])
 
 
-def _not_carried(plan: Plan, rows: _Rows, lost: Sequence[str]) -> DataError:
-    count = len(np.unique(rows.dwell))
-    what = f"{count} dwells of a flip cannot carry a drift of {plan.drift}: {', '.join(lost)} cannot be told apart"
+def _not_carried(plan: Plan, rows: _Rows, lost: Sequence[Key]) -> DataError:
+    count, told = len(np.unique(rows.dwell)), ", ".join(map(str, lost))
+    what = f"{count} dwells of a flip cannot carry a drift of {plan.drift}: {told} cannot be told apart"
     do = "Make three dwells or more, as 0, 180 and 0 deg, or leave plan.drift out"
     return DataError(what, why="any amount of it fits as well", do=do, code="drift_not_carried")
 
@@ -220,13 +234,13 @@ def _solve(X: Array) -> tuple[Array, Array]:
     return np.where(np.abs(solution) > RELATIVE * most, solution, 0.0), np.asarray(left[:, rank:].T)
 
 
-def _single_sided(plan: Plan, rows: _Rows, names: list[str]) -> dict[str, Array]:
+def _single_sided(plan: Plan, rows: _Rows, keys: list[Key]) -> dict[Key, Array]:
     """Mean reading of each turned axis that was read at one position only: bias and ambient acceleration together."""
     found = {}
     for axis in plan.turned:
         own = rows.axis == axis
-        if own.any() and f"{BIAS}_{axis}" not in names and _one_position(rows.angle[own]):
-            found[f"{READING}_{axis}"] = (own / own.sum())[None, :]
+        if own.any() and Key(BIAS, axis) not in keys and _one_position(rows.angle[own]):
+            found[Key(READING, axis)] = (own / own.sum())[None, :]
     return found
 
 
@@ -234,13 +248,31 @@ def _one_position(angle: Array) -> bool:
     return directions(angle).shape[1] == 0 or bool(np.ptp(angle) < SAME)
 
 
-def _why(rows: _Rows, name: str) -> str:
-    """Return why a coefficient cannot be told from the others."""
-    own = rows.axis == name[-1]
+def _why(rows: _Rows, axis: str) -> Reason:
+    """Return why a coefficient of an axis cannot be told from the others."""
+    own = rows.axis == axis
     if not own.any():
-        return f"the {name[-1]} axis was not read"
-    positions = np.unique(np.round(np.degrees(rows.angle[own]), 6))
-    told = ", ".join(f"{one:.6g}" for one in positions)
+        return Reason("not_read", f"the {axis} axis was not read")
     if _one_position(rows.angle[own]):
-        return f"missing position: {name[-1]} was read at {told} deg only, where bias and ambient acceleration are one"
-    return f"the positions read ({told} deg) cannot tell it from the rest"
+        return Reason("missing_position", missing_position(rows.positions(axis), axis))
+    told = _listed(rows.positions(axis))
+    return Reason("not_told_apart", f"the positions read ({told} deg) cannot tell it from the rest")
+
+
+def missing_position(places: Sequence[float], *axes: str) -> str:
+    """Say that axes were read at one position only.
+
+    Parameters
+    ----------
+    places : sequence of float
+        Where [deg].
+    *axes : str
+        Which.
+    """
+    verb = "was" if len(axes) == 1 else "were"
+    told = f"read at {_listed(places)} deg only, where bias and ambient acceleration are one"
+    return f"missing position: {', '.join(axes)} {verb} {told}"
+
+
+def _listed(places: Sequence[float]) -> str:
+    return ", ".join(f"{one:.6g}" for one in places)

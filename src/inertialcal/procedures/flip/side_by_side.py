@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 
 from ...core.errors import PlanError
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import Key, Member, Reason
 from ...core.results import Row
 from ...statistics.intervals import ends, t_interval
 from .plan import Plan
@@ -40,7 +41,7 @@ OTHER = "other_model_bias_error"
 CHANGE, REDUCTION = "model_bias_error_change", "model_bias_error_reduction"
 DIGITS = 6  # of an angle [rad], and of a time [s], by which dwells are told to be the same
 UNIT = "m/s^2"
-SIGN = "the sign of an error is not known: its 95 % interval reaches over zero"
+SIGN = Reason("sign_unknown", "the sign of an error is not known: its 95 % interval reaches over zero")
 
 Order = NDArray[np.intp]
 
@@ -151,21 +152,21 @@ class _Pair:
     def rows(self, name: str, where: str) -> list[Row]:
         """Return the error of the other, change and reduction: all flips pooled, then each of several."""
         told = (f"of {name}{where}", f"less {name}, dwell by dwell{where}")
-        found = self._rows(None, "", told)
+        found = self._rows(None, None, told)
         for at, flip in enumerate(self.change.flips if len(self.change.flips) > 1 else ()):
-            found += self._rows(at, f"flip {flip.label}", told)
+            found += self._rows(at, Member("flip", flip.label), told)
         return found
 
-    def _rows(self, at: int | None, condition: str, told: tuple[str, str]) -> list[Row]:
+    def _rows(self, at: int | None, member: Member | None, told: tuple[str, str]) -> list[Row]:
         change, middle = self.change.flip(at), self.middle.flip(at)
         one, other = self.one.flip(at), self.other.flip(at)
         found = []
-        for name in change.names:
-            if name.startswith(f"{BIAS}_") and all(name in flip.names for flip in (middle, one, other)):
+        for key in change.keys:
+            if key.quantity == BIAS and all(key in flip.keys for flip in (middle, one, other)):
                 found += [
-                    _row(OTHER, other, name, 1.0, told[0], condition),
-                    _row(CHANGE, change, name, 1.0, told[1], condition),
-                    _reduction(change, middle, (one, other), name, told[1], condition),
+                    _row(OTHER, other, key, 1.0, told[0], member),
+                    _row(CHANGE, change, key, 1.0, told[1], member),
+                    _reduction(change, middle, (one, other), key, told[1], member),
                 ]
         return found
 
@@ -186,34 +187,37 @@ class _Reduced:
         return self.whole if at is None else self.flips[at]
 
 
-def _reduction(change: Flip, middle: Flip, errors: tuple[Flip, Flip], name: str, told: str, condition: str) -> Row:
+def _reduction(
+    change: Flip, middle: Flip, errors: tuple[Flip, Flip], key: Key, told: str, member: Member | None
+) -> Row:
     """Return ``|E_other| - |E|``: plus or minus the difference, or twice the mean, by the signs of both."""
-    own, other = (float(flip.values[flip.names.index(name)]) for flip in errors)
+    own, other = (float(flip.values[flip.keys.index(key)]) for flip in errors)
     source, sign = (change, -np.sign(own)) if own * other > 0.0 else (middle, 2.0 * np.sign(other))
-    row = _row(REDUCTION, source, name, float(sign), told, condition)
-    unknown = row.u is not None and any(_reaches_zero(flip, name) for flip in errors)
+    row = _row(REDUCTION, source, key, float(sign), told, member)
+    unknown = row.u is not None and any(_reaches_zero(flip, key) for flip in errors)
     if unknown:
         return replace(row, u=None, dof=None, interval=None, status="not_estimated", reason=SIGN)
     return row
 
 
-def _reaches_zero(flip: Flip, name: str) -> bool:
+def _reaches_zero(flip: Flip, key: Key) -> bool:
     if flip.estimate is None:
         return True
-    at = flip.names.index(name)
+    at = flip.keys.index(key)
     lo, hi = ends(t_interval(float(flip.values[at]), float(flip.estimate.u[at]), float(flip.estimate.dof[at])))
     return lo <= 0.0 <= hi
 
 
-def _row(quantity: str, flip: Flip, name: str, sign: float, told: str, condition: str) -> Row:
-    at = flip.names.index(name)
+def _row(quantity: str, flip: Flip, key: Key, sign: float, told: str, member: Member | None) -> Row:
+    at = flip.keys.index(key)
     value = sign * float(flip.values[at])
     if flip.estimate is None:
-        return Row(quantity, name[-1], value, None, UNIT, status="not_estimated", reason=flip.reason,
-                   condition=condition)  # fmt: skip
+        return Row(Key(quantity, key.axis), value, None, UNIT, status="not_estimated", reason=flip.reason,
+                   member=member)  # fmt: skip
     u, dof = abs(sign) * float(flip.estimate.u[at]), float(flip.estimate.dof[at])
     interval = t_interval(value, u, dof)
-    return Row(quantity, name[-1], value, u, UNIT, _finite(dof), interval, reason=told, condition=condition)
+    reason = Reason("limits", told)
+    return Row(Key(quantity, key.axis), value, u, UNIT, _finite(dof), interval, reason=reason, member=member)
 
 
 def _finite(dof: float) -> float | None:
@@ -222,27 +226,27 @@ def _finite(dof: float) -> float | None:
 
 def _independent(one: Flip, other: Flip, name: str) -> list[Row]:
     """Return the change of the pooled errors of flips that have nothing in common."""
-    names = [own for own in one.names if own.startswith(f"{BIAS}_") and own in other.names]
+    keys = [own for own in one.keys if own.quantity == BIAS and own in other.keys]
     told = f"less {name}, which has no dwell in common: taken as independent"
     return [
         row
-        for own in names
+        for own in keys
         for row in (
-            _row(OTHER, other, own, 1.0, f"of {name}", ""),
-            _row(CHANGE, _difference(one, other, own), own, 1.0, told, ""),
+            _row(OTHER, other, own, 1.0, f"of {name}", None),
+            _row(CHANGE, _difference(one, other, own), own, 1.0, told, None),
         )
     ]
 
 
-def _difference(one: Flip, other: Flip, name: str) -> Flip:
+def _difference(one: Flip, other: Flip, key: Key) -> Flip:
     """Return one less other, their variances added."""
-    at: Mapping[str, int] = {side: flip.names.index(name) for side, flip in (("one", one), ("other", other))}
+    at: Mapping[str, int] = {side: flip.keys.index(key) for side, flip in (("one", one), ("other", other))}
     values: Array = np.array([one.values[at["one"]] - other.values[at["other"]]])
     reason = one.reason or other.reason
     if one.estimate is None or other.estimate is None:
-        return Flip("", (name,), values, None, reason or "an error has no uncertainty", ())
+        return Flip("", (key,), values, None, reason or Reason("no_uncertainty", "an error has no uncertainty"), ())
     parts = [
         Component(side, "A", np.array([[float(flip.u[at[side]]) ** 2]]), float(flip.dof[at[side]]), "t")
         for side, flip in (("one", one.estimate), ("other", other.estimate))
     ]
-    return Flip("", (name,), values, Estimate((name,), values, (UNIT,), tuple(parts)), "", ())
+    return Flip("", (key,), values, Estimate((key,), values, (UNIT,), tuple(parts)), Reason(), ())

@@ -27,6 +27,7 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array, Component
+from ...core.key import Key
 from .plan import INFLUENCES, Plan
 from .positions import SAME, slope, tilted
 from .readings import Readings
@@ -114,6 +115,6 @@ def _ambient(plan: Plan, found: Separated) -> tuple[Array, Array]:
     """Ambient acceleration across the turn as found, and along it of the same size, shape (3,) each [m/s^2]."""
     across, along = np.zeros(3), np.zeros(3)
     for axis in plan.turned:
-        across[AXES.index(axis)] = found.value(f"{AMBIENT}_{axis}") or 0.0
+        across[AXES.index(axis)] = found.value(Key(AMBIENT, axis)) or 0.0
     along[AXES.index(plan.axis)] = math.hypot(*across)
     return across, along

@@ -31,6 +31,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Component
+from ...core.key import Reason
 from ...statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
 from .plan import Plan
 from .positions import directions
@@ -39,11 +40,13 @@ from .separation import Separated
 
 FEWEST = 3  # pairs
 PART = 0.8  # of a window that the blocks of a moved one must fill
+NO_RECORD = Reason("no_record", "no record of the noise: readings of a table do not show how it wanders between dwells")
+APART = Reason("apart", "the positions lie in different recordings: noise between them is not shown")
 DEPENDS = 1e-9  # of a weight, relative to the largest
 MEMORY = 8  # shapes of records that are kept: axes and simulated tests share theirs
 
 
-def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[list[Component], str]:
+def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[list[Component], Reason]:
     """Return one component an axis, or the reason why there is no uncertainty.
 
     Parameters
@@ -56,20 +59,20 @@ def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[
         One flip.
     """
     if not readings.quiet:
-        return [], "no record of the noise: readings of a table do not show how it wanders between dwells"
-    components, reason = [], ""
+        return [], NO_RECORD
+    components = []
     for axis, weights in found.weights.items():
         if not np.any(weights):
             continue
         record = _record(readings, weights)
         if record is None:
-            return [], "the positions lie in different recordings: noise between them is not shown"
+            return [], APART
         try:
             covariance, dof, how = _of_axis(plan, record, axis, weights)
         except DataError as error:
-            return [], f"{axis}: {error.problems[0].what}"
+            return [], Reason(error.problems[0].code, f"{axis}: {error.problems[0].what}")
         components.append(Component(f"noise of {axis}: {how}", "A", covariance, dof, "t"))
-    return components, reason
+    return components, Reason()
 
 
 def independent(plan: Plan, record: Quiet, lines: Mapping[str, Array]) -> tuple[Array, Array, Array]:

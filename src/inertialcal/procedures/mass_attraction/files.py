@@ -13,7 +13,7 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark, gather
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
@@ -79,7 +79,7 @@ class MassAttractionFile:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which channel was what, the figures, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
-        rows = [row.to_dict() for row in self.rows if not is_beside(row.condition)]
+        rows = [row.to_dict() for row in self.rows if not row.case.beside]
         caption = f"mass attraction: {self.result.readings.runs} run(s)"
         return (f"columns: {taken}", *figures(rows, caption), *told(self.remarks))
 

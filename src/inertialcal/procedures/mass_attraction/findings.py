@@ -103,19 +103,18 @@ def _tilt(result: Result) -> Iterator[Remark]:
 
 def _compared(result: Result) -> Iterator[Remark]:
     assert result.estimate is not None  # noqa: S101 - asked before
-    names = [name.rpartition("_")[0] for name in result.estimate.names]
     if result.estimate.values[0] < 0.0:
         what = "the response is opposite to what is applied: the scale factor is below zero"
         do = "Look at the input axis, and at the order of the stops in the schedule"
         yield Remark("wrong_sign", "warning", what, do=do)
-    for i, quantity in enumerate(names):
+    for i, key in enumerate(result.estimate.keys):
         value, u, dof = (float(one[i]) for one in (result.estimate.values, result.estimate.u, result.estimate.dof))
         off = abs(value) > coverage_factor(dof) * u
-        if quantity == DIFFERENCE and off:
+        if key.quantity == DIFFERENCE and off:
             what = f"the scale factor is {100.0 * value:+.3g} % off that at high g (+- {100.0 * u:.2g} %)"
             do = "The instrument is not linear down to here, or something beside the mass follows it: the pad's tilt?"
             yield Remark("disagrees_with_high_g", "warning", what, do=do)
-        if quantity == ERROR and abs(value) > FAR and off:
+        if key.quantity == ERROR and abs(value) > FAR and off:
             what = f"the scale factor is {100.0 * value:+.3g} % off the nominal one of the chain"
             do = "Look at the gate, at the range, and at the units of the schedule"
             yield Remark("far_from_nominal", "warning", what, do=do)

@@ -24,6 +24,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
 from .readings import Line
@@ -31,7 +32,6 @@ from .readings import Line
 if TYPE_CHECKING:
     from .reduction import Result
 
-CONDITION = "as_published"
 UNIT = "count/s/(m/s^2)"
 FEWEST = 2  # values that a standard deviation needs
 STEP = 0.01  # unit in which the report has its amplitudes [count/s]
@@ -96,12 +96,12 @@ def published_rows(result: Result) -> Iterator[Row]:
     found = published(lines)
     if found is None:
         reason = why or "too few runs for a standard deviation"
-        yield not_estimated("scale_factor", axis, UNIT, reason, CONDITION)
+        yield not_estimated(Key("scale_factor", axis), UNIT, Reason("few_runs", reason), Method.TEXTBOOK)
         return
     reason = (
         f"mean of {found.values} amplitudes less the mean amplitude beside them, {found.response:.4g} count/s, rounded"
         f" to {found.rounded:.4g} +- {found.u_rounded:.4g}; subtracting takes too much off"
     )
     interval = t_interval(found.scale_factor, found.u_scale_factor, math.inf)
-    yield Row("scale_factor", axis, found.scale_factor, found.u_scale_factor, UNIT, None, interval, reason=reason,
-              condition=CONDITION)  # fmt: skip
+    yield Row(Key("scale_factor", axis), found.scale_factor, found.u_scale_factor, UNIT, None, interval,
+              reason=Reason("limits", reason), method=Method.TEXTBOOK)  # fmt: skip

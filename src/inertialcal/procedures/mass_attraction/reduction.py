@@ -28,7 +28,7 @@ from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from .checks import check_source, series_remarks
@@ -122,7 +122,7 @@ class Result:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""
         caption = f"mass attraction: {self.readings.runs} run(s), {len(self.readings)} reading(s)"
-        found = figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption)
+        found = figures([row.to_dict() for row in self.rows() if not row.case.beside], caption)
         return (*found, *told(self.remarks))
 
     def __str__(self) -> str:

@@ -59,10 +59,8 @@ class OfSensor:
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json`` of the sensor, SI."""
-        rows = self.whole.rows()
-        mine = [replace(row, condition="") for row in rows if row.condition == self.kind]
-        beside = [replace(row, test="") for row in rows if row.test == self.kind]  # the published closed form
-        return tuple(by_quantity([*mine, *beside]))
+        mine = (row for row in self.whole.rows() if row.key.sensor == self.kind)
+        return tuple(by_quantity([replace(row, key=row.key._replace(sensor="")) for row in mine]))
 
     def curves(self) -> list[Curve]:
         """Curves of ``results.json`` of the sensor, SI."""

@@ -1,7 +1,7 @@
 """Six faces and three turns in closed form, as Ferraris, Grimaldi and Parvis published it [1]_.
 
 Every reading counts alike, nothing is left out, the earth's rotation is ignored and there is no uncertainty. It stands
-beside the default with ``condition = "as_published"``. In columns, one for each axis that points up, or is turned
+beside the default with ``Method.TEXTBOOK``. In columns, one for each axis that points up, or is turned
 about::
 
     b_a = diag(U_p + U_n) / 2     K_a R_a = (U_p - U_n) / (2 g)      K: scale factors, R: direction cosines (rows unit)
@@ -23,12 +23,12 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Key, Method, Reason
 from ...core.results import Row
 from ...core.units import normalise
 from .readings import Readings, Rotation
 
-CONDITION = "as_published"
-REASON = "the closed form has no uncertainty"
+REASON = Reason("no_uncertainty", "the closed form has no uncertainty")
 UNIT = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 ALONG = 0.999  # cosine of the angle from an axis
 
@@ -105,7 +105,7 @@ def six_faces(readings: Readings, gravity: float) -> tuple[Array, Array, Array]:
 def published_rows(readings: Readings, gravity: float) -> list[Row]:
     """Return the closed form as rows beside the default, in the unit of the readings; none where it cannot be had.
 
-    ``scale_factor`` is K, ``direction_cosine`` R, ``bias`` b and ``g_sensitivity`` K_ga, each with the sensor as test.
+    ``scale_factor`` is K, ``direction_cosine`` R, ``bias`` b and ``g_sensitivity`` K_ga; the key has the sensor.
     Six faces are enough for the accelerometers.
     """
     return [*_accelerometer_rows(readings, gravity), *_gyro_rows(readings, gravity)]
@@ -140,8 +140,8 @@ def _of(kind: str, unit: str, values: dict[str, Array]) -> list[Row]:
     for quantity, numbers in values.items():
         axes = AXES if numbers.ndim == 1 else [a + b for a in AXES for b in AXES]
         rows += [
-            Row(quantity, axis, float(value), None, units.get(quantity, unit), reason=REASON, test=kind,
-                condition=CONDITION)
+            Row(Key(quantity, axis, kind), float(value), None, units.get(quantity, unit), reason=REASON,
+                method=Method.TEXTBOOK)
             for axis, value in zip(axes, numbers.ravel(), strict=True)
         ]  # fmt: skip
     return rows

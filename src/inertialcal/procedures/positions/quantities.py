@@ -13,12 +13,13 @@ import numpy as np
 
 from ...core.axes import AXES, Kind
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import Key, Reason
 from ...core.units import normalise
 from ...sensors.model.assemble import model_from
 from ...sensors.model.sensor_model import SensorModel
 from .fit.linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 
-SCALE = tuple(f"scale_factor_{a}" for a in AXES)
+SCALE = tuple(Key("scale_factor", a) for a in AXES)
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
@@ -26,7 +27,7 @@ UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 def units_of(kind: Kind, count: int) -> tuple[str, ...]:
     """Return the units of so many numbers, 12 or 21, in the order of ``linear_sensor``."""
     unit = UNIT[kind]
-    matrix = tuple("1" if name.startswith("scale") else "rad" for name in MATRIX)
+    matrix = tuple("1" if key.quantity == "scale_factor_error" else "rad" for key in MATRIX)
     return (*matrix, *(unit,) * 3, *(normalise(f"({unit})/(m/s^2)"),) * 9)[:count]
 
 
@@ -74,17 +75,17 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
     return Estimate(tuple(names[k] for k in told), values[told], tuple(normalise(units[k]) for k in told), components)
 
 
-def reasons(sensor: LinearSensor) -> Mapping[str, str]:
-    """Return why a quantity is not estimated, by its name."""
+def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
+    """Return why a quantity is not estimated, by its key."""
     names = (*MATRIX, *BIAS, *G_SENSITIVITY)
     found = {names[k]: reason for k, reason in sensor.reasons.items()}
     for axis in AXES:
-        reason = found.get(f"scale_factor_error_{axis}")
+        reason = found.get(Key("scale_factor_error", axis))
         if reason:
-            found[f"scale_factor_{axis}"] = reason
+            found[Key("scale_factor", axis)] = reason
             for other in AXES:
                 if other != axis:
-                    found.setdefault(f"misalignment_{axis}{other}", reason)
+                    found.setdefault(Key("misalignment", axis + other), reason)
     return found
 
 
@@ -126,8 +127,8 @@ def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array
     found = estimate(raw, kind, output_unit)
     if found is None:
         return None
-    kept = [name for name in found.names if name not in SCALE]
-    why = {name: reason for name, reason in reasons(raw).items() if name not in SCALE}
+    kept = [key for key in found.keys if key not in SCALE]
+    why = {str(key): reason.text for key, reason in reasons(raw).items() if key not in SCALE}
     return model_from(
         found.select(kept),
         kind,

@@ -27,7 +27,7 @@ from ...core.axes import AXES, Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.remarks import Remark, gather
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from ...sensors.model.sensor_model import SensorModel
@@ -112,7 +112,7 @@ class Result:
         kind = "known orientations" if self.acc.known else "|f| = g"
         caption = f"positions: {len(self.readings)} positions ({kind}), {len(self.readings.rotations)} rotations"
         return (
-            *figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption),
+            *figures([row.to_dict() for row in self.rows() if not row.case.beside], caption),
             *told(self.remarks),
         )
 

@@ -1,6 +1,6 @@
 """Rows of a result of positions: every quantity with its uncertainty, or the reason why there is none.
 
-The condition says whose: ``accelerometer`` or ``gyro``. Of the published closed form beside them the test does.
+The sensor of the key says whose: ``accelerometer`` or ``gyro``.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ import numpy as np
 
 from ...core.axes import AXES, Kind
 from ...core.estimate import Array, Estimate
+from ...core.key import Key, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from ...statistics.two_levels import TwoLevels
@@ -26,14 +27,14 @@ from .quantities import SCALE, UNIT, reasons, units_of
 if TYPE_CHECKING:
     from .reduction import Result
 
-NO_LEVEL = "nothing was repeated that it could be told from"
-NOT_SEEN = "hardly seen above what is known of each: less than one degree of freedom"
+NO_LEVEL = Reason("not_repeated", "nothing was repeated that it could be told from")
+NOT_SEEN = Reason("hardly_seen", "hardly seen above what is known of each: less than one degree of freedom")
 
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI, accelerometers first."""
     found = _of_sensor(result, "accelerometer", result.acc.sensor, result.estimates.get("accelerometer"))
-    found.append(_between("scatter_position", "", "m/s^2", result.acc, "accelerometer"))
+    found.append(_between(Key("scatter_position", "", "accelerometer"), "m/s^2", result.acc))
     if result.gyro is not None:
         found += _of_sensor(result, "gyro", result.gyro.sensor, result.estimates.get("gyro"))
         found += _gyro_scatter(result)
@@ -53,21 +54,21 @@ def _of_sensor(result: Result, kind: Kind, sensor: LinearSensor, estimate: Estim
     why = reasons(sensor)
     found = []
     for name, own in wanted:
-        quantity, axis = name.rsplit("_", 1)
-        if estimate is not None and name in estimate.names:
-            found.append(_row(result, estimate, name, quantity, axis, kind))
+        key = name._replace(sensor=kind)
+        if estimate is not None and name in estimate.keys:
+            found.append(_row(result, estimate, name, key))
         else:
-            found.append(not_estimated(quantity, axis, own, why.get(name, NO_LEVEL), kind))
+            found.append(not_estimated(key, own, why.get(name, NO_LEVEL)))
     return found
 
 
-def _row(result: Result, estimate: Estimate, name: str, quantity: str, axis: str, kind: str) -> Row:
+def _row(result: Result, estimate: Estimate, name: Key, key: Key) -> Row:
     k = estimate.index(name)
     value, u, dof = float(estimate.values[k]), float(estimate.u[k]), float(estimate.dof[k])
     interval = t_interval(value, u, dof)
     finite = dof if np.isfinite(dof) else None
-    reason = "relative to the fixture" if missing(result) else ""
-    return Row(quantity, axis, value, u, estimate.units[k], finite, interval, reason=reason, condition=kind)
+    reason = Reason("relative", "relative to the fixture") if missing(result) else Reason()
+    return Row(key, value, u, estimate.units[k], finite, interval, reason=reason)
 
 
 def missing(result: Result) -> list[str]:
@@ -82,20 +83,20 @@ def missing(result: Result) -> list[str]:
     return [name for name in INFLUENCES if name in wanted and name not in result.plan.standards]
 
 
-def _scatter(quantity: str, axis: str, unit: str, std: float | None, dof: float, condition: str) -> Row:
+def _scatter(key: Key, unit: str, std: float | None, dof: float) -> Row:
     if std is None:
-        return not_estimated(quantity, axis, unit, NO_LEVEL, condition)
+        return not_estimated(key, unit, NO_LEVEL)
     if dof < FEWEST:
-        return not_estimated(quantity, axis, unit, NOT_SEEN, condition)
+        return not_estimated(key, unit, NOT_SEEN)
     u = std / float(np.sqrt(2.0 * dof))
-    return Row(quantity, axis, std, u, unit, dof, chi_square_interval(std, dof), condition=condition)
+    return Row(key, std, u, unit, dof, chi_square_interval(std, dof))
 
 
-def _between(quantity: str, axis: str, unit: str, fit: Fitted | TwoLevels | None, condition: str) -> Row:
+def _between(key: Key, unit: str, fit: Fitted | TwoLevels | None) -> Row:
     """Return the row of a scatter between readings; what is hardly seen may be zero, and its interval says so."""
     if fit is None:
-        return not_estimated(quantity, axis, unit, NO_LEVEL, condition)
-    row = _scatter(quantity, axis, unit, fit.between, fit.between_dof, condition)
+        return not_estimated(key, unit, NO_LEVEL)
+    row = _scatter(key, unit, fit.between, fit.between_dof)
     return row if row.value is None else replace(row, interval=Interval(*fit.between_interval))
 
 
@@ -105,14 +106,16 @@ def _gyro_scatter(result: Result) -> list[Row]:
     found = []
     for k, axis in enumerate(AXES):
         of_rest = None if gyro.rest.fits is None else gyro.rest.fits[k]
-        found.append(_between("scatter_position", axis, "rad/s", of_rest, "gyro"))
+        found.append(_between(Key("scatter_position", axis, "gyro"), "rad/s", of_rest))
     fit = None if gyro.rotated is None else gyro.rotated.found
-    found.append(_between("scatter_rotation", "", "rad", fit if fit is not None and fit.free > 0 else None, "gyro"))
+    found.append(
+        _between(Key("scatter_rotation", "", "gyro"), "rad", fit if fit is not None and fit.free > 0 else None)
+    )
     used = used_angles(result)
     if len(used):
         rms = float(np.sqrt(np.mean(used**2)))
         free = 2 * len(used) - 9
-        found.append(_scatter("transition_error", "", "rad", rms if free > 0 else None, free, "gyro"))
+        found.append(_scatter(Key("transition_error", "", "gyro"), "rad", rms if free > 0 else None, free))
     return found
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.key import Key, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import band_factor, coverage_factor
 from .regression import Line, dwell_variance
@@ -58,25 +59,25 @@ def largest_deviation(straight: Line) -> Deviation | None:
 def linearity_row(straight: Line | None, sensor: str) -> Row:
     """Return the linearity error in percent of the largest rate used."""
     found = None if straight is None else largest_deviation(straight)
+    key = Key("linearity_error", sensor)
     if found is None:
         reason = "needs three rates or more about the sensor's own axis, and repeated dwells"
-        return not_estimated("linearity_error", sensor, "%", reason)
+        return not_estimated(key, "%", Reason("few_rates", reason))
     percent = 100.0 / found.full_scale
     bound = band_factor(found.rates, found.dof, 0.95) * found.u
     if found.size <= bound:
         value = (found.size + bound) * percent
         reason = f"no deviation stands out among {found.rates} rates: the largest plus its simultaneous bound"
         return Row(
-            "linearity_error",
-            sensor,
+            key,
             value,
             found.u * percent,
             "%",
             found.dof,
             Interval(0.0, value),
             "upper_limit",
-            reason,
+            Reason("not_seen", reason),
         )
     half = coverage_factor(found.dof, 0.95) * found.u
     interval = Interval((found.size - half) * percent, (found.size + half) * percent)
-    return Row("linearity_error", sensor, found.size * percent, found.u * percent, "%", found.dof, interval)
+    return Row(key, found.size * percent, found.u * percent, "%", found.dof, interval)

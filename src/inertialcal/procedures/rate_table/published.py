@@ -1,7 +1,7 @@
 """The reduction of the NPS thesis, as published: one unweighted straight line through all readings.
 
 Volts over rate, every dwell of every sample set with the same weight, nothing left out, standard errors from
-the residual mean square (Appendices E to J). It stands beside the default with ``condition = "as_published"``.
+the residual mean square (Appendices E to J). It stands beside the default with ``Method.TEXTBOOK``.
 
 References
 ----------
@@ -12,13 +12,12 @@ from __future__ import annotations
 
 import numpy as np
 
+from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
 from ...statistics.least_squares import fit
 from .plan import Plan
 from .readings import Readings
-
-CONDITION = "as_published"
 
 
 def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
@@ -31,24 +30,27 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
     names = ("scale_factor", "intercept")
     own = (readings.axis == sensor) & np.isfinite(readings.outputs[sensor])
     if np.sum(own) < 3 or len(np.unique(readings.applied[own])) < 2:
-        reason = "needs three dwells or more at two rates or more"
-        return [not_estimated(name, sensor, unit, reason, CONDITION) for name, unit in zip(names, units, strict=True)]
+        reason = Reason("few_dwells", "needs three dwells or more at two rates or more")
+        return [
+            not_estimated(Key(name, sensor), unit, reason, Method.TEXTBOOK)
+            for name, unit in zip(names, units, strict=True)
+        ]
     x = readings.applied[own]
     y = readings.outputs[sensor][own] * (1.0 if volts is None else volts)
     found = fit(np.column_stack([x, np.ones_like(x)]), y, names=names)
     assert found.covariance is not None  # noqa: S101 - more dwells than coefficients
     us = np.sqrt(np.diag(found.covariance))
+    told = f"unweighted line through all {len(y)} dwells; its uncertainty takes them as independent"
     return [
         Row(
-            name,
-            sensor,
+            Key(name, sensor),
             float(value),
             float(u),
             unit,
             float(found.dof),
             t_interval(float(value), float(u), found.dof),
-            condition=CONDITION,
-            reason=f"unweighted line through all {len(y)} dwells; its uncertainty takes them as independent",
+            reason=Reason("limits", told),
+            method=Method.TEXTBOOK,
         )
         for name, value, u, unit in zip(names, found.coefficients, us, units, strict=True)
     ]

@@ -26,9 +26,15 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import Key
 from .earth_input import earth_influences
 from .plan import Plan
 from .regression import Line
+
+UNITS = {
+    "bias": "rad/s", "scale_factor_error": "1", "scale_factor_asymmetry": "1", "cross_axis_sensitivity": "1",
+    "misalignment": "rad",
+}  # fmt: skip
 
 
 def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
@@ -47,43 +53,43 @@ def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
     if not usable:
         return None
     parts = [_quantities(one) for one in usable]
-    names = tuple(name for part in parts for name in part[0])
+    keys = tuple(key for part in parts for key in part[0])
     values = np.concatenate([part[1] for part in parts])
-    units = tuple(_unit(name) for name in names)
+    units = tuple(UNITS[key.quantity] for key in keys)
     components = [
-        _type_a(plan, parts, usable, len(names)),
-        *_type_b(plan, names, values, parts, usable),
+        _type_a(plan, parts, usable, len(keys)),
+        *_type_b(plan, keys, values, parts, usable),
         *_earth(plan, parts, usable),
-        *_taken_off(names, parts, usable),
+        *_taken_off(keys, parts, usable),
     ]
-    return Estimate(names, values, units, tuple(components))
+    return Estimate(keys, values, units, tuple(components))
 
 
-Part = tuple[list[str], Array, Array, list[int]]
+Part = tuple[list[Key], Array, Array, list[int]]
 
 
 def _quantities(one: Line) -> Part:
-    """Return names, values and Jacobian of the quantities, and the coefficient that each is mainly about.
+    """Return keys, values and Jacobian of the quantities, and the coefficient that each is mainly about.
 
     A coefficient that only one run tells of has no degrees of freedom, and what rests on it is left out.
     """
-    names, values, jacobian, about = _all_quantities(one)
+    keys, values, jacobian, about = _all_quantities(one)
     keep = [i for i, at in enumerate(about) if one.dof[at] > 0.0]
-    return [names[i] for i in keep], values[keep], jacobian[keep], [about[i] for i in keep]
+    return [keys[i] for i in keep], values[keep], jacobian[keep], [about[i] for i in keep]
 
 
 def _all_quantities(one: Line) -> Part:
     s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
     unit = np.eye(k)
-    names, values, jacobian, about = [f"bias_{s}"], [theta[0]], [unit[0]], [0]
+    keys, values, jacobian, about = [Key("bias", s)], [theta[0]], [unit[0]], [0]
     own = one.names.index(f"M_{s}{s}") if s in one.axes else None
     if own is not None:
-        names.append(f"scale_factor_error_{s}")
+        keys.append(Key("scale_factor_error", s))
         values.append(theta[own] - 1.0)
         jacobian.append(unit[own])
         about.append(own)
     if one.asymmetry and own is not None:
-        names.append(f"scale_factor_asymmetry_{s}")
+        keys.append(Key("scale_factor_asymmetry", s))
         values.append(2.0 * theta[-1] / theta[own])
         jacobian.append(_ratio(unit, -1, own, theta, 2.0))
         about.append(k - 1)
@@ -91,27 +97,21 @@ def _all_quantities(one: Line) -> Part:
         if axis == s:
             continue
         at = one.names.index(f"M_{s}{axis}")
-        names.append(f"cross_axis_sensitivity_{s}{axis}")
+        keys.append(Key("cross_axis_sensitivity", s + axis))
         values.append(theta[at])
         jacobian.append(unit[at])
         about.append(at)
         if own is not None:
-            names.append(f"misalignment_{s}{axis}")
+            keys.append(Key("misalignment", s + axis))
             values.append(theta[at] / theta[own])
             jacobian.append(_ratio(unit, at, own, theta, 1.0))
             about.append(at)
-    return names, np.array(values), np.array(jacobian), about
+    return keys, np.array(values), np.array(jacobian), about
 
 
 def _ratio(unit: Array, top: int, bottom: int, theta: Array, scale: float) -> Array:
     gradient: Array = scale * (unit[top] / theta[bottom] - unit[bottom] * theta[top] / theta[bottom] ** 2)
     return gradient
-
-
-def _unit(name: str) -> str:
-    if name.startswith("bias"):
-        return "rad/s"
-    return "rad" if name.startswith("misalignment") else "1"
 
 
 SOURCES = {
@@ -124,13 +124,13 @@ RECORDINGS = "scatter between recordings"  # where a run is a recording, and no 
 
 def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Component:
     covariance, dof, start = np.zeros((k, k)), np.empty(k), 0
-    for (names, _, jacobian, about), one in zip(parts, lines, strict=True):
-        block = slice(start, start + len(names))
+    for (keys, _, jacobian, about), one in zip(parts, lines, strict=True):
+        block = slice(start, start + len(keys))
         assert one.covariance is not None  # noqa: S101 - for the type checker
         own = jacobian @ one.covariance @ jacobian.T
         covariance[block, block] = 0.5 * (own + own.T)
         dof[block] = one.dof[about]
-        start += len(names)
+        start += len(keys)
     levels = {one.level for one in lines}
     source = SOURCES[levels.pop()] if len(levels) == 1 else "scatter at the highest level repeated"
     if source == SOURCES["run"] and plan.run_level == "recording":
@@ -138,8 +138,8 @@ def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Compone
     return Component(source, "A", covariance, dof, "t")
 
 
-def _type_b(plan: Plan, names: tuple[str, ...], values: Array, parts: list[Part], lines: list[Line]) -> list[Component]:
-    proportional = np.array([_proportional(name, value) for name, value in zip(names, values, strict=True)])
+def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part], lines: list[Line]) -> list[Component]:
+    proportional = np.array([_proportional(key.quantity, value) for key, value in zip(keys, values, strict=True)])
     found = []
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
@@ -153,7 +153,7 @@ def _type_b(plan: Plan, names: tuple[str, ...], values: Array, parts: list[Part]
     reference = plan.standards.get("converter.reference")
     if reference is not None:
         gain = proportional + np.array(
-            [value if name.startswith("bias") else 0.0 for name, value in zip(names, values, strict=True)]
+            [value if key.quantity == "bias" else 0.0 for key, value in zip(keys, values, strict=True)]
         )
         covariance = reference.u**2 * np.outer(gain, gain)
         shape = reference.distribution
@@ -216,26 +216,26 @@ def _earth_change(part: Part, one: Line, source: str) -> Array:
     return changes
 
 
-def _taken_off(names: tuple[str, ...], parts: list[Part], lines: list[Line]) -> list[Component]:
+def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> list[Component]:
     """Components of what is not known of a bias that was taken off before."""
     found = []
     known = {source: off for one in lines for source, off in one.readings.taken_off.items()}
     for source, off in known.items():
         changes = np.vstack([taken_off_change(part[2], one, source) for part, one in zip(parts, lines, strict=True)])
         covariance = changes @ changes.T
-        dof = np.array([off.dof[AXES.index(name.rpartition("_")[2][0])] for name in names])
+        dof = np.array([off.dof[AXES.index(key.axis[0])] for key in keys])
         covariance = 0.5 * (covariance + covariance.T)
         found.append(Component(source, off.kind, covariance, dof, off.distribution, off.stated))
     return found
 
 
-def taken_off_changes(lines: Mapping[str, Line], source: str) -> dict[str, Array]:
-    """Return the change of every quantity for each unknown of what was taken off before, by name, shape (s,)."""
-    found: dict[str, Array] = {}
+def taken_off_changes(lines: Mapping[str, Line], source: str) -> dict[Key, Array]:
+    """Return the change of every quantity for each unknown of what was taken off before, by key, shape (s,)."""
+    found: dict[Key, Array] = {}
     for one in lines.values():
         if one.covariance is not None:
-            names, _, jacobian, _ = _quantities(one)
-            found |= dict(zip(names, taken_off_change(jacobian, one, source), strict=True))
+            keys, _, jacobian, _ = _quantities(one)
+            found |= dict(zip(keys, taken_off_change(jacobian, one, source), strict=True))
     return found
 
 
@@ -258,8 +258,8 @@ def taken_off_change(jacobian: Array, one: Line, source: str) -> Array:
     return changes
 
 
-def _proportional(name: str, value: float) -> float:
+def _proportional(quantity: str, value: float) -> float:
     """Change of a quantity for a relative change of every rate."""
-    if name.startswith("scale_factor_error"):
+    if quantity == "scale_factor_error":
         return 1.0 + value
-    return value if name.startswith("cross_axis") else 0.0
+    return value if quantity == "cross_axis_sensitivity" else 0.0

@@ -24,8 +24,9 @@ import numpy as np
 from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
+from ...core.key import Reason
 from ...core.remarks import Remark, gather
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from .checks import check_agreement
@@ -80,7 +81,7 @@ class Result:
         All quantities of all sensors, SI.
     all_readings : Estimate or None
         The same with nothing left out; None where nothing was.
-    reasons : mapping of str to str
+    reasons : mapping of str to Reason
         Why a sensor has no line.
     remarks : tuple of Remark
         Findings.
@@ -92,7 +93,7 @@ class Result:
     straight: Mapping[str, Line]
     estimate: Estimate | None
     all_readings: Estimate | None
-    reasons: Mapping[str, str]
+    reasons: Mapping[str, Reason]
     remarks: tuple[Remark, ...]
 
     def rows(self) -> tuple[Row, ...]:
@@ -107,7 +108,7 @@ class Result:
         """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
         runs = f", {self.readings.runs} run(s)" if self.readings.run is not None else ""
         caption = f"rate table: {len(self.readings)} dwells{runs}"
-        found = figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption)
+        found = figures([row.to_dict() for row in self.rows() if not row.case.beside], caption)
         reasons = tuple(f"sensor {sensor}: {reason}" for sensor, reason in self.reasons.items())
         return (*found, *reasons, *told(self.remarks))
 
@@ -158,11 +159,11 @@ def reduce(plan: Plan, readings: Readings) -> Result:
             lines[sensor], straight[sensor] = _lines(plan, used, sensor)
             everything[sensor] = _lines(plan, readings, sensor)[0] if left_out.any.any() else lines[sensor]
         except DataError as error:
-            reasons[sensor] = error.problems[0].what
-            remarks.append(Remark("no_line", "warning", reasons[sensor], error.problems[0].where))
+            reasons[sensor] = Reason(error.problems[0].code, error.problems[0].what)
+            remarks.append(Remark("no_line", "warning", reasons[sensor].text, error.problems[0].where))
     if not lines:
         raise DataError(
-            f"no sensor can be reduced: {'; '.join(reasons.values())}",
+            f"no sensor can be reduced: {'; '.join(map(str, reasons.values()))}",
             where=readings.where[0] if readings.where else "",
         )
     check_agreement(plan, readings, lines)

@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.estimate import Estimate
+from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from .linearity import linearity_row
@@ -18,9 +20,8 @@ from .regression import Level, Line
 if TYPE_CHECKING:
     from .reduction import Result
 
-ALL_READINGS = "all_readings"
 RESIDUAL = "residual_bias"  # what is left of the bias after the reading at rest was subtracted
-REFERENCED = "the reading at rest was subtracted"
+REFERENCED = Reason("referenced", "the reading at rest was subtracted")
 LEVELS = ("sample", "dwell", "run")
 
 
@@ -28,7 +29,7 @@ def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
     found: list[Row] = []
     for sensor in _sensors(result):
-        found += _of_sensor(result, sensor, result.estimate, "")
+        found += _of_sensor(result, sensor, result.estimate, Method.RESULT)
         if sensor in result.lines:
             found.append(linearity_row(_straight(result, sensor), sensor))
             found += _scatter_rows(result, sensor)
@@ -46,75 +47,63 @@ def _straight(result: Result, sensor: str) -> Line | None:
     return result.straight[sensor] if sensor in result.straight[sensor].axes else None
 
 
-def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, condition: str) -> list[Row]:
+def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> list[Row]:
     """Rows of the quantities that a rate table gives for one sensor, estimated or not."""
     found = []
-    for quantity, axis, unit in _wanted(result, sensor):
-        name = f"{quantity}_{axis}"
-        if quantity == "bias" and result.plan.zero_reference:
-            found.append(not_estimated(quantity, axis, unit, REFERENCED, condition))
-        elif quantity == RESIDUAL and estimate is not None and f"bias_{axis}" in estimate.names:
-            found.append(_row(result, estimate, f"bias_{axis}", quantity, axis, condition))
-        elif quantity == "scale_factor":
-            found.append(_scale_factor_row(result, sensor, estimate, condition))
-        elif estimate is not None and name in estimate.names:
-            found.append(_row(result, estimate, name, quantity, axis, condition))
+    for key, unit in _wanted(result, sensor):
+        if key.quantity == "bias" and result.plan.zero_reference:
+            found.append(not_estimated(key, unit, REFERENCED, method))
+        elif key.quantity == RESIDUAL and estimate is not None and Key("bias", key.axis) in estimate.keys:
+            found.append(replace(_row(result, estimate, Key("bias", key.axis), method), key=key))
+        elif key.quantity == "scale_factor":
+            found.append(_scale_factor_row(result, sensor, estimate, method))
+        elif estimate is not None and key in estimate.keys:
+            found.append(_row(result, estimate, key, method))
         else:
-            found.append(not_estimated(quantity, axis, unit, _why_not(result, sensor, quantity, axis[1:]), condition))
+            found.append(not_estimated(key, unit, _why_not(result, sensor, key.quantity, key.axis[1:]), method))
     return found
 
 
-def _wanted(result: Result, sensor: str) -> list[tuple[str, str, str]]:
+def _wanted(result: Result, sensor: str) -> list[tuple[Key, str]]:
     wanted = []
     if sensor in result.readings.outputs or np.any(result.readings.axis == sensor):
-        wanted.append(("bias", sensor, "rad/s"))
+        wanted.append((Key("bias", sensor), "rad/s"))
         if result.plan.zero_reference:
-            wanted.append((RESIDUAL, sensor, "rad/s"))
+            wanted.append((Key(RESIDUAL, sensor), "rad/s"))
         if result.plan.scale_factor is not None:
-            wanted.append(("scale_factor", sensor, "V/(rad/s)"))
-        wanted += [("scale_factor_error", sensor, "1"), ("scale_factor_asymmetry", sensor, "1")]
+            wanted.append((Key("scale_factor", sensor), "V/(rad/s)"))
+        wanted += [(Key("scale_factor_error", sensor), "1"), (Key("scale_factor_asymmetry", sensor), "1")]
     for axis in np.unique(result.readings.axis):
         if axis != sensor:
             wanted += [
-                ("cross_axis_sensitivity", f"{sensor}{axis}", "1"),
-                ("misalignment", f"{sensor}{axis}", "rad"),
+                (Key("cross_axis_sensitivity", f"{sensor}{axis}"), "1"),
+                (Key("misalignment", f"{sensor}{axis}"), "rad"),
             ]
     return wanted
 
 
-def _row(result: Result, estimate: Estimate, name: str, quantity: str, axis: str, condition: str) -> Row:
-    i = estimate.index(name)
+def _row(result: Result, estimate: Estimate, key: Key, method: Method) -> Row:
+    i = estimate.index(key)
     value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
     unit = estimate.units[i]
     interval = t_interval(value, u, dof)
-    return Row(quantity, axis, value, u, unit, _dof(dof), interval, reason=_limits(result), condition=condition)
+    return Row(key, value, u, unit, _dof(dof), interval, reason=_limits(result), method=method)
 
 
-def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, condition: str) -> Row:
+def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> Row:
     """Return the scale factor in volts: the ideal one times (1 + scale factor error)."""
-    ideal, name = (result.plan.scale_factor or {}).get(sensor), f"scale_factor_error_{sensor}"
-    if ideal is None or estimate is None or name not in estimate.names:
-        return not_estimated(
-            "scale_factor", sensor, "V/(rad/s)", _why_not(result, sensor, "scale_factor_error"), condition
-        )
-    i = estimate.index(name)
+    ideal, error = (result.plan.scale_factor or {}).get(sensor), Key("scale_factor_error", sensor)
+    key = Key("scale_factor", sensor)
+    if ideal is None or estimate is None or error not in estimate.keys:
+        return not_estimated(key, "V/(rad/s)", _why_not(result, sensor, "scale_factor_error"), method)
+    i = estimate.index(error)
     value, u, dof = (
         ideal * (1.0 + float(estimate.values[i])),
         ideal * float(estimate.u[i]),
         float(estimate.dof[i]),
     )
     interval = t_interval(value, u, dof)
-    return Row(
-        "scale_factor",
-        sensor,
-        value,
-        u,
-        "V/(rad/s)",
-        _dof(dof),
-        interval,
-        reason=_limits(result),
-        condition=condition,
-    )
+    return Row(key, value, u, "V/(rad/s)", _dof(dof), interval, reason=_limits(result), method=method)
 
 
 def applies(name: str, plan: Plan, readings: Readings) -> bool:
@@ -124,31 +113,32 @@ def applies(name: str, plan: Plan, readings: Readings) -> bool:
     return name != "converter.reference" or plan.scale_factor is not None
 
 
-def _limits(result: Result) -> str:
+def _limits(result: Result) -> Reason:
     plan, readings = result.plan, result.readings
     missing = [name for name in INFLUENCES if name not in plan.standards and applies(name, plan, readings)]
-    return "relative to the fixture" if missing else ""
+    return Reason("relative", "relative to the fixture") if missing else Reason()
 
 
-def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> str:
+def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> Reason:
     readings = result.readings
     turned = [axis] if axis else [str(one) for one in np.unique(readings.axis)]
     read = np.isfinite(readings.outputs[sensor]) if sensor in readings.outputs else np.zeros(len(readings), dtype=bool)
     if not np.any(read & np.isin(readings.axis, turned)):
-        return f"no readings of the {sensor} sensor while {', '.join(turned)} is turned"
+        return Reason("not_read", f"no readings of the {sensor} sensor while {', '.join(turned)} is turned")
     if sensor in result.reasons:
         return result.reasons[sensor]
     return _why_not_by(result.plan, result.lines[sensor], sensor, quantity)
 
 
-def _why_not_by(plan: Plan, one: Line, sensor: str, quantity: str) -> str:
+def _why_not_by(plan: Plan, one: Line, sensor: str, quantity: str) -> Reason:
     if sensor not in one.axes and quantity != "bias":
-        return f"the unit was not turned about {sensor} in this test"
+        return Reason("not_turned", f"the unit was not turned about {sensor} in this test")
     if one.covariance is not None and np.any(one.dof == 0.0):
-        return "it rests on what one run alone shows: how it differs between runs cannot be told"
+        return Reason("one_run", "it rests on what one run alone shows: how it differs between runs cannot be told")
     if quantity == "scale_factor_asymmetry":
-        return "needs both senses of rotation and three rates or more" if plan.asymmetry else "the plan leaves it out"
-    return "no level of scatter was repeated or given"
+        few = Reason("few_rates", "needs both senses of rotation and three rates or more")
+        return few if plan.asymmetry else Reason("by_plan", "the plan leaves it out")
+    return Reason("not_repeated", "no level of scatter was repeated or given")
 
 
 def _scatter_rows(result: Result, sensor: str) -> list[Row]:
@@ -158,30 +148,31 @@ def _scatter_rows(result: Result, sensor: str) -> list[Row]:
         name = "recording" if level.name == "run" and recordings else level.name
         found.append(_scatter_row(sensor, name, level))
     if recordings:
-        reason = "the runs of this table are recordings: it does not say which began with a power-up"
-        found.append(not_estimated("scatter_run", sensor, "rad/s", reason))
+        told = "the runs of this table are recordings: it does not say which began with a power-up"
+        found.append(not_estimated(Key("scatter_run", sensor), "rad/s", Reason("runs_unknown", told)))
     return found
 
 
 def _scatter_row(sensor: str, name: str, level: Level) -> Row:
+    key = Key(f"scatter_{name}", sensor)
     if level.std is None:
-        return not_estimated(f"scatter_{name}", sensor, "rad/s", level.reason)
+        return not_estimated(key, "rad/s", Reason("not_repeated", level.reason))
     if not np.isfinite(level.dof):
-        reason = f"no uncertainty: {level.reason}"
-        return Row(f"scatter_{name}", sensor, level.std, None, "rad/s", status="not_estimated", reason=reason)
+        reason = Reason("given", f"no uncertainty: {level.reason}")
+        return Row(key, level.std, None, "rad/s", status="not_estimated", reason=reason)
     u = level.std / np.sqrt(2.0 * level.dof)
     interval = chi_square_interval(level.std, level.dof)
-    return Row(f"scatter_{name}", sensor, level.std, float(u), "rad/s", level.dof, interval)
+    return Row(key, level.std, float(u), "rad/s", level.dof, interval)
 
 
 def _all_readings_rows(result: Result, sensor: str) -> list[Row]:
     if result.all_readings is None:
         return []
-    return _of_sensor(result, sensor, result.all_readings, ALL_READINGS)
+    return _of_sensor(result, sensor, result.all_readings, Method.ALL_READINGS)
 
 
 def _dof(dof: float) -> float | None:
     return float(dof) if np.isfinite(dof) else None
 
 
-__all__ = ["ALL_READINGS", "LEVELS", "Interval", "rows"]
+__all__ = ["LEVELS", "Interval", "rows"]

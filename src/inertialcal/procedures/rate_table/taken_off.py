@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.key import Key
 
 Chosen = NDArray[np.bool_] | NDArray[np.int64]
 
@@ -27,8 +28,8 @@ class TakenOff:
     ----------
     patterns : ndarray, shape (s, n, 3)
         What was taken off the reading of the x, y and z sensor in each dwell [rad/s].
-    names : tuple of str
-        Parameters of the law that was taken off: ``bias_x``, ``bias_temperature_1_x``, ...
+    keys : tuple of Key
+        Parameters of the law that was taken off: bias of x, its first coefficient over temperature, ...
     law : ndarray, shape (s, m)
         The same of those parameters [SI].
     kind : {"A", "B"}
@@ -40,7 +41,7 @@ class TakenOff:
     """
 
     patterns: Array
-    names: tuple[str, ...]
+    keys: tuple[Key, ...]
     law: Array
     kind: Literal["A", "B"]
     dof: Array

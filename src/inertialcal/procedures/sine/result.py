@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
+from ...core.key import Key, Method, Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row
 from ...core.show.rounding import number, with_uncertainty
@@ -24,7 +25,7 @@ FLOOR = 3.0  # standard uncertainties below which an amplitude is an upper limit
 FEW_DOF = 8.0
 STRANGE = 0.999  # probability of the interval that a quadrature of a known phase must leave to be remarked
 MOST = 4000  # rows of a curve
-CONDITIONS = {"alternating_differences": "differences", "generalised_least_squares": "generalised"}
+METHODS = {"alternating_differences": Method.DIFFERENCES, "generalised_least_squares": Method.GENERALISED}
 AROUND = 3  # lines on each side that are shown, over the side bands
 
 
@@ -65,16 +66,17 @@ class SineResult:
         if self.driven.applied is not None and self.driven.unit:
             yield self._scale_factor(value, u)
 
-    def _row(self, quantity: str, value: float, u: float, limited: bool, condition: str = "") -> Row:
+    def _row(self, quantity: str, value: float, u: float, limited: bool) -> Row:
         dof = self.fit.dof
         if not limited:
-            return Row(quantity, self._axis, value, u, self.unit, dof, t_interval(value, u, dof), condition=condition)
+            return Row(Key(quantity, self._axis), value, u, self.unit, dof, t_interval(value, u, dof))
         limit = upper_bound(abs(value), u, dof)
         reason = f"in phase {with_uncertainty(value, u)}: below {FLOOR:g} times the noise of an amplitude"
-        return Row(quantity, self._axis, limit, None, self.unit, dof, Interval(0.0, limit), "upper_limit", reason)
+        said = Reason("not_found", reason)
+        return Row(Key(quantity, self._axis), limit, None, self.unit, dof, Interval(0.0, limit), "upper_limit", said)
 
     def _scale_factor(self, value: float, u: float) -> Row:
-        applied = float(self.driven.applied or np.nan)
+        applied, key = float(self.driven.applied or np.nan), Key("scale_factor", self._axis)
         unit = f"{self.driven.unit}/(m/s^2)"
         found, own = value / applied, u / abs(applied)
         of_applied = abs(found) * (self.driven.u_applied or 0.0)
@@ -83,8 +85,9 @@ class SineResult:
         if abs(value) < FLOOR * u:
             limit = upper_bound(abs(found), total, dof)
             why = "the amplitude is one"
-            return Row("scale_factor", self._axis, limit, None, unit, dof, Interval(0.0, limit), "upper_limit", why)
-        return Row("scale_factor", self._axis, found, total, unit, dof, t_interval(found, total, dof))
+            said = Reason("not_found", why)
+            return Row(key, limit, None, unit, dof, Interval(0.0, limit), "upper_limit", said)
+        return Row(key, found, total, unit, dof, t_interval(found, total, dof))
 
     def _of_free_phase(self) -> Iterator[Row]:
         fit, part = self.fit, self.driven.response
@@ -93,29 +96,29 @@ class SineResult:
         a, b = float(fit.in_phase[0]), float(fit.quadrature[0])
         u = float(np.hypot(fit.u_in_phase[0], fit.u_quadrature[0]) / np.sqrt(2.0))
         found = amplitude_of(a, b, u, fit.dof)
-        value, own = float(found.value[0]) / part, u / part
+        value, own, key = float(found.value[0]) / part, u / part, Key("amplitude", self._axis)
         if float(found.chance[0]) > 0.05 or math.hypot(a, b) < FLOOR * u:
             limit, length = float(found.limit[0]) / part, math.hypot(a, b) / part
             reason = f"length {number(length, 3)}, noise of a component {number(own, 3)}: below {FLOOR:g} times it"
-            yield Row("amplitude", self._axis, limit, None, self.unit, fit.dof, Interval(0.0, limit), "upper_limit",
-                      reason)  # fmt: skip
+            said = Reason("not_found", reason)
+            yield Row(key, limit, None, self.unit, fit.dof, Interval(0.0, limit), "upper_limit", said)
             return
         interval = Interval(float(found.lo[0]) / part, float(found.hi[0]) / part)
-        yield Row("amplitude", self._axis, value, own, self.unit, fit.dof, interval)
+        yield Row(key, value, own, self.unit, fit.dof, interval)
         angle, u_angle = math.degrees(math.atan2(b, a)), math.degrees(own / value)
-        yield Row("phase", self._axis, angle, u_angle, "deg", fit.dof, t_interval(angle, u_angle, fit.dof))
+        yield Row(Key("phase", self._axis), angle, u_angle, "deg", fit.dof, t_interval(angle, u_angle, fit.dof))
 
     def _noise(self) -> Row:
         value = float(np.sqrt(self.fit.density[0]))
         u, interval = value / math.sqrt(2.0 * self.fit.dof), chi_square_interval(value, self.fit.dof)
-        return Row("noise_density", self._axis, value, u, f"{self.unit}/sqrt(Hz)", self.fit.dof, interval)
+        return Row(Key("noise_density", self._axis), value, u, f"{self.unit}/sqrt(Hz)", self.fit.dof, interval)
 
     def _checked(self) -> Iterator[Row]:
         part = self.driven.response
         for one in self.checks:
             if one.value is not None and one.u is not None and self.fit.design.drive.phase_known:
-                yield Row("amplitude", self._axis, one.value / part, one.u / part, self.unit,
-                          condition=CONDITIONS[one.name])  # fmt: skip
+                key = Key("amplitude", self._axis)
+                yield Row(key, one.value / part, one.u / part, self.unit, method=METHODS[one.name])
 
     @property
     def _axis(self) -> str:

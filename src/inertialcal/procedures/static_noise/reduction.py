@@ -28,6 +28,7 @@ from ...core.results import Interval, Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from ...sensors.noise.fitting.noise_fit import duration
+from ...sensors.noise.terms import Sinusoid, quantity_name
 from .at_rest import AtRest
 from .axis_noise import AxisNoise, Recorded, noise_of
 from .bounds import interval_at
@@ -62,6 +63,8 @@ __all__ = [
     "sentence",
     "simulate",
 ]
+
+OF_LINES = tuple(quantity_name(Sinusoid.name, one, None) for one in Sinusoid.parameters)
 
 
 @dataclass(frozen=True, eq=False)
@@ -182,11 +185,10 @@ def _relative(plan: Plan) -> list[Remark]:
 def _of_axis(one: AxisNoise) -> Estimate | None:
     assert one.fit is not None  # noqa: S101 - asked before
     estimate = one.fit.estimate
-    names = [name for name in estimate.names if not name.startswith("sinusoid")]
-    if not names:
+    keys = [key for key in estimate.keys if key.quantity not in OF_LINES]
+    if not keys:
         return None
-    chosen = estimate.select(names)
-    return replace(chosen, names=tuple(f"{name}_{one.axis}" for name in names))
+    return replace(estimate.select(keys), given=tuple(key._replace(axis=one.axis) for key in keys))
 
 
 def _joined(estimates: Sequence[Estimate]) -> Estimate:
@@ -199,7 +201,7 @@ def _joined(estimates: Sequence[Estimate]) -> Estimate:
         start += size
     source = estimates[0].components[0].source
     return Estimate(
-        tuple(name for one in estimates for name in one.names),
+        tuple(key for one in estimates for key in one.keys),
         np.concatenate([one.values for one in estimates]),
         tuple(unit for one in estimates for unit in one.units),
         (Component(source, "A", whole),),

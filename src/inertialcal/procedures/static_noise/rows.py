@@ -11,6 +11,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ...core.axes import Kind
+from ...core.key import At, Key, Member, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...sensors.noise.fitting.noise_fit import FoundTerm, NoiseFit, duration
 from ...sensors.noise.terms import TERMS, Sinusoid, quantity_name
@@ -24,7 +25,6 @@ if TYPE_CHECKING:
     from .reduction import Result
 
 FILE_UNIT = "file unit"  # of samples whose unit nobody said
-LINE = "line at "
 
 
 def rows(result: Result) -> Iterator[Row]:
@@ -41,8 +41,8 @@ def rows(result: Result) -> Iterator[Row]:
             yield from _lines(result, found.axis, record, len(result.readings) > 1)
             if record.own is not None:
                 own = _terms(result, record.own, found.axis, doubt_of(record.own))
-                condition = f"run {record.run.name} alone"
-                yield from (replace(row, condition=condition) for row in own if row.status == "estimated")
+                alone = Member("run", record.run.name)
+                yield from (replace(row, member=alone) for row in own if row.status == "estimated")
 
 
 def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
@@ -55,20 +55,20 @@ def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
             continue
         for parameter in term.parameters:
             shown = unit_of(name, parameter, kind, unit)
-            yield not_estimated(quantity_name(name, parameter, kind), found.axis, shown, found.reason)
+            key = Key(quantity_name(name, parameter, kind), found.axis)
+            yield not_estimated(key, shown, Reason("no_fit", found.reason))
 
 
 def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str) -> Iterator[Row]:
     """Yield the parameters of a fit, without those of lines; upper limits as values; each with what speaks against."""
-    reason = f"in doubt: {doubt}" if doubt else ""
+    reason = Reason("in_doubt", f"in doubt: {doubt}") if doubt else Reason()
     units = quantity_units(result.plan.kind, result.plan.unit)
     for term in fit.found:
         if term.name == Sinusoid.name:
             continue
         for one in term.parameters:
-            row = Row(
-                one.name, axis, one.value, one.u, units[one.name], None, one.interval, reason=reason or term.reason
-            )
+            said = reason or Reason("limits", term.reason)
+            row = Row(Key(one.name, axis), one.value, one.u, units[one.name], None, one.interval, reason=said)
             scaled = one.name != "gauss_markov_correlation_time"
             yield widened(row, result.plan.standards) if scaled else row
         if term.status != "estimated":
@@ -77,13 +77,15 @@ def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str) -> Iterator[Row
 
 def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
     """Yield the upper limit of a term that was not found, or that there is none."""
-    reason, limit = _why(term), term.upper_limit
+    reason, limit = Reason("not_found", _why(term)), term.upper_limit
     others = term.words
     if limit is not None:
         word, others = term.words[0], term.words[1:]
-        row = Row(word, axis, limit, None, units[word], None, Interval(0.0, limit, 0.95), "upper_limit", reason)
+        interval = Interval(0.0, limit, 0.95)
+        row = Row(Key(word, axis), limit, None, units[word], None, interval, "upper_limit", reason)
         yield widened(row, result.plan.standards)
-    yield from (not_estimated(word, axis, units[word], term.reason) for word in others)
+    without = Reason("not_found", term.reason)
+    yield from (not_estimated(Key(word, axis), units[word], without) for word in others)
 
 
 def _why(term: FoundTerm) -> str:
@@ -100,13 +102,14 @@ def _lines(result: Result, axis: str, record: Recorded, several: bool) -> Iterat
     for line in lines.found if lines is not None else ():
         if line.kind != "line":
             continue
-        condition = f"{LINE}{line.name}" + (f", run {record.run.name} alone" if several else "")
-        amplitude, u = line.amplitude, line.u_amplitude
-        yield Row("line_amplitude", axis, amplitude, u, unit, None, t_interval(amplitude, u, float("inf")),
-                  condition=condition)  # fmt: skip
-        frequency, u = line.frequency, line.u_frequency
-        yield Row("line_frequency", axis, frequency, u, "Hz", None, t_interval(frequency, u, float("inf")),
-                  condition=condition)  # fmt: skip
+        alone = Member("run", record.run.name) if several else None
+        at = At("line", line.lowest or line.frequency, "Hz")
+        for quantity, value, u, own in (
+            ("line_amplitude", line.amplitude, line.u_amplitude, unit),
+            ("line_frequency", line.frequency, line.u_frequency, "Hz"),
+        ):
+            key = Key(quantity, axis, power=line.times, at=at)
+            yield Row(key, value, u, own, None, t_interval(value, u, float("inf")), member=alone)
 
 
 def unit_of(term: str, parameter: str, kind: Kind | None, file_unit: str) -> str:

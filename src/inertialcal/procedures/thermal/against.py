@@ -24,6 +24,7 @@ from scipy import linalg
 
 from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import Key, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
 from ...statistics.intervals import chi_square_interval
@@ -31,8 +32,8 @@ from ...statistics.least_squares import fit
 from .earth import earth_along
 from .law import Law
 from .plan import Plan
-from .quantities import SOURCES, at_text, name_of
-from .rows import ONE_RUN, estimate_row
+from .quantities import SOURCES, at_degrees
+from .rows import ONE_RUN, SAME, estimate_row
 from .sensor import OfSensor
 
 if TYPE_CHECKING:
@@ -63,44 +64,45 @@ def offset_rows(result: Result, other: Result, name: str, quantity: str) -> list
         if axis in result.sensors and axis in other.sensors:
             found += _of_axis(result, other, axis, name, quantity)
         elif axis in result.sensors or axis in other.sensors:
-            reason = f"the {axis} sensor was not reduced in both tests"
-            found.append(not_estimated(quantity, axis, result.readings.unit, reason))
+            reason = Reason("not_reduced", f"the {axis} sensor was not reduced in both tests")
+            found.append(not_estimated(Key(quantity, axis), result.readings.unit, reason))
     return found
 
 
 def _of_axis(result: Result, other: Result, axis: str, name: str, quantity: str) -> Iterator[Row]:
     one, two = result.sensors[axis], other.sensors[axis]
     unit = result.readings.unit
-    wanted = [(result.plan.reference_temperature, ""), *((at, at_text(at)) for at in result.plan.at or ())]
+    key = Key(quantity, axis)
+    wanted = {key: result.plan.reference_temperature}
+    wanted |= {key._replace(at=at_degrees(one)): one for one in result.plan.at or ()}
     if not (one.law.midway and two.law.midway):
-        yield not_estimated(quantity, axis, unit, "one path only was seen in one of the tests")
+        yield not_estimated(key, unit, Reason("one_path", "one path only was seen in one of the tests"))
         return
     low, high = (max(one.law.domain[0], two.law.domain[0]), min(one.law.domain[1], two.law.domain[1]))
-    inside = [(at, word) for at, word in wanted if low <= at <= high]
-    for _, word in (pair for pair in wanted if pair not in inside):
-        yield not_estimated(quantity, axis, unit, f"outside what both tests went through, {low:.4g} to {high:.4g} degC",
-                            word)  # fmt: skip
-    keys = [(quantity, axis, word) for _, word in inside]
-    estimate, known = _difference(result, other, axis, np.array([at for at, _ in inside]), keys)
-    for key, is_known in zip(keys, known, strict=True):
+    inside = {own: place for own, place in wanted.items() if low <= place <= high}
+    outside = Reason("outside", f"outside what both tests went through, {low:.4g} to {high:.4g} degC")
+    yield from (not_estimated(own, unit, outside) for own in wanted if own not in inside)
+    keys = list(inside)
+    estimate, known = _difference(result, other, axis, np.array(list(inside.values())), keys)
+    for own, is_known in zip(keys, known, strict=True):
         if is_known and estimate is not None:
-            yield estimate_row(estimate, key, f"this test less {name}")
+            yield estimate_row(estimate, own, Reason("limits", f"this test less {name}"))
         else:
-            yield not_estimated(quantity, axis, unit, ONE_RUN, key[2])
-    yield _run_to_run(result, other, axis, f"{quantity}_run_to_run")
+            yield not_estimated(own, unit, ONE_RUN)
+    yield _run_to_run(result, other, Key(f"{quantity}_run_to_run", axis))
 
 
 def _difference(
-    result: Result, other: Result, axis: str, at: Array, keys: list[tuple[str, str, str]]
+    result: Result, other: Result, axis: str, places: Array, keys: list[Key]
 ) -> tuple[Estimate | None, list[bool]]:
     """Return the differences at temperatures that have an uncertainty, and which those are."""
     laws = [one.sensors[axis].law for one in (result, other)]
-    rows = [law.basis(at) if len(at) else np.zeros((0, law.order + 1)) for law in laws]
+    rows = [law.basis(places) if len(places) else np.zeros((0, law.order + 1)) for law in laws]
     values = rows[0] @ laws[0].coefficients - rows[1] @ laws[1].coefficients
     scatter, known = _scatter(result, other, laws, rows)
     if not known.any():
         return None, list(known)
-    names = tuple(name_of(*key) for key, keep in zip(keys, known, strict=True) if keep)
+    names = tuple(key for key, keep in zip(keys, known, strict=True) if keep)
     unit = result.readings.unit
     components = [*scatter, *_type_b(result.plan, laws, rows, values, known)]
     if unit == "rad/s":
@@ -178,22 +180,22 @@ def _earth(plan: Plan, other: Plan, axis: str) -> list[tuple[str, float]]:
     return found
 
 
-def _run_to_run(result: Result, other: Result, axis: str, quantity: str) -> Row:
+def _run_to_run(result: Result, other: Result, key: Key) -> Row:
     """Row of what a single power-up scatters by about the mean difference."""
-    one, two = result.sensors[axis], other.sensors[axis]
+    one, two = result.sensors[key.axis], other.sensors[key.axis]
     unit = result.readings.unit
     if set(result.readings.labels) & set(other.readings.labels):
-        return not_estimated(quantity, axis, unit, "some power-ups are in both tests")
+        return not_estimated(key, unit, Reason("shared_runs", "some power-ups are in both tests"))
     if min(len(one.run_offsets), len(two.run_offsets)) < 2:
-        return not_estimated(quantity, axis, unit, "one run in one of the tests: not repeated")
+        return not_estimated(key, unit, Reason("one_run", "one run in one of the tests: not repeated"))
     squares = [_variance(sensor) for sensor in (one, two)]
     total = sum(square for square, _ in squares)
     if not total > 0.0:
-        return not_estimated(quantity, axis, unit, "the runs do not differ at all")
+        return not_estimated(key, unit, SAME)
     dof = total**2 / sum(square**2 / free for square, free in squares)
     std = float(np.sqrt(total))
-    reason = "standard deviation from one pair of power-ups to another"
-    return Row(quantity, axis, std, std / float(np.sqrt(2.0 * dof)), unit, dof, chi_square_interval(std, dof),
+    reason = Reason("limits", "standard deviation from one pair of power-ups to another")
+    return Row(key, std, std / float(np.sqrt(2.0 * dof)), unit, dof, chi_square_interval(std, dof),
                reason=reason)  # fmt: skip
 
 

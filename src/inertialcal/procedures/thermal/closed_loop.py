@@ -22,6 +22,7 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Key, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
 from .cells import Cells
@@ -30,7 +31,7 @@ from .law import Law
 from .reduction import Result
 
 RESIDUAL = "residual_bias"
-ONE_RUN = "the fit rests on one power-up: how another one differs was not observed"
+ONE_RUN = Reason("one_run", "the fit rests on one power-up: how another one differs was not observed")
 
 
 @dataclass(frozen=True)
@@ -156,9 +157,10 @@ def residual_rows(left: Mapping[str, Left], unit: str, against: str) -> list[Row
     found = []
     for axis, one in left.items():
         if not one.dof > 0.0:
-            found.append(not_estimated(RESIDUAL, axis, unit, ONE_RUN))
+            found.append(not_estimated(Key(RESIDUAL, axis), unit, ONE_RUN))
             continue
-        reason = f"after the polynomial of {against}, mean over {one.runs} power-up(s) held out"
+        told = f"after the polynomial of {against}, mean over {one.runs} power-up(s) held out"
         interval = t_interval(one.residual, one.u, one.dof)
-        found.append(Row(RESIDUAL, axis, one.residual, one.u, unit, one.dof, interval, reason=reason))
+        reason = Reason("limits", told)
+        found.append(Row(Key(RESIDUAL, axis), one.residual, one.u, unit, one.dof, interval, reason=reason))
     return found

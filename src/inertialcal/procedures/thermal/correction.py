@@ -18,6 +18,7 @@ from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
+from ...core.key import At, Key
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...sensors.thermal import powers_of
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
 PATH = "sensor.hysteresis"
 TINY = 1e-24  # of the largest eigenvalue of a covariance: no unknown of its own
+DWELL = "dwell"  # place of a value: number of a recording
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,7 +116,7 @@ def _law(bias: ThermalCorrection, axis: str, place: str) -> Law:
     found = bias.result.sensors.get(axis)
     if found is None:
         what = f"after = {bias.test!r}, but that found no bias over temperature of {axis}"
-        raise DataError(what, place, bias.result.reasons.get(axis, "it was not read there"), code="no_law")
+        raise DataError(what, place, str(bias.result.reasons.get(axis, "it was not read there")), code="no_law")
     return found.law
 
 
@@ -145,7 +147,7 @@ def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) ->
     for axis, law in laws.items():
         warmth = [level.get(axis, law.domain[0]) for level in levels]
         powers = powers_of(law.order, law.domain, result.plan.reference_temperature)
-        keys = [("dwell", axis, f"{i}") for i in range(n)] + [(name, axis, "") for name in law_names(law.order)]
+        keys = [Key("bias", axis, at=At(DWELL, i, "")) for i in range(n)] + law_keys(axis, law.order)
         units = ("rad/s",) * len(keys)
         asked[axis] = [Asked(tuple(keys), units, np.vstack([law.basis(warmth), powers]), by_temperature=False)]
     found = estimate(plan, laws, asked, "rad/s")
@@ -155,22 +157,22 @@ def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) ->
     return named
 
 
-def law_of(bias: ThermalCorrection) -> dict[str, tuple[float, str]]:
-    """Return value and unit of each coefficient of the bias over temperature, by name: ``bias_x``, ..., SI."""
+def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
+    """Return value and unit of each coefficient of the bias over temperature, SI."""
     found = {}
     earth = earth_along(bias.result.plan)[0]
     for axis, one in bias.result.sensors.items():
         powers = powers_of(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
         values = powers @ one.law.coefficients
         values[0] -= earth[AXES.index(axis)]
-        for power, (name, value) in enumerate(zip(law_names(one.law.order), values, strict=True)):
-            found[f"{name}_{axis}"] = float(value), power_unit("rad/s", "degC", power)
+        for key, value in zip(law_keys(axis, one.law.order), values, strict=True):
+            found[key] = float(value), power_unit("rad/s", "degC", key.power)
     return found
 
 
-def law_names(order: int) -> list[str]:
-    """Return the names of the coefficients of a bias over temperature."""
-    return ["bias", *(f"bias_temperature_{j}" for j in range(1, order + 1))]
+def law_keys(axis: str, order: int) -> list[Key]:
+    """Return the keys of the coefficients of a bias over temperature."""
+    return [Key("bias", axis), *(Key("bias_temperature", axis, power=j) for j in range(1, order + 1))]
 
 
 def _taken_off(found: Estimate, component: Component, n: int) -> TakenOff:
@@ -181,16 +183,14 @@ def _taken_off(found: Estimate, component: Component, n: int) -> TakenOff:
     changes = (vectors[:, keep] * np.sqrt(sizes[keep])).T * scale  # (s, names)
     dof = np.broadcast_to(np.asarray(component.dof, dtype=float), len(found.names))
     patterns, of_sensor = np.zeros((len(changes), n, 3)), np.full(3, np.inf)
-    for at, name in enumerate(found.names):
-        stem, _, condition = name.partition(" at ")
-        quantity, _, axis = stem.rpartition("_")
-        if quantity == "dwell":
-            patterns[:, int(condition), AXES.index(axis)] = changes[:, at]
-            of_sensor[AXES.index(axis)] = dof[at]
-    law = [at for at, name in enumerate(found.names) if not name.startswith("dwell")]
-    names = tuple(found.names[at] for at in law)
+    for i, key in enumerate(found.keys):
+        if key.at is not None:
+            patterns[:, int(key.at.value), AXES.index(key.axis)] = changes[:, i]
+            of_sensor[AXES.index(key.axis)] = dof[i]
+    law = [i for i, key in enumerate(found.keys) if key.at is None]
+    keys = tuple(found.keys[i] for i in law)
     kind, shape = component.kind, component.distribution
-    return TakenOff(patterns, names, changes[:, law], kind, of_sensor, shape, component.stated)
+    return TakenOff(patterns, keys, changes[:, law], kind, of_sensor, shape, component.stated)
 
 
 def _scaled(component: Component) -> Array:

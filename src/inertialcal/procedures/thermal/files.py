@@ -13,7 +13,7 @@ from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark, gather
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
@@ -64,7 +64,7 @@ class ThermalFile:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: which channel was what, the figures in the unit of the files, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
-        rows = [row.to_dict() for row in self.rows if not is_beside(row.condition)]
+        rows = [row.to_dict() for row in self.rows if not row.case.beside]
         caption = f"thermal: {len(self.inputs)} recording(s)"
         return (f"columns: {taken}", *figures(rows, caption), *told(self.remarks))
 

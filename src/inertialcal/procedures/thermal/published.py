@@ -2,7 +2,7 @@
 
 Rate volts over the volts of the temperature channel, every sample with the same weight, standard errors as if the
 samples were independent; with residual sum of squares and adjusted R-square (Tables 3 and 7). It stands beside the
-result with ``condition = "as_published"``. The standard errors are far too small: neighbouring samples share the drift
+result with ``Method.TEXTBOOK``. The standard errors are far too small: neighbouring samples share the drift
 of the bias. Where the volts are not known, in the unit of the readings over degC less the reference temperature.
 
 References
@@ -18,6 +18,7 @@ import numpy as np
 from numpy.polynomial import chebyshev
 
 from ...core.estimate import Array
+from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
 from ...core.units import normalise
 from ...sensors.thermal import in_unit, over_voltage
@@ -28,7 +29,6 @@ from .cells import Series
 from .plan import Plan
 from .quantities import power_unit
 
-CONDITION = "as_published"
 ORDER = 3
 
 
@@ -87,27 +87,32 @@ def published_rows(plan: Plan, series: Series, cut: float, unit: str) -> list[Ro
     if found is None:
         return [
             not_estimated(
-                "residual_sum_of_squares", axis, normalise(f"({unit})^2"), "too few samples for a cubic", CONDITION
+                Key("residual_sum_of_squares", axis),
+                normalise(f"({unit})^2"),
+                Reason("few_samples", "too few samples for a cubic"),
+                Method.TEXTBOOK,
             )
         ]
     own, by = ("V", "V") if found.volts else (unit, "degC")
     stem = "bias_voltage" if found.volts else "bias_temperature"
     reference = 0.0 if found.volts else plan.reference_temperature
     values, covariance = found.polynomial.monomials(reference)
-    reason = f"unweighted cubic through all {found.samples} samples; its uncertainty takes them as independent"
+    told = f"unweighted cubic through all {found.samples} samples; its uncertainty takes them as independent"
+    reason = Reason("limits", told)
     dof = found.polynomial.dof
     rows = []
     for j, value in enumerate(values):
-        name = "bias" if j == 0 and not found.volts else f"{stem}_{j}"
+        key = Key("bias", axis) if j == 0 and not found.volts else Key(stem, axis, power=j)
         u = None if covariance is None else float(np.sqrt(covariance[j, j]))
         interval = None if u is None else t_interval(float(value), u, dof)
         rows.append(
-            Row(name, axis, float(value), u, power_unit(own, by, j), dof, interval, reason=reason, condition=CONDITION)
+            Row(key, float(value), u, power_unit(own, by, j), dof, interval, reason=reason, method=Method.TEXTBOOK)
         )
     square = normalise(f"({own})^2")
     for name, value, its in (
         ("residual_sum_of_squares", found.residual_sum_of_squares, square),
         ("adjusted_r_square", found.adjusted_r_square, "1"),
     ):
-        rows.append(Row(name, axis, value, None, its, status="not_estimated", reason=reason, condition=CONDITION))
+        key = Key(name, axis)
+        rows.append(Row(key, value, None, its, status="not_estimated", reason=reason, method=Method.TEXTBOOK))
     return rows

@@ -28,6 +28,7 @@ from numpy.polynomial import chebyshev
 
 from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import At, Key
 from ...core.units import normalise
 from ...sensors.thermal import over_voltage, powers_of
 from ...statistics.polynomial import Polynomial
@@ -40,7 +41,6 @@ SOURCES = {
     "ramp": "scatter between ramps",
     "block": "scatter between stretches of ramps",
 }
-AT = " at "  # between name and condition of a value
 RECORDINGS = "scatter between recordings"  # where a run is a recording, and no power-up is known
 
 
@@ -50,7 +50,7 @@ class Asked:
 
     Parameters
     ----------
-    keys : tuple of (quantity, axis, condition)
+    keys : tuple of Key
         One a value.
     units : tuple of str
         SI.
@@ -60,20 +60,15 @@ class Asked:
         Whether they hold over temperature, and not over the channel's own volts.
     """
 
-    keys: tuple[tuple[str, str, str], ...]
+    keys: tuple[Key, ...]
     units: tuple[str, ...]
     rows: Array
     by_temperature: bool = True
 
 
-def name_of(quantity: str, axis: str, condition: str = "") -> str:
-    """Return the name of a value in an Estimate: ``"bias_x"``, ``"bias_x at -20 degC"``."""
-    return f"{quantity}_{axis}{AT}{condition}" if condition else f"{quantity}_{axis}"
-
-
-def at_text(temperature: float) -> str:
-    """Return a temperature as a condition: ``"-20 degC"``."""
-    return f"{temperature:.6g} degC"
+def at_degrees(temperature: float) -> At:
+    """Return the place of a value at a temperature [degC]."""
+    return At("temperature", temperature, "degC")
 
 
 def power_unit(unit: str, by: str, power: int) -> str:
@@ -86,13 +81,18 @@ def power_unit(unit: str, by: str, power: int) -> str:
 def asked_of(plan: Plan, law: Law, axis: str, unit: str, quantity: str = "bias") -> list[Asked]:
     """Return what is wanted of a law: coefficients over temperature, values at temperatures, the same over volts."""
     powers = powers_of(law.order, law.domain, plan.reference_temperature)
-    names = [quantity, *(f"{quantity}_temperature_{j}" for j in range(1, law.order + 1))]
+    keys = [Key(quantity, axis), *(Key(f"{quantity}_temperature", axis, power=j) for j in range(1, law.order + 1))]
     units = tuple(power_unit(unit, "degC", j) for j in range(law.order + 1))
-    found = [Asked(tuple((name, axis, "") for name in names), units, powers)]
+    found = [Asked(tuple(keys), units, powers)]
     inside = [one for one in plan.at or () if law.domain[0] <= one <= law.domain[1]]
     if inside:
-        keys = tuple((quantity, axis, at_text(one)) for one in inside)
-        found.append(Asked(keys, (unit,) * len(inside), law.basis(inside)))
+        found.append(
+            Asked(
+                tuple(Key(quantity, axis, at=at_degrees(one)) for one in inside),
+                (unit,) * len(inside),
+                law.basis(inside),
+            )
+        )
     thermometer = (plan.thermometers or {}).get(axis)
     if thermometer is not None and quantity == "bias":
         found.append(_over_volts(law, axis, unit, thermometer, (plan.scale_factor or {}).get(axis)))
@@ -104,7 +104,7 @@ def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer, volts_per_
     blank = Polynomial(np.ones(law.order + 1), None, 0.0, law.domain)
     volts = over_voltage(blank, channel.slope, channel.voltage, channel.temperature)
     rows = powers_of(law.order, volts.domain, 0.0) * volts.coefficients  # odd ones turned by a negative slope
-    keys = tuple((f"bias_voltage_{j}", axis, "") for j in range(law.order + 1))
+    keys = tuple(Key("bias_voltage", axis, power=j) for j in range(law.order + 1))
     own, scale = ("V", volts_per_unit) if volts_per_unit is not None else (unit, 1.0)
     units = tuple(power_unit(own, "V", j) for j in range(law.order + 1))
     return Asked(keys, units, scale * rows, by_temperature=False)
@@ -112,7 +112,7 @@ def _over_volts(law: Law, axis: str, unit: str, channel: Thermometer, volts_per_
 
 def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> Estimate | None:
     """Return the bias at temperatures inside the range of a law, in order; None where it has no uncertainty."""
-    keys = tuple(("bias", axis, f"{i}") for i in range(len(temperatures)))
+    keys = tuple(Key("bias", axis, at=At("place", i, "")) for i in range(len(temperatures)))
     asked = Asked(keys, (unit,) * len(temperatures), law.basis(temperatures))
     found = estimate(plan, {axis: law}, {axis: [asked]}, unit)
     return found if found is not None and len(found.names) == len(temperatures) else None
@@ -120,9 +120,9 @@ def bias_at(plan: Plan, law: Law, axis: str, unit: str, temperatures: Array) -> 
 
 @dataclass(frozen=True, eq=False)
 class _Part:
-    """Known values of one law: names, values, units, Type A covariance and dof, Type B changes by source."""
+    """Known values of one law: keys, values, units, Type A covariance and dof, Type B changes by source."""
 
-    names: list[str]
+    keys: list[Key]
     values: Array
     units: list[str]
     covariance: Array
@@ -148,13 +148,13 @@ def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked
         Of the readings.
     """
     parts = [_part(plan, law, axis, one, unit) for axis, law in laws.items() for one in [_joined(asked[axis])]]
-    parts = [one for one in parts if one.names]
+    parts = [one for one in parts if one.keys]
     if not parts:
         return None
-    names = tuple(name for part in parts for name in part.names)
-    components = [_type_a(plan, parts, len(names)), *_type_b(plan, parts, unit)]
+    keys = tuple(key for part in parts for key in part.keys)
+    components = [_type_a(plan, parts, len(keys)), *_type_b(plan, parts, unit)]
     values = np.concatenate([part.values for part in parts])
-    return Estimate(names, values, tuple(u for part in parts for u in part.units), tuple(components))
+    return Estimate(keys, values, tuple(u for part in parts for u in part.units), tuple(components))
 
 
 def _joined(asked: Iterable[Asked]) -> tuple[Asked, Array]:
@@ -170,16 +170,16 @@ def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: st
     constant = asked.rows[:, 0]
     known = dof > 0.0
     if unit == "m/s^2":
-        known &= np.array([not _is_level(quantity) for quantity, _, _ in asked.keys])
+        known &= np.array([not _is_level(key) for key in asked.keys])
     if unit != "V" and not law.midway and "sensor.hysteresis" not in plan.standards:
-        known &= np.array([not _is_level(quantity) for quantity, _, _ in asked.keys])
+        known &= np.array([not _is_level(key) for key in asked.keys])
     raw = asked.rows @ law.coefficients
     at = AXES.index(axis)
     earth, unknown = earth_along(plan) if unit == "rad/s" else (np.zeros(3), {})
     changes = {f"earth rate: {name}": -np.outer(one.patterns[:, at], constant) for name, one in unknown.items()}
     changes |= _own_changes(plan, law, asked.rows, over, raw, unit)
     return _Part(
-        [name_of(*key) for key, keep in zip(asked.keys, known, strict=True) if keep],
+        [key for key, keep in zip(asked.keys, known, strict=True) if keep],
         (raw - earth[at] * constant)[known],
         [one for one, keep in zip(asked.units, known, strict=True) if keep],
         covariance[np.ix_(known, known)],
@@ -189,9 +189,9 @@ def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: st
     )
 
 
-def _is_level(quantity: str) -> bool:
+def _is_level(key: Key) -> bool:
     """Whether a quantity holds the constant of the law, and not its shape alone."""
-    return quantity in ("bias", "bias_voltage_0")
+    return key.quantity in ("bias", "bias_voltage") and key.power == 0
 
 
 def _source(plan: Plan, law: Law) -> str:
@@ -217,10 +217,10 @@ def _own_changes(plan: Plan, law: Law, rows: Array, over: Array, raw: Array, uni
 def _type_a(plan: Plan, parts: list[_Part], size: int) -> Component:
     covariance, dof, start = np.zeros((size, size)), np.empty(size), 0
     for part in parts:
-        block = slice(start, start + len(part.names))
+        block = slice(start, start + len(part.keys))
         covariance[block, block] = 0.5 * (part.covariance + part.covariance.T)
         dof[block] = part.dof
-        start += len(part.names)
+        start += len(part.keys)
     sources = {part.source for part in parts}
     return Component(sources.pop() if len(sources) == 1 else "scatter at the highest level repeated", "A", covariance,
                      dof, "t")  # fmt: skip
@@ -236,7 +236,7 @@ def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
         influences |= {f"earth rate: {name}": one.influence for name, one in earth_along(plan)[1].items()}
     found = []
     for source in dict.fromkeys(name for part in parts for name in part.changes):
-        widths = [len(part.names) for part in parts]
+        widths = [len(part.keys) for part in parts]
         deep = max(len(part.changes[source]) for part in parts if source in part.changes)
         whole = np.hstack(
             [part.changes.get(source, np.zeros((deep, n))) for part, n in zip(parts, widths, strict=True)]

@@ -26,8 +26,9 @@ from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.influence import Influence
+from ...core.key import Reason
 from ...core.remarks import Remark, gather
-from ...core.results import Row, is_beside
+from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from .curves import curves
@@ -84,7 +85,7 @@ class Result:
         The same of the one path that was seen, of sensors where there is only one.
     references : mapping of str to Estimate
         Reference voltages over temperature.
-    reasons : mapping of str to str
+    reasons : mapping of str to Reason
         Why a sensor has no law.
     remarks : tuple of Remark
         Findings.
@@ -97,7 +98,7 @@ class Result:
     estimate: Estimate | None
     on_path: Estimate | None
     references: Mapping[str, Estimate]
-    reasons: Mapping[str, str]
+    reasons: Mapping[str, Reason]
     remarks: tuple[Remark, ...]
 
     def rows(self) -> tuple[Row, ...]:
@@ -111,7 +112,7 @@ class Result:
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
         caption = f"thermal: {len(self.readings.sweeps)} recording(s), {self.readings.runs} run(s)"
-        found = figures([row.to_dict() for row in self.rows() if not is_beside(row.condition)], caption)
+        found = figures([row.to_dict() for row in self.rows() if not row.case.beside], caption)
         return (*found, *(f"sensor {axis}: {reason}" for axis, reason in self.reasons.items()), *told(self.remarks))
 
     def __str__(self) -> str:
@@ -150,9 +151,9 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     asked = {axis: asked_of(plan, law, axis, unit) for axis, law in laws.items()}
     single = {axis: law for axis, law in laws.items() if not law.midway}
     known = replace(plan, standards={**plan.standards, "sensor.hysteresis": Influence(0.0, unit)})
-    reasons = {axis: problem.what for axis, problem in problems.items()}
+    reasons = {axis: Reason(problem.code, problem.what) for axis, problem in problems.items()}
     remarks = [*readings.remarks, *(remark for one in sensors.values() for remark in one.remarks)]
-    remarks += [Remark("no_law", "warning", reason, readings.where) for reason in reasons.values()]
+    remarks += [Remark("no_law", "warning", reason.text, readings.where) for reason in reasons.values()]
     return Result(
         plan,
         readings,

@@ -7,26 +7,30 @@ one path alone was seen; ``"as_published"`` for the document's own way.
 from __future__ import annotations
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Estimate
+from ...core.key import Key, Member, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
 from .paths import PathEffect
 from .plan import INFLUENCES, Plan
 from .published import published_rows
-from .quantities import at_text, name_of
+from .quantities import at_degrees
 from .sensor import OfSensor
 
 if TYPE_CHECKING:
     from .reduction import Result
 
-ONE_RUN = "it rests on what one run alone shows: how it differs between runs cannot be told"
-GRAVITY = "the reading at rest holds what gravity adds along the axis"
+ONE_RUN = Reason("one_run", "it rests on what one run alone shows: how it differs between runs cannot be told")
+GRAVITY = Reason("gravity", "the reading at rest holds what gravity adds along the axis")
 BLOCKS = "from one run: what differs between power-ups, and drift slower than a sixth of a ramp, is not in it"
+SAME = Reason("no_scatter", "the runs do not differ at all")
+QUIET = "no transient after power-up stands out of the noise"
 RAMPS = "from one run: what differs between power-ups is not in it"
 
 
@@ -35,7 +39,7 @@ def rows(result: Result) -> list[Row]:
     found: list[Row] = []
     for axis in _axes(result):
         if axis not in result.sensors:
-            found.append(not_estimated("bias", axis, result.readings.unit, result.reasons[axis]))
+            found.append(not_estimated(Key("bias", axis), result.readings.unit, result.reasons[axis]))
             continue
         one = result.sensors[axis]
         found += _polynomial_rows(result, axis, one)
@@ -52,38 +56,27 @@ def _axes(result: Result) -> list[str]:
     return [axis for axis in AXES if axis in result.sensors or axis in result.reasons]
 
 
-def estimate_row(estimate: Estimate, key: tuple[str, str, str], reason: str) -> Row:
+def estimate_row(estimate: Estimate, key: Key, reason: Reason) -> Row:
     """Return the row of a value of an estimate."""
-    i = estimate.index(name_of(*key))
+    i = estimate.index(key)
     value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
-    quantity, axis, condition = key
-    told = float(dof) if np.isfinite(dof) else None
-    return Row(
-        quantity,
-        axis,
-        value,
-        u,
-        estimate.units[i],
-        told,
-        t_interval(value, u, dof),
-        reason=reason,
-        condition=condition,
-    )
+    free = float(dof) if np.isfinite(dof) else None
+    return Row(key, value, u, estimate.units[i], free, t_interval(value, u, dof), reason=reason)
 
 
 def _polynomial_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     limits = _limits(result, one)
     for asked in result.asked[axis]:
         for key, unit in zip(asked.keys, asked.units, strict=True):
-            if result.estimate is not None and name_of(*key) in result.estimate.names:
+            if result.estimate is not None and key in result.estimate.keys:
                 yield estimate_row(result.estimate, key, limits)
             else:
-                yield not_estimated(key[0], axis, unit, _why_not(result, one), key[2])
+                yield not_estimated(key, unit, _why_not(result, one))
     low, high = one.law.domain
     for temperature in result.plan.at or ():
         if not low <= temperature <= high:
-            reason = f"outside the range of the ramps, {low:.4g} to {high:.4g} degC"
-            yield not_estimated("bias", axis, result.readings.unit, reason, at_text(temperature))
+            reason = Reason("outside", f"outside the range of the ramps, {low:.4g} to {high:.4g} degC")
+            yield not_estimated(Key("bias", axis, at=at_degrees(temperature)), result.readings.unit, reason)
     if not one.law.midway:
         yield from _one_path_rows(result, axis, one)
 
@@ -94,19 +87,18 @@ def _one_path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     for asked in result.asked[axis]:
         if result.on_path is None or not asked.by_temperature:
             continue
-        for quantity, _, condition in asked.keys:
-            name = name_of(quantity, axis, condition)
-            if name in result.on_path.names:
-                row = estimate_row(result.on_path, (quantity, axis, condition), _level_limits(one))
-                yield Row(**{**vars(row), "condition": f"{way}, {condition}" if condition else way})
+        for key in asked.keys:
+            if key in result.on_path.keys:
+                row = estimate_row(result.on_path, key, Reason("limits", _level_limits(one)))
+                yield replace(row, member=Member("path", way))
 
 
-def _limits(result: Result, one: OfSensor) -> str:
+def _limits(result: Result, one: OfSensor) -> Reason:
     """Return what the uncertainty does not hold."""
     missing = [name for name in needed(result.plan) if name not in result.plan.standards]
     words = [_level_limits(one)] if one.law.level != "run" else []
     words += ["relative to the unit's own thermometer and converter"] if missing else []
-    return "; ".join(words)
+    return Reason("limits", "; ".join(words))
 
 
 def _level_limits(one: OfSensor) -> str:
@@ -120,19 +112,19 @@ def needed(plan: Plan) -> tuple[str, ...]:
     return tuple(name for name in INFLUENCES if name in names)
 
 
-def _why_not(result: Result, one: OfSensor) -> str:
+def _why_not(result: Result, one: OfSensor) -> Reason:
     if result.readings.unit == "m/s^2":
         return GRAVITY
     if not one.law.midway:
         way = {1: "warming", -1: "cooling"}[one.cells.ways[0]]
-        return f"only {way} was seen: midway between warming and cooling is not known"
+        return Reason("one_path", f"only {way} was seen: midway between warming and cooling is not known")
     return ONE_RUN
 
 
 def _range_rows(axis: str, one: OfSensor) -> Iterator[Row]:
-    reason = "end of the range in which the polynomial holds: known as read, without an uncertainty"
+    reason = Reason("range", "end of the range in which the polynomial holds: known as read, without an uncertainty")
     for name, value in zip(("temperature_lowest", "temperature_highest"), one.law.domain, strict=True):
-        yield Row(name, axis, value, None, "degC", status="not_estimated", reason=reason)
+        yield Row(Key(name, axis), value, None, "degC", status="not_estimated", reason=reason)
 
 
 def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
@@ -140,39 +132,39 @@ def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     both = one.cells.both
     over = "" if both is None else f"warming less cooling, mean from {both[0]:.4g} to {both[1]:.4g} degC"
     extra = "" if one.law.level == "run" else f"; {_level_limits(one)}"
-    yield effect_row("path_difference", axis, unit, paths.difference, over + extra)
-    yield effect_row("hysteresis", axis, unit, paths.hysteresis, f"{paths.word}: {paths.why}")
-    yield effect_row("thermal_lag", axis, "s", paths.lag, "the bias is this much behind the thermometer")
+    yield effect_row(Key("path_difference", axis), unit, paths.difference, Reason("limits", over + extra))
+    told = Reason(paths.word, f"{paths.word}: {paths.why}")
+    yield effect_row(Key("hysteresis", axis), unit, paths.hysteresis, told, f"{paths.word}: ")
+    behind = Reason("limits", "the bias is this much behind the thermometer")
+    yield effect_row(Key("thermal_lag", axis), "s", paths.lag, behind)
 
 
-def effect_row(quantity: str, axis: str, unit: str, effect: PathEffect, told: str) -> Row:
-    """Return the row of something that differs between the paths; its own reason goes first."""
+def effect_row(key: Key, unit: str, effect: PathEffect, told: Reason, word: str = "") -> Row:
+    """Return the row of something that differs between the paths; its own reason, after a word, goes first."""
     if effect.value is None or effect.u is None or effect.dof is None:
-        word = told.partition(":")[0] if quantity == "hysteresis" else ""
-        reason = f"{word}: {effect.reason}" if word else effect.reason
-        return Row(quantity, axis, effect.value, None, unit, status="not_estimated", reason=reason)
+        reason = Reason(told.code, f"{word}{effect.reason}")
+        return Row(key, effect.value, None, unit, status="not_estimated", reason=reason)
     interval = t_interval(effect.value, effect.u, effect.dof)
-    return Row(quantity, axis, effect.value, effect.u, unit, effect.dof, interval, reason=told)
+    return Row(key, effect.value, effect.u, unit, effect.dof, interval, reason=told)
 
 
 def _scatter_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     unit, cells = result.readings.unit, one.cells
     dof = float(np.sum(np.maximum(cells.samples - 2.0, 0.0)))
     std = float(np.sqrt(np.sum(np.maximum(cells.samples - 2.0, 0.0) * cells.scatter**2) / max(dof, 1.0)))
-    yield _scatter_row("scatter_sample", axis, unit, std, dof, "no cell has three samples")
+    yield _scatter_row("scatter_sample", axis, unit, std, dof, Reason("few_samples", "no cell has three samples"))
     name = "scatter_recording" if result.plan.run_level == "recording" else "scatter_run"
     offsets = one.run_offsets
     if len(offsets) < 2:
-        reason = "one run: not repeated"
-        yield not_estimated(name, axis, unit, reason)
+        yield not_estimated(Key(name, axis), unit, Reason("one_run", "one run: not repeated"))
         return
-    yield _scatter_row(name, axis, unit, float(np.std(offsets, ddof=1)), len(offsets) - 1.0, "")
+    yield _scatter_row(name, axis, unit, float(np.std(offsets, ddof=1)), len(offsets) - 1.0, SAME)
 
 
-def _scatter_row(name: str, axis: str, unit: str, std: float, dof: float, reason: str) -> Row:
+def _scatter_row(name: str, axis: str, unit: str, std: float, dof: float, reason: Reason) -> Row:
     if dof < 1.0 or not std > 0.0:
-        return not_estimated(name, axis, unit, reason or "the runs do not differ at all")
-    return Row(name, axis, std, std / float(np.sqrt(2.0 * dof)), unit, dof, chi_square_interval(std, dof))
+        return not_estimated(Key(name, axis), unit, reason)
+    return Row(Key(name, axis), std, std / float(np.sqrt(2.0 * dof)), unit, dof, chi_square_interval(std, dof))
 
 
 def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
@@ -180,38 +172,37 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     found = start.found
     names = (("warm_up_change", unit), ("warm_up_time_constant", "s"))
     if found is None or not found.seen:
-        reason = start.reason if found is None else "no transient after power-up stands out of the noise"
-        yield from (not_estimated(name, axis, its, reason) for name, its in names)
+        reason = Reason("no_transient", start.reason if found is None else QUIET)
+        yield from (not_estimated(Key(name, axis), its, reason) for name, its in names)
     else:
         values, us = (found.change, found.time_constant), np.sqrt(np.diag(found.covariance))
         for (name, its), value, u, dof in zip(names, values, us, found.dof, strict=True):
             known = dof > 0.0
             interval = t_interval(value, float(u), float(dof)) if known else None
-            told = "reading at power-up less settled" if name == "warm_up_change" else ""
-            yield Row(name, axis, value, float(u) if known else None, its, float(dof) if known else None, interval,
+            told = Reason("limits", "reading at power-up less settled" if name == "warm_up_change" else "")
+            yield Row(Key(name, axis), value, float(u) if known else None, its, float(dof) if known else None, interval,
                       "estimated" if known else "not_estimated", told if known else ONE_RUN)  # fmt: skip
     yield _cut_row(result, axis, one)
 
 
 def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
     """Row of what is left out after a power-up, by the criterion or as the plan says."""
-    start, found = one.start_up, one.start_up.found
-    told = f"until less than {start.settled:.3g} {result.readings.unit} is left of the start-up"
+    start, found, key = one.start_up, one.start_up.found, Key("warm_up_time", axis)
+    told = Reason("limits", f"until less than {start.settled:.3g} {result.readings.unit} is left of the start-up")
     if result.plan.warm_up is not None:
-        return Row("warm_up_time", axis, start.cut, None, "s", status="not_estimated", reason="as the plan says")
+        return Row(key, start.cut, None, "s", status="not_estimated", reason=Reason("by_plan", "as the plan says"))
     if found is None:
-        return not_estimated("warm_up_time", axis, "s", start.reason)
+        return not_estimated(key, "s", Reason("no_transient", start.reason))
     if not found.seen or start.cut <= 0.0:
-        return Row("warm_up_time", axis, 0.0, None, "s", status="not_estimated", reason="nothing left out")
+        return Row(key, 0.0, None, "s", status="not_estimated", reason=Reason("none_left_out", "nothing left out"))
     u, dof = found.u_settled_after(start.settled)
     if not dof > 0.0:
-        return Row("warm_up_time", axis, start.cut, None, "s", status="not_estimated", reason=told)
-    return Row("warm_up_time", axis, start.cut, u, "s", dof, t_interval(start.cut, u, dof), reason=told)
+        return Row(key, start.cut, None, "s", status="not_estimated", reason=told)
+    return Row(key, start.cut, u, "s", dof, t_interval(start.cut, u, dof), reason=told)
 
 
 def _reference_rows(result: Result, axis: str) -> Iterator[Row]:
     for name, estimate in result.references.items():
-        for key_name in estimate.names:
-            quantity, _, own = key_name.rpartition("_")
-            if own == axis and quantity in (name, f"{name}_temperature_1"):
-                yield estimate_row(estimate, (quantity, axis, ""), "")
+        for key in (Key(name, axis), Key(f"{name}_temperature", axis, power=1)):
+            if key in estimate.keys:
+                yield estimate_row(estimate, key, Reason())

@@ -62,6 +62,8 @@ class Line:
         Largest density over the level of the noise.
     chance : float
         Probability that noise alone shows such a ratio anywhere in the spectrum (at most 1).
+    times, lowest : int, float
+        Which multiple it is of which lower one [Hz]; 0 for one that is none.
     """
 
     name: str
@@ -74,6 +76,8 @@ class Line:
     u_amplitude: float
     ratio: float
     chance: float
+    times: int = 0
+    lowest: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -263,12 +267,12 @@ def _named(lines: list[Line], spacing: float) -> list[Line]:
     """Name the lines by their frequency, those at a multiple of a lower one by that."""
     named: list[Line] = []
     for line in lines:
-        name = f"{number(line.frequency, 4)} Hz"
         for lower in named:
             order = round(line.frequency / lower.frequency)
             apart = abs(line.frequency - order * lower.frequency)
-            if " x " not in lower.name and 2 <= order <= MOST_HARMONIC and apart < 0.25 * order * spacing:
-                name = f"{order} x {lower.name}"
+            if not lower.times and 2 <= order <= MOST_HARMONIC and apart < 0.25 * order * spacing:
+                named.append(replace(line, name=f"{order} x {lower.name}", times=order, lowest=lower.frequency))
                 break
-        named.append(replace(line, name=name))
+        else:
+            named.append(replace(line, name=f"{number(line.frequency, 4)} Hz"))
     return named

@@ -88,7 +88,7 @@ def test_a_term_not_identified_has_its_reason_limit_and_record_length() -> None:
     assert 0.5 < one.record_needed / planned < 4.0
     row = next(row for row in found.rows("x") if row.quantity == "rate_random_walk")
     assert row.status == "upper_limit"
-    assert "would show it" in row.reason
+    assert "would show it" in row.reason.text
 
 
 def test_gauss_markov_noise_not_identified_is_limited_where_it_could_hide() -> None:
@@ -115,7 +115,7 @@ def test_a_term_that_looks_like_another_says_which() -> None:
     assert rival.code == "like_another"
     assert rival.reason == f"could as well be {other[named]}"
     row = next(row for row in found.rows() if row.quantity == rival.parameters[0].name)
-    assert (row.status, row.reason) == ("estimated", rival.reason)
+    assert (row.status, row.reason.text) == ("estimated", rival.reason)
 
 
 def test_why_a_term_is_not_there_says_a_length_only_where_length_is_what_lacks() -> None:
@@ -197,7 +197,7 @@ def test_a_run_that_differs_is_no_misfit_of_the_terms() -> None:
         assert found.misfit < 0.02
     assert told >= 5
     (row,) = (row for row in found.rows() if row.quantity == "angle_random_walk")
-    assert "the runs do not agree" in row.reason
+    assert "the runs do not agree" in row.reason.text
 
 
 def test_a_misfit_at_its_bound_is_told() -> None:
@@ -207,7 +207,7 @@ def test_a_misfit_at_its_bound_is_told() -> None:
     assert found.misfit == 0.25
     assert found.doubts == ("terms_do_not_explain",)
     assert "no figure of this fit holds" in found.remarks[0].what
-    assert "do not explain" in found.rows()[0].reason
+    assert "do not explain" in found.rows()[0].reason.text
 
 
 def test_result_does_not_depend_on_the_unit() -> None:

@@ -13,7 +13,7 @@ from ....core.errors import DataError, UsageError
 from ....core.influence import Influence
 from ....core.recording import Recording
 from ....core.remarks import Remark, gather
-from ....core.results import Row, is_beside
+from ....core.results import Row
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import figures, told
 from ....core.show.tables import Part, html, text
@@ -69,7 +69,7 @@ class FlipFile:
 
     def parts(self) -> tuple[Part, ...]:
         """Return what is shown: the figures in the unit of the files, how many remarks."""
-        rows = [row.to_dict() for row in self.rows if not is_beside(row.condition)]
+        rows = [row.to_dict() for row in self.rows if not row.case.beside]
         caption = f"flip about {self.result.plan.axis}: {len(self.result.readings)} dwells"
         return (*figures(rows, caption), *told(self.remarks))
 

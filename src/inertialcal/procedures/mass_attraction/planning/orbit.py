@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from scipy import optimize
 
 from ....core.errors import DataError, UsageError
+from ....core.key import Key, told_for
 from ....core.results import Row
 from ....core.units import factor, parse_quantity, same_dimension
 from .settings import Constants, positive
@@ -138,4 +139,7 @@ def orbit_rows(found: Orbit, stand_off: float, constants: Constants) -> list[Row
         ("distance", cm * found.from_nearer, "cm", "from the nearer accelerometer", 0.0),
         ("attraction", found.near / ng, "ng", f"surface at {cm * stand_off:g} cm", u_relative),
     ]
-    return [Row(name, "", value, value * u or None, unit, test=TEST, condition=at) for name, value, unit, at, u in told]
+    return [
+        Row(Key(name), value, value * u or None, unit, test=TEST, member=told_for(at))
+        for name, value, unit, at, u in told
+    ]

@@ -6,6 +6,7 @@ import numpy as np
 
 from ....core.errors import UsageError
 from ....core.estimate import Array
+from ....core.key import Key
 from ....core.results import Row
 from ....physics.attraction import surface_tilt
 from .body import MassBody
@@ -46,4 +47,4 @@ def mercury_of(body: MassBody, found: MassDrive, moved: Moved, pools: Pools, con
 
 def mercury_row(mercury: Array) -> Row:
     """Return half of the largest less the smallest tilt [rad]."""
-    return Row("mercury_amplitude", "", float(np.ptp(mercury)) / 2.0, None, "rad", test=TEST, condition="")
+    return Row(Key("mercury_amplitude"), float(np.ptp(mercury)) / 2.0, None, "rad", test=TEST)

@@ -10,6 +10,7 @@ import numpy as np
 from ....core.curve import Column, Curve
 from ....core.errors import UsageError
 from ....core.estimate import Array
+from ....core.key import Key, told_for
 from ....core.results import Row
 from ....physics.attraction import Lattice, ProofMass, mean_field
 from ....physics.motion import Travel
@@ -101,7 +102,7 @@ def proof_rows(body: Lattice, way: Direction, ends: tuple[float, float], proof_m
         ("proof_mass_effect", 100.0 * rule, "%", "on the amplitude, second order"),
         ("pointlike_length", CM * proof_mass.pointlike_length, "cm", "of a proof mass of these radii"),
     )
-    return [Row(name, "", value, None, unit, test=TEST, condition=at) for name, value, unit, at in told]
+    return [Row(Key(name), value, None, unit, test=TEST, member=told_for(at)) for name, value, unit, at in told]
 
 
 def proof_curve(body: Lattice, way: Direction, ends: tuple[float, float], proof_mass: ProofMass) -> Curve:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+from ....core.key import Key, Reason, told_for
 from ....core.results import Row, not_estimated
 from ....physics.mass_shape import checked
 from .body import MassBody
@@ -107,14 +108,15 @@ def _time(quantity: str, seconds: float | None, condition: str) -> Row:
 
 
 def _row(quantity: str, value: float, unit: str, condition: str = "", u: float | None = None, axis: str = "") -> Row:
-    return Row(quantity, axis, float(value), u or None, unit, test=TEST, condition=condition)
+    return Row(Key(quantity, axis), float(value), u or None, unit, test=TEST, member=told_for(condition))
 
 
 def _as_stated(quantity: str, value: float, condition: str) -> Row:
     """Return an attraction of the body as it is stated, exactly so: what is in doubt stands with the amplitude."""
     reason = "of the body exactly as stated: its doubts are in the budget of the amplitude"
-    return replace(_row(quantity, value, "ng", condition), reason=reason)
+    return replace(_row(quantity, value, "ng", condition), reason=Reason("limits", reason))
 
 
-def _missing(quantity: str, unit: str, reason: str, condition: str) -> Row:
-    return replace(not_estimated(quantity, "", unit, reason, condition), test=TEST)
+def _missing(quantity: str, unit: str, why: str, condition: str) -> Row:
+    reason = Reason("not_told", why)
+    return replace(not_estimated(Key(quantity), unit, reason, member=told_for(condition)), test=TEST)

@@ -37,11 +37,11 @@ def mass_parts(rows: Sequence[Row]) -> tuple[Part, ...]:
     for caption, names in BLOCKS.items():
         mine = [row for row in rows if row.quantity in names and row.status == "estimated"]
         cells = [
-            (row.quantity, " ".join(filter(None, (row.axis, row.condition))), _value(row), row.unit) for row in mine
+            (row.quantity, " ".join(filter(None, (row.axis, str(row.case)))), _value(row), row.unit) for row in mine
         ]
         found += [Grid(HEADS, cells, caption, (2,))] if cells else []
         left = [row for row in rows if row.quantity in names and row.status == "not_estimated"]
-        found += [f"  not estimated: {row.quantity} ({row.condition}): {row.reason}" for row in left]
+        found += [f"  not estimated: {row.quantity} ({row.case}): {row.reason}" for row in left]
     return tuple(found)
 
 

@@ -15,7 +15,7 @@ from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.remarks import Remark, gather
-from ....core.results import Row, is_beside
+from ....core.results import Row
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import figures, told
 from ....core.show.tables import Part, html, text
@@ -131,7 +131,7 @@ class PositionsFile:
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
         shown: list[Part] = [f"columns: {taken}", self.summary]
         for test in dict.fromkeys(row.test for row in self.rows):
-            rows = [row.to_dict() for row in self.rows if row.test == test and not is_beside(row.condition)]
+            rows = [row.to_dict() for row in self.rows if row.test == test and not row.case.beside]
             shown += figures(rows, test)
         return (*shown, *told(self.remarks))
 
@@ -227,7 +227,9 @@ def positions(
 
 def of_sensors(rows: Sequence[Row]) -> list[Row]:
     """Return rows with the sensor, which is their condition, as their test; those of one quantity side by side."""
-    found = [replace(row, test=row.condition, condition="") if row.condition in KINDS.values() else row for row in rows]
+    found = [
+        replace(row, test=row.key.sensor, key=row.key._replace(sensor="")) if row.key.sensor else row for row in rows
+    ]
     return by_quantity(found)
 
 

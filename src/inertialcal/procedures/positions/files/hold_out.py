@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from ....core.curve import Column, Curve
 from ....core.errors import DataError
 from ....core.estimate import Array
+from ....core.key import Key, Member, Reason
 from ....core.remarks import Remark
 from ....core.results import Row
 from ....statistics.intervals import chi_square_interval
@@ -19,7 +20,7 @@ from ..held_out import held_out as fit_and_judge
 from ..plan import Plan
 from ..readings import Readings
 
-CONDITION, WITHOUT = "held out", "held out, no g-sensitivity"
+HELD, WITHOUT = Member("held_out", ""), Member("held_out", "no g-sensitivity")
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,9 +42,9 @@ class Held:
     def rows(self) -> list[Row]:
         """Return root mean squares: of the length of gravity, and of transitions with and without g-sensitivity, SI."""
         first = f"fitted on the first {self.whole.first} positions"
-        found = [_row("gravity_error", "m/s^2", self.whole.lengths, 1, CONDITION, first, "accelerometer")]
+        found = [_row("gravity_error", "m/s^2", self.whole.lengths, 1, HELD, first, "accelerometer")]
         if len(self.whole.angles):
-            found.append(_row("transition_error", "rad", self.whole.angles, 2, CONDITION, first, "gyro"))
+            found.append(_row("transition_error", "rad", self.whole.angles, 2, HELD, first, "gyro"))
         if self.without is not None and len(self.without.angles):
             found.append(_row("transition_error", "rad", self.without.angles, 2, WITHOUT, first, "gyro"))
         return found
@@ -87,12 +88,13 @@ def held_out(plan: Plan, readings: Readings, first: int) -> Held:
     return Held(whole, without)
 
 
-def _row(quantity: str, unit: str, errors: Array, each: int, condition: str, reason: str, test: str) -> Row:
+def _row(quantity: str, unit: str, errors: Array, each: int, member: Member, reason: str, test: str) -> Row:
     dof = float(each * len(errors))
     rms = float(np.sqrt(np.mean(errors**2)))
     u = rms / float(np.sqrt(2.0 * dof))
     interval = chi_square_interval(rms, dof) if rms > 0.0 else None
-    return Row(quantity, "", rms, u, unit, dof, interval, reason=reason, test=test, condition=condition)
+    said = Reason("limits", reason)
+    return Row(Key(quantity), rms, u, unit, dof, interval, reason=said, test=test, member=member)
 
 
 def _put(column: Column, at: NDArray[np.bool_], values: Array) -> Column:

@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array
+from ....core.key import Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..gravity import local_gravity
 from ..plan import Plan
@@ -37,8 +38,9 @@ from .observability import SMALLEST, USELESS, Observed, observed
 from .outliers import found_outliers, robust_scale, weights
 from .sphere import COARSE, NAMES, SETTLED, check_plane, converged, forward, lengths, nominal, told_forward, variances
 
-NOTHING_LEFT = "as many positions as unknowns: nothing is left to judge it by"
-OF_FRAME = "the accelerometers' own axes define the body frame: 0 by definition"
+NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: nothing is left to judge it by")
+NOT_TOLD = Reason("not_told", "these positions do not tell it")
+OF_FRAME = Reason("of_frame", "the accelerometers' own axes define the body frame: 0 by definition")
 INSIDE = "noise inside positions"
 ORIENTATION = "fixture.orientation"
 BETWEEN = "scatter between positions"
@@ -268,7 +270,7 @@ def _sensor(
 ) -> LinearSensor:
     """Gather values, sources and reasons."""
     names = (*MATRIX, *BIAS)
-    reasons = {k: "these positions do not tell it" for k in range(12) if not told[k]}
+    reasons = {k: NOT_TOLD for k in range(12) if not told[k]}
     if of_frame:
         reasons |= {3 * i + j: OF_FRAME for i in range(3) for j in range(i + 1, 3)}
     if found is None:

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ....core.estimate import Array
+from ....core.key import Reason
 from ..gravity import local_gravity
 from ..plan import Plan
 from ..readings import Readings, Rotation
@@ -26,11 +27,14 @@ from .rotations import BETWEEN, Rotated, solve
 
 NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"
-NO_ROTATIONS = "no rotations: gyros that rest tell their bias alone"
-NOT_TOLD = "these rotations do not tell it"
-NOTHING_LEFT = "no rotation was repeated, and turn.angle and fixture.orientation are not both stated: nothing judges it"
-NO_GRAVITY = "the accelerometers are not wholly known, so that the direction of gravity is not"
-ONE_PLACE = "as many positions as unknowns: nothing is left to judge it by"
+NO_ROTATIONS = Reason("no_rotations", "no rotations: gyros that rest tell their bias alone")
+NOT_TOLD = Reason("not_told", "these rotations do not tell it")
+NOTHING_LEFT = Reason(
+    "nothing_left",
+    "no rotation was repeated, and turn.angle and fixture.orientation are not both stated: nothing judges it",
+)
+NO_GRAVITY = Reason("no_gravity", "the accelerometers are not wholly known, so that the direction of gravity is not")
+ONE_PLACE = Reason("one_place", "as many positions as unknowns: nothing is left to judge it by")
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,8 +200,8 @@ def _common(plan: Plan, readings: Readings, values: Array, rotated: bool) -> lis
     return found
 
 
-def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool) -> dict[int, str]:
-    found: dict[int, str] = {}
+def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool) -> dict[int, Reason]:
+    found: dict[int, Reason] = {}
     if rotated is None:
         found |= dict.fromkeys(range(9), NO_ROTATIONS)
     else:
@@ -209,7 +213,7 @@ def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: boo
     if rest.fits is None:
         found |= dict.fromkeys(range(9, 12), ONE_PLACE)
     if rest.g_sensitivity is None or rest.fits is None:
-        found |= dict.fromkeys(range(12, 21), rest.reason or ONE_PLACE)
+        found |= dict.fromkeys(range(12, 21), Reason("no_g_sensitivity", rest.reason) if rest.reason else ONE_PLACE)
     return found
 
 

@@ -15,11 +15,12 @@ from numpy.typing import NDArray
 from ....core.axes import AXES
 from ....core.estimate import Array
 from ....core.influence import Influence
+from ....core.key import Key, Reason
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
-MATRIX = tuple(f"scale_factor_error_{p[0]}" if p[0] == p[1] else f"misalignment_{p}" for p in PAIRS)
-BIAS = tuple(f"bias_{a}" for a in AXES)
-G_SENSITIVITY = tuple(f"g_sensitivity_{p}" for p in PAIRS)
+MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
+BIAS = tuple(Key("bias", a) for a in AXES)
+G_SENSITIVITY = tuple(Key("g_sensitivity", p) for p in PAIRS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,7 +44,7 @@ class LinearSensor:
         In the order of the module head.
     sources : tuple of Source
         Their covariances add; in the same order.
-    reasons : mapping of int to str
+    reasons : mapping of int to Reason
         Number -> why it is not estimated.
     ideal, zero : ndarray, shape (3,)
         Scale factor [unit of the readings/input unit] and reading for no input [unit of the readings].
@@ -51,10 +52,10 @@ class LinearSensor:
 
     values: Array
     sources: tuple[Source, ...]
-    reasons: Mapping[int, str]
+    reasons: Mapping[int, Reason]
     ideal: Array
     zero: Array
-    named: tuple[str, ...] = field(default=(*MATRIX, *BIAS))
+    named: tuple[Key, ...] = field(default=(*MATRIX, *BIAS))
 
     @property
     def matrix(self) -> Array:

@@ -8,7 +8,7 @@ parameter that takes part in such a combination is not estimated; the others are
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from scipy import linalg
 
 from ....core.estimate import Array
+from ....core.key import Key
 
 SMALLEST = 1e-4  # singular value over the largest one
 USELESS = 0.05  # standard uncertainty of a combination of size one, above which it is not told
@@ -38,6 +39,8 @@ class Observed:
         Directions that are told, in scaled parameters.
     combinations : tuple of str
         Those that are not, in words.
+    parts : tuple of frozenset of Key
+        Parameters that take part in each of them.
     """
 
     rank: int
@@ -46,6 +49,7 @@ class Observed:
     told: NDArray[np.bool_]
     kept: Array
     combinations: tuple[str, ...]
+    parts: tuple[frozenset[Key], ...]
 
     @property
     def whole(self) -> bool:
@@ -53,14 +57,14 @@ class Observed:
         return self.rank == self.count
 
 
-def observed(scaled: Array, names: Sequence[str], scatter: float) -> Observed:
+def observed(scaled: Array, names: Sequence[Key], scatter: float) -> Observed:
     """Return what a scaled Jacobian can tell.
 
     Parameters
     ----------
     scaled : ndarray, shape (n, p)
         Derivatives of the readings by scaled parameters, all in one unit.
-    names : sequence of str
+    names : sequence of Key
         Of the parameters.
     scatter : float
         Standard deviation of a reading, in that unit.
@@ -73,24 +77,31 @@ def observed(scaled: Array, names: Sequence[str], scatter: float) -> Observed:
     told = np.sqrt(np.sum(lost**2, axis=1)) < TAKES_PART
     rank = int(np.sum(good))
     condition = float(s[good].max() / s[good].min()) if rank else np.inf
-    return Observed(rank, p, condition, told, rows[good].T, _in_words(lost, names))
+    simple = list(_simple(lost, names))
+    words, parts = tuple(map(_in_words, simple)), tuple(map(_parts, simple))
+    return Observed(rank, p, condition, told, rows[good].T, words, parts)
 
 
-def _in_words(lost: Array, names: Sequence[str]) -> tuple[str, ...]:
-    """Each combination with as few parameters in it as can be."""
+def _simple(lost: Array, names: Sequence[Key]) -> Iterator[list[tuple[float, Key]]]:
+    """Yield each combination with as few parameters in it as can be, the largest with factor one."""
     if not lost.shape[1]:
-        return ()
+        return
     pivots = linalg.qr(lost.T, mode="r", pivoting=True)[1][: lost.shape[1]]
     simple = lost @ np.linalg.inv(lost[pivots])
-    found = []
     for vector in simple.T:
         largest = vector[np.argmax(np.abs(vector))]
-        terms = [(factor, names[i]) for i, factor in enumerate(vector / largest) if abs(factor) > TAKES_PART]
-        found.append(" ".join(_term(factor, name, k == 0) for k, (factor, name) in enumerate(terms)))
-    return tuple(found)
+        yield [(factor, names[i]) for i, factor in enumerate(vector / largest) if abs(factor) > TAKES_PART]
 
 
-def _term(factor: float, name: str, first: bool) -> str:
+def _parts(terms: Sequence[tuple[float, Key]]) -> frozenset[Key]:
+    return frozenset(name for _, name in terms)
+
+
+def _in_words(terms: Sequence[tuple[float, Key]]) -> str:
+    return " ".join(_term(factor, name, k == 0) for k, (factor, name) in enumerate(terms))
+
+
+def _term(factor: float, name: Key, first: bool) -> str:
     sign = "-" if factor < 0.0 else "" if first else "+"
     size = "" if abs(abs(factor) - 1.0) < 0.005 else f"{abs(factor):.2g} "
     return f"{sign}{size}{name}" if first else f"{sign} {size}{name}"

@@ -16,6 +16,7 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
+from .linear_sensor import MATRIX
 from .observability import Observed, observed
 from .outliers import found_outliers
 from .rotation_errors import (
@@ -35,9 +36,6 @@ STEPS, HALVINGS = 40, 10
 SETTLED = 1e-10
 ROUNDS = 4  # of leaving out and looking again
 REFINED, REFINEMENTS = 1e-8, 6  # step of W from which its weights no longer move it; at most so many
-W_NAMES = tuple(
-    f"scale_factor_error_{a}" if a == b else f"misalignment_{a}{b}" for a in ("x", "y", "z") for b in ("x", "y", "z")
-)
 
 Flags = NDArray[np.bool_]
 
@@ -187,4 +185,4 @@ def _two_levels(plan: Plan, problem: Problem, here: Errors, told: Array, kept: F
 
 def _seen(problem: Problem, by_W: Array, kept: Flags) -> Observed:
     scatter = float(np.sqrt(np.mean(noise_variances(problem)[kept])))
-    return observed(by_W[kept], W_NAMES, scatter)
+    return observed(by_W[kept], MATRIX, scatter)

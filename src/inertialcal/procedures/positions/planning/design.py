@@ -29,6 +29,7 @@ from ....core.axes import AXES
 from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import PlanError
 from ....core.estimate import Array
+from ....core.key import Key
 from ..fit.observability import observed
 
 MOST = 200  # positions that a person lays
@@ -73,8 +74,10 @@ class Prediction:
 
     Parameters
     ----------
-    names, units : tuple of str
-        Parameters as a model names them.
+    keys : tuple of Key
+        Parameters.
+    units : tuple of str
+        SI.
     u : ndarray, shape (k,)
         Standard uncertainties; infinite where the positions do not tell.
     covariance : ndarray, shape (k, k)
@@ -85,9 +88,11 @@ class Prediction:
         Of what is told.
     untold : tuple of str
         Combinations that are not, in words.
+    parts : tuple of frozenset of Key
+        Parameters that take part in each of them.
     """
 
-    names: tuple[str, ...]
+    keys: tuple[Key, ...]
     units: tuple[str, ...]
     u: Array
     covariance: Array
@@ -95,6 +100,12 @@ class Prediction:
     count: int
     condition: float
     untold: tuple[str, ...]
+    parts: tuple[frozenset[Key], ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Parameters as a model names them."""
+        return tuple(map(str, self.keys))
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,15 +140,20 @@ def sphere(n: int) -> Array:
     return np.column_stack([ring * np.cos(around), ring * np.sin(around), z])
 
 
-def parameter_names(known: bool) -> tuple[tuple[str, ...], tuple[str, ...]]:
+def parameters(known: bool) -> tuple[tuple[Key, ...], tuple[str, ...]]:
     """Return the parameters that a test tells, and their units."""
     pairs = [(i, j) for i in range(3) for j in range(3) if i != j] if known else LOWER
-    names = (
-        *(f"scale_factor_error_{a}" for a in AXES),
-        *(f"misalignment_{AXES[i]}{AXES[j]}" for i, j in pairs),
-        *(f"bias_{a}" for a in AXES),
+    keys = (
+        *(Key("scale_factor_error", a) for a in AXES),
+        *(Key("misalignment", AXES[i] + AXES[j]) for i, j in pairs),
+        *(Key("bias", a) for a in AXES),
     )
-    return names, ("1",) * 3 + ("rad",) * len(pairs) + ("m/s^2",) * 3
+    return keys, ("1",) * 3 + ("rad",) * len(pairs) + ("m/s^2",) * 3
+
+
+def parameter_names(known: bool) -> tuple[str, ...]:
+    """Return the names of the parameters that a test tells."""
+    return tuple(map(str, parameters(known)[0]))
 
 
 def equations(setup: Setup, directions: ArrayLike) -> tuple[Array, Array]:
@@ -184,14 +200,14 @@ def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
     rows, deviations = equations(setup, directions)
     if not len(rows):
         raise PlanError("no position given", do="Give one or more", code="bad_argument")
-    names, units = parameter_names(setup.known)
-    k = len(names)
+    keys, units = parameters(setup.known)
+    k = len(keys)
     flat, weights = rows.reshape(-1, k), 1.0 / deviations.reshape(-1, 1)
-    seen = observed(flat * (setup.scatter / setup.gravity) * weights, names, setup.scatter / setup.gravity)
+    seen = observed(flat * (setup.scatter / setup.gravity) * weights, keys, setup.scatter / setup.gravity)
     covariance = _covariance(setup, flat * weights, seen.kept, seen.told)
     with np.errstate(invalid="ignore"):
         u = np.where(seen.told, np.sqrt(np.diag(covariance)), np.inf)
-    return Prediction(names, units, u, covariance, seen.rank, seen.count, seen.condition, seen.combinations)
+    return Prediction(keys, units, u, covariance, seen.rank, seen.count, seen.condition, seen.combinations, seen.parts)
 
 
 def _covariance(setup: Setup, weighted: Array, kept: Array, told: NDArray[np.bool_]) -> Array:
@@ -243,7 +259,7 @@ def next_position(
 
 def _weights(setup: Setup, goal: str) -> Array | None:
     """Return what each variance counts; None for the determinant."""
-    names, _ = parameter_names(setup.known)
+    names = parameter_names(setup.known)
     if goal == DETERMINANT:
         return None
     if goal == TRACE:
@@ -322,10 +338,10 @@ def course(
 
 
 def _limits(setup: Setup, target: Mapping[str, float]) -> Array:
-    names, _ = parameter_names(setup.known)
-    limits = np.full(len(names), np.inf)
+    keys, names = parameters(setup.known)[0], parameter_names(setup.known)
+    limits = np.full(len(keys), np.inf)
     for wanted, value in target.items():
-        at = [i for i, name in enumerate(names) if wanted in (name, name.rsplit("_", 1)[0])]
+        at = [i for i, key in enumerate(keys) if wanted in (str(key), key.quantity)]
         if not at or not 0.0 < value < np.inf:
             raise PlanError(
                 f"target {wanted} = {value!r}: no such parameter, or no positive number",

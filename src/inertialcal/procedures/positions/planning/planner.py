@@ -15,6 +15,7 @@ import numpy as np
 from ....core.axes import AXES
 from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
+from ....core.key import Key, Reason
 from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
 from ....core.show.frames import frame_of_rows
@@ -32,6 +33,7 @@ from .design import (
     cube,
     next_position,
     parameter_names,
+    parameters,
     predict_uncertainty,
 )
 
@@ -195,8 +197,8 @@ def _setup(scatter: str, known: bool, pose: str, gravity: str, gravity_u: str) -
 
 def _limits(setup: Setup, target: Mapping[str, str]) -> dict[str, float]:
     """Return the uncertainty wanted by parameter or quantity, SI."""
-    units = dict(zip(*parameter_names(setup.known), strict=True))
-    units |= {name.rsplit("_", 1)[0]: unit for name, unit in units.items()}
+    every = list(zip(*parameters(setup.known), strict=True))
+    units = {str(key): unit for key, unit in every} | {key.quantity: unit for key, unit in every}
     _check_names("target", target, units, setup.known)
     return {name: _number(name, said, units[name], *WANTED) for name, said in target.items()}
 
@@ -205,7 +207,7 @@ def _check_names(what: str, given: Iterable[str], names: Iterable[str], known: b
     unknown = next((name for name in given if name not in names), None)
     if unknown is not None:
         do = f"There are: {', '.join(names)}"
-        if not known and unknown in parameter_names(known=True)[0]:
+        if not known and unknown in parameter_names(known=True):
             do = f"Known directions alone tell it: --known. Without {do[0].lower()}{do[1:]}"
         raise UsageError(f"{what} {unknown!r}: no such parameter", do=do, code="unknown_name")
 
@@ -234,7 +236,7 @@ def _check(setup: Setup, limits: Mapping[str, float], following: int, goal: str)
         do = "Say how many: --next 3. Positions for a target are those that it needs"
         raise UsageError(f"goal {goal!r}, and no number of positions to add", do=do, code="contradiction")
     if following:
-        names, _ = parameter_names(setup.known)
+        names = parameter_names(setup.known)
         _check_names("goal", [goal], [DETERMINANT, TRACE, *names], setup.known)
     if setup.pose > 0.0 and not setup.known:
         do = "Say that directions are known, --known, or leave --pose out"
@@ -263,14 +265,13 @@ def _added(setup: Setup, taken: Array, following: int, goal: str) -> Array:
 def _rows(found: Prediction, target: Mapping[str, str], scatter: str) -> tuple[Row, ...]:
     """Return the uncertainty to expect, or why there is none, in the units that people said."""
     rows = []
-    for name, si, u in zip(found.names, found.units, found.u, strict=True):
-        quantity, axis = name.rsplit("_", 1)
-        said = target.get(name) or target.get(quantity)
+    for key, si, u in zip(found.keys, found.units, found.u, strict=True):
+        said = target.get(str(key)) or target.get(key.quantity)
         unit = parse_quantity(said).unit if said else _usual(si, scatter)
-        named = f"{quantity}_uncertainty"
-        row = Row(named, axis, float(u) * factor(si, unit), None, unit, test=TEST)
+        named = Key(f"{key.quantity}_uncertainty", key.axis)
+        row = Row(named, float(u) * factor(si, unit), None, unit, test=TEST)
         if not np.isfinite(u):
-            row = not_estimated(named, axis, unit, f"these positions do not tell {_untold(found, name)}")
+            row = not_estimated(named, unit, Reason("not_told", f"these positions do not tell {_untold(found, key)}"))
         rows.append(row)
     return tuple(rows)
 
@@ -280,9 +281,9 @@ def _usual(si: str, scatter: str) -> str:
     return {"1": "%", "m/s^2": parse_quantity(scatter).unit}.get(si, si)
 
 
-def _untold(found: Prediction, name: str) -> str:
+def _untold(found: Prediction, key: Key) -> str:
     """Return the combinations that are not told and that a parameter takes part in."""
-    return ", ".join(one for one in found.untold if name in one.split()) or name
+    return ", ".join(one for one, parts in zip(found.untold, found.parts, strict=True) if key in parts) or str(key)
 
 
 def _unstated(setup: Setup) -> tuple[Remark, ...]:

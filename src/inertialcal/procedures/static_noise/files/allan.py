@@ -10,7 +10,7 @@ from ....core.curve import Curve
 from ....core.errors import DataError, Problem, UsageError
 from ....core.recording import Recording
 from ....core.remarks import Remark, gather
-from ....core.results import Row, is_beside
+from ....core.results import Row
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import figures, told
 from ....core.show.tables import Part, html, text
@@ -127,7 +127,7 @@ class NoiseFile:
         """Return what is shown: the figures of each sensor, how long to record, how many remarks."""
         shown: list[Part] = []
         for one in self.sensors:
-            rows = [row.to_dict() for row in one.rows() if not is_beside(row.condition)]
+            rows = [row.to_dict() for row in one.rows() if not row.case.beside]
             count = len(one.result.readings)
             caption = f"{one.name}: noise of {duration(one.result.readings.length)}, {count} record(s)"
             shown += figures(rows, caption)

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ....core.estimate import Array
+from ....core.key import case_of
 from ....core.show.rounding import with_uncertainty
 from ...wording import words
 from ..drawing.data import Curve, numbers
@@ -137,7 +138,8 @@ def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) ->
     mine = [
         (term, row)
         for row in results.get("results", [])
-        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated") and " alone" not in row["condition"]
+        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated")
+        and case_of(row["condition"]).member is None
         if (term := _term(str(row["quantity"]))) in STROKES
     ]
     doubt = next((str(row["reason"]) for _, row in mine if row.get("reason")), "")

@@ -13,6 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
+from ....core.key import case_of
 from ...wording import listed
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit
 from ..drawing.log_axes import log_axis
@@ -63,8 +64,7 @@ def _lines(results: Mapping[str, Any], test: str, axis: str) -> dict[str, float]
     found: dict[str, float] = {}
     for row in results.get("results", []):
         if (row["test"], row["axis"], row["quantity"]) == (test, axis, "line_frequency") and row["value"] is not None:
-            name = str(row["condition"]).partition(", ")[0].removeprefix("line at ")
-            found.setdefault(plain(name), float(row["value"]))
+            found.setdefault(plain(case_of(row["condition"]).place), float(row["value"]))
     return found
 
 

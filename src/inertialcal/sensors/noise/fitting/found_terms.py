@@ -10,6 +10,7 @@ import numpy as np
 
 from ....core.axes import Kind
 from ....core.estimate import Array, Component, Estimate
+from ....core.key import Key
 from ....core.results import Interval
 from ..terms import TERMS, Quantization, RandomWalk, Sinusoid, quantity_name
 from ..units import parameter_unit
@@ -167,9 +168,9 @@ def estimate_of(solution: Solution, found: tuple[FoundTerm, ...]) -> Estimate:
     )
 
 
-def _distinct(names: list[str]) -> tuple[str, ...]:
-    """Return names numbered where they appear more than once: amplitudes of several lines."""
+def _distinct(names: list[str]) -> tuple[Key, ...]:
+    """Return keys, numbered where a name appears more than once: amplitudes of several lines."""
     counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
     return tuple(
-        f"{name}_{count}" if names.count(name) > 1 else name for name, count in zip(names, counts, strict=True)
+        Key(name, power=count if names.count(name) > 1 else 0) for name, count in zip(names, counts, strict=True)
     )

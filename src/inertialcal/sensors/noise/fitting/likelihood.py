@@ -95,7 +95,8 @@ def estimate_at(problem: Problem, wanted: Sequence[str], position: float) -> Fit
 
 def _columns(problem: Problem, wanted: Sequence[str]) -> list[int]:
     """Columns of the terms, Gauss-Markov noise last."""
-    at = [i for i, name in enumerate(problem.names) if name in wanted or name.startswith("line_")]
+    first = len(problem.names) - len(problem.lines)
+    at = [i for i, name in enumerate(problem.names) if name in wanted or i >= first]
     return [*at, len(problem.names)] if GAUSS_MARKOV in wanted else at
 
 

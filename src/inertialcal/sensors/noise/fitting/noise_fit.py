@@ -7,6 +7,7 @@ from typing import Any, Literal
 
 from ....core.axes import Kind
 from ....core.estimate import Array, Estimate
+from ....core.key import Key, Reason
 from ....core.remarks import Remark
 from ....core.results import Interval, Row
 from ....core.show.frames import frame
@@ -168,8 +169,8 @@ class NoiseFit:
         for term in self.found:
             said = "; ".join([*doubt, term.reason] if term.reason else doubt)
             for one in term.parameters:
-                values = one.name, axis, one.value, one.u, one.unit, None, one.interval
-                found.append(Row(*values, "estimated", said, test, condition))
+                values = Key(one.name, axis), one.value, one.u, one.unit, None, one.interval
+                found.append(Row(*values, "estimated", Reason("limits", said), test, condition))
             if term.status == "not_identified":
                 found += _missing_rows(term, axis, test, condition)
         return tuple(found)
@@ -184,7 +185,7 @@ class NoiseFit:
             "hi": [row.interval.hi if row.interval else None for row in rows],
             "unit": [row.unit for row in rows],
             "status": [row.status for row in rows],
-            "reason": [row.reason for row in rows],
+            "reason": [row.reason.text for row in rows],
         }
         return frame(columns, index=[row.quantity for row in rows])
 
@@ -219,16 +220,24 @@ def _missing_rows(term: FoundTerm, axis: str, test: str, condition: str) -> list
         reason += f"; limit at a correlation time of {duration(term.limit_at)}"
     if term.record_needed is not None and term.record_needed > term.record:
         reason += f"; a record of {duration(term.record_needed)} would show it, were it at its upper limit"
+    why = Reason("not_found", reason)
     if term.upper_limit is None:
         return [
             Row(
-                word, axis, None, None, term.unit, status="not_estimated", reason=reason, test=test, condition=condition
+                Key(word, axis),
+                None,
+                None,
+                term.unit,
+                status="not_estimated",
+                reason=why,
+                test=test,
+                condition=condition,
             )
             for word in term.words
         ]
     interval = Interval(None, term.upper_limit, 0.95)
     return [
-        Row(term.words[0], axis, None, None, term.unit, None, interval, "upper_limit", reason, test, condition)
+        Row(Key(term.words[0], axis), None, None, term.unit, None, interval, "upper_limit", why, test, condition)
     ]  # fmt: skip
 
 

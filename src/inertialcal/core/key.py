@@ -1,0 +1,234 @@
+"""What a figure is: its key, by which way it was found, of which part of the readings; and why there is none.
+
+Programs read these fields. Their texts (``bias_temperature_2_x``, ``"as_published, flip 3"``, ``"line at 9.97 Hz"``)
+are made here, and here alone they are read back: no other code takes a name or a condition apart.
+"""
+
+from __future__ import annotations
+
+import re
+from enum import StrEnum
+from functools import lru_cache
+from typing import NamedTuple
+
+FROM_ZERO = ("bias_voltage",)  # polynomials whose power 0 is told, too
+DIGITS = {"temperature": 6, "line": 4}  # significant ones of a place
+COEFFICIENT = re.compile(r"(?P<quantity>.+_(?:temperature|voltage))_(?P<power>\d+)")
+NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
+TEMPERATURE = re.compile(rf"(?P<value>{NUMBER}) degC")
+LINE = re.compile(rf"line at (?:(?P<times>\d+) x )?(?P<value>{NUMBER}) Hz(?:, (?P<run>run .+ alone))?", re.DOTALL)
+TEXTBOOK_MEMBER = "as_published, "
+
+
+class At(NamedTuple):
+    """Where a figure holds: temperature, -20, degC."""
+
+    what: str
+    value: float
+    unit: str
+
+    def __str__(self) -> str:
+        """Return the place as text: ``"-20 degC"``, ``"9.97 Hz"``."""
+        return f"{self.value:.{DIGITS.get(self.what, 6)}g} {self.unit}".rstrip()
+
+
+class Member(NamedTuple):
+    """A part of the readings that has a figure of its own: a flip, a run; or what a figure is told for."""
+
+    kind: str
+    label: str
+
+    def __str__(self) -> str:
+        """Return the part as text: ``"flip 3"``, ``"run R2 alone"``."""
+        if self.kind == "flip":
+            return f"flip {self.label}"
+        if self.kind == "run":
+            return f"run {self.label} alone"
+        if self.kind == "held_out":
+            return f"held out, {self.label}" if self.label else "held out"
+        return self.label
+
+
+def told_for(what: str) -> Member | None:
+    """Return what a figure is told for, in words; None for none."""
+    return Member("told_for", what) if what else None
+
+
+class Method(StrEnum):
+    """By which way a figure was found from the same readings; RESULT is the one that counts."""
+
+    RESULT = "result"
+    ALL_READINGS = "all_readings"
+    MEDIAN = "median"
+    LOW_PASS = "low_pass"  # noqa: S105 - a filter
+    TEXTBOOK = "as_published"
+    WITHIN_RUNS = "within_runs"
+    BETWEEN_RUNS = "between_runs"
+    DIFFERENCES = "differences"
+    GENERALISED = "generalised"
+
+
+# Ways that stand beside a result in tables, in the order of their columns.
+WAYS = (Method.ALL_READINGS, Method.MEDIAN, Method.LOW_PASS, Method.TEXTBOOK, Method.WITHIN_RUNS, Method.BETWEEN_RUNS)
+PARTS = ("flip", "run")  # members that stand beside a result, too
+SENSORS = ("accelerometer", "gyro")
+PATHS = ("warming", "cooling")
+
+
+class Key(NamedTuple):
+    """What a figure is of.
+
+    Parameters
+    ----------
+    quantity : str
+        The field's word: ``"scale_factor"``, ``"bias_temperature"``.
+    axis : str
+        ``"x"``, or ``"xz"`` for a matrix entry (row = sensor that reads, column = axis that moves).
+    sensor : str
+        Kind of sensor, where one result holds several.
+    power : int
+        Of a polynomial: ``bias_temperature``, power 2. Of a line: which multiple of the one at its place, or which of
+        several; 0 is itself.
+    at : At or None
+        Where it holds.
+    """
+
+    quantity: str
+    axis: str = ""
+    sensor: str = ""
+    power: int = 0
+    at: At | None = None
+
+    @property
+    def name(self) -> str:
+        """Quantity with its power: ``"bias_temperature_2"``."""
+        if self.at is not None and self.at.what == "line":
+            return self.quantity
+        return f"{self.quantity}_{self.power}" if self.power or self.quantity in FROM_ZERO else self.quantity
+
+    def __str__(self) -> str:
+        """Return the name of a value in an estimate: ``"bias_temperature_2_x"``, ``"bias_x at -20 degC"``."""
+        name = f"{self.name}_{self.axis}" if self.axis else self.name
+        return f"{name} at {self.at}" if self.at is not None else name
+
+
+class Reason(NamedTuple):
+    """Why there is no figure, or what limits it: programs read the code, people the text."""
+
+    code: str = ""
+    text: str = ""
+
+    def __bool__(self) -> bool:
+        """Tell whether there is anything to say."""
+        return bool(self.text)
+
+    def __str__(self) -> str:
+        """Return the text."""
+        return self.text
+
+
+NO_REASON = Reason()
+
+
+class Case(NamedTuple):
+    """Which of several figures of one quantity and axis a row is; its text is the ``condition`` of ``results.json``.
+
+    Parameters
+    ----------
+    method : Method
+        By which way.
+    member : Member or None
+        Of which part of the readings.
+    at : At or None
+        Where it holds.
+    times : int
+        Which multiple of a line; 0 is itself.
+    sensor : str
+        Kind of sensor, where one result holds several.
+    condition : str
+        Of the campaign; it is told where nothing else is.
+    """
+
+    method: Method = Method.RESULT
+    member: Member | None = None
+    at: At | None = None
+    times: int = 0
+    sensor: str = ""
+    condition: str = ""
+
+    @property
+    def beside(self) -> bool:
+        """Whether it is another way of reducing the same readings, or a part of them, and not the result."""
+        return self.method in WAYS or (self.member is not None and self.member.kind in PARTS and self.at is None)
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is the result of its quantity and axis, whatever the condition of the campaign."""
+        return self._replace(condition="") == PLAIN
+
+    @property
+    def place(self) -> str:
+        """Where it holds as text: ``"-20 degC"``, ``"2 x 9.97 Hz"``; empty for no place."""
+        return "" if self.at is None else f"{self.times} x {self.at}" if self.times else str(self.at)
+
+    def __str__(self) -> str:
+        """Return the text that ``results.json`` has as condition."""
+        if self.at is not None and self.at.what == "line":
+            parts: list[object] = [f"line at {self.place}", self.member]
+        else:
+            parts = [self.method if self.method is not Method.RESULT else None, self.member, self.at]
+        told = ", ".join(str(part) for part in parts if part is not None)
+        return told or self.sensor or self.condition
+
+
+PLAIN = Case()
+
+
+@lru_cache(maxsize=4096)
+def case_of(condition: str) -> Case:
+    """Read the condition of a row of ``results.json``: text that says nothing else is a condition of the campaign."""
+    if condition in set(Method) - {Method.RESULT}:
+        return Case(Method(condition))
+    if condition in SENSORS:
+        return Case(sensor=condition)
+    published = condition.startswith(TEXTBOOK_MEMBER)
+    if (part := _part(condition.removeprefix(TEXTBOOK_MEMBER))) is not None:
+        return Case(Method.TEXTBOOK if published else Method.RESULT, part)
+    return _at_a_place(condition)
+
+
+def _at_a_place(condition: str) -> Case:
+    if (line := LINE.fullmatch(condition)) is not None:
+        part = _part(line["run"] or "")
+        return Case(member=part, at=At("line", float(line["value"]), "Hz"), times=int(line["times"] or 0))
+    first, _, rest = condition.partition(", ")
+    if (at := _temperature(condition)) is not None:
+        return Case(at=at)
+    if first in PATHS and (not rest or _temperature(rest) is not None):
+        return Case(member=Member("path", first), at=_temperature(rest))
+    return Case(member=Member("held_out", rest)) if first == "held out" else Case(condition=condition)
+
+
+def _part(text: str) -> Member | None:
+    """Read ``"flip 3"`` and ``"run R2 alone"``."""
+    if text.startswith("flip ") and len(text) > len("flip "):
+        return Member("flip", text.removeprefix("flip "))
+    if text.startswith("run ") and text.endswith(" alone") and len(text) > len("run  alone"):
+        return Member("run", text.removeprefix("run ").removesuffix(" alone"))
+    return None
+
+
+def _temperature(text: str) -> At | None:
+    found = TEMPERATURE.fullmatch(text)
+    return None if found is None else At("temperature", float(found["value"]), "degC")
+
+
+def key_of(name: str, axis: str | None = None) -> Key:
+    """Read the name of a value of an estimate, or a quantity where its axis is given beside it."""
+    if axis is None:
+        stem, _, place = name.partition(" at ")
+        quantity, _, own = stem.rpartition("_")
+        found = key_of(quantity, own)._replace(at=_temperature(place)) if quantity else Key(stem)
+        return found if str(found) == name else Key(name)
+    part = COEFFICIENT.fullmatch(name)
+    return Key(name, axis) if part is None else Key(part["quantity"], axis, power=int(part["power"]))
