@@ -12,7 +12,7 @@ import pytest
 from numpy.typing import NDArray
 
 import inertialcal as ic
-from inertialcal.cli.nouns.noise_folder import write_folder
+from inertialcal.cli.nouns.static_noise_folder import write_folder
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.core.results import Row

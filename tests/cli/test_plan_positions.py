@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from typed_commands import call, call_json
 
-from inertialcal.cli.nouns.plans import plan
+from inertialcal.cli.nouns.mass_attraction_plan import plan
 
 PLAN = ("plan", "positions")
 SCATTER = ("--scatter", "0.1 mg")

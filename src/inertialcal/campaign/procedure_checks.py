@@ -17,6 +17,7 @@ SENSORS: dict[str, tuple[str, ...]] = {  # that a procedure tests
     "flip": ("accelerometer",),
     "thermal": ("gyro",),
     "static_noise": ("gyro", "accelerometer"),
+    "sine": ("accelerometer", "gyro"),
     "mass_attraction": ("accelerometer",),
     "positions": ("accelerometer", "gyro"),
 }

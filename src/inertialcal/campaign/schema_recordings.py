@@ -14,6 +14,7 @@ from ..procedures.mass_attraction.entry import Lines, MovedMass
 from ..procedures.positions.entry import Orientation
 from ..procedures.positions.orientation_text import FACES
 from ..procedures.rate_table.entry import Rows, Schedule
+from ..procedures.sine.entry import KnownDrive
 
 
 class Clock(Strict):
@@ -64,6 +65,7 @@ class RecordingEntry(Strict):
     schedule: Schedule | None = None
     positions: list[Position] | None = Field(default=None, min_length=1)
     mass: MovedMass | None = None
+    drive: KnownDrive | None = None
     orientations: list[Orientation] | None = Field(default=None, min_length=1)
     sections: Text | None = None
     turn: Angle | None = None
@@ -76,8 +78,8 @@ class RecordingEntry(Strict):
     def _one_kind(self) -> RecordingEntry:
         if [self.rows, self.means, self.lines, self.channels].count(None) != 3:
             raise ValueError("needs rows, means or lines (a reduced table) or channels (a recording), one of them")
-        keys = ("clock", "frame", "schedule", "positions", "mass", "orientations", "sections", "turn", "axis", "run",
-                "applied")  # fmt: skip
+        keys = ("clock", "frame", "schedule", "positions", "mass", "drive", "orientations", "sections", "turn", "axis",
+                "run", "applied")  # fmt: skip
         extra = [name for name in keys if getattr(self, name) is not None]
         if self.channels is None and extra:
             raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")

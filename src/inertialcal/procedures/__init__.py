@@ -15,7 +15,7 @@ from ..core.errors import PlanError
 from .protocol import Procedure
 
 GROUP = "inertialcal.procedures"
-OURS = ("rate_table", "flip", "thermal", "static_noise", "mass_attraction", "positions")
+OURS = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions")
 
 
 @cache

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Generic, Literal, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from ..core.axes import AXES, Kind
 
@@ -237,6 +237,13 @@ class Correction(Protocol):
         ...
 
 
+class Command(NamedTuple):
+    """A noun of the command line, or of ``plan``: its word and one line of help."""
+
+    word: str
+    help: str
+
+
 @dataclass(frozen=True)
 class Exclusion:
     """What a test did not use; the engine adds the name of the test.
@@ -290,13 +297,15 @@ class Tested(Generic[P, R, S]):
 class Procedure(Generic[P, R, S]):
     """A test that turns readings into a result. Subclasses say what is their own; the rest has its default here.
 
-    ``name`` is the word of campaign files, ``command`` that of the command line, ``title`` one sentence for help and
-    report.
+    ``name`` is the word of campaign files, ``title`` one sentence for the report; ``commands`` are its nouns on the
+    command line (`cli.commands` says where their functions stand), ``planner`` that of ``plan``.
     """
 
     name: str
-    command: str
     title: str
+    commands: Sequence[Command] = ()
+    planner: Command | None = None
+    command_module: str = ""
     plan_type: type[P]
     inputs: InputSpec
     influences: Mapping[str, str] = {}

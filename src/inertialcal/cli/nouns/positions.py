@@ -77,11 +77,11 @@ def positions(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Scale factors, misalignment, bias and g-sensitivity from static positions and rotations by hand."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.positions.files.call import positions as reduce_files
     from ..pairs import pairs
     from ..shown.summary import print_reduced
-    from .recordings import units_of
+    from ..units import units_of
 
     drawn, models = _outputs(output, figure)
     found = reduce_files(

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Correction, InputSpec, Procedure, Source, Tested
+from ..protocol import Command, Correction, InputSpec, Procedure, Source, Tested
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -18,8 +18,11 @@ if TYPE_CHECKING:
 class Flip(Procedure[Plan, "Readings", "Result"]):
     """Bias and ambient acceleration of a head that was turned."""
 
-    name, command = "flip", "flip"
+    name = "flip"
     title = "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."
+    commands = (
+        Command("flip", "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."),
+    )
     plan_type, influences = Plan, INFLUENCES
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Correction, Facts, InputSpec, Procedure, Role, Source
+from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Role, Source
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -17,8 +17,17 @@ if TYPE_CHECKING:
 class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     """Scale factor of an accelerometer from the attraction of a moved mass."""
 
-    name, command = "mass_attraction", "mass-attraction"
+    name = "mass_attraction"
     title = "Scale factor of an accelerometer from the attraction of a moved mass."
+    commands = (
+        Command(
+            "mass-attraction",
+            "Scale factor from a moved mass: its line in the drift, with the error from the lines beside it.",
+        ),
+    )
+    planner = Command(
+        "mass-attraction", "Source mass, drive, budget, and uncertainty of the scale factor against hours."
+    )
     plan_type, influences = Plan, INFLUENCES
     inputs = InputSpec(
         ("accelerometer",),

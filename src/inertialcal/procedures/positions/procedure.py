@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Correction, Facts, InputSpec, Procedure, Source
+from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -17,8 +17,17 @@ if TYPE_CHECKING:
 class Positions(Procedure[Plan, "Readings", "Result"]):
     """Accelerometers and gyros from static positions and the rotations between them."""
 
-    name, command = "positions", "positions"
+    name = "positions"
     title = "Accelerometers and gyros from static positions and the rotations between them, without a turntable."
+    commands = (
+        Command(
+            "positions",
+            "Scale factors, misalignment, bias and g-sensitivity from static positions and rotations by hand.",
+        ),
+    )
+    planner = Command(
+        "positions", "Positions of accelerometers to take, one after another, and the uncertainty to expect of them."
+    )
     plan_type, influences = Plan, INFLUENCES
     uses = frozenset({"fit", "hold_out", "report_only"})
     inputs = InputSpec(("accelerometer", "gyro"), several_sensors=True)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..protocol import Correction, InputSpec, Procedure, Role, Source
+from ..protocol import Command, Correction, InputSpec, Procedure, Role, Source
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -17,8 +17,14 @@ if TYPE_CHECKING:
 class RateTable(Procedure[Plan, "Readings", "Result"]):
     """Scale factor, bias and misalignment from dwells at known rates."""
 
-    name, command = "rate_table", "rate-table"
+    name = "rate_table"
     title = "Scale factor, bias, misalignment and error of rate from dwells at known rates."
+    commands = (
+        Command(
+            "rate-table",
+            "Scale factor, bias, asymmetry and misalignment from dwells at known rates: a table, or a recording of it.",
+        ),
+    )
     plan_type, influences = Plan, INFLUENCES
     uses = frozenset({"fit", "hold_out", "report_only"})
     inputs = InputSpec(("gyro",), (Role("applied", "angular_rate", "rad/s", by_axis=False),), table="rows")

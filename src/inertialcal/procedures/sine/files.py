@@ -16,10 +16,11 @@ from ...core.show.rounding import number
 from ...core.show.tables import Part, html, text
 from ...files.source import load
 from ...files.text.headers import bare_name
-from ...signals.sine import cross_checks, design_of, fit_line
 from ..static_noise.files.settings import one_of, quantity
 from ..static_noise.files.sources import Source, recordings_of
-from .inputs import Driven, channel_of, driven_by_schedule, driven_by_sine
+from .inputs import channel_of, driven_by_schedule, driven_by_sine
+from .plan import Plan
+from .reduction import line_of
 from .result import SineResult
 
 DRIFTS = ("dct", "polynomial")
@@ -156,16 +157,8 @@ def sine(
         driven = driven_by_sine(recording, channel, quantity(str(period), "s", "period", "480 s"), turn)
     inputs = {recording.source.path: recording.source.sha256} if recording.source.path else {}
     inputs |= {} if schedule is None else {str(schedule): load(schedule).sha256}
-    found = reduced(driven, drift, order, side_bands)
+    found = line_of(Plan(drift=drift, order=order, side_bands=side_bands), driven)  # type: ignore[arg-type]
     return SineFile(found, inputs, gather([*recording.remarks, *found.remarks()]))
 
 
-def reduced(driven: Driven, drift: str = "dct", order: int | None = None, side_bands: int | None = None) -> SineResult:
-    """Fit a drive to readings, with the other estimates beside; errors as ``signals.sine``."""
-    design = design_of(driven.drive, drift, order, side_bands)  # type: ignore[arg-type]
-    fit = fit_line(design, driven.readings)
-    checks = cross_checks(fit, driven.readings) if driven.drive.phase_known else ()
-    return SineResult(driven, fit, checks)
-
-
-__all__ = ["SineFile", "reduced", "sine"]
+__all__ = ["SineFile", "sine"]

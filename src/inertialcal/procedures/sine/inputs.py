@@ -127,7 +127,11 @@ def driven_by_schedule(recording: Recording, channel: Channel, path: str | Path)
         ``different_length`` if schedule and record do not end together within a dwell and a move; ``gaps`` if more than
         half of the dwells have no reading; as ``files.text.schedule_csv`` and ``signals.sine.applied_drive``.
     """
-    schedule = read_schedule(path)
+    return driven_by_dwells(recording, channel, read_schedule(path), path)
+
+
+def driven_by_dwells(recording: Recording, channel: Channel, schedule: Schedule, path: str | Path) -> Driven:
+    """Return the means of a channel over the dwells of a schedule that was read; errors as `driven_by_schedule`."""
     times, there, _ = _present(recording, channel)
     step = float(np.median(np.diff(times)))
     own = times - times[0] + schedule.start[0] + 0.5 * min(step, schedule.dwell)  # middle of each sample, its clock

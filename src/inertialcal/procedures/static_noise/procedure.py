@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
-from ..protocol import Correction, Exclusion, Facts, InputSpec, Procedure, Source, Tested
+from ..protocol import Command, Correction, Exclusion, Facts, InputSpec, Procedure, Source, Tested
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -21,8 +21,19 @@ NO_READINGS = {"stuck": "one value repeated for too long", "saturated": "at the 
 class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     """Noise of a sensor at rest."""
 
-    name, command = "static_noise", "allan"
+    name = "static_noise"
     title = "Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record."
+    commands = (
+        Command(
+            "allan",
+            "Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record.",
+        ),
+        Command(
+            "psd",
+            "Spectrum of a sensor at rest: its lines by name, its noise terms, and a check against the Allan"
+            " deviation.",
+        ),
+    )
     plan_type, influences = Plan, INFLUENCES
     inputs = InputSpec(("gyro", "accelerometer"), missing=True, ground_model="bias_kept", windows="records")
 

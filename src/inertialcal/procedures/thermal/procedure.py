@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Correction, Exclusion, Facts, InputSpec, Procedure, Role, Source, Tested
+from ..protocol import Command, Correction, Exclusion, Facts, InputSpec, Procedure, Role, Source, Tested
 from .plan import INFLUENCES, Plan, Thermometer
 
 if TYPE_CHECKING:
@@ -20,8 +20,14 @@ LATITUDE = "site.latitude"
 class Thermal(Procedure[Plan, "Readings", "Result"]):
     """Bias over temperature of a unit at rest."""
 
-    name, command = "thermal", "thermal"
+    name = "thermal"
     title = "Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups."
+    commands = (
+        Command(
+            "thermal",
+            "Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups.",
+        ),
+    )
     plan_type, influences = Plan, INFLUENCES
     uses = frozenset({"fit", "hold_out", "report_only"})
     counts_dwells = False

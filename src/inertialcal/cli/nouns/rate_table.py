@@ -1,4 +1,4 @@
-"""info, rate-table: commands that work on files."""
+"""rate-table: scale factor, bias, asymmetry and misalignment from dwells at known rates."""
 
 from __future__ import annotations
 
@@ -8,91 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from .. import figures
-from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
+from ..options import Json, Quiet
 from ..shown.output import json_out
-
-Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
-
-
-def info(
-    files: Files,
-    unit: Units = [],  # noqa: B006 - typer copies it
-    sample_rate: Annotated[
-        float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time.")
-    ] = None,
-    time_column: Annotated[
-        str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
-    ] = None,
-    start: Start = None,
-    stop: Stop = None,
-    mission_start: MissionStart = None,
-    frame: Frame = None,
-    output: figures.FigureFile = None,
-    as_json: Json = False,
-    quiet: Quiet = False,
-) -> int:
-    """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
-    from ...core.errors import InertialcalError, UsageError
-    from ...files.info.survey import survey
-    from ..shown.info_text import survey_text
-
-    figures.check_figure(output)
-    if output is not None and len(files) != 1:
-        raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
-    said: dict[str, Any] = {
-        "units": units_of(unit), "sample_rate": sample_rate, "time_column": time_column,
-        "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
-    }  # fmt: skip
-    found, errors = [], []
-    for path in files:
-        try:
-            found.append(survey(path, commands=_commands(), **said))
-        except InertialcalError as error:
-            errors += list(error.problems)
-    line = ""
-    if output is not None and not errors:
-        from ...files import read
-
-        recording = read(files[0], **said)
-        line = figures.write(output, recording, files, {})
-    if as_json:
-        content = {
-            "inputs": [{"path": one.path, "sha256": one.sha256} for one in found],
-            "results": [one.to_dict() for one in found],
-            "errors": [problem.to_dict() for problem in errors],
-        } | ({"written": str(output)} if line else {})
-        json_out("info", content, 3 if errors else 0)
-        return 3 if errors else 0
-    if not quiet and found:
-        print("\n\n".join([*(survey_text(one) for one in found), *([line] if line else [])]))
-    if errors:
-        raise InertialcalError(errors)
-    return 0
-
-
-def units_of(given: list[str]) -> dict[str, str]:
-    """Return the units by column or group, as ``--unit`` says them.
-
-    Raises
-    ------
-    UsageError
-        If a text does not have the form.
-    """
-    from ...core.errors import UsageError
-
-    units = {}
-    for text in given:
-        name, equals, unit = text.partition("=")
-        if not equals or not name or not unit:
-            raise UsageError(f"--unit {text!r}: write NAME=UNIT, like gyro=deg/s")
-        units[name.strip()] = unit.strip()
-    return units
-
-
-def _commands() -> tuple[str, ...]:
-    from ..app import app
-
-    return tuple(command.name or "" for command in app.registered_commands)
 
 
 def rate_table(
@@ -117,7 +34,7 @@ def rate_table(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Scale factor, bias, asymmetry and misalignment from dwells at known rates: a table, or a recording of it."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...campaign.calls.rate_table import rate_table as reduce_file
 
     figures.check_figure(output, {"--figure": figure})

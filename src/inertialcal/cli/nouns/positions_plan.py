@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from ...procedures.positions.planning.planner import PositionsPlan
 
 
-def positions(
+def plan(
     scatter: Annotated[
         str | None, typer.Option(help='Scatter of the mean reading of one position: "0.1 mg".', show_default=False)
     ] = None,
@@ -34,7 +34,7 @@ def positions(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Positions of accelerometers to take, one after another, and the uncertainty to expect of them."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.positions.planning.planner import plan_positions
 
     wanted = pairs(target or [], "--target", 'bias="0.1 mg"')

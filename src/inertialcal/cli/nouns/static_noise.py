@@ -103,7 +103,7 @@ def allan(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Noise terms of a sensor at rest with error bars, what the record cannot tell, and how long to record."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.static_noise.files.allan import allan as reduce_files
     from ...procedures.static_noise.files.settings import quantity as said
     from ..shown.noise_text import blocks_text, noise_text
@@ -153,7 +153,7 @@ def psd(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Spectrum of a sensor at rest: its lines by name, its noise terms, and a check against the Allan deviation."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.static_noise.files.psd import psd as reduce_file
     from ..shown.noise_text import spectrum_text
 
@@ -237,7 +237,7 @@ def _write(
         return []
     if output.suffix:
         return [figures.write(output, found, files, {"figure": figure}, most=3)]
-    from .noise_folder import write_folder
+    from .static_noise_folder import write_folder
 
     return [clean(f"written: {path}") for path in write_folder(output, found, blocks)]
 

@@ -53,10 +53,10 @@ def mass_attraction(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Scale factor from a moved mass: its line in the drift, with the error from the lines beside it."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.mass_attraction.files import mass_attraction as reduce_files
     from ..shown.summary import print_reduced
-    from .recordings import units_of
+    from ..units import units_of
 
     figures.check_figure(output, {"--figure": figure})
     found = reduce_files(

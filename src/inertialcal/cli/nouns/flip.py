@@ -43,7 +43,7 @@ def flip(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.flip.files.call import flip as reduce_files
     from ..pairs import pairs
 

@@ -46,11 +46,11 @@ def thermal(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.thermal.files import thermal as reduce_files
     from ..pairs import pairs
     from ..shown.summary import print_reduced
-    from .recordings import units_of
+    from ..units import units_of
 
     figures.check_figure(output, {"--figure": figure, "--axis": axis})
     found = reduce_files(

@@ -1,4 +1,4 @@
-"""plan TEST: what a test will give, before it is made."""
+"""plan mass-attraction: what a moved mass will give, before it is made."""
 
 from __future__ import annotations
 
@@ -10,7 +10,6 @@ import typer
 from .. import figures
 from ..options import Json, Quiet
 from ..shown.output import clean, json_out
-from .plans_positions import positions
 
 if TYPE_CHECKING:
     from ...procedures.mass_attraction.planning.planner import MassPlan
@@ -24,20 +23,10 @@ FIGURES = {
     "proof-mass": "proof_mass",
 }
 
-plan = typer.Typer(
-    help="What a test will give, before it is made: plan TEST.", no_args_is_help=True, rich_markup_mode=None
-)
-
-
-@plan.callback()
-def _tests() -> None:
-    """Plan a test."""
-
-
 Text = str | None
 
 
-def mass_attraction(
+def plan(
     cube: Annotated[Text, typer.Option(help='Edge of the cubes: "5.08 cm".')] = None,
     count: Annotated[int | None, typer.Option(help="How many cubes.")] = None,
     mass: Annotated[Text, typer.Option(help='What they may weigh: "1338 kg".')] = None,
@@ -107,7 +96,7 @@ def mass_attraction(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Source mass, drive, budget, and uncertainty of the scale factor against hours."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.mass_attraction.planning.planner import plan_mass_attraction
 
     figures.check_figure(output, {"--figure": figure})
@@ -127,10 +116,6 @@ def mass_attraction(
     elif not quiet:
         _print(found, written)
     return 0
-
-
-plan.command("mass-attraction")(mass_attraction)
-plan.command("positions")(positions)
 
 
 def _figure(name: str | None) -> str | None:

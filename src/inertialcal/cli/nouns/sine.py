@@ -10,7 +10,7 @@ import typer
 from .. import figures
 from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from ..shown.output import json_out
-from .noise import Averaging, SampleRate, TimeColumn, _named, _recorded
+from .static_noise import Averaging, SampleRate, TimeColumn, _named, _recorded
 
 if TYPE_CHECKING:
     from ...procedures.sine.files import SineFile
@@ -45,7 +45,7 @@ def sine(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Amplitude of a known drive in drift and noise, its uncertainty from the lines beside it; or an upper limit."""
+    """Run the command; its help stands in the declaration of the procedure."""
     from ...procedures.sine.files import sine as reduce_file
 
     figures.check_figure(output)

@@ -1,0 +1,126 @@
+"""Which commands there are, built when one is typed: nouns as the procedures declare them, and the verbs.
+
+A noun ``word`` of a procedure ``name`` is the function ``word`` in ``cli/nouns/<name>.py``, its plan the function
+``plan`` in ``cli/nouns/<name>_plan.py``; a procedure of others names modules of its own. Help of all commands builds
+none of the nouns: their line stands in the declaration.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from importlib import import_module
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+from typer.main import get_command_from_info
+from typer.models import CommandInfo
+
+from ..procedures import procedure_names, procedure_of
+from ..procedures.protocol import Command
+
+FIRST = {"info": "verbs.info"}
+VERBS = {
+    "init": "verbs.campaigns", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
+    "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
+    "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
+}  # fmt: skip
+PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
+
+
+def words() -> tuple[str, ...]:
+    """Return the words of all commands but ``plan``, in the order of the help."""
+    return (*FIRST, *_nouns(), *VERBS)
+
+
+def _nouns() -> dict[str, tuple[str, Command]]:
+    """Return procedure and declaration of each noun."""
+    return {one.word: (name, one) for name in procedure_names() for one in procedure_of(name).commands}
+
+
+def _planners() -> dict[str, tuple[str, Command]]:
+    """Return procedure and declaration of each test that can be planned."""
+    named = {name: procedure_of(name).planner for name in procedure_names()}
+    return {one.word: (name, one) for name, one in named.items() if one is not None}
+
+
+def _function(name: str, default: str, word: str) -> Callable[..., Any]:
+    """Return the function of a noun of a procedure."""
+    own = procedure_of(name).command_module
+    module = import_module(own) if own else import_module(f".nouns.{default}", __package__)
+    found: Callable[..., Any] = getattr(module, word.replace("-", "_"))
+    return found
+
+
+def _built(function: Callable[..., Any], word: str, about: str | None = None) -> Any:
+    """Return a command, for the parser."""
+    return get_command_from_info(
+        CommandInfo(name=word, callback=function, help=about), pretty_exceptions_short=True, rich_markup_mode=None
+    )
+
+
+class _Lazy(TyperGroup):
+    """A group whose commands are built when one is typed."""
+
+    def names(self) -> list[str]:
+        """Return the words of its commands."""
+        raise NotImplementedError
+
+    def line(self, word: str) -> Any:
+        """Return a command that has nothing but its help."""
+        raise NotImplementedError
+
+    def list_commands(self, ctx: Any) -> list[str]:
+        """Return the words of the commands."""
+        return self.names()
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """List the commands by their lines of help: none is built for it."""
+        self.commands = {word: self.line(word) for word in self.names()}
+        plain = TyperGroup(name=self.name, commands=self.commands, rich_markup_mode=None)
+        plain.list_commands = lambda ctx: list(self.commands)  # type: ignore[method-assign]
+        plain.format_commands(ctx, formatter)
+
+
+class Root(_Lazy):
+    """All commands."""
+
+    def names(self) -> list[str]:
+        """Return the words of all commands."""
+        return [*words(), PLAN.word]
+
+    def line(self, word: str) -> Any:
+        """Return a command that has nothing but its help; a verb is cheap, and built."""
+        nouns = {noun: one for noun, (_, one) in _nouns().items()} | {PLAN.word: PLAN}
+        return TyperCommand(word, help=nouns[word].help) if word in nouns else self.get_command(None, word)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command, built now; None if there is none of that name."""
+        if cmd_name == PLAN.word:
+            return Planners(name=PLAN.word, help=PLAN.help, no_args_is_help=True, rich_markup_mode=None)
+        if cmd_name in _nouns():
+            name, declared = _nouns()[cmd_name]
+            return _built(_function(name, name, cmd_name), cmd_name, declared.help)
+        module = (FIRST | VERBS).get(cmd_name)
+        return None if module is None else _built(getattr(import_module(f".{module}", __package__), cmd_name), cmd_name)
+
+
+class Planners(_Lazy):
+    """``plan TEST``."""
+
+    def names(self) -> list[str]:
+        """Return the tests that can be planned."""
+        return list(_planners())
+
+    def line(self, word: str) -> Any:
+        """Return a command that has nothing but its help."""
+        return TyperCommand(word, help=_planners()[word][1].help)
+
+    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+        """Return a command, built now; None if there is none of that name."""
+        if cmd_name not in _planners():
+            return None
+        name, declared = _planners()[cmd_name]
+        return _built(_function(name, f"{name}_plan", "plan"), cmd_name, declared.help)
+
+
+__all__ = ["PLAN", "Planners", "Root", "words"]

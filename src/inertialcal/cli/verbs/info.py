@@ -1,0 +1,72 @@
+"""info: what is in a file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+from .. import figures
+from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
+from ..shown.output import json_out
+from ..units import units_of
+
+Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
+
+
+def info(
+    files: Files,
+    unit: Units = [],  # noqa: B006 - typer copies it
+    sample_rate: Annotated[
+        float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time.")
+    ] = None,
+    time_column: Annotated[
+        str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
+    ] = None,
+    start: Start = None,
+    stop: Stop = None,
+    mission_start: MissionStart = None,
+    frame: Frame = None,
+    output: figures.FigureFile = None,
+    as_json: Json = False,
+    quiet: Quiet = False,
+) -> int:
+    """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
+    from ...core.errors import InertialcalError, UsageError
+    from ...files.info.survey import survey
+    from ..commands import words
+    from ..shown.info_text import survey_text
+
+    figures.check_figure(output)
+    if output is not None and len(files) != 1:
+        raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
+    said: dict[str, Any] = {
+        "units": units_of(unit), "sample_rate": sample_rate, "time_column": time_column,
+        "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
+    }  # fmt: skip
+    found, errors = [], []
+    for path in files:
+        try:
+            found.append(survey(path, commands=words(), **said))
+        except InertialcalError as error:
+            errors += list(error.problems)
+    line = ""
+    if output is not None and not errors:
+        from ...files import read
+
+        recording = read(files[0], **said)
+        line = figures.write(output, recording, files, {})
+    if as_json:
+        content = {
+            "inputs": [{"path": one.path, "sha256": one.sha256} for one in found],
+            "results": [one.to_dict() for one in found],
+            "errors": [problem.to_dict() for problem in errors],
+        } | ({"written": str(output)} if line else {})
+        json_out("info", content, 3 if errors else 0)
+        return 3 if errors else 0
+    if not quiet and found:
+        print("\n\n".join([*(survey_text(one) for one in found), *([line] if line else [])]))
+    if errors:
+        raise InertialcalError(errors)
+    return 0

@@ -1,0 +1,29 @@
+"""What a test of a known drive is told."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+from ...core.settings import setting
+
+# Influences that a test of a drive is subject to, and what each would change.
+INFLUENCES: dict[str, str] = {}
+
+
+@dataclass(frozen=True)
+class Plan:
+    """Which drive, and how the drift under it is described."""
+
+    period: float | None = setting(
+        "True time from cycle to cycle, pauses included; absent: the recording has a schedule of its drive.",
+        None,
+        unit="s",
+        example="480 s",
+    )
+    phase: float | None = setting(
+        "Of the sine at the first sample; free if not given.", None, unit="rad", example="90 deg"
+    )
+    drift: Literal["dct", "polynomial"] = setting("A straight line and the lowest cosines, or a polynomial.", "dct")
+    order: int | None = setting("Highest cosine, or degree of the polynomial; chosen if not given.", None)
+    side_bands: int | None = setting("Lines on each side from which the noise is told; chosen if not given.", None)

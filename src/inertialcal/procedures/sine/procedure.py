@@ -1,0 +1,79 @@
+"""The procedure ``sine``: what it takes, what it says of its tests."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+from ...core.axes import AXES
+from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
+from .plan import INFLUENCES, Plan
+
+if TYPE_CHECKING:
+    from ...core.results import Row
+    from .reduction import Readings, Result
+
+
+class Sine(Procedure[Plan, "Readings", "Result"]):
+    """Amplitude of a known drive in drift."""
+
+    name = "sine"
+    title = "Amplitude of a known drive in drift and noise."
+    commands = (
+        Command(
+            "sine",
+            "Amplitude of a known drive in drift and noise, its uncertainty from the lines beside it; or an upper"
+            " limit.",
+        ),
+    )
+    plan_type, influences = Plan, INFLUENCES
+    uses = frozenset({"fit", "report_only"})
+    counts_dwells = False
+    inputs = InputSpec(("accelerometer", "gyro"), missing=True)
+
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return nothing: all of it is set."""
+        return {}
+
+    def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
+        """Return the channels of all sources under their drive.
+
+        Raises
+        ------
+        DataError
+            ``no_drive`` if nothing says the drive of a recording; as ``inputs``.
+        """
+        from ...core.errors import DataError
+        from ..mass_attraction.schedule_csv import read_schedule
+        from .inputs import driven_by_dwells, driven_by_sine
+        from .reduction import Readings
+
+        found, remarks = [], []
+        for source in sources:
+            drive = source.entry.drive
+            if (drive is None) == (plan.period is None):
+                what = f"recordings.{source.name}: {'no drive' if drive is None else 'a period and a schedule'}"
+                do = 'Give plan = { period = "480 s" }, or drive = { schedule = "dwells.csv" } of the recording'
+                raise DataError(what, source.file, do=do, code="no_drive")
+            for _, recording in source.recordings():
+                remarks += list(recording.remarks)
+                for channel in (recording.channel(axis) for axis in AXES if axis in recording.names):
+                    if drive is None:
+                        found.append(driven_by_sine(recording, channel, float(plan.period or 0.0), plan.phase))
+                    else:
+                        schedule = source.read_file(drive.schedule, read_schedule)
+                        found.append(driven_by_dwells(recording, channel, schedule, drive.schedule))
+        return Readings(tuple(found), tuple(remarks))
+
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
+        """Return the line of each channel."""
+        from .reduction import reduce
+
+        return reduce(plan, readings)
+
+    def truths(self, result: Result) -> Sequence[Row]:
+        """Return the rows: there is no joint estimate."""
+        return result.rows()
+
+
+PROCEDURE = Sine()
