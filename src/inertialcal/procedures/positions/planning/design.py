@@ -34,6 +34,7 @@ from ..fit.observability import observed
 
 MOST = 200  # positions that a person lays
 FAINT = 1e-9  # information that a first position is compared with, where the others tell nothing yet
+TIE = 1e-6  # of the logarithm of a goal: the order in which a machine adds makes no position better
 DETERMINANT, TRACE = "determinant", "trace"
 LOWER = ((1, 0), (2, 0), (2, 1))
 
@@ -290,7 +291,7 @@ def _best(setup: Setup, information: Array, options: Array, weights: Array | Non
         score = -np.linalg.slogdet(after)[1]
     else:
         score = np.log(np.diagonal(np.linalg.inv(after), axis1=1, axis2=2) @ weights)
-    return int(np.argmax(score <= score.min() + 1e-9))
+    return int(np.argmax(score <= score.min() + TIE))
 
 
 def course(
