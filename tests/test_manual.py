@@ -44,7 +44,8 @@ PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
 FENCE = re.compile(r"^```(?P<kind>\{?[\w-]+\}?)[^\n]*\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 ELLIPSIS = "..."
 REFUSED = (2, 3)
-COMMANDS: dict[str, Any] = get_command(app).commands  # type: ignore[attr-defined]
+ROOT: Any = get_command(app)
+COMMANDS: dict[str, Any] = {word: ROOT.get_command(None, word) for word in ROOT.list_commands(None)}
 CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "Top level": schema.CampaignFile,
     "`[campaign]`": schema.CampaignHead,
@@ -434,7 +435,9 @@ def test_every_command_has_a_page_and_every_page_a_command() -> None:
 @pytest.mark.parametrize("name", COMMANDS)
 def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
     page = (DOCS / "commands" / f"{name}.md").read_text(encoding="utf-8")
-    tests = getattr(COMMANDS[name], "commands", {})  # of a command for several: plan mass-attraction
+    tests = {
+        word: ROOT.get_command(None, name).get_command(None, word) for word in getattr(COMMANDS[name], "names", list)()
+    }  # of a command for several: plan mass-attraction
     for mark, command in {f"Options of {name} {test}": one for test, one in tests.items()}.items() or [
         ("Options", COMMANDS[name])
     ]:
