@@ -10,7 +10,7 @@ import pytest
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
 from inertialcal.procedures.positions.files.sources import section_of
-from inertialcal.procedures.positions.orientation_text import Section, sections_of, sections_text
+from inertialcal.procedures.positions.orientations.text import Section, sections_of, sections_text
 
 TURN = "x_rot"
 

@@ -7,7 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import SECOND, Channel, Recording, Source
-from inertialcal.procedures.flip.plausible import LARGEST, is_reading, readable
+from inertialcal.procedures.flip.dwells.plausible import LARGEST, is_reading, readable
 from inertialcal.procedures.flip.reduction import MeanOf, readings_of_means
 
 

@@ -12,8 +12,8 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.remarks import Remark
+from inertialcal.procedures.flip.dwells.windows import half_widths, low_passed
 from inertialcal.procedures.flip.reduction import Plan, Readings, Turned, Window, readings_from, reduce
-from inertialcal.procedures.flip.windows import half_widths, low_passed
 from inertialcal.statistics.intervals import coverage_factor
 
 INTERVAL = 0.04  # [s]

@@ -10,9 +10,9 @@ from numpy.polynomial import polynomial
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.thermal.cells import cells_of, series_of
-from inertialcal.procedures.thermal.law import law_of
-from inertialcal.procedures.thermal.order import choose_order
+from inertialcal.procedures.thermal.fit.cells import cells_of, series_of
+from inertialcal.procedures.thermal.fit.law import law_of
+from inertialcal.procedures.thermal.fit.order import choose_order
 from inertialcal.procedures.thermal.reduction import Readings, reduce
 from inertialcal.sensors.thermal import powers_of
 from thermal_sweeps import path, plan, readings, sweep, way

@@ -14,7 +14,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.physics.earth import OMEGA, earth_rate, level_to_table
 from inertialcal.procedures.thermal.against import offset_rows, quantity_of
-from inertialcal.procedures.thermal.earth import earth_along
+from inertialcal.procedures.thermal.fit.earth import earth_along
 from inertialcal.procedures.thermal.published import published_fit
 from inertialcal.procedures.thermal.reduction import (
     Attitude,

@@ -16,7 +16,7 @@ from inertialcal.core.constants import EARTH_ROTATION_RATE
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.influence import Influence
 from inertialcal.physics.earth import level_to_table
-from inertialcal.procedures.rate_table.earth_input import earth_in_dwells
+from inertialcal.procedures.rate_table.fit.earth_input import earth_in_dwells
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.reduction import Plan
 from inertialcal.rigs import RIGS

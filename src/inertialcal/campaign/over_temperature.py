@@ -16,7 +16,7 @@ from scipy import special
 
 from ..core.estimate import Array
 from ..core.results import Interval
-from ..procedures.thermal.law import Law
+from ..procedures.thermal.fit.law import Law
 from ..procedures.thermal.reduction import Plan, bias_at
 from ..statistics.decision import decide
 from ..statistics.intervals import band_factor

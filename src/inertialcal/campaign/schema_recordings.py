@@ -12,7 +12,7 @@ from ..core.times import read_instant
 from ..procedures.flip.entry import Means, Position
 from ..procedures.mass_attraction.entry import Lines, MovedMass
 from ..procedures.positions.entry import Orientation
-from ..procedures.positions.orientation_text import FACES
+from ..procedures.positions.orientations.text import FACES
 from ..procedures.rate_table.entry import Rows, Schedule
 from ..procedures.sine.entry import KnownDrive
 

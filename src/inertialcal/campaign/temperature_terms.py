@@ -14,7 +14,7 @@ import numpy as np
 from ..core.estimate import Array, Component, Estimate
 from ..core.key import Key
 from ..procedures.rate_table import reduction as rate_table
-from ..procedures.rate_table.quantities import taken_off_changes
+from ..procedures.rate_table.fit.quantities import taken_off_changes
 from ..procedures.thermal.correction import ThermalCorrection, law_of
 
 BIAS = "bias"

@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ..procedures.thermal import reduction as thermal
-from ..procedures.thermal.sensor import WORDS, OfSensor
+from ..procedures.thermal.fit.sensor import WORDS, OfSensor
 from .requirements import Tested
 
 RULES = ("warm_up", "turn_over", "one_path", "sparse")

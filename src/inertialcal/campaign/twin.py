@@ -20,7 +20,7 @@ from ..core.recording import SECOND, Recording
 from ..core.show.tables import Grid, Part, html, text
 from ..procedures.mass_attraction.schedule import Schedule
 from ..procedures.mass_attraction.schedule_csv import write_schedule
-from ..procedures.positions.orientation_text import Section, sections_text
+from ..procedures.positions.orientations.text import Section, sections_text
 from ..rigs import RIGS
 from ..rigs.protocol import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load

@@ -18,9 +18,9 @@ from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...core.key import Key
 from .plan import Plan
-from .positions import directions, rotation
 from .readings import Quiet, Readings
-from .separation import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, Separated
+from .separation.equations import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, Separated
+from .separation.positions import directions, rotation
 
 if TYPE_CHECKING:
     from .reduction import Result

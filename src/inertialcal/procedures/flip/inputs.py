@@ -17,11 +17,11 @@ from ...core.times import read_elapsed, read_instant
 from ...core.units import convert, factor, kind, si_unit
 from ...files.text.table import Table
 from ..protocol import Source
+from .dwells.plausible import readable
+from .dwells.quiet import Window
+from .dwells.recordings import Turned
 from .entry import Means, Position
-from .plausible import readable
-from .quiet import Window
 from .readings import Readings
-from .recordings import Turned
 from .tables import MeanOf, readings_of_means
 
 

@@ -33,8 +33,8 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells, of reduced means or of recordings."""
         from ...core.errors import DataError
+        from .dwells.recordings import readings_from
         from .inputs import readings_of_means_tables, turned_head
-        from .recordings import readings_from
 
         tables = [one for one in sources if one.is_table]
         if tables and len(tables) < len(sources):

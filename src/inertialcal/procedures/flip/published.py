@@ -18,8 +18,8 @@ from ...core.estimate import Array
 from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row
 from .plan import Plan
-from .positions import SAME, directions
 from .readings import Readings
+from .separation.positions import SAME, directions
 
 ACCURACY = "accuracy"
 REASON = Reason("limits", "accuracy as the sum of both half widths, noise taken as white within a dwell")

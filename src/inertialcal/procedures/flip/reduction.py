@@ -27,16 +27,16 @@ from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
-from .control import checks
 from .curves import curves as curves_of
+from .dwells.quiet import Window
+from .dwells.recordings import Turned, readings_from, windows
 from .plan import INFLUENCES, Plan
-from .pooling import Flip, differences, flips_of, pooled
-from .quiet import Window
 from .readings import HalfWidths, Quiet, Readings
-from .recordings import Turned, readings_from, windows
 from .rows import MODEL_BIAS, rows
+from .separation.control import checks
+from .separation.pooling import Flip, differences, flips_of, pooled
+from .separation.standards import missing
 from .simulation import Truth, simulate
-from .standards import missing
 from .tables import MeanOf, readings_of_means
 
 __all__ = [

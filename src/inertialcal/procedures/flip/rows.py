@@ -17,12 +17,12 @@ import numpy as np
 from ...core.key import Key, Member, Method, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
-from .orbit import CORRECTED, PREDICTED, SHIFT, Against, against_model
 from .plan import Plan
-from .pooling import Flip, units
 from .published import published_rows
-from .separation import AMBIENT, BIAS, CONTROL, READING
-from .standards import missing
+from .separation.equations import AMBIENT, BIAS, CONTROL, READING
+from .separation.orbit import CORRECTED, PREDICTED, SHIFT, Against, against_model
+from .separation.pooling import Flip, units
+from .separation.standards import missing
 
 if TYPE_CHECKING:
     from .reduction import Result

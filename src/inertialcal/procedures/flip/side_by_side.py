@@ -30,9 +30,9 @@ from ...core.key import Key, Member, Reason
 from ...core.results import Row
 from ...statistics.intervals import ends, t_interval
 from .plan import Plan
-from .pooling import Flip, flips_of, pooled
 from .readings import Quiet, Readings
-from .separation import BIAS
+from .separation.equations import BIAS
+from .separation.pooling import Flip, flips_of, pooled
 
 if TYPE_CHECKING:
     from .reduction import Result

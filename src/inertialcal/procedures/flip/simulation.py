@@ -14,10 +14,10 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND
+from .dwells.quiet import Window, quiet_of, stretches
 from .plan import Plan
-from .positions import rotation, slope, tilted
-from .quiet import Window, quiet_of, stretches
 from .readings import Readings
+from .separation.positions import rotation, slope, tilted
 
 STEP = 1.0  # [s]
 LONGER = 4  # than the record is drawn, so that its ends do not meet

@@ -11,7 +11,7 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .plausible import is_reading
+from .dwells.plausible import is_reading
 from .readings import HalfWidths, Readings
 
 

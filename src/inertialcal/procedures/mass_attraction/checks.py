@@ -10,7 +10,7 @@ from ...core.remarks import Remark
 from ...physics.mass_shape import largest_field
 from .plan import Plan, SourceMass
 from .readings import Readings, Run
-from .response import tilt_used
+from .response.of_run import tilt_used
 
 LIGHTEST, DENSEST = 10.0, 23_000.0  # of materials [kg/m^3]
 

@@ -10,9 +10,9 @@ from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor
-from .line import shape_of
 from .readings import Run
-from .response import Response
+from .response.line import shape_of
+from .response.of_run import Response
 
 if TYPE_CHECKING:
     from .reduction import Result

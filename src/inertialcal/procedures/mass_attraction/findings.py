@@ -9,8 +9,8 @@ from scipy import special
 
 from ...core.remarks import Remark
 from ...statistics.intervals import coverage_factor
-from .response import tilt_left
-from .scale import DIFFERENCE, ERROR, applied_known
+from .response.of_run import tilt_left
+from .response.scale import DIFFERENCE, ERROR, applied_known
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -10,8 +10,8 @@ from __future__ import annotations
 import numpy as np
 
 from ...signals.programme1969 import Analysis, adjusted_curve, analyse
-from .line import shape_of
 from .readings import Line, Readings, Run
+from .response.line import shape_of
 
 CYCLE, HALF_WIDTH, BESIDE = 4, 3, 4  # samples a cycle, JA, lines on each side
 FEWEST = 40  # samples

@@ -38,10 +38,10 @@ from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .programme1969 import published_lines
 from .readings import Line, Readings, Run
 from .recordings import Moved, readings_from, run_of_rows
-from .response import Response, response_of, response_of_line
+from .response.of_run import Response, response_of, response_of_line
+from .response.runs import Combined, combined
+from .response.scale import estimate_of, words_of
 from .rows import rows
-from .runs import Combined, combined
-from .scale import estimate_of, words_of
 from .schedule import Schedule, repeated
 
 __all__ = [

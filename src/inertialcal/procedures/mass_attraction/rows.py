@@ -10,8 +10,8 @@ from ...core.key import NO_REASON, Key, Member, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import t_interval
 from .published import published_rows
-from .response import Response
-from .scale import SCALE, UNIT, estimate_of
+from .response.of_run import Response
+from .response.scale import SCALE, UNIT, estimate_of
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -6,7 +6,7 @@ from typing import Annotated
 
 from pydantic import AfterValidator
 
-from .orientation_text import FACES, LIKE, direction_of
+from .orientations.text import FACES, LIKE, direction_of
 
 
 def _orientation(text: str) -> str:

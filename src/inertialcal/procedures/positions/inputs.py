@@ -17,7 +17,7 @@ from ...core.recording import Channel, Recording
 from ..protocol import Source
 from .files.channels import check_clock
 from .files.sources import named_section, section_of
-from .orientation_text import FACES, of_words, runs_of, sections_of
+from .orientations.text import FACES, of_words, runs_of, sections_of
 from .plan import Plan
 from .readings import Readings
 from .recordings import Section, readings_from

@@ -39,7 +39,7 @@ from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import LinearSensor, rounded_scale, with_ideal
 from .gravity import by_axis, local_gravity
 from .held_out import HeldOut, held_out
-from .labels import check_names, missing_faces
+from .orientations.labels import check_names, missing_faces
 from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
 from .quantities import estimate, model

@@ -34,8 +34,8 @@ from scipy import special
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...statistics.decision import holm
+from .fit.regression import Line
 from .readings import Labels, Readings
-from .regression import Line
 
 RISK = 0.05  # of calling a model wrong that is not, over all axes; and the same for calling it better
 

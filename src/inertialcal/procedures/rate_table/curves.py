@@ -23,10 +23,10 @@ import numpy as np
 from ...core.curve import Column, Curve
 from ...statistics.intervals import t_interval
 from .exclusions import exclusions
+from .fit.rate_error import Of, RateError, rate_errors
+from .fit.regression import reading_of_line
 from .plan import Plan
-from .rate_error import Of, RateError, rate_errors
 from .readings import Readings
-from .regression import reading_of_line
 from .traces import Trace
 
 if TYPE_CHECKING:

@@ -23,7 +23,7 @@ from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
 from ...signals.segmentation.dwells import Dwell, Tally, tally
 from ...signals.time.schedule import dwells_by_reference, dwells_by_windows
-from .earth_input import earth_in_dwells, gathered
+from .fit.earth_input import earth_in_dwells, gathered
 from .plan import Plan
 from .readings import Readings
 from .taken_off import TakenOff, joined

@@ -29,15 +29,15 @@ from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
-from .checks import check_agreement
 from .curves import curves
-from .earth_input import with_earth
 from .exclusions import exclusions
+from .fit.checks import check_agreement
+from .fit.earth_input import with_earth
+from .fit.quantities import estimate
+from .fit.rate_error import RateError, Resolution, rate_errors, resolution
+from .fit.regression import Line, can_tell_asymmetry, line
 from .plan import INFLUENCES, Plan
-from .quantities import estimate
-from .rate_error import RateError, Resolution, rate_errors, resolution
 from .readings import Readings
-from .regression import Line, can_tell_asymmetry, line
 from .rows import applies, rows
 from .simulation import Truth, simulate
 from .taken_off import TakenOff

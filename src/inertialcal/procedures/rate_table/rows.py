@@ -11,11 +11,11 @@ from ...core.estimate import Estimate
 from ...core.key import Key, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
-from .linearity import linearity_row
+from .fit.linearity import linearity_row
+from .fit.regression import Level, Line
 from .plan import INFLUENCES, Plan
 from .published import published_rows
 from .readings import Readings
-from .regression import Level, Line
 
 if TYPE_CHECKING:
     from .reduction import Result

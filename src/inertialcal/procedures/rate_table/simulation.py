@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
-from .earth_input import with_earth
+from .fit.earth_input import with_earth
 from .plan import Plan
 from .readings import Labels, Readings
 

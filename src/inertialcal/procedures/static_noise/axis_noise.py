@@ -13,12 +13,12 @@ from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...signals.allan import Allan
 from .deviations import FITTED, fitted, shown
-from .disturbances import Looked, looked_through
 from .doubts import doubt_of, fault_of
 from .plan import Plan
 from .readings import Readings, Run
+from .records.disturbances import Looked, looked_through
+from .records.usable import check_usable
 from .spectra import Spectral, lines_to_fit, spectral
-from .usable import check_usable
 
 
 @dataclass(frozen=True, eq=False)

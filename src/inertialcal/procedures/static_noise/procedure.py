@@ -43,9 +43,9 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the records at rest, a record a recording or a window."""
-        from .at_rest import AtRest
-        from .recordings import readings_from
-        from .usable import check
+        from .records.at_rest import AtRest
+        from .records.recordings import readings_from
+        from .records.usable import check
 
         found = [
             AtRest(one, {axis: axis for axis in AXES if axis in one.names}, name=label, shown=source.facts.unit)

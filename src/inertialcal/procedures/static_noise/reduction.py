@@ -29,18 +29,18 @@ from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import Sinusoid, quantity_name
-from .at_rest import AtRest
 from .axis_noise import AxisNoise, Recorded, noise_of
 from .bounds import interval_at
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan
 from .readings import Readings, Run
 from .record_length import Reach, reaches, sentence
-from .recordings import readings_from
+from .records.at_rest import AtRest
+from .records.recordings import readings_from
+from .records.usable import check, problems_of
 from .rows import FILE_UNIT, quantity_units, rows
 from .scale import SCALE, with_scale
 from .simulation import Truth, simulate
-from .usable import check, problems_of
 
 __all__ = [
     "FILE_UNIT",

@@ -29,12 +29,12 @@ from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
 from ...statistics.intervals import chi_square_interval
 from ...statistics.least_squares import fit
-from .earth import earth_along
-from .law import Law
+from .fit.earth import earth_along
+from .fit.law import Law
+from .fit.quantities import SOURCES, at_degrees
+from .fit.sensor import OfSensor
 from .plan import Plan
-from .quantities import SOURCES, at_degrees
 from .rows import ONE_RUN, SAME, estimate_row
-from .sensor import OfSensor
 
 if TYPE_CHECKING:
     from .reduction import Result

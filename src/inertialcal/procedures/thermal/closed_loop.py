@@ -25,9 +25,9 @@ from ...core.estimate import Array
 from ...core.key import Key, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import t_interval
-from .cells import Cells
-from .earth import earth_along
-from .law import Law
+from .fit.cells import Cells
+from .fit.earth import earth_along
+from .fit.law import Law
 from .reduction import Result
 
 RESIDUAL = "residual_bias"

@@ -23,9 +23,9 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...sensors.thermal import powers_of
 from ..rate_table.taken_off import TakenOff
-from .earth import earth_along
-from .law import Law
-from .quantities import Asked, estimate, power_unit
+from .fit.earth import earth_along
+from .fit.law import Law
+from .fit.quantities import Asked, estimate, power_unit
 from .recordings import TEMPERATURE
 
 if TYPE_CHECKING:

@@ -25,10 +25,10 @@ from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...statistics.intervals import coverage_factor
-from .earth import earth_along
-from .law import Law
-from .quantities import bias_at
-from .sensor import OfSensor
+from .fit.earth import earth_along
+from .fit.law import Law
+from .fit.quantities import bias_at
+from .fit.sensor import OfSensor
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -71,7 +71,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
         """Yield the samples that no cell was made of, by rule."""
-        from .sensor import WORDS
+        from .fit.sensor import WORDS
 
         for axis, one in test.result.sensors.items():
             decided = {

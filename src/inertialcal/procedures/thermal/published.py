@@ -25,9 +25,9 @@ from ...sensors.thermal import in_unit, over_voltage
 from ...statistics.intervals import t_interval
 from ...statistics.least_squares import fit
 from ...statistics.polynomial import Polynomial
-from .cells import Series
+from .fit.cells import Series
+from .fit.quantities import power_unit
 from .plan import Plan
-from .quantities import power_unit
 
 ORDER = 3
 

@@ -32,14 +32,14 @@ from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from .curves import curves
-from .earth import earth_along
-from .law import Law
+from .fit.earth import earth_along
+from .fit.law import Law
+from .fit.quantities import Asked, asked_of, bias_at, estimate
+from .fit.sensor import OfSensor, reduce_sensor
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
-from .quantities import Asked, asked_of, bias_at, estimate
 from .readings import Readings, Sweep
 from .recordings import Warmed, readings_from
 from .rows import needed, rows
-from .sensor import OfSensor, reduce_sensor
 from .simulation import Truth, simulate
 
 __all__ = [

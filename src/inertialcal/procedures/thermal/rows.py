@@ -17,11 +17,11 @@ from ...core.estimate import Estimate
 from ...core.key import Key, Member, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.intervals import chi_square_interval, t_interval
-from .paths import PathEffect
+from .fit.paths import PathEffect
+from .fit.quantities import at_degrees
+from .fit.sensor import OfSensor
 from .plan import INFLUENCES, Plan
 from .published import published_rows
-from .quantities import at_degrees
-from .sensor import OfSensor
 
 if TYPE_CHECKING:
     from .reduction import Result

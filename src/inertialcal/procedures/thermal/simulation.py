@@ -11,7 +11,7 @@ from numpy.polynomial import polynomial
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
-from .earth import earth_along
+from .fit.earth import earth_along
 from .plan import Plan
 from .readings import Readings, Sweep
 

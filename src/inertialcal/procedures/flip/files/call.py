@@ -23,9 +23,9 @@ from ....files.pad.frames import sensor_frame
 from ....files.text.table import read_table
 from ...display import displayed
 from .. import reduction as procedure
+from ..dwells.recordings import Turned, readings_from
 from ..inputs import means_of
 from ..plan import Axis
-from ..recordings import Turned, readings_from
 from ..tables import readings_of_means
 from .record import Said, axes_of, found_windows, given_windows, head_recording
 from .source import FlipSource, source_of

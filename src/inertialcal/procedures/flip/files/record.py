@@ -19,7 +19,7 @@ from ....files.time.window import Window as Between
 from ....signals.segmentation.turn_windows import turn_windows
 from ....signals.segmentation.turns import Turn, TurnPlan, find_turns
 from .. import reduction as flip
-from ..plausible import readable
+from ..dwells.plausible import readable
 
 MOST = 8  # times told
 PART = 0.1  # of a record that a window may be: its noise is known from ten times as much

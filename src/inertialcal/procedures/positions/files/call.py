@@ -28,7 +28,7 @@ from ...display import displayed
 from .. import reduction as procedure
 from ..curves import curves
 from ..of_sensor import by_quantity
-from ..orientation_text import FACES, directions
+from ..orientations.text import FACES, directions
 from ..readings import Readings
 from .channels import SENSORS
 from .hold_out import Held, held_out

@@ -15,12 +15,12 @@ from ....core.estimate import Array
 from ....core.recording import SECOND, Recording
 from ....files import read
 from ....files.text.table import read_table
-from ..orientation_text import Section as Said
-from ..orientation_text import direction_of, runs_of, sections_of, turn_of
+from ..orientations.site import site_problems, turn_problems
+from ..orientations.text import Section as Said
+from ..orientations.text import direction_of, runs_of, sections_of, turn_of
 from ..plan import Plan
 from ..readings import Readings
 from ..recordings import Section, readings_from
-from ..site import site_problems, turn_problems
 from .channels import SENSORS, Taken, taken
 from .tables import is_table, readings_columns, table_readings
 

@@ -13,7 +13,7 @@ from ....core.estimate import Array
 from ....core.recording import Recording
 from ....core.remarks import Remark
 from ....files.text.table import Table
-from ..orientation_text import LABELS, direction_of, unit_vectors
+from ..orientations.text import LABELS, direction_of, unit_vectors
 from ..readings import Readings, Triad
 from .channels import Taken
 

@@ -1,0 +1,1 @@
+"""Dwells of a turned head cut from its recordings."""

@@ -1,0 +1,1 @@
+"""Bias apart from ambient acceleration, and its uncertainty."""

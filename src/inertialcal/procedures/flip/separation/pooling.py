@@ -1,0 +1,221 @@
+"""Flips of a test as estimates: each by its own, and all together.
+
+One flip has the uncertainty of its noise (``uncertainty``). Several are pooled: the mean of them, each counted once,
+with the scatter between them, which holds the noise and whatever else differs from flip to flip. It has one degree
+of freedom less than there are flips. Whether they scatter more than their noise explains is tested beside.
+Type B parts are the same in all flips and do not shrink.
+
+Flips in one record have noise in common that is slower than the time between them: it does not scatter, and their mean
+is as far off the bias of the record as each is. With C_i the covariance of the noise of flip i and C that of the mean
+of m flips, their scatter over m is expected to be ``(sum C_i - m C) / (m (m - 1))``; what C has more is added.
+
+A flip that does not separate all that the others do (a missing position) is not pooled, and a remark names it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from scipy import special
+
+from ....core.estimate import Array, Component, Estimate
+from ....core.key import Key, Reason
+from ....core.remarks import Remark
+from ....statistics.decision import holm
+from ..plan import Plan
+from ..readings import Readings
+from .equations import AMBIENT, BIAS, CONTROL, RATES, WARM, Separated, separate
+from .standards import components, patterns
+from .uncertainty import noise_components, record_of
+
+FEW = 5  # flips: with fewer, the scatter between them is hardly known
+RISK = 0.05
+ROUNDING = 1e-9
+
+
+@dataclass(frozen=True, eq=False)
+class Flip:
+    """One flip, or all of them pooled.
+
+    Parameters
+    ----------
+    label : str
+        Of the flip; empty for all.
+    keys : tuple of Key
+        Of the values.
+    values : ndarray, shape (p,)
+        SI.
+    estimate : Estimate or None
+        The same with covariance; None where there is none.
+    reason : Reason
+        Why there is no uncertainty.
+    separated : tuple of Separated
+        What went in.
+    """
+
+    label: str
+    keys: tuple[Key, ...]
+    values: Array
+    estimate: Estimate | None
+    reason: Reason
+    separated: tuple[Separated, ...]
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Keys as text."""
+        return tuple(map(str, self.keys))
+
+    @property
+    def reasons(self) -> dict[Key, Reason]:
+        """Why quantities are not separated."""
+        return {key: why for one in self.separated for key, why in one.reasons.items() if key not in self.keys}
+
+
+def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
+    """Return every flip with the uncertainty that its noise and the standards give.
+
+    Raises
+    ------
+    DataError
+        If the plan's drift cannot be told.
+    """
+    found = []
+    for label in readings.flips:
+        one = separate(plan, readings, label)
+        noise, reason = noise_components(plan, readings, one)
+        made = None if reason or not noise else [*noise, *components(plan, patterns(plan, readings, one))]
+        found.append(_flip(label, one.keys, one.values, made, reason, (one,)))
+    return tuple(found)
+
+
+def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
+    """Return all flips together; a single one is itself."""
+    used = _used(flips)
+    if len(used) == 1:
+        one = used[0]
+        return Flip("", one.keys, one.values, one.estimate, one.reason, one.separated)
+    values = np.array([one.values for one in used])
+    scatter = np.atleast_2d(np.cov(values, rowvar=False)) / len(used)
+    between = Component("scatter between flips", "A", scatter, float(len(used) - 1), "t")
+    separated = tuple(part for one in used for part in one.separated)
+    every = [patterns(plan, readings, one) for one in separated]
+    common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
+    parts = [between, *_in_common(plan, readings, used), *components(plan, common)]
+    return _flip("", used[0].keys, values.mean(axis=0), parts, Reason(), separated)
+
+
+def _used(flips: Sequence[Flip]) -> list[Flip]:
+    """Return the flips that are pooled: those that separate most, and the same."""
+    most = max(len(one.keys) for one in flips)
+    used = [one for one in flips if len(one.keys) == most and _separates(one)]
+    used = used or [one for one in flips if len(one.keys) == most]
+    return [one for one in used if one.keys == used[0].keys]
+
+
+def _in_common(plan: Plan, readings: Readings, used: Sequence[Flip]) -> list[Component]:
+    """Return what the noise of the mean has more than the scatter between flips shows; nothing where it is unknown."""
+    parts = [one.separated[0] for one in used]
+    records = [record_of(readings, part.weights) for part in parts]
+    groups = {id(one): [part for part, own in zip(parts, records, strict=True) if own is one] for one in records}
+    if None in records or len(groups) == len(used) or any(one.estimate is None for one in used):
+        return []
+    found: list[Component] = []
+    for group in groups.values():
+        weights = {axis: np.sum([p.weights[axis] for p in group], axis=0) / len(used) for axis in group[0].weights}
+        noise, reason = noise_components(plan, readings, replace(group[0], weights=weights))
+        if reason or not noise:
+            return []
+        found += noise
+    noises = [one for flip in used if flip.estimate for one in flip.estimate.components if one.kind == "A"]
+    single = np.sum([one.covariance for one in noises], axis=0)
+    whole = np.sum([one.covariance for one in found], axis=0)
+    more = _positive(whole - (single - len(used) * whole) / (len(used) * (len(used) - 1)), whole)
+    if not np.any(more):
+        return []
+    dof = np.min([np.broadcast_to(one.dof, len(more)) for one in found], axis=0)
+    small = np.diagonal(more) < 0.5 * np.diagonal(whole)  # the scatter decides how well the sum is known
+    dof = np.where(small, np.minimum(dof, len(used) - 1.0), dof)
+    return [Component("noise that flips of one record have in common", "A", more, dof, "t")]
+
+
+def _positive(covariance: Array, beside: Array) -> Array:
+    """Return a covariance without its negative part; what is nothing beside another one is zero."""
+    size = np.sqrt(np.diagonal(beside))
+    size = np.where(size > 0.0, size, 1.0)
+    values, ways = np.linalg.eigh(covariance / np.outer(size, size))
+    values = np.where(values > ROUNDING, values, 0.0)
+    return np.asarray((ways * values) @ ways.T * np.outer(size, size))
+
+
+def _separates(one: Flip) -> bool:
+    return any(key.quantity in (AMBIENT, RATES[AMBIENT]) for key in one.keys)
+
+
+def _flip(
+    label: str,
+    keys: tuple[Key, ...],
+    values: Array,
+    parts: list[Component] | None,
+    reason: Reason,
+    separated: tuple[Separated, ...],
+) -> Flip:
+    if parts is None:
+        return Flip(label, keys, values, None, reason or Reason("not_read", "nothing was read"), separated)
+    return Flip(label, keys, values, Estimate(keys, values, units(keys), tuple(parts)), Reason(), separated)
+
+
+def units(keys: Sequence[Key]) -> tuple[str, ...]:
+    """Return the SI unit of each value."""
+    return tuple(_unit(key.quantity) for key in keys)
+
+
+def _unit(quantity: str) -> str:
+    if quantity in WARM.values():
+        return "m/s^2/degC"
+    return "m/s^3" if quantity in RATES.values() else "m/s^2"
+
+
+def differences(flips: Sequence[Flip]) -> list[Remark]:
+    """Say how many flips there are, and of what they differ by more than their noise explains."""
+    if len(flips) < 2:
+        return []
+    used = _used(flips)
+    count, found = len(used), [_left_out(flips, used)] if len(used) < len(flips) else []
+    if 1 < count < FEW:
+        what = f"{count} flips: the scatter between them has {count - 1} degree{'' if count == 2 else 's'} of freedom"
+        found.append(Remark("few_flips", "warning", what, do=f"Repeat until there are {FEW} flips or more"))
+    told_of = {key: told for key in _shared(used) if count > 1 and (told := _against_noise(key, used)) is not None}
+    rejected = holm([p for _, p in told_of.values()], RISK) if told_of else ()
+    for (key, told), differs in zip(told_of.items(), rejected, strict=True):
+        if differs:
+            what = f"{key}: chi-square {told[0]:.3g} between {count} flips, {count - 1} expected from their noise"
+            do = "It changed between them: look at each flip"
+            found.append(Remark("flips_differ", "warning", what, do=do))
+    return found
+
+
+def _left_out(flips: Sequence[Flip], used: Sequence[Flip]) -> Remark:
+    labels, left = ([one.label for one in some] for some in (used, [one for one in flips if one not in used]))
+    what = f"not pooled: flip {', '.join(left)}, which lacks what others separate; pooled: {', '.join(labels)}"
+    return Remark("flip_not_pooled", "warning", what, count=len(left), do="See each flip by itself, and its remarks")
+
+
+def _shared(used: Sequence[Flip]) -> list[Key]:
+    return [key for key in used[0].keys if key.quantity in (AMBIENT, BIAS, CONTROL)]
+
+
+def _against_noise(key: Key, flips: Sequence[Flip]) -> tuple[float, float] | None:
+    """Chi-square of a value between flips against their noise, and its probability; None where noise is unknown."""
+    estimates = [one.estimate.select([key]) for one in flips if one.estimate is not None]
+    if len(estimates) < len(flips):
+        return None
+    noise = [sum(float(c.covariance[0, 0]) for c in one.components if c.kind == "A") for one in estimates]
+    dof = [min(float(np.min(c.dof)) for c in one.components if c.kind == "A") for one in estimates]
+    values = np.array([float(one.values[0]) for one in estimates])
+    weights = 1.0 / np.array(noise)
+    square = float(np.sum(weights * (values - np.average(values, weights=weights)) ** 2))
+    free = len(values) - 1
+    behind = float(np.sum(dof)) if np.isfinite(dof).all() else 1e9
+    return square, float(special.fdtrc(free, behind, square / free))

@@ -1,0 +1,1 @@
+"""Response of each run to the moved mass, and the runs together."""

@@ -1,0 +1,1 @@
+"""How a unit lay: words, names of faces, the site."""

@@ -1,0 +1,270 @@
+"""Positions in words: which axis points up, which part of a recording is which, what was turned about what.
+
+``x+`` or ``x_p``: the x axis points up, its accelerometer reads plus g; ``x-`` or ``x_a``: down. ``x_rot``: turned
+about x. ``?``: not known.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ....core.axes import AXES
+from ....core.errors import DataError, UsageError
+from ....core.estimate import Array
+from ....core.units import factor, parse_quantity
+from ....files.text.table import Table, read_table
+from .site import turn_problems
+
+FACES = "faces"  # in place of words: each position lies on the face that is nearest
+POSITION = re.compile(
+    r"(?P<sign>[+-]?)(?P<axis>[xyz])[ _]?(?P<way>\+|-|p|a|up|down|plus|minus|pos|neg)?", re.IGNORECASE
+)
+TURN = re.compile(r"(?P<sign>-?)(?P<axis>[xyz])[ _]?(?:rot|turn|rotation)", re.IGNORECASE)
+DOWN = ("-", "a", "down", "minus", "neg")
+LIKE = "x+, x-, y+, y-, z+, z- (the axis that points up), ? for one that is not known"
+LIKE_JSON = '{"x_p": {"start": 540, "end": 1271}}'
+LABELS = ("section", "label", "name", "part", "position", "orientation")
+STARTS, STOPS, ANGLES = ("start", "begin", "from"), ("end", "stop", "to"), ("angle", "turn")
+
+
+@dataclass(frozen=True)
+class Section:
+    """A part of a recording with its label: from one sample to before another, or in seconds of its time.
+
+    Parameters
+    ----------
+    label : str
+        ``"x_p"``, ``"x_rot"``.
+    start, stop : float
+        Samples counted from 0, or [s].
+    seconds : bool
+        Which of both.
+    angle : float or None
+        Of a turn, where it is said of this one [rad].
+    """
+
+    label: str
+    start: float
+    stop: float
+    seconds: bool = False
+    angle: float | None = None
+
+
+def direction_of(text: str) -> Array | None:
+    """Return the unit vector of specific force of a position in words, shape (3,); None where it is no position.
+
+    A position that is not known is NaN throughout.
+    """
+    if text.strip() in ("?", ""):
+        return np.full(3, np.nan)
+    match = POSITION.fullmatch(text.strip())
+    if match is None or (match["sign"] and match["way"]):
+        return None
+    down = match["sign"] == "-" or (match["way"] or "").lower() in DOWN
+    if not match["sign"] and not match["way"]:
+        return None
+    return np.asarray(np.eye(3)[AXES.index(match["axis"].lower())] * (-1.0 if down else 1.0))
+
+
+def turn_of(text: str) -> Array | None:
+    """Return the unit vector that was turned about, shape (3,); None where it is no turn in words."""
+    match = TURN.fullmatch(text.strip())
+    if match is None:
+        return None
+    return np.asarray(np.eye(3)[AXES.index(match["axis"].lower())] * (-1.0 if match["sign"] else 1.0))
+
+
+def directions(given: str) -> Array:
+    """Return unit vectors of specific force in body axes, shape (m, 3), NaN where not known.
+
+    Parameters
+    ----------
+    given : str
+        Words with commas between, or a file: a row a position, with columns x, y, z, or one of words.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_value`` if one is neither; ``missing_file``; ``no_column`` if the file has none.
+    """
+    if Path(given).is_file():
+        return _from_file(read_table(Path(given)))
+    if "," not in given and Path(given).suffix:
+        raise UsageError(f"orientations: no file {given!r}", do=f"Name a file, or words: {LIKE}", code="missing_file")
+    return of_words(given.split(","), "orientations")
+
+
+def of_words(words: Sequence[str], where: str) -> Array:
+    """Return unit vectors of positions in words, shape (m, 3), NaN where not known; `directions` has the errors."""
+    found = []
+    for number, text in enumerate(words, 1):
+        vector = direction_of(text)
+        if vector is None:
+            raise UsageError(f"position {number}: {text.strip()!r}", where, do=f"There are: {LIKE}", code="wrong_value")
+        found.append(vector)
+    return np.array(found).reshape(-1, 3)
+
+
+def _from_file(table: Table) -> Array:
+    names = [name.lower() for name in table.names]
+    if all(axis in names for axis in AXES):
+        return unit_vectors(table)
+    label = next((name for name in table.names if name.lower() in LABELS), None)
+    if label is None:
+        what = f"{table.source.path}: neither columns x, y, z nor one of words; it has {', '.join(table.names)}"
+        raise UsageError(what, do="Name the columns x, y, z, or position", code="no_column")
+    return of_words(table.text(label), table.source.path)
+
+
+def unit_vectors(table: Table) -> Array:
+    """Return columns x, y, z of a table as unit vectors, shape (m, 3); a row without is NaN.
+
+    Raises
+    ------
+    DataError
+        ``wrong_value`` if one has no length.
+    """
+    by_name = {name.lower(): name for name in table.names}
+    vectors = np.column_stack([table.numbers(by_name[axis], required=False) for axis in AXES])
+    size = np.linalg.norm(vectors, axis=1)
+    if np.any(size == 0.0):
+        raise DataError("0, 0, 0 is no direction", table.where(int(np.argmax(size == 0.0))), code="wrong_value")
+    return np.asarray(vectors / size[:, None])
+
+
+def sections_of(path: Path) -> tuple[Section, ...]:
+    """Return the labelled parts that a JSON or table says, in the order of the file.
+
+    Raises
+    ------
+    DataError
+        ``missing_file``, ``not_json``, ``wrong_value`` if one has no start or end, or an angle that is none;
+        ``no_column``, ``no_unit`` if the angles of a table have none.
+    """
+    if path.suffix.lower() == ".json":
+        return _of_json(path)
+    table = read_table(path)
+    label, start, stop = (_named(table, names) for names in (LABELS, STARTS, STOPS))
+    timed = table.unit(start) == "s"
+    ends = zip(table.text(label), table.numbers(start), table.numbers(stop), _angles(table), strict=True)
+    return tuple(
+        _checked(Section(name, float(a), float(b), timed, angle), table.where(k))
+        for k, (name, a, b, angle) in enumerate(ends)
+    )
+
+
+def _angles(table: Table) -> list[float | None]:
+    """Return the angle of each turn that a table says it of [rad]."""
+    name = next((one for one in table.names if one.lower().partition("[")[0].strip() in ANGLES), None)
+    if name is None:
+        return [None] * len(table)
+    unit = table.unit(name)
+    if unit is None:
+        why, do = "an angle may be in deg or rad", "Name the column with its unit: angle [deg]"
+        raise DataError(f"column {name!r} has no unit", table.source.path, why, do, "no_unit")
+    scale = factor(unit, "rad")
+    return [None if math.isnan(one) else float(one) * scale for one in table.numbers(name)]
+
+
+def sections_text(sections: Sequence[Section]) -> str:
+    """Return labelled parts, counted in samples, as the table that `sections_of` reads."""
+    rows = ["section,start,end,angle [deg]"]
+    for one in sections:
+        angle = "" if one.angle is None else f"{math.degrees(one.angle):.15g}"
+        rows.append(f"{one.label},{one.start:.0f},{one.stop:.0f},{angle}")
+    return "\n".join([*rows, ""])
+
+
+def _named(table: Table, names: Sequence[str]) -> str:
+    for name in table.names:
+        if name.lower().partition("[")[0].strip() in names:
+            return name
+    what = f"{table.source.path}: no column {names[0]}; it has {', '.join(table.names)}"
+    raise DataError(what, do="A table of sections has columns section, start, end", code="no_column")
+
+
+def _of_json(path: Path) -> tuple[Section, ...]:
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=tuple)  # a label may stand twice
+    except OSError as error:
+        raise DataError(f"cannot read the sections: {error.strerror}", str(path), code="missing_file") from None
+    except (ValueError, RecursionError) as error:
+        do = f"Write it like {LIKE_JSON}"
+        raise DataError(f"no JSON: {error}", str(path), do=do, code="not_json") from None
+    if not isinstance(content, tuple) or not content:
+        what = "no sections: the file holds no object" if not isinstance(content, tuple) else "no section in the file"
+        raise DataError(what, str(path), do=f"Write it like {LIKE_JSON}", code="wrong_value")
+    return tuple(_checked(_section(str(label), ends, str(path)), str(path)) for label, ends in content)
+
+
+def _section(label: str, ends: Any, where: str) -> Section:
+    pair: list[Any] = []
+    given: Any = None
+    if isinstance(ends, tuple):
+        *pair, given = (next((v for k, v in ends if k in names), None) for names in (STARTS, STOPS, ANGLES))
+    elif isinstance(ends, list) and len(ends) == 2:
+        pair = ends
+    read = [_place(one) for one in pair]
+    if len(read) != 2 or None in read or read[0][1] != read[1][1]:  # type: ignore[index]
+        do = 'Write it like {"start": 540, "end": 1271}, samples from 0, or {"start": "5.4 s", "end": "12.7 s"}'
+        raise DataError(f"section {label!r}: no start and end", where, do=do, code="wrong_value")
+    (start, seconds), (stop, _) = read  # type: ignore[misc]
+    return Section(label, start, stop, seconds, None if given is None else _angle(label, given, where))
+
+
+def _angle(label: str, given: Any, where: str) -> float:
+    """Return the angle of a turn with its unit [rad]."""
+    try:
+        return float(parse_quantity(given if isinstance(given, str) else "").to("rad"))
+    except DataError:
+        do = 'Write it with its unit: "angle": "-360 deg"'
+        raise DataError(f"section {label!r}: {given!r} is no angle", where, do=do, code="wrong_value") from None
+
+
+def _place(given: Any) -> tuple[float, bool] | None:
+    if isinstance(given, int | float) and not isinstance(given, bool):
+        return float(given), False
+    if isinstance(given, str):
+        try:
+            return float(parse_quantity(given).to("s")), True
+        except DataError:
+            return None
+    return None
+
+
+def _checked(section: Section, where: str) -> Section:
+    known = direction_of(section.label) is not None or turn_of(section.label) is not None
+    if not known or not section.label.strip():
+        do = f"There are: {LIKE}; x_rot, y_rot, z_rot for turns"
+        raise DataError(f"section {section.label!r} is no position and no turn", where, do=do, code="unknown_name")
+    if not section.stop > section.start:
+        what = f"section {section.label!r}: from {section.start:g} to {section.stop:g}"
+        raise DataError(what, where, do="Give the end after the start", code="wrong_value")
+    if section.angle is not None:
+        _check_angle(section, section.angle, where)
+    return section
+
+
+def _check_angle(section: Section, angle: float, where: str) -> None:
+    """Refuse the angle of a position, and of a turn one by which nothing is turned."""
+    if turn_of(section.label) is None:
+        what = f"section {section.label!r} is a position, and has an angle"
+        raise DataError(what, where, do="Leave it out, or name the turn: x_rot", code="wrong_value")
+    if problems := turn_problems(angle):
+        raise DataError([replace(one, what=f"section {section.label!r}: {one.what}", where=where) for one in problems])
+
+
+def runs_of(labels: Sequence[str]) -> tuple[Section, ...]:
+    """Return the parts of a recording in which one label stands without a break, in order; empty labels are none."""
+    edges = [0, *(i for i in range(1, len(labels)) if labels[i] != labels[i - 1]), len(labels)]
+    pairs = pairwise(edges)
+    return tuple(Section(labels[a], a, b) for a, b in pairs if b > a and labels[a].strip())

@@ -1,0 +1,1 @@
+"""Lines fitted to dwells, and what follows from them."""

@@ -1,0 +1,265 @@
+"""From the coefficients of the lines to the field's quantities, with Type A and Type B parts.
+
+Signs and words (DESIGN of the sensor equation; IEEE 528, 1431): ``bias`` is K0, the reading at no rate;
+``scale_factor_error_x`` is M_xx - 1, positive when the sensor reads too much; ``misalignment_xz`` is
+M_xz / M_xx: the row is the sensor that reads, the column the axis that turns; ``scale_factor_asymmetry`` is
+K1' = 2 c / M, the difference of the scale factors of the two senses of rotation over their mean.
+
+Type B (one unknown value for the whole test, so dwells do not average it):
+
+table rate
+    a relative error r of every rate changes all matrix entries by -r in proportion.
+mounting
+    the axis turned is off the one named by two small angles, each with the stated uncertainty u, anew for
+    each axis that is mounted: a sensor then reads its own entries of the other axes too, so a misalignment takes u
+    and a scale factor u times the misalignments; and all entries shrink by 1 - cos, root mean square sqrt(2) u^2.
+converter reference
+    a relative error changes all scale factors in proportion (and the bias, by its own size times that).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from ....core.axes import AXES
+from ....core.estimate import Array, Component, Estimate
+from ....core.key import Key
+from ..plan import Plan
+from .earth_input import earth_influences
+from .regression import Line
+
+UNITS = {
+    "bias": "rad/s", "scale_factor_error": "1", "scale_factor_asymmetry": "1", "cross_axis_sensitivity": "1",
+    "misalignment": "rad",
+}  # fmt: skip
+
+
+def estimate(plan: Plan, lines: dict[str, Line]) -> Estimate | None:
+    """Return bias, scale factor error, asymmetry, cross-axis sensitivity and misalignment of all sensors.
+
+    The Type A parts of different sensors are taken as independent. Sensors whose scatter was not repeated at
+    any level are left out.
+
+    Returns
+    -------
+    Estimate or None
+        Names like ``bias_x`` [rad/s], ``scale_factor_error_x`` [1], ``scale_factor_asymmetry_x`` [1],
+        ``cross_axis_sensitivity_zx`` [1], ``misalignment_zx`` [rad]; None where nothing can be estimated.
+    """
+    usable = [one for one in lines.values() if one.covariance is not None]
+    if not usable:
+        return None
+    parts = [_quantities(one) for one in usable]
+    keys = tuple(key for part in parts for key in part[0])
+    values = np.concatenate([part[1] for part in parts])
+    units = tuple(UNITS[key.quantity] for key in keys)
+    components = [
+        _type_a(plan, parts, usable, len(keys)),
+        *_type_b(plan, keys, values, parts, usable),
+        *_earth(plan, parts, usable),
+        *_taken_off(keys, parts, usable),
+    ]
+    return Estimate(keys, values, units, tuple(components))
+
+
+Part = tuple[list[Key], Array, Array, list[int]]
+
+
+def _quantities(one: Line) -> Part:
+    """Return keys, values and Jacobian of the quantities, and the coefficient that each is mainly about.
+
+    A coefficient that only one run tells of has no degrees of freedom, and what rests on it is left out.
+    """
+    keys, values, jacobian, about = _all_quantities(one)
+    keep = [i for i, at in enumerate(about) if one.dof[at] > 0.0]
+    return [keys[i] for i in keep], values[keep], jacobian[keep], [about[i] for i in keep]
+
+
+def _all_quantities(one: Line) -> Part:
+    s, theta, k = one.sensor, one.fit.coefficients, len(one.names)
+    unit = np.eye(k)
+    keys, values, jacobian, about = [Key("bias", s)], [theta[0]], [unit[0]], [0]
+    own = one.names.index(f"M_{s}{s}") if s in one.axes else None
+    if own is not None:
+        keys.append(Key("scale_factor_error", s))
+        values.append(theta[own] - 1.0)
+        jacobian.append(unit[own])
+        about.append(own)
+    if one.asymmetry and own is not None:
+        keys.append(Key("scale_factor_asymmetry", s))
+        values.append(2.0 * theta[-1] / theta[own])
+        jacobian.append(_ratio(unit, -1, own, theta, 2.0))
+        about.append(k - 1)
+    for axis in one.axes:
+        if axis == s:
+            continue
+        at = one.names.index(f"M_{s}{axis}")
+        keys.append(Key("cross_axis_sensitivity", s + axis))
+        values.append(theta[at])
+        jacobian.append(unit[at])
+        about.append(at)
+        if own is not None:
+            keys.append(Key("misalignment", s + axis))
+            values.append(theta[at] / theta[own])
+            jacobian.append(_ratio(unit, at, own, theta, 1.0))
+            about.append(at)
+    return keys, np.array(values), np.array(jacobian), about
+
+
+def _ratio(unit: Array, top: int, bottom: int, theta: Array, scale: float) -> Array:
+    gradient: Array = scale * (unit[top] / theta[bottom] - unit[bottom] * theta[top] / theta[bottom] ** 2)
+    return gradient
+
+
+SOURCES = {
+    "run": "scatter between runs",
+    "dwell": "scatter between dwells",
+    "sample": "scatter between samples",
+}
+RECORDINGS = "scatter between recordings"  # where a run is a recording, and no power-up is known
+
+
+def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Component:
+    covariance, dof, start = np.zeros((k, k)), np.empty(k), 0
+    for (keys, _, jacobian, about), one in zip(parts, lines, strict=True):
+        block = slice(start, start + len(keys))
+        assert one.covariance is not None  # noqa: S101 - for the type checker
+        own = jacobian @ one.covariance @ jacobian.T
+        covariance[block, block] = 0.5 * (own + own.T)
+        dof[block] = one.dof[about]
+        start += len(keys)
+    levels = {one.level for one in lines}
+    source = SOURCES[levels.pop()] if len(levels) == 1 else "scatter at the highest level repeated"
+    if source == SOURCES["run"] and plan.run_level == "recording":
+        source = RECORDINGS
+    return Component(source, "A", covariance, dof, "t")
+
+
+def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part], lines: list[Line]) -> list[Component]:
+    proportional = np.array([_proportional(key.quantity, value) for key, value in zip(keys, values, strict=True)])
+    found = []
+    rate = plan.standards.get("rate_table.rate")
+    if rate is not None:
+        covariance = rate.u**2 * np.outer(proportional, proportional)
+        found.append(Component("table rate", "B", covariance, rate.dof, rate.distribution, rate.stated))
+    mounting = plan.standards.get("rate_table.mounting")
+    if mounting is not None:
+        covariance = _mounting(parts, lines, mounting.u)
+        shape = mounting.distribution
+        found.append(Component("mounting on the table", "B", covariance, mounting.dof, shape, mounting.stated))
+    reference = plan.standards.get("converter.reference")
+    if reference is not None:
+        gain = proportional + np.array(
+            [value if key.quantity == "bias" else 0.0 for key, value in zip(keys, values, strict=True)]
+        )
+        covariance = reference.u**2 * np.outer(gain, gain)
+        shape = reference.distribution
+        found.append(Component("converter reference", "B", covariance, reference.dof, shape, reference.stated))
+    return found
+
+
+def _mounting(parts: list[Part], lines: list[Line], u: float) -> Array:
+    """Covariance from the angles between the axes turned and those named.
+
+    With axis a turned, an angle towards j adds ``M_sj`` times the angle to what every sensor s reads of a; the
+    angles are others for each axis turned. Second order, all entries of a shrink together.
+    """
+    patterns = []
+    for a in sorted({axis for one in lines for axis in one.axes}):
+        for j in (axis for axis in AXES if axis != a):
+            patterns.append(_through(parts, lines, a, [u * matrix_entry(one, j) for one in lines]))
+        patterns.append(_through(parts, lines, a, [np.sqrt(2.0) * u**2 * matrix_entry(one, a) for one in lines]))
+    whole = np.array(patterns)
+    covariance: Array = whole.T @ whole
+    return 0.5 * (covariance + covariance.T)
+
+
+def _through(parts: list[Part], lines: list[Line], axis: str, changes: list[float]) -> Array:
+    """Change of all quantities for a change of the entry of one axis, given for every line."""
+    found = []
+    for (_, _, jacobian, _), one, change in zip(parts, lines, changes, strict=True):
+        name = f"M_{one.sensor}{axis}"
+        found.append(jacobian[:, one.names.index(name)] * change if name in one.names else np.zeros(len(jacobian)))
+    return np.concatenate(found)
+
+
+def matrix_entry(one: Line, axis: str) -> float:
+    """Return what a sensor reads of an axis, as fitted; as ideal where the axis was not turned."""
+    return one.coefficient(f"M_{one.sensor}{axis}") if axis in one.axes else float(axis == one.sensor)
+
+
+def _earth(plan: Plan, parts: list[Part], lines: list[Line]) -> list[Component]:
+    """Components of what is not known of the earth rate: a wrong input of M e in the dwells that were used."""
+    turned = dict.fromkeys(axis for one in lines for axis in one.axes)
+    known = {name: influence for axis in turned for name, influence in earth_influences(plan, axis).items()}
+    sources = dict.fromkeys(name for one in lines for name in one.readings.earth_sources)
+    found = []
+    for source in sources:
+        changes = np.vstack([_earth_change(part, one, source) for part, one in zip(parts, lines, strict=True)])
+        covariance = changes @ changes.T
+        component = Component(f"earth rate: {source}", "B", 0.5 * (covariance + covariance.T))
+        if source in known:  # else the readings were made with another attitude than this plan has
+            own = known[source]
+            component = replace(component, dof=own.dof, distribution=own.distribution, stated=own.stated)
+        found.append(component)
+    return found
+
+
+def _earth_change(part: Part, one: Line, source: str) -> Array:
+    """Change of the quantities of a sensor for each pattern of a source, shape (names, s)."""
+    row = np.array([matrix_entry(one, axis) for axis in AXES])
+    readings = one.readings.earth_sources[source] @ row  # (s, n): what the sensor reads of each pattern
+    changes: Array = -part[2] @ (np.linalg.pinv(one.fit.design) @ readings.T)
+    return changes
+
+
+def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> list[Component]:
+    """Components of what is not known of a bias that was taken off before."""
+    found = []
+    known = {source: off for one in lines for source, off in one.readings.taken_off.items()}
+    for source, off in known.items():
+        changes = np.vstack([taken_off_change(part[2], one, source) for part, one in zip(parts, lines, strict=True)])
+        covariance = changes @ changes.T
+        dof = np.array([off.dof[AXES.index(key.axis[0])] for key in keys])
+        covariance = 0.5 * (covariance + covariance.T)
+        found.append(Component(source, off.kind, covariance, dof, off.distribution, off.stated))
+    return found
+
+
+def taken_off_changes(lines: Mapping[str, Line], source: str) -> dict[Key, Array]:
+    """Return the change of every quantity for each unknown of what was taken off before, by key, shape (s,)."""
+    found: dict[Key, Array] = {}
+    for one in lines.values():
+        if one.covariance is not None:
+            keys, _, jacobian, _ = _quantities(one)
+            found |= dict(zip(keys, taken_off_change(jacobian, one, source), strict=True))
+    return found
+
+
+def taken_off_change(jacobian: Array, one: Line, source: str) -> Array:
+    """Change of quantities of a sensor for each unknown of what was taken off before, shape (names, s).
+
+    Parameters
+    ----------
+    jacobian : ndarray, shape (names, p)
+        Of the quantities with the coefficients of the line.
+    one : Line
+        Of the sensor.
+    source : str
+        Of what was taken off.
+    """
+    off = one.readings.taken_off.get(source)
+    if off is None:
+        return np.zeros((len(jacobian), 0))
+    changes: Array = -jacobian @ (np.linalg.pinv(one.fit.design) @ off.of_sensor(one.sensor).T)
+    return changes
+
+
+def _proportional(quantity: str, value: float) -> float:
+    """Change of a quantity for a relative change of every rate."""
+    if quantity == "scale_factor_error":
+        return 1.0 + value
+    return value if quantity == "cross_axis_sensitivity" else 0.0

@@ -1,0 +1,1 @@
+"""The law of bias over temperature fitted to ramps."""

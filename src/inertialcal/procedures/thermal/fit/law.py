@@ -1,0 +1,183 @@
+"""The law of one sensor: its bias over temperature, midway between the paths, fitted to cells.
+
+::
+
+    y = P(T) + s D(T) / 2 + offset of the run + error         s: 1 warming, -1 cooling
+
+P is the polynomial that is wanted, D the difference of the paths: quadratic, or less where few bins were seen on both.
+Both are Chebyshev series over the range of the cells. What a cell with a finite spread of temperature sees of them is
+their mean over it, to second order. With one path only there is no D, and P holds on that path.
+
+Scatter, and what the covariance is made of, from the highest level that was repeated:
+
+run
+    what the power-ups disagree about (CR2, Satterthwaite degrees of freedom): offsets, slopes, drift, all of it.
+ramp
+    one run, two ramps or more on each path: what the ramps disagree about.
+block
+    else: six stretches of each ramp. Noise and drift that are slower than a stretch are not in it.
+
+Where a combination rests on one run, or ramp, alone, it has no degrees of freedom at that level: the level below is
+taken where it can tell all of P, else the value stays without uncertainty.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+from numpy.typing import ArrayLike
+
+from ....core.estimate import Array
+from ....statistics.clustered import clustered_contrasts
+from ....statistics.least_squares import Fit, fit
+from ....statistics.polynomial import Polynomial
+from ....statistics.random_offsets import fit_with_offsets
+from .cells import Cells, Indices
+
+Level = Literal["run", "ramp", "block"]
+
+PATH_ORDER = 2  # of D
+BLOCKS = 6  # stretches of a ramp
+ENOUGH = 3  # bins seen on both paths that an order of D needs
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """Fit of one sensor.
+
+    Parameters
+    ----------
+    cells : Cells
+        That it was fitted to.
+    order, path_order : int
+        Of P and D; -1 for D where there is none.
+    domain : (float, float)
+        Temperatures where P holds [degC].
+    fit : Fit
+        Coefficients of P, then of D [unit of the readings]; of whitened cells.
+    clusters : ndarray of int, shape (c,)
+        Member of the level that each cell belongs to.
+    level : {"run", "ramp", "block"}
+        Highest level that was repeated.
+    """
+
+    cells: Cells
+    order: int
+    path_order: int
+    domain: tuple[float, float]
+    fit: Fit
+    clusters: Indices
+    level: Level
+
+    @property
+    def coefficients(self) -> Array:
+        """Of P, shape (order + 1,)."""
+        return self.fit.coefficients[: self.order + 1]
+
+    @property
+    def polynomial(self) -> Polynomial:
+        """P with its covariance; its dof are those of the coefficient with the fewest."""
+        covariance, dof = self.contrasts(np.eye(self.order + 1))
+        return Polynomial(self.coefficients, covariance, float(dof.min()), self.domain)
+
+    @property
+    def midway(self) -> bool:
+        """Whether P lies midway between two paths."""
+        return self.path_order >= 0
+
+    def basis(self, temperature: ArrayLike) -> Array:
+        """Return the row of P at each temperature, shape (m, order + 1)."""
+        return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, self.domain), self.order))
+
+    def path_basis(self, temperature: ArrayLike) -> Array:
+        """Return the row of D at each temperature, shape (m, path_order + 1)."""
+        return np.atleast_2d(chebyshev.chebvander(_scaled(temperature, self.domain), self.path_order))
+
+    def contrasts(self, rows: Array) -> tuple[Array, Array]:
+        """Covariance and degrees of freedom of combinations of P, shapes (m, m) and (m,); dof 0: not known."""
+        return self._of(rows, 0)
+
+    def path_contrasts(self, rows: Array) -> tuple[Array, Array, Array]:
+        """Values, covariance and degrees of freedom of combinations of D."""
+        covariance, dof = self._of(rows, self.order + 1)
+        return rows @ self.fit.coefficients[self.order + 1 :], covariance, dof
+
+    def _of(self, rows: Array, start: int) -> tuple[Array, Array]:
+        whole = np.zeros((len(rows), self.fit.coefficients.size))
+        whole[:, start : start + rows.shape[1]] = rows
+        return clustered_contrasts(self.fit, self.clusters, whole)
+
+
+def law_of(cells: Cells, order: int) -> Law:
+    """Return the law of a sensor with a polynomial of a given order.
+
+    Raises
+    ------
+    DataError
+        If the cells are fewer than the coefficients or do not tell them apart.
+    """
+    path_order = path_order_of(cells)
+    domain = cells.range
+    columns = design(cells, order, path_order, domain)
+    names = [f"T_{k}" for k in range(order + 1)] + [f"D_{k}" for k in range(path_order + 1)]
+    if cells.runs >= 2:
+        found = fit_with_offsets(columns, cells.reading, cells.weight, cells.run, names)
+    else:
+        root = np.sqrt(cells.weight)
+        found = fit(columns * root[:, None], cells.reading * root, names=names)
+    for level, clusters in _levels(cells):
+        one = Law(cells, order, path_order, domain, found, clusters, level)
+        if level == "block" or np.all(one.contrasts(np.eye(order + 1))[1] > 0.0):
+            return one
+    raise AssertionError("blocks come last")
+
+
+def path_order_of(cells: Cells) -> int:
+    """Return the order of D that the bins seen on both paths carry; -1 with one path only."""
+    shared = cells.shared_bins
+    return min(PATH_ORDER, len(shared) // ENOUGH) if len(shared) else -1
+
+
+def design(cells: Cells, order: int, path_order: int, domain: tuple[float, float]) -> Array:
+    """Return what the cells see of P and D, shape (c, order + 1 + path_order + 1)."""
+    highest = max(order, path_order)
+    rows = _mean_rows(cells, highest, domain)
+    paths = 0.5 * cells.path[:, None] * rows[:, : path_order + 1]
+    return np.hstack([rows[:, : order + 1], paths])
+
+
+def _mean_rows(cells: Cells, order: int, domain: tuple[float, float]) -> Array:
+    """Chebyshev rows, mean over the spread of each cell to second order."""
+    s = _scaled(cells.temperature, domain)
+    rows = chebyshev.chebvander(s, order)
+    if order < 2:
+        return np.asarray(rows)
+    spread = cells.spread * (2.0 / (domain[1] - domain[0])) ** 2
+    bent = chebyshev.chebder(np.eye(order + 1), 2)  # (order - 1, order + 1)
+    return np.asarray(rows + 0.5 * spread[:, None] * (chebyshev.chebvander(s, order - 2) @ bent))
+
+
+def _scaled(temperature: ArrayLike, domain: tuple[float, float]) -> Array:
+    lo, hi = domain
+    return np.asarray((2.0 * np.asarray(temperature, dtype=float) - lo - hi) / (hi - lo))
+
+
+def _levels(cells: Cells) -> Sequence[tuple[Level, Indices]]:
+    """Levels that were repeated, the highest first; blocks always are."""
+    found: list[tuple[Level, Indices]] = []
+    if cells.runs >= 2:
+        found.append(("run", cells.run))
+    elif all(len(np.unique(cells.ramp[cells.path == way])) >= 2 for way in cells.ways):
+        found.append(("ramp", cells.ramp))
+    return [*found, ("block", blocks(cells))]
+
+
+def blocks(cells: Cells) -> Indices:
+    """Return the stretch of its ramp that each cell lies in: ``BLOCKS`` over the range, numbered over all ramps."""
+    lo, hi = cells.range
+    at = np.clip(((cells.temperature - lo) / (hi - lo) * BLOCKS).astype(np.int64), 0, BLOCKS - 1)
+    return np.asarray(cells.ramp * BLOCKS + at)

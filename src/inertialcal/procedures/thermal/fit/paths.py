@@ -1,0 +1,208 @@
+"""What differs between warming and cooling: path difference, hysteresis, thermal lag.
+
+``path_difference`` is what the paths differ by, D of the law, mean over the temperatures that both have seen. It holds
+whatever made them differ:
+
+hysteresis
+    the bias remembers which way the temperature came. It does not depend on how fast.
+thermal lag
+    the bias is behind the thermometer by a time: the difference is ``-2 lag P'(T) |dT/dt|``, in proportion to the rate.
+drift
+    the bias changes with time, and the paths are not at the same time.
+
+One loop, warming and cooling once each, shows their sum and cannot say which it is: *unclear*. Two loops or more are
+fitted together, with a drift linear in time of each run and the lag beside the hysteresis::
+
+    y = P(T) + s H(T) / 2 - lag P'(T) dT/dt + drift of the run * t + offset of the run
+
+Where the design tells these apart (two rates of the ramps, or a stay at a steady temperature on a path, for the lag;
+two loops for the drift), ``hysteresis`` is the mean of H: *yes* where its 95 % interval excludes zero, *no* where it
+lies within ``no_hysteresis``, else *unclear*.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Literal
+
+import numpy as np
+from numpy.polynomial import chebyshev
+
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ....statistics.clustered import clustered_contrasts
+from ....statistics.intervals import ends, t_interval
+from ....statistics.least_squares import fit
+from .cells import Cells
+from .law import Law, design
+
+Word = Literal["yes", "no", "unclear"]
+
+GRID = 41  # temperatures that a mean over the range is taken at
+TWO_RATES = 1.5  # ratio of the rates of ramps that are two rates
+MIXED = 400.0  # by how much the variance of the hysteresis may grow by what is fitted beside it
+
+
+@dataclass(frozen=True, eq=False)
+class PathEffect:
+    """One figure of what differs between the paths.
+
+    Parameters
+    ----------
+    value, u, dof : float or None
+        None where it cannot be told.
+    reason : str
+        Why not.
+    """
+
+    value: float | None
+    u: float | None = None
+    dof: float | None = None
+    reason: str = ""
+
+
+@dataclass(frozen=True, eq=False)
+class Paths:
+    """What differs between warming and cooling.
+
+    Parameters
+    ----------
+    difference : PathEffect
+        Warming less cooling, mean over the range of both [unit of the readings].
+    hysteresis : PathEffect
+        The part of it that is neither lag nor drift [unit of the readings].
+    lag : PathEffect
+        [s]
+    word : {"yes", "no", "unclear"}
+        Whether there is hysteresis.
+    why : str
+        In words.
+    loops : int
+        Ramps of warming that a ramp of cooling of the same run goes with.
+    rates : tuple of float
+        Least and largest median rate of the ramps, without sign [degC/s]; empty where no time is known.
+    """
+
+    difference: PathEffect
+    hysteresis: PathEffect
+    lag: PathEffect
+    word: Word
+    why: str
+    loops: int
+    rates: tuple[float, ...]
+
+
+def paths_of(law: Law, no_hysteresis: float | None = None) -> Paths:
+    """Return what differs between the paths of one sensor."""
+    cells = law.cells
+    loops, rates = _loops(cells), _rates(cells)
+    if not law.midway:
+        nothing = PathEffect(None, reason="one path only was seen")
+        return Paths(nothing, nothing, nothing, "unclear", "one path only was seen", loops, rates)
+    difference = _difference(law)
+    hysteresis, lag = _separated(law, loops)
+    word, why = _told(hysteresis, no_hysteresis)
+    return Paths(difference, hysteresis, lag, word, why, loops, rates)
+
+
+def shared_grid(law: Law) -> Array:
+    """Return temperatures over the range that both paths have seen, shape (GRID,) [degC]."""
+    return np.linspace(*(law.cells.both or law.domain), GRID)
+
+
+def _difference(law: Law) -> PathEffect:
+    values, covariance, dof = law.path_contrasts(law.path_basis(shared_grid(law)).mean(axis=0, keepdims=True))
+    if not dof[0] > 0.0:
+        return PathEffect(float(values[0]), reason="it rests on one run alone")
+    return PathEffect(float(values[0]), float(np.sqrt(covariance[0, 0])), float(dof[0]))
+
+
+def _loops(cells: Cells) -> int:
+    """Count pairs of a ramp of warming and one of cooling in one run."""
+    found = 0
+    for run in np.unique(cells.run):
+        own = cells.run == run
+        found += min(len(np.unique(cells.ramp[own & (cells.path == way)])) for way in (1, -1))
+    return found
+
+
+def _rates(cells: Cells) -> tuple[float, ...]:
+    found = []
+    for ramp in np.unique(cells.ramp):
+        own = np.abs(cells.rate[cells.ramp == ramp])
+        if np.isfinite(own).any():
+            found.append(float(np.nanmedian(own)))
+    return (min(found), max(found)) if found else ()
+
+
+def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
+    """Return hysteresis and lag where the design tells them from each other and from drift."""
+    cells = law.cells
+    reason = ""
+    if loops < 2:
+        reason = "one loop: hysteresis, thermal lag and drift look the same; make a second one, at another rate"
+    elif not np.isfinite(cells.rate).all() or not np.isfinite(cells.time).all():
+        reason = "no time is known: thermal lag and drift cannot be told from hysteresis"
+    if reason:
+        return PathEffect(None, reason=reason), PathEffect(None, reason=reason)
+    columns, names, at = _columns(law)
+    root = np.sqrt(cells.weight)[:, None]
+    row = np.zeros(columns.shape[1])
+    row[at : at + law.path_order + 1] = law.path_basis(shared_grid(law)).mean(axis=0)
+    try:
+        found = fit(columns * root, cells.reading * root[:, 0], names=names)
+    except DataError:
+        return _not_told()
+    alone = fit((columns * root)[:, : at + law.path_order + 1], cells.reading * root[:, 0])
+    if _grown(found.transform, row) > MIXED * _grown(alone.transform, row[: at + law.path_order + 1]):
+        return _not_told()
+    rows = np.vstack([row, np.eye(columns.shape[1])[at + law.path_order + 1]])
+    covariance, dof = clustered_contrasts(found, law.clusters, rows)
+    values = rows @ found.coefficients
+    effects = [
+        PathEffect(float(v), float(np.sqrt(c)), float(d)) if d > 0.0 else PathEffect(None, reason=ONE_RUN)
+        for v, c, d in zip(values, np.diag(covariance), dof, strict=True)
+    ]
+    return effects[0], effects[1]
+
+
+ONE_RUN = "it rests on one run alone: how it differs between runs cannot be told"
+
+
+def _not_told() -> tuple[PathEffect, PathEffect]:
+    why = "the ramps do not tell hysteresis from thermal lag and drift: make loops at two rates"
+    return PathEffect(None, reason=why), PathEffect(None, reason=why)
+
+
+def _columns(law: Law) -> tuple[Array, list[str], int]:
+    """Return the design of the module head, its names, and where H begins: P, H, lag, then drift and offset of runs."""
+    cells, k = law.cells, law.order + 1
+    width = 0.5 * (law.domain[1] - law.domain[0])
+    s = (cells.temperature - law.domain[0]) / width - 1.0
+    slope = np.asarray(chebyshev.chebval(s, chebyshev.chebder(law.coefficients))) / width
+    runs, number = np.unique(cells.run, return_inverse=True)
+    each = np.eye(len(runs))[number]
+    middle = np.bincount(number, cells.time) / np.bincount(number)
+    scale = max(float(np.ptp(cells.time)), 1.0)
+    drift = each * ((cells.time - middle[number]) / scale)[:, None]
+    own = design(cells, law.order, law.path_order, law.domain)
+    columns = np.column_stack([own, -slope * cells.rate, drift, each[:, 1:]])
+    names = [f"P{i}" for i in range(k)] + [f"H{i}" for i in range(law.path_order + 1)] + ["lag"]
+    names += [f"drift {i}" for i in range(len(runs))] + [f"offset {i}" for i in range(1, len(runs))]
+    return columns, names, k
+
+
+def _grown(transform: Array, row: Array) -> float:
+    """Variance of a combination for readings of variance one."""
+    return float(np.sum((row @ transform) ** 2))
+
+
+def _told(hysteresis: PathEffect, none: float | None) -> tuple[Word, str]:
+    if hysteresis.value is None or hysteresis.u is None or hysteresis.dof is None:
+        return "unclear", hysteresis.reason
+    low, high = ends(t_interval(hysteresis.value, hysteresis.u, hysteresis.dof))
+    if none is not None and -none <= low and high <= none:
+        return "no", "its 95 % interval lies within what counts as none"
+    if low > 0.0 or high < 0.0:
+        return "yes", "its 95 % interval excludes zero, lag and drift fitted beside it"
+    return "unclear", "its 95 % interval holds zero"

@@ -1,0 +1,180 @@
+"""One sensor reduced: start-up cut, order chosen, law fitted, paths compared, reference voltages over temperature."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ....core.remarks import Remark
+from ..plan import Plan
+from ..readings import Readings
+from .agreement import odd_runs
+from .cells import Cells, Series, cells_of, series_of
+from .law import Law, law_of
+from .order import Choice, choose_order
+from .paths import Paths, paths_of
+from .start_up import StartUp, start_up_of
+
+BINS_AN_ORDER = 3  # that a polynomial needs for each order
+REFERENCE_ORDER = 3  # largest that comes into question for a reference voltage
+
+
+@dataclass(frozen=True, eq=False)
+class OfSensor:
+    """What the test shows of one sensor.
+
+    Parameters
+    ----------
+    series : Series
+        All samples.
+    law : Law
+        Bias over temperature.
+    choice : Choice
+        Of its order.
+    start_up : StartUp
+        Transient after power-up, and the cut.
+    paths : Paths
+        What differs between warming and cooling.
+    references : mapping of str to Law
+        Reference voltages over temperature [V].
+    run_offsets : ndarray, shape (r,)
+        Mean residual of each run [unit of the readings].
+    remarks : tuple of Remark
+        Findings.
+    """
+
+    series: Series
+    law: Law
+    choice: Choice
+    start_up: StartUp
+    paths: Paths
+    references: Mapping[str, Law]
+    run_offsets: Array
+    remarks: tuple[Remark, ...]
+
+    @property
+    def cells(self) -> Cells:
+        """Of the law."""
+        return self.law.cells
+
+
+def reduce_sensor(plan: Plan, readings: Readings, axis: str) -> OfSensor:
+    """Reduce one sensor.
+
+    Raises
+    ------
+    DataError
+        If its temperature hardly changes or nothing valid is left of it.
+    """
+    series = series_of(plan, readings, axis)
+    cells = cells_of(plan, series, plan.warm_up or 0.0)
+    first = plan.order if plan.order is not None else _largest(cells, plan.largest_order)
+    law = law_of(cells, first)
+    start_up = start_up_of(plan, series, law)
+    if start_up.cut > (plan.warm_up or 0.0):
+        cells = cells_of(plan, series, start_up.cut)
+    choice = choose_order(cells, max(_largest(cells, plan.largest_order), plan.order or 0), plan.order)
+    if law.cells is not cells or law.order != choice.order:
+        law = law_of(cells, choice.order)
+    references = _references(plan, readings, series, start_up.cut)
+    remarks = (
+        *odd_runs(axis, law.cells, readings),
+        *_without_ramp(readings, series),
+        *_remarks(plan, readings, axis, law, start_up),
+    )
+    paths = paths_of(law, plan.no_hysteresis)
+    return OfSensor(series, law, choice, start_up, paths, references, run_offsets(law), remarks)
+
+
+def _largest(cells: Cells, wanted: int) -> int:
+    """Return the largest order that comes into question: that the bins carry, and no larger than wanted."""
+    return min(wanted, max((len(np.unique(cells.bin)) - 1) // BINS_AN_ORDER, 0))
+
+
+def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> dict[str, Law]:
+    """Laws of the reference voltages that were recorded with this sensor."""
+    axis, found = series.axis, {}
+    sweeps = [one for one in readings.sweeps if axis in one.outputs]
+    for name in dict.fromkeys(name for one in sweeps for name in one.references):
+        volts = [one.references.get(name, {}).get(axis, np.full(len(one), np.nan)) for one in sweeps]
+        try:
+            cells = cells_of(plan, series.of(np.concatenate(volts)), cut)
+        except DataError:  # not one valid sample, which the chain has told
+            continue
+        found[name] = law_of(cells, choose_order(cells, _largest(cells, REFERENCE_ORDER)).order)
+    return found
+
+
+def run_offsets(law: Law) -> Array:
+    """Return the weighted mean residual of each run, shape (r,) [unit of the readings]."""
+    cells = law.cells
+    fitted = np.einsum("ij,j->i", law.basis(cells.temperature), law.coefficients)
+    if law.midway:
+        ways = law.fit.coefficients[law.order + 1 :]
+        fitted = fitted + 0.5 * cells.path * np.einsum("ij,j->i", law.path_basis(cells.temperature), ways)
+    number = np.unique(cells.run, return_inverse=True)[1]
+    left = cells.weight * (cells.reading - fitted)
+    return np.asarray(np.bincount(number, left) / np.bincount(number, cells.weight))
+
+
+def _without_ramp(readings: Readings, series: Series) -> list[Remark]:
+    """Return a remark for each recording in which the temperature hardly changes: nothing of it is used."""
+    sweeps = [one for one in readings.sweeps if series.axis in one.outputs]
+    found = []
+    for number, one in enumerate(sweeps):
+        mine = series.sweep == number
+        if not np.any(series.path[mine]):
+            warm = series.temperature[mine & np.isfinite(series.temperature)]
+            change = float(np.ptp(warm)) if len(warm) else 0.0
+            what = f"the temperature of {series.axis} changes by {change:.3g} degC: no ramp, and nothing of it is used"
+            found.append(Remark("still_recording", "warning", what, one.place, do="Leave it out, or check its channel"))
+    return found
+
+
+def _remarks(plan: Plan, readings: Readings, axis: str, law: Law, start_up: StartUp) -> list[Remark]:
+    found, cells = [], law.cells
+    if not law.midway:
+        way = {1: "warming", -1: "cooling"}[cells.ways[0]]
+        what = f"{axis} sensor: only {way} was seen: midway between warming and cooling is not known"
+        do = f"Ramp the other way too, or state sensor.hysteresis; what holds while {way} stands beside"
+        found.append(Remark("one_path", "warning", what, readings.where, do=do))
+    elif cells.left_out.get("one_path"):
+        low, high = cells.range
+        what = f"{axis} sensor: both paths were seen from {low:.4g} to {high:.4g} degC; the rest is left out"
+        found.append(Remark("one_path_beyond", "warning", what, readings.where, cells.left_out["one_path"],
+                            "Ramp both ways over the whole range"))  # fmt: skip
+    counts = [f"{n} {WORDS[rule]}" for rule, n in cells.left_out.items() if n]
+    what = f"{axis} sensor: {int(cells.samples.sum())} samples used in {len(cells)} cells; left out: " + (
+        ", ".join(counts) or "none"
+    )
+    found.append(Remark("cells", "info", what, readings.where))
+    return [*found, *_of_start_up(plan, readings, axis, start_up)]
+
+
+WORDS = {
+    "invalid": "missing, invalid or at a rail",
+    "warm_up": "before the start-up was over",
+    "turn_over": "after a turn of the temperature",
+    "one_path": "seen on one path only",
+    "sparse": "in cells with few samples",
+}
+
+
+def _of_start_up(plan: Plan, readings: Readings, axis: str, start_up: StartUp) -> list[Remark]:
+    found = start_up.found
+    if plan.warm_up is not None:
+        after = None if found is None else found.settled_after(start_up.settled)
+        if after is None or after <= plan.warm_up:
+            return []
+        what = f"{axis} sensor: warm_up is {plan.warm_up:.4g} s, but the start-up takes {after:.4g} s"
+        do = "Leave warm_up out, or give a longer one"
+        return [Remark("warm_up_short", "warning", what, readings.where, do=do)]
+    if found is None:
+        what = f"no start-up could be looked for: {start_up.reason}"
+        do = "Stay at the first temperature after power-up, or give plan.warm_up"
+        return [Remark("warm_up_unknown", "warning", what, readings.where, do=do)]
+    return []

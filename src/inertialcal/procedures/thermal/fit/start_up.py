@@ -1,0 +1,124 @@
+"""Start-up of the unit in a thermal test: found while the temperature is still that of the start.
+
+What a unit does after power-up and what it does over temperature look alike while the temperature moves. So the
+transient is looked for before it does: from power-up until the temperature leaves its noise for good, with what the
+polynomial of a first reduction says of small changes taken off. The cut is the time after which less than
+``settled`` is left of it, the same for all power-ups of the test; by default a tenth of the scatter of a sample, which
+is of the size of what a mean over some minutes can show.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ....sensors.warm_up import FEWEST, WarmUp, find_warm_up
+from ..plan import Plan
+from .cells import Indices, Series
+from .law import Law
+
+SHARE = 0.1  # of the scatter of a sample that counts as settled
+STILL = 0.1  # of the turn-over distance: the temperature is still that of the start
+NOISE = 3.0  # of its scatter there, that it stays within
+SHORTEST = 120.0  # steady part that shows a start-up [s]
+MEANS = 120  # of the steady part after a power-up
+STEADY = "the temperature moves from the start: start-up and temperature cannot be told apart"
+
+
+@dataclass(frozen=True, eq=False)
+class StartUp:
+    """What a thermal test shows of the start-up of one sensor.
+
+    Parameters
+    ----------
+    found : WarmUp or None
+        The transient.
+    reason : str
+        Why there is none.
+    settled : float
+        Tolerance [unit of the readings].
+    cut : float
+        Left out after each power-up [s].
+    time, residual, run : ndarray, shape (m,)
+        Means that it was found in: since power-up [s], less the polynomial [unit of the readings], number of the run.
+    """
+
+    found: WarmUp | None
+    reason: str
+    settled: float
+    cut: float
+    time: Array
+    residual: Array
+    run: Indices
+
+
+def start_up_of(plan: Plan, series: Series, law: Law) -> StartUp:
+    """Return the start-up of one sensor, and how long to leave out after a power-up.
+
+    Parameters
+    ----------
+    plan : Plan
+        ``warm_up`` and ``settled``.
+    series : Series
+        All samples.
+    law : Law
+        Of a first reduction, nothing left out for the start-up.
+    """
+    scatter = float(np.sqrt(np.average(law.cells.scatter**2, weights=law.cells.samples)))
+    settled = plan.settled if plan.settled is not None else SHARE * scatter
+    time, residual, run = _steady_means(series, law)
+    found, reason = None, ""
+    if not np.isfinite(series.time).any():
+        reason = "no time is known"
+    elif len(time) == 0:
+        reason = STEADY
+    else:
+        try:
+            found = find_warm_up(time, residual, run)
+        except DataError as error:
+            reason = error.problems[0].what
+    cut = plan.warm_up
+    if cut is None:
+        cut = found.settled_after(settled) if found is not None and settled > 0.0 else 0.0
+    return StartUp(found, reason, settled, cut, time, residual, run)
+
+
+def _steady_means(series: Series, law: Law) -> tuple[Array, Array, Indices]:
+    """Means over the steady part after each power-up, of what the polynomial leaves; none where it is too short."""
+    times, residuals, runs = [], [], []
+    for number in np.unique(series.run):
+        at = _steady_part(series, int(number))
+        if len(at) < FEWEST:
+            continue
+        left = series.reading[at] - law.basis(np.clip(series.temperature[at], *law.domain)) @ law.coefficients
+        size = -(-len(at) // MEANS)
+        starts = np.arange(0, len(at) - size + 1, size)
+        whole = len(starts) * size
+        times.append(series.time[at][:whole].reshape(-1, size).mean(axis=1))
+        residuals.append(left[:whole].reshape(-1, size).mean(axis=1))
+        runs.append(np.full(len(starts), number))
+    if not times:
+        nothing = np.zeros(0)
+        return nothing, nothing, nothing.astype(np.int64)
+    return np.concatenate(times), np.concatenate(residuals), np.concatenate(runs)
+
+
+def _steady_part(series: Series, run: int) -> Indices:
+    """Return the samples of a run until its temperature leaves that of the start, in order of time."""
+    own = np.flatnonzero((series.run == run) & np.isfinite(series.time) & np.isfinite(series.temperature))
+    if not len(own):
+        return own
+    own = own[np.argsort(series.time[own], kind="stable")]
+    warm = series.temperature[own]
+    away = np.abs(warm - warm[: max(len(own) // 1000, 1)].mean())
+    gone = np.flatnonzero(away > STILL * series.turn_over)
+    steady = own[: gone[0]] if len(gone) else own
+    half = series.temperature[steady[: max(len(steady) // 2, 1)]]
+    at_rest = np.flatnonzero(np.abs(series.temperature[steady] - half.mean()) <= NOISE * half.std())
+    steady = steady[: at_rest[-1] + 1] if len(at_rest) else steady[:0]
+    steady = steady[np.isfinite(series.reading[steady])]
+    long = len(steady) >= FEWEST and np.ptp(series.time[steady]) >= SHORTEST
+    return steady if long else steady[:0]
