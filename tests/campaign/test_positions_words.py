@@ -8,14 +8,15 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import DataError
+from inertialcal.core.labelled import LabelledPart, labelled_csv
 from inertialcal.core.recording import Recording
 from inertialcal.procedures.positions.files.sources import section_of
-from inertialcal.procedures.positions.orientations.text import Section, sections_of, sections_text
+from inertialcal.procedures.positions.orientations.text import sections_of
 
 TURN = "x_rot"
 
 
-def said(folder: Path, name: str, text: str) -> tuple[Section, ...]:
+def said(folder: Path, name: str, text: str) -> tuple[LabelledPart, ...]:
     (folder / name).write_text(text, encoding="utf-8")
     return sections_of(folder / name)
 
@@ -32,8 +33,8 @@ def test_a_label_may_stand_twice_and_a_turn_has_its_own_angle(tmp_path: Path) ->
 
 
 def test_a_table_of_sections_comes_back_as_it_was_written(tmp_path: Path) -> None:
-    sections = (Section("z+", 0, 9), Section(TURN, 20, 29, angle=-np.pi / 3.0), Section(TURN, 40, 49))
-    found = said(tmp_path, "s.csv", sections_text(sections))
+    sections = (LabelledPart("z+", 0, 9), LabelledPart(TURN, 20, 29, angle=-np.pi / 3.0), LabelledPart(TURN, 40, 49))
+    found = said(tmp_path, "s.csv", labelled_csv(sections))
     assert [(one.label, one.start, one.stop) for one in found] == [("z+", 0, 9), (TURN, 20, 29), (TURN, 40, 49)]
     assert [found[0].angle, found[2].angle] == [None, None]
     assert found[1].angle == pytest.approx(-np.pi / 3.0, rel=1e-14)

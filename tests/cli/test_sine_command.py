@@ -12,7 +12,7 @@ import inertialcal as ic
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
-from inertialcal.procedures.mass_attraction.schedule import repeated
+from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.procedures.sine.files import SineFile
 from inertialcal.report.figures import FIGURES, on_new_figure

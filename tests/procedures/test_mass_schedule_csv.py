@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import InertialcalError
-from inertialcal.procedures.mass_attraction.schedule import Schedule, repeated
+from inertialcal.physics.motion.schedule import Schedule, repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule, write_schedule
 
 ROWS = """dwell,start [s],stop [s],position [cm],applied [ng]

@@ -13,6 +13,7 @@ from inertialcal.campaign.run import run
 from inertialcal.campaign.score import coverage
 from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError, UsageError
+from inertialcal.physics.motion.schedule import Schedule
 from inertialcal.procedures.mass_attraction.reduction import Result
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.record import nominal
@@ -27,6 +28,12 @@ QUIET = Bench(
 )  # fmt: skip
 TABLE_3 = 23.0  # ng: amplitude of the published mass
 PUBLISHED = 1e-3  # its rows are in hundredths of a cm
+
+
+def schedule(twin: Twin) -> Schedule:
+    content = twin.extras["schedule.csv"].content
+    assert isinstance(content, Schedule)
+    return content
 
 
 def found(twin: Twin) -> list[str]:
@@ -57,7 +64,7 @@ def test_pulses_are_whole_and_follow_the_mass_by_the_true_scale_factor() -> None
     twin = build(QUIET, 2)
     pulses = twin.recordings["recordings/run1.csv"].channel("pulses").data
     assert pulses.dtype == np.int64
-    plan = twin.schedules["schedule.csv"]
+    plan = schedule(twin)
     slope = np.polyfit(plan.applied, pulses / GATE, 1)[0]
     applied = 1.0 + float(np.asarray(twin.drawn["applied_error"]))
     assert slope == pytest.approx(twin.truth[0].value * applied, rel=5e-3)  # counts of 0.01 pulses/s
@@ -68,7 +75,7 @@ def test_pulses_are_whole_and_follow_the_mass_by_the_true_scale_factor() -> None
 
 def test_the_mass_applies_what_the_report_says() -> None:
     twin = build(QUIET, 1)
-    amplitude = 0.5 * float(np.ptp(twin.schedules["schedule.csv"].applied)) / (1e-3 * UG)
+    amplitude = 0.5 * float(np.ptp(schedule(twin).applied)) / (1e-3 * UG)
     assert amplitude == pytest.approx(TABLE_3, rel=PUBLISHED)
 
 
@@ -76,7 +83,7 @@ def test_both_ranges_and_both_drives_are_there() -> None:
     high, abab = (build(replace(QUIET, **change), 2) for change in ({"range": "high"}, {"drive": "ABAB"}))  # type: ignore[arg-type]
     assert nominal(replace(QUIET, range="high")) == pytest.approx(1.024 / UG)
     assert high.truth[0].value == pytest.approx(1.024 / UG, rel=0.05)
-    assert abab.schedules["schedule.csv"].samples_per_cycle == 2
+    assert schedule(abab).samples_per_cycle == 2
     assert "1.024 count/s/ug" in high.campaign
 
 

@@ -16,9 +16,10 @@ from inertialcal.campaign.twin import simulate
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
+from inertialcal.core.labelled import LabelledPart
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.hand_held.rig import CHANNELS, Bench, build
-from inertialcal.rigs.protocol import NamedPart, Rig, Twin
+from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.rigs.six_faces.rig import FAULTS, RIG
 
 SHORT = Bench(variant="ferraris", dwell=2.5, first=5.0, sample_rate=50.0)
@@ -41,9 +42,11 @@ def codes(made: Twin) -> set[str]:
     return {one.code for fitted in found for one in fitted.result.remarks if one.severity != "info"}
 
 
-def first_record(made: Twin) -> tuple[Array, tuple[NamedPart, ...]]:
+def first_record(made: Twin) -> tuple[Array, tuple[LabelledPart, ...]]:
     """Return the readings of the first record, and its protocol."""
-    return next(iter(made.recordings.values())).array(CHANNELS), next(iter(made.protocols.values()))
+    parts = next(iter(made.extras.values())).content
+    assert isinstance(parts, tuple)
+    return next(iter(made.recordings.values())).array(CHANNELS), parts
 
 
 def test_what_is_written_down_is_what_was_done_but_for_a_mounting_that_all_share() -> None:
@@ -52,7 +55,7 @@ def test_what_is_written_down_is_what_was_done_but_for_a_mounting_that_all_share
     off = np.array(made.drawn["mounting"])
     assert np.abs(off).max() > 3e-3
     for part in parts:
-        assert isinstance(part, NamedPart)
+        assert isinstance(part, LabelledPart)
         meant = DIRECTION[f"{part.label}1"] if part.angle is None else DIRECTION[f"{part.label[0]}+1"]
         true = meant + np.cross(off, meant)
         inside = data[part.start : part.stop]

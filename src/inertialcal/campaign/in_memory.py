@@ -50,7 +50,7 @@ def fitted_tests(twin: Twin) -> list[Fitted]:
     """
     file, standards = _campaign(twin.campaign)
     tests = [test for test in file.tests if test.use == "fit"]
-    store = Memory(twin.recordings, {**twin.schedules, **twin.protocols})
+    store = Memory(twin.recordings, {file: extra.content for file, extra in twin.extras.items()})
     results: dict[str, Any] = {}
     for test in sorted(tests, key=lambda one: bool(one.after)):
         before = [(name, one) for name in test.after for one in tests if one.id == name]

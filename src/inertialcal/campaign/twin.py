@@ -18,9 +18,6 @@ from pathlib import Path
 from ..core.errors import DataError, StoreError, UsageError
 from ..core.recording import SECOND, Recording
 from ..core.show.tables import Grid, Part, html, text
-from ..procedures.mass_attraction.schedule import Schedule
-from ..procedures.mass_attraction.schedule_csv import write_schedule
-from ..procedures.positions.orientations.text import Section, sections_text
 from ..rigs import RIGS
 from ..rigs.protocol import SEAL, SEED, TrueValue, Twin
 from .load import FILE, load
@@ -121,9 +118,9 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
         FILE: twin.campaign.replace(SEED, str(seed)).replace(SEAL, seal),
         TRUTH: truth,
         **{file: csv_text(recording, file) for file, recording in twin.recordings.items()},
-        **{file: sections_text([Section(**vars(one)) for one in parts]) for file, parts in twin.protocols.items()},
+        **{file: extra.text for file, extra in twin.extras.items()},
     }
-    _write(target, texts, {file: Schedule(**vars(one)) for file, one in twin.schedules.items()})
+    _write(target, texts)
     return Written(target, tuple(twin.recordings), seal, fault)
 
 
@@ -189,7 +186,7 @@ def read_truth(folder: str | Path) -> Truth:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
 
 
-def _write(target: Path, texts: Mapping[str, str], schedules: Mapping[str, Schedule]) -> None:
+def _write(target: Path, texts: Mapping[str, str]) -> None:
     """Write the files into a folder aside, then move it to its place."""
     try:
         target.parent.mkdir(parents=True, exist_ok=True)
@@ -201,8 +198,6 @@ def _write(target: Path, texts: Mapping[str, str], schedules: Mapping[str, Sched
             path = aside / name
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
-        for name, schedule in schedules.items():
-            write_schedule(aside / name, schedule)
         aside.chmod(0o755)
         if target.is_dir():
             target.rmdir()

@@ -19,7 +19,6 @@ from ..core.errors import UsageError
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
 
-    from ..core.estimate import Array
     from ..core.recording import Recording
 
 SEED, SEAL = "@SEED@", "@SEAL@"
@@ -69,48 +68,19 @@ class Fault:
 
 
 @dataclass(frozen=True, eq=False)
-class PlannedMass:
-    """Where a mass is planned to dwell.
+class Extra:
+    """A file beside the recordings, such as a schedule or a protocol.
 
     Parameters
     ----------
-    start : ndarray, shape (n,)
-        Of each dwell, since that of the first [s].
-    dwell, move : float
-        Length of each, and pause between two [s].
-    position : ndarray, shape (n,)
-        Of the mass [m].
-    applied : ndarray, shape (n,)
-        Its attraction along the input axis [m/s^2].
-    drive : str
-        Name of the order.
-    samples_per_cycle : int
-        Dwells of a cycle.
-    u_applied : float or None
-        Relative standard uncertainty of the amplitude (1).
+    content : object
+        What its reader makes of it.
+    text : str
+        The file itself.
     """
 
-    start: Array
-    dwell: float
-    move: float
-    position: Array
-    applied: Array
-    drive: str
-    samples_per_cycle: int
-    u_applied: float | None = None
-
-
-@dataclass(frozen=True)
-class NamedPart:
-    """Samples [start, stop) of a recording with the name that a protocol gives them: ``"x+"``, or ``"x_rot"``.
-
-    A turn has its angle [rad].
-    """
-
-    label: str
-    start: int
-    stop: int
-    angle: float | None = None
+    content: object
+    text: str
 
 
 @dataclass(frozen=True, eq=False)
@@ -127,10 +97,8 @@ class Twin:
         What the results are measured by.
     drawn : mapping
         Errors of the standards, and how the bench really stood, SI: what nobody told the reduction.
-    schedules : mapping of str to PlannedMass
-        Of a moved mass, by the file that the campaign names.
-    protocols : mapping of str to tuple of NamedPart
-        What is known of positions and turns, by the file that the campaign names.
+    extras : mapping of str to Extra
+        What else the campaign names, by file.
     rig : str
         Name of the rig; filled in by it, as are the others below.
     seed : int
@@ -143,8 +111,7 @@ class Twin:
     recordings: Mapping[str, Recording]
     truth: tuple[TrueValue, ...]
     drawn: Drawn
-    schedules: Mapping[str, PlannedMass] = field(default_factory=dict[str, PlannedMass])
-    protocols: Mapping[str, tuple[NamedPart, ...]] = field(default_factory=dict[str, tuple[NamedPart, ...]])
+    extras: Mapping[str, Extra] = field(default_factory=dict[str, Extra])
     rig: str = ""
     seed: int = 0
     fault: str = ""

@@ -16,7 +16,6 @@ from ..protocol import Source
 from .entry import Lines
 from .readings import Line
 from .recordings import READING, TEMPERATURE, TILT, Moved
-from .schedule import Schedule
 from .schedule_csv import read_schedule
 
 SAME = 0.01  # relative difference of gate and averaging time that is none
@@ -32,8 +31,7 @@ def moved_mass(source: Source) -> Moved:
         ``gate_disagrees`` if gate and averaging time differ; if recording or schedule cannot be read.
     """
     name, entry, facts = source.name, source.entry, source.facts
-    given = source.read_file(entry.mass.schedule, read_schedule)
-    schedule = given if isinstance(given, Schedule) else Schedule(**vars(given))  # a rig has its own
+    schedule = source.read_file(entry.mass.schedule, read_schedule)
     gate = float(facts.gate or 0.0)
     averaging = None if entry.clock is None else entry.clock.averaging
     if averaging is not None and abs(averaging / gate - 1.0) > SAME:

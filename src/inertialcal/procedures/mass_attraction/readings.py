@@ -8,7 +8,7 @@ import numpy as np
 
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from .schedule import Schedule
+from ...physics.motion.schedule import Schedule
 
 
 @dataclass(frozen=True, eq=False)

@@ -17,9 +17,9 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
+from ...physics.motion.schedule import Schedule
 from .plan import Plan
 from .readings import Readings, Run
-from .schedule import Schedule
 
 READING, TILT, TEMPERATURE = "reading", "tilt", "temperature"
 INSIDE = 0.02  # of a dwell, by which a sample may reach beyond it: clocks of logger and mover

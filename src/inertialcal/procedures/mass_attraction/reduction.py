@@ -31,6 +31,7 @@ from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
+from ...physics.motion.schedule import Schedule, repeated
 from .checks import check_source, series_remarks
 from .curves import curves
 from .findings import findings
@@ -42,7 +43,6 @@ from .response.of_run import Response, response_of, response_of_line
 from .response.runs import Combined, combined
 from .response.scale import estimate_of, words_of
 from .rows import rows
-from .schedule import Schedule, repeated
 
 __all__ = [
     "INFLUENCES",

@@ -23,10 +23,8 @@ from ...files.text.encoding import decode
 from ...files.text.headers import bare_name
 from ...files.text.table import Table, read_table
 from ...files.write.atomic import atomic_write
-from .schedule import Schedule
+from ...physics.motion.schedule import MERCURY, UNITS, Schedule
 
-UNITS = {"start": "s", "stop": "s", "position": "m", "applied": "m/s^2"}
-MERCURY = {"mercury": "rad"}  # of a tilt meter, where it was computed
 COMMENT = re.compile(r"#\s*(drive|dwells a cycle|dwell|move|u of applied)\s*:\s*(.*?)\s*", re.ASCII)
 SAME = 0.05  # of what the mass changes, within which a place is the same one again
 FEW = 3  # dwells, that show no cycle
@@ -37,7 +35,7 @@ def write_schedule(
     path: str | os.PathLike[str],
     schedule: Schedule,
     inputs: Iterable[str | Path] = (),
-    told: Mapping[str, str] | None = None,
+    notes: Mapping[str, str] | None = None,
 ) -> None:
     """Write a schedule as CSV.
 
@@ -49,7 +47,7 @@ def write_schedule(
         What to write.
     inputs : iterable of path
         Files that it may not replace.
-    told : mapping of str to str, optional
+    notes : mapping of str to str, optional
         What else stands above the rows for whoever reads them, such as the constants behind what is applied.
 
     Raises
@@ -60,7 +58,7 @@ def write_schedule(
     if Path(path).is_dir():
         raise StoreError("cannot be written: it is a folder", where=str(path), do="Name a file", code="not_written")
     with atomic_write(path, inputs) as aside:
-        aside.write_text(_text(schedule, told or {}), encoding="utf-8")
+        aside.write_text(schedule.csv(notes or {}), encoding="utf-8")
 
 
 def read_schedule(path: str | Path) -> Schedule:
@@ -89,24 +87,6 @@ def read_schedule(path: str | Path) -> Schedule:
         )  # fmt: skip
     except InertialcalError as error:
         raise DataError(error.problems[0].what, where=table.source.path, why="it is no schedule") from None
-
-
-def _text(schedule: Schedule, told: Mapping[str, str]) -> str:
-    """Comments, header, rows."""
-    doubt = [] if schedule.u_applied is None else [f"# u of applied: {schedule.u_applied!r}"]
-    there = UNITS if schedule.mercury is None else UNITS | MERCURY
-    heads = [
-        f"# drive: {schedule.drive}",
-        f"# dwells a cycle: {schedule.samples_per_cycle}",
-        f"# dwell: {float(schedule.dwell)!r} s",
-        f"# move: {float(schedule.move)!r} s",
-        *doubt,
-        *(f"# {name}: {value}" for name, value in told.items()),
-        ",".join(["dwell", *(f"{name} [{unit}]" for name, unit in there.items())]),
-    ]
-    columns = [getattr(schedule, name).tolist() for name in there]
-    rows = [",".join([str(i), *map(repr, row)]) for i, row in enumerate(zip(*columns, strict=True), 1)]
-    return "\n".join([*heads, *rows, ""])
 
 
 def _comments(text: str) -> dict[str, str]:

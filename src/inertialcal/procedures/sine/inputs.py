@@ -14,8 +14,8 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...files.text.headers import bare_name
+from ...physics.motion.schedule import Schedule
 from ...signals.sine import Drive, applied_drive, averaging_response, sine_drive
-from ..mass_attraction.schedule import Schedule
 from ..mass_attraction.schedule_csv import read_schedule
 
 HALF = 0.5  # of the samples, that may be missing

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from ...core.estimate import Array
+from ...core.labelled import LabelledPart
 from ..parts.standards import drawn_error
-from ..protocol import NamedPart
 from .motion import Leg, Part, turn_between
 from .setup import Bench
 
@@ -26,7 +26,7 @@ def sequence(bench: Bench, mounting: Array, rng: np.random.Generator) -> Sequenc
     return _ferraris(bench, mounting, rng) if bench.variant == "ferraris" else _tumble(bench, rng)
 
 
-def named_parts(parts: Sequence[Part]) -> tuple[NamedPart, ...]:
+def labelled_parts(parts: Sequence[Part]) -> tuple[LabelledPart, ...]:
     """Return what is written down of positions and turns that are known."""
     found = []
     for part in parts:
@@ -34,7 +34,7 @@ def named_parts(parts: Sequence[Part]) -> tuple[NamedPart, ...]:
         if vector is not None:
             name = NAMES[int(np.argmax(FACES @ np.array(vector)))]
             label = name if part.axis is None else f"{name[0]}_rot"
-            found.append(NamedPart(label, part.start, part.stop, part.angle))
+            found.append(LabelledPart(label, part.start, part.stop, angle=part.angle))
     return tuple(found)
 
 

@@ -15,14 +15,15 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.labelled import labelled_csv
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ..parts.standards import drawn_error
-from ..protocol import Fault, Rig, TrueValue, Twin, on_bench
+from ..protocol import Extra, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import campaign_text, protocol_file, recording_file
 from .motion import Motion, Part, moved
-from .positions import FACES, named_parts, sequence
+from .positions import FACES, labelled_parts, sequence
 from .setup import RIG_NAMES, Bench, Unit
 
 __all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "held"]
@@ -90,9 +91,9 @@ def build(bench: Bench, seed: int) -> Twin:
     text = campaign_text(bench, RIG_NAMES[bench.variant], len(lots))
     protocols = {}
     if bench.variant == "ferraris":
-        named = [named_parts(one.parts) for one in records for _ in range(bench.copies)]
-        protocols = {protocol_file(number): one for number, one in enumerate(named, 1)}
-    return Twin(text, files, true_values(bench, unit), drawn, protocols=protocols)
+        named = [labelled_parts(one.parts) for one in records for _ in range(bench.copies)]
+        protocols = {protocol_file(number): Extra(one, labelled_csv(one)) for number, one in enumerate(named, 1)}
+    return Twin(text, files, true_values(bench, unit), drawn, protocols)
 
 
 def draw_unit(bench: Bench, rng: np.random.Generator) -> Unit:

@@ -13,8 +13,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...core.recording import SECOND, Channel, Recording
+from ...physics.motion.schedule import Schedule
 from ..parts.standards import drawn_error
-from ..protocol import PlannedMass, Rig, TrueValue, Twin, on_bench
+from ..protocol import Extra, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import PULSES, SCHEDULE, TEMPERATURE, TILT, begin, campaign_text, recording_file
 from .record import Drawn, amplitude_of_mercury, nominal, record
@@ -48,7 +49,8 @@ def build(bench: Bench, seed: int) -> Twin:
         "applied_error": drawn.applied_error, "pad_tilt": drawn.pad_tilt, "mercury": drawn.mercury,
         "run_to_run": own.tolist(),
     }  # fmt: skip
-    return Twin(campaign_text(bench), recordings, truth, known, {SCHEDULE: _planned(bench)})
+    planned = _planned(bench)
+    return Twin(campaign_text(bench), recordings, truth, known, {SCHEDULE: Extra(planned, planned.csv({}))})
 
 
 def _drawn(bench: Bench, of_unit: np.random.Generator, of_bench: np.random.Generator) -> Drawn:
@@ -59,10 +61,12 @@ def _drawn(bench: Bench, of_unit: np.random.Generator, of_bench: np.random.Gener
     return Drawn(nominal(bench) * (1.0 + float(of_unit.normal(0.0, SPREAD))), error, tilt, mercury)
 
 
-def _planned(bench: Bench) -> PlannedMass:
+def _planned(bench: Bench) -> Schedule:
     start, position, applied = schedule_table(bench)
-    drive = "abab" if bench.drive == "ABAB" else "sine"
-    return PlannedMass(start, bench.dwell, bench.move, position, applied, drive, dwells_a_cycle(bench))
+    return Schedule(
+        start, bench.dwell, bench.move, position, applied,
+        "abab" if bench.drive == "ABAB" else "sine", dwells_a_cycle(bench),
+    )  # fmt: skip
 
 
 def _recording(bench: Bench, drawn: Drawn, number: int, own: float, rng: np.random.Generator) -> Recording:

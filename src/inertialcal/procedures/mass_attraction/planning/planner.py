@@ -23,8 +23,8 @@ from ....physics.attraction import ProofMass
 from ....physics.budget import Doubts
 from ....physics.mass_shape import Gain, Grid
 from ....physics.motion import ORDER, refuse_overlap
+from ....physics.motion.schedule import Schedule, repeated
 from ....sensors.noise import Term
-from ..schedule import Schedule, repeated
 from .body import MassBody, body_of, stack_of
 from .curves import body_curve, cube_curve, field_curves, forecast_curve, growth_curve
 from .drive import DIRECTIONS, DRIVES, MassBudget, MassDrive, MassForecast, budget_of, drive_of, forecast_of

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from ....core.errors import DataError
 from ....core.estimate import Array
+from ....physics.motion.schedule import Schedule
 from ....signals.sine import Design, LineFit, applied_drive, design_of
 from ....signals.sine import fit_line as fit_drive
-from ..schedule import Schedule
 
 NONE = 1e-9  # of a length, below which it is nothing
 FEWEST = 12  # readings

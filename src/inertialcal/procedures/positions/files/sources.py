@@ -12,11 +12,11 @@ import numpy as np
 
 from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
+from ....core.labelled import LabelledPart
 from ....core.recording import SECOND, Recording
 from ....files import read
 from ....files.text.table import read_table
 from ..orientations.site import site_problems, turn_problems
-from ..orientations.text import Section as Said
 from ..orientations.text import direction_of, runs_of, sections_of, turn_of
 from ..plan import Plan
 from ..readings import Readings
@@ -241,7 +241,7 @@ def _sections(path: Path, recording: Recording, asked: Asked) -> tuple[Section, 
     return tuple(section_of(one, recording, asked.turn) for one in known)
 
 
-def section_of(said: Said, recording: Recording, turn: float) -> Section:
+def section_of(said: LabelledPart, recording: Recording, turn: float) -> Section:
     """Return a labelled part in samples; a turn by its own angle, else by the one given [rad].
 
     Raises

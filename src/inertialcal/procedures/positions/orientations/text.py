@@ -10,7 +10,7 @@ import json
 import math
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -20,6 +20,7 @@ import numpy as np
 from ....core.axes import AXES
 from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
+from ....core.labelled import LabelledPart
 from ....core.units import factor, parse_quantity
 from ....files.text.table import Table, read_table
 from .site import turn_problems
@@ -34,29 +35,6 @@ LIKE = "x+, x-, y+, y-, z+, z- (the axis that points up), ? for one that is not 
 LIKE_JSON = '{"x_p": {"start": 540, "end": 1271}}'
 LABELS = ("section", "label", "name", "part", "position", "orientation")
 STARTS, STOPS, ANGLES = ("start", "begin", "from"), ("end", "stop", "to"), ("angle", "turn")
-
-
-@dataclass(frozen=True)
-class Section:
-    """A part of a recording with its label: from one sample to before another, or in seconds of its time.
-
-    Parameters
-    ----------
-    label : str
-        ``"x_p"``, ``"x_rot"``.
-    start, stop : float
-        Samples counted from 0, or [s].
-    seconds : bool
-        Which of both.
-    angle : float or None
-        Of a turn, where it is said of this one [rad].
-    """
-
-    label: str
-    start: float
-    stop: float
-    seconds: bool = False
-    angle: float | None = None
 
 
 def direction_of(text: str) -> Array | None:
@@ -141,7 +119,7 @@ def unit_vectors(table: Table) -> Array:
     return np.asarray(vectors / size[:, None])
 
 
-def sections_of(path: Path) -> tuple[Section, ...]:
+def sections_of(path: Path) -> tuple[LabelledPart, ...]:
     """Return the labelled parts that a JSON or table says, in the order of the file.
 
     Raises
@@ -157,7 +135,7 @@ def sections_of(path: Path) -> tuple[Section, ...]:
     timed = table.unit(start) == "s"
     ends = zip(table.text(label), table.numbers(start), table.numbers(stop), _angles(table), strict=True)
     return tuple(
-        _checked(Section(name, float(a), float(b), timed, angle), table.where(k))
+        _checked(LabelledPart(name, float(a), float(b), timed, angle), table.where(k))
         for k, (name, a, b, angle) in enumerate(ends)
     )
 
@@ -175,15 +153,6 @@ def _angles(table: Table) -> list[float | None]:
     return [None if math.isnan(one) else float(one) * scale for one in table.numbers(name)]
 
 
-def sections_text(sections: Sequence[Section]) -> str:
-    """Return labelled parts, counted in samples, as the table that `sections_of` reads."""
-    rows = ["section,start,end,angle [deg]"]
-    for one in sections:
-        angle = "" if one.angle is None else f"{math.degrees(one.angle):.15g}"
-        rows.append(f"{one.label},{one.start:.0f},{one.stop:.0f},{angle}")
-    return "\n".join([*rows, ""])
-
-
 def _named(table: Table, names: Sequence[str]) -> str:
     for name in table.names:
         if name.lower().partition("[")[0].strip() in names:
@@ -192,7 +161,7 @@ def _named(table: Table, names: Sequence[str]) -> str:
     raise DataError(what, do="A table of sections has columns section, start, end", code="no_column")
 
 
-def _of_json(path: Path) -> tuple[Section, ...]:
+def _of_json(path: Path) -> tuple[LabelledPart, ...]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=tuple)  # a label may stand twice
     except OSError as error:
@@ -206,7 +175,7 @@ def _of_json(path: Path) -> tuple[Section, ...]:
     return tuple(_checked(_section(str(label), ends, str(path)), str(path)) for label, ends in content)
 
 
-def _section(label: str, ends: Any, where: str) -> Section:
+def _section(label: str, ends: Any, where: str) -> LabelledPart:
     pair: list[Any] = []
     given: Any = None
     if isinstance(ends, tuple):
@@ -218,7 +187,7 @@ def _section(label: str, ends: Any, where: str) -> Section:
         do = 'Write it like {"start": 540, "end": 1271}, samples from 0, or {"start": "5.4 s", "end": "12.7 s"}'
         raise DataError(f"section {label!r}: no start and end", where, do=do, code="wrong_value")
     (start, seconds), (stop, _) = read  # type: ignore[misc]
-    return Section(label, start, stop, seconds, None if given is None else _angle(label, given, where))
+    return LabelledPart(label, start, stop, seconds, None if given is None else _angle(label, given, where))
 
 
 def _angle(label: str, given: Any, where: str) -> float:
@@ -241,7 +210,7 @@ def _place(given: Any) -> tuple[float, bool] | None:
     return None
 
 
-def _checked(section: Section, where: str) -> Section:
+def _checked(section: LabelledPart, where: str) -> LabelledPart:
     known = direction_of(section.label) is not None or turn_of(section.label) is not None
     if not known or not section.label.strip():
         do = f"There are: {LIKE}; x_rot, y_rot, z_rot for turns"
@@ -254,7 +223,7 @@ def _checked(section: Section, where: str) -> Section:
     return section
 
 
-def _check_angle(section: Section, angle: float, where: str) -> None:
+def _check_angle(section: LabelledPart, angle: float, where: str) -> None:
     """Refuse the angle of a position, and of a turn one by which nothing is turned."""
     if turn_of(section.label) is None:
         what = f"section {section.label!r} is a position, and has an angle"
@@ -263,8 +232,8 @@ def _check_angle(section: Section, angle: float, where: str) -> None:
         raise DataError([replace(one, what=f"section {section.label!r}: {one.what}", where=where) for one in problems])
 
 
-def runs_of(labels: Sequence[str]) -> tuple[Section, ...]:
+def runs_of(labels: Sequence[str]) -> tuple[LabelledPart, ...]:
     """Return the parts of a recording in which one label stands without a break, in order; empty labels are none."""
     edges = [0, *(i for i in range(1, len(labels)) if labels[i] != labels[i - 1]), len(labels)]
     pairs = pairwise(edges)
-    return tuple(Section(labels[a], a, b) for a, b in pairs if b > a and labels[a].strip())
+    return tuple(LabelledPart(labels[a], a, b) for a, b in pairs if b > a and labels[a].strip())

@@ -10,6 +10,7 @@ References
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal, get_args
 
@@ -21,6 +22,8 @@ from ...core.estimate import Array
 
 Drive = Literal["sine", "square", "abab", "custom"]
 DRIVES: tuple[str, ...] = get_args(Drive)
+UNITS = {"start": "s", "stop": "s", "position": "m", "applied": "m/s^2"}  # columns of a file, for every dwell
+MERCURY = {"mercury": "rad"}  # of a tilt meter, where it was computed
 ON_TIME = 1e-9  # of a step, by which a dwell may begin before the one before it has ended: rounding
 
 
@@ -109,6 +112,29 @@ class Schedule:
     def amplitude(self) -> float:
         """Half of the largest less the smallest acceleration applied [m/s^2]."""
         return float(np.ptp(self.applied) / 2.0)
+
+    def csv(self, notes: Mapping[str, str]) -> str:
+        """Return the schedule as CSV: what holds for all dwells in comments, then a row a dwell, to the last bit.
+
+        Parameters
+        ----------
+        notes : mapping of str to str
+            What else stands above the rows for whoever reads them.
+        """
+        doubt = [] if self.u_applied is None else [f"# u of applied: {self.u_applied!r}"]
+        there = UNITS if self.mercury is None else UNITS | MERCURY
+        heads = [
+            f"# drive: {self.drive}",
+            f"# dwells a cycle: {self.samples_per_cycle}",
+            f"# dwell: {float(self.dwell)!r} s",
+            f"# move: {float(self.move)!r} s",
+            *doubt,
+            *(f"# {name}: {value}" for name, value in notes.items()),
+            ",".join(["dwell", *(f"{name} [{unit}]" for name, unit in there.items())]),
+        ]
+        columns = [getattr(self, name).tolist() for name in there]
+        rows = [",".join([str(i), *map(repr, row)]) for i, row in enumerate(zip(*columns, strict=True), 1)]
+        return "\n".join([*heads, *rows, ""])
 
     def _check_lengths(self) -> None:
         shapes = {name: np.shape(getattr(self, name)) for name in self._columns}

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import PlanError
-from inertialcal.procedures.mass_attraction.schedule import Schedule, repeated
+from inertialcal.physics.motion.schedule import Schedule, repeated
 
 NA = 23e-9 * 9.81  # m/s^2
 
