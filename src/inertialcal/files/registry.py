@@ -20,10 +20,10 @@ from ..core.remarks import Remark
 from .assemble import assemble
 from .binary import hdf5, matlab, numpy_file, parquet
 from .columns import Column, Content
-from .foreign import translated
 from .formats import refusal
 from .pad import reader as pad
 from .reader import ArchiveReader, Reader, Request
+from .reader_errors import as_data_errors
 from .source import Loaded, load
 from .text import delimited
 from .time.window import cut
@@ -124,7 +124,7 @@ def _guarded(plugin: Plugin[Reader]) -> Reader:
     name = f"the reader {plugin.name!r} of {plugin.origin}"
 
     def read(loaded: Loaded, variables: Sequence[str] | None) -> Content:
-        with translated(loaded.path, f"{plugin.value.title}, by {name}"):
+        with as_data_errors(loaded.path, f"{plugin.value.title}, by {name}"):
             content = plugin.value.read(loaded, variables)
         wrong = _fault(content)
         if wrong:

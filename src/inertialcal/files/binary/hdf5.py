@@ -13,8 +13,8 @@ from typing import Any
 import numpy as np
 
 from ..columns import Content
-from ..foreign import translated
 from ..reader import Reader
+from ..reader_errors import as_data_errors
 from ..source import LARGEST, Loaded, too_large
 from .arrays import NamedArray, columns_of
 
@@ -35,7 +35,7 @@ def read_hdf5(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
     """
     import h5py  # noqa: PLC0415 - heavy import
 
-    with translated(loaded.path, "an HDF5 (MATLAB 7.3) file"), h5py.File(io.BytesIO(loaded.data), "r") as file:
+    with as_data_errors(loaded.path, "an HDF5 (MATLAB 7.3) file"), h5py.File(io.BytesIO(loaded.data), "r") as file:
         found: list[tuple[str, NamedArray | None]] = []
         size = 0
         is_matlab = False

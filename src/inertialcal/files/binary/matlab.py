@@ -13,9 +13,9 @@ from typing import Any
 import numpy as np
 
 from ..columns import Content
-from ..foreign import translated
 from ..formats import ZIP
 from ..reader import Reader
+from ..reader_errors import as_data_errors
 from ..source import Loaded
 from .arrays import NamedArray, columns_of
 from .mat5_elements import check_elements
@@ -44,7 +44,7 @@ def read_matlab5(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
 def _read(loaded: Loaded, version: str, variables: Sequence[str] | None) -> Content:
     from scipy import io as scipy_io  # noqa: PLC0415 - heavy import
 
-    with translated(loaded.path, f"a MATLAB file of version {version}"):
+    with as_data_errors(loaded.path, f"a MATLAB file of version {version}"):
         if version == NEWER:
             check_elements(loaded.data, loaded.path)
         # mat_dtype: doubles that MATLAB packed as bytes come back as doubles; counts stay whole numbers. It

@@ -11,9 +11,9 @@ import numpy as np
 from numpy.lib import format as npy_format
 
 from ..columns import Content
-from ..foreign import translated
 from ..formats import members
 from ..reader import Reader
+from ..reader_errors import as_data_errors
 from ..source import Loaded, check_size
 from .arrays import NamedArray, columns_of
 
@@ -22,7 +22,7 @@ MAGIC = b"\x93NUMPY"
 
 def read_npy(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     """Return the columns of an array; Raises as `read_npz`."""
-    with translated(loaded.path, "a NumPy npy file"):
+    with as_data_errors(loaded.path, "a NumPy npy file"):
         arrays = _npy("", loaded.data, loaded.path)
     return columns_of(arrays, "NumPy npy", loaded.path, variables=variables)
 
@@ -35,7 +35,7 @@ def read_npz(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     DataError
         If it is damaged, holds Python objects, or unpacks beyond the limits of ``files.source``.
     """
-    with translated(loaded.path, "a NumPy npz file"):
+    with as_data_errors(loaded.path, "a NumPy npz file"):
         arrays = _npz(loaded)
     return columns_of(arrays, "NumPy npz", loaded.path, variables=variables)
 

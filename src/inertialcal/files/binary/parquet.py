@@ -10,8 +10,8 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..columns import Column, Content
-from ..foreign import translated
 from ..reader import Reader
+from ..reader_errors import as_data_errors
 from ..source import Loaded, check_size
 from ..text.cells import judge
 from ..text.delimited import text_in_numbers
@@ -34,7 +34,7 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import parquet  # noqa: PLC0415 - heavy import
 
-    with translated(loaded.path, "a Parquet file"):
+    with as_data_errors(loaded.path, "a Parquet file"):
         file = parquet.ParquetFile(pa.BufferReader(loaded.data))
         check_size(loaded.path, CELL * file.metadata.num_rows * file.metadata.num_columns, len(loaded.data))
         table = file.read()

@@ -20,8 +20,8 @@ from .. import read
 from ..time.plausible import time_remarks
 from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
 from .hints import Hint, unit_hints
+from .motion_remarks import motion_remarks
 from .next_command import next_command
-from .rest import rest_remarks
 
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 
@@ -229,7 +229,7 @@ def survey_recording(recording: Recording, commands: Collection[str] = ("info",)
             *recording.remarks,
             *time_remarks(recording),
             *(remark for channel in channels for remark in channel_remarks(channel, place)),
-            *rest_remarks(recording, channels),
+            *motion_remarks(recording, channels),
         )
     )
     return Survey(

@@ -80,8 +80,8 @@ def head(model: SensorModel) -> list[str]:
     """Return lines of comment: whose model, equation, order of the steps, what is left out."""
     item = model.item
     parts = (("maker", item.maker), ("part", item.part), ("serial", item.serial))
-    told = [f"{word} {plain(text)}" for word, text in parts if text]
-    lines = [f"Sensor: {', '.join(told) or 'unnamed'} ({model.kind}, axes in this order: {order(model)})"]
+    named = [f"{word} {plain(text)}" for word, text in parts if text]
+    lines = [f"Sensor: {', '.join(named) or 'unnamed'} ({model.kind}, axes in this order: {order(model)})"]
     if model.source:
         lines.append(f"Source: {plain(model.source)}")
     if not model.judged:

@@ -94,13 +94,13 @@ def _factor(content: Mapping[str, object], key: str, to: str, where: str) -> flo
 
 def _unit(content: Mapping[str, object], key: str, remarks: list[Remark]) -> str:
     """Return the unit of the outputs; counts where the file does not tell."""
-    told = content.get(f"from_{key}")
-    if told not in UNKNOWN:
+    stated = content.get(f"from_{key}")
+    if stated not in UNKNOWN:
         try:
-            return normalise(str(told))
+            return normalise(str(stated))
         except InertialcalError:
             pass
-    what = f"from_{key} is {told!r}: outputs are taken as counts"
+    what = f"from_{key} is {stated!r}: outputs are taken as counts"
     remarks.append(Remark("unknown_unit", "info", what, do="Feed the model what imucal was fed"))
     return "count"
 

@@ -23,7 +23,7 @@ Numbers = NDArray[Any]
 class Digest(Protocol):
     """A hash that bytes are fed to."""
 
-    def update(self, data: Any, /) -> None:
+    def update(self, data: bytes | memoryview, /) -> None:
         """Take more bytes."""
 
 

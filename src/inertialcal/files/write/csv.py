@@ -20,8 +20,8 @@ from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ..columns import Column
 from ..text.delimited import parse
-from ..text.file_columns import arrow_array, file_columns, stated_rate
 from ..text.layout import SAMPLE
+from .file_columns import arrow_array, file_columns, stated_rate
 
 STEPS = (("s", SECOND), ("ms", SECOND // 1000), ("us", SECOND // 1_000_000), ("ns", 1))  # of instants
 

@@ -11,7 +11,7 @@ from numpy.lib import format as npy_format
 from ...core.errors import DataError
 from ...core.recording import Recording
 from ...core.remarks import Remark
-from ..text.file_columns import file_columns, stated_rate
+from .file_columns import file_columns, stated_rate
 
 RATE = "sample_rate"
 FEWEST = 2  # values from which an array in a file is a column

@@ -7,7 +7,7 @@ from pathlib import Path
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ..binary.parquet import RATE_KEYS, UNIT_KEYS
-from ..text.file_columns import arrow_array, file_columns, stated_rate
+from .file_columns import arrow_array, file_columns, stated_rate
 
 
 def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:

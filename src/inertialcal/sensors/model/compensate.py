@@ -99,10 +99,10 @@ def outside(
     x = rows(model, compensated, "compensated")
     r = rows(model, readings, "readings")
     columns = condition_columns(model, len(x), conditions)
-    told = np.isfinite(r).all(axis=1)
+    complete = np.isfinite(r).all(axis=1)
     for column in columns.values():
-        told &= np.isfinite(column).all(axis=1)
-    lost = np.any(np.isnan(x), axis=1) & told
+        complete &= np.isfinite(column).all(axis=1)
+    lost = np.any(np.isnan(x), axis=1) & complete
     remarks = [_remark("no_inverse", "no input gives this reading; left empty", lost, "Look at these readings")]
     if model.input_range is not None:
         over = np.any((x < model.input_range[:, 0]) | (x > model.input_range[:, 1]), axis=1)

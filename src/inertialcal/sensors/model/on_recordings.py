@@ -27,7 +27,12 @@ from .equation import Conditions
 from .sensor_model import SensorModel, check_item, to_readings
 
 QUANTITY = {"rad/s": "gyro", "m/s^2": "acc"}
-BESIDE = ("reference", "temperature", "temperature_reference", "validity")  # channels that a chain takes beside an axis
+CONDITIONS = (
+    "reference",
+    "temperature",
+    "temperature_reference",
+    "validity",
+)  # channels that a chain takes beside an axis
 
 
 def apply_chain(
@@ -56,8 +61,8 @@ def apply_chain(
         ``from_counts.convert``.
     """
     counts = _counts(recording, [_column(columns, axis) for axis in chain.axes])
-    beside = {kind: _beside(chain, recording, columns, kind) for kind in BESIDE}
-    converted = convert(chain, counts, **beside, gain=gain, place=lambda index: _place(recording, index))
+    conditions = {kind: _condition(chain, recording, columns, kind) for kind in CONDITIONS}
+    converted = convert(chain, counts, **conditions, gain=gain, place=lambda index: _place(recording, index))
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:
         values, unit = converted.readings, chain.unit
@@ -149,7 +154,7 @@ def _temperature(model: SensorModel, recording: Recording, columns: Mapping[str,
     return np.column_stack([to_unit(channel.data, channel.unit or "degC", "degC") for channel in found])
 
 
-def _beside(chain: Chain, recording: Recording, columns: Mapping[str, str], kind: str) -> Array | None:
+def _condition(chain: Chain, recording: Recording, columns: Mapping[str, str], kind: str) -> Array | None:
     names = [columns.get(f"{kind}_{axis}", columns.get(kind)) for axis in chain.axes]
     if all(name is None for name in names):
         return None

@@ -389,11 +389,11 @@ def _power(j: int) -> str:
 def _symbols(model: SensorModel) -> list[str]:
     """Return what the symbols stand for, where that is a number."""
     unit = model.unit if model.output_unit == model.unit else RANGE_UNIT[model.kind]
-    told = divide(model.output_unit, unit)
-    scale = model.scale_factor * factor(divide(model.output_unit, model.unit), told)
+    scale_unit = divide(model.output_unit, unit)
+    scale = model.scale_factor * factor(divide(model.output_unit, model.unit), scale_unit)
     rows = [
         f"x in {model.unit}, v in {model.output_unit}",
-        f"S0 = {_per_axis(model, scale)} {'' if told == '1' else told}".rstrip(),
+        f"S0 = {_per_axis(model, scale)} {'' if scale_unit == '1' else scale_unit}".rstrip(),
     ]
     if model.reference_temperature is not None:
         rows.append(f"T_ref = {_per_axis(model, model.reference_temperature)} degC")

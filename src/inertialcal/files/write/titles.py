@@ -15,7 +15,7 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ..columns import Column
 from ..info.describe import Described, describe
-from .headers import bare_name, heading
+from ..text.headers import bare_name, heading
 
 
 @dataclass(frozen=True)

@@ -12,7 +12,7 @@ LONGEST = 160  # characters of their message
 
 
 @contextmanager
-def translated(where: str, what: str) -> Iterator[None]:
+def as_data_errors(where: str, what: str) -> Iterator[None]:
     """Turn any error of a foreign reader into a DataError; its warnings are not shown.
 
     Parameters

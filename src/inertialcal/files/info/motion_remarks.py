@@ -18,7 +18,7 @@ LARGEST = 1e100
 MOST = 3  # stretches of disturbance; with more of them the sensor is not at rest
 
 
-def rest_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tuple[Remark, ...]:
+def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tuple[Remark, ...]:
     """Return one remark on motion or disturbance, or none.
 
     Parameters

@@ -13,7 +13,7 @@ from ...core.remarks import Remark
 from ..columns import Column, Content
 from ..info.describe import describe
 from ..time.clock import find_clock
-from ..time.time_column import time_column
+from .time_column import time_column
 from .titles import channel_titles
 
 

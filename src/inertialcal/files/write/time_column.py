@@ -17,8 +17,8 @@ from ...core.errors import DataError
 from ...core.recording import SECOND, Recording, Times
 from ..columns import Column
 from ..text.headers import heading
-from ..text.titles import contradicts, read_back, spelled
-from .stamps import EARLIEST, LATEST, beyond_epoch, is_utc, to_ns
+from ..time.stamps import EARLIEST, LATEST, beyond_epoch, is_utc, to_ns
+from .titles import Title, contradicts, read_back, spelled
 
 PLAIN = "time"
 EXACT = 2**53  # whole numbers up to here are floats without rounding
@@ -111,7 +111,7 @@ def _tellable(time_ns: Times) -> bool:
     return not bool(np.any(early | late))
 
 
-def _titles(recording: Recording, name: str, unit: str, values: NDArray[Any], in_names: bool) -> Iterator[Any]:
+def _titles(recording: Recording, name: str, unit: str, values: NDArray[Any], in_names: bool) -> Iterator[Title]:
     """Titles under which the column reads as time in that unit, and that no channel has."""
     names = (PLAIN, f"{PLAIN}_stamp")
     for one in names if unit and contradicts(name, unit) else dict.fromkeys((name, *names)):
