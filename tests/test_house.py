@@ -125,3 +125,16 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
     code = f"import sys, inertialcal\nprint([name for name in {HEAVY!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
     assert done.stdout.strip() == "[]"
+
+
+def test_plans_and_procedures_load_nothing_heavy() -> None:
+    code = (
+        "import sys\nfrom importlib import import_module\n"
+        "from inertialcal.procedures import OURS, procedure_of\n"
+        "from inertialcal.core.settings import settings_of\n"
+        "for name in OURS:\n    import_module(f'inertialcal.procedures.{name}.plan')\n"
+        "    settings_of(procedure_of(name).plan_type)\n"
+        f"print([name for name in {HEAVY!r} if name in sys.modules])"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
+    assert done.stdout.strip() == "[]"

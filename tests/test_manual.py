@@ -16,9 +16,9 @@ import re
 import shlex
 import shutil
 from collections.abc import Iterator
-from dataclasses import dataclass, fields, is_dataclass
+from dataclasses import dataclass, fields
 from pathlib import Path
-from typing import Any, Literal, get_args, get_origin, get_type_hints
+from typing import Any, Literal, get_args, get_origin
 
 import pytest
 from pydantic_core import PydanticUndefined
@@ -27,7 +27,6 @@ from typer.main import get_command
 import inertialcal as ic
 from inertialcal.campaign import schema, schema_recordings, schema_sensors
 from inertialcal.campaign.example import build
-from inertialcal.campaign.plans import plan_settings
 from inertialcal.campaign.publish import ROW_COLUMNS
 from inertialcal.campaign.run import VERDICT_COLUMNS
 from inertialcal.cli.__main__ import main
@@ -35,7 +34,8 @@ from inertialcal.cli.app import app
 from inertialcal.core import schema_words
 from inertialcal.core import standards as schema_standards
 from inertialcal.core.remarks import Remark
-from inertialcal.procedures import PROCEDURES
+from inertialcal.core.settings import settings_of
+from inertialcal.procedures import procedure_names, procedure_of
 
 ROOT = Path(__file__).resolve().parents[1]
 DOCS = ROOT / "docs"
@@ -289,23 +289,27 @@ def page_of(procedure: str) -> str:
     return "\n".join(page.read_text(encoding="utf-8") for page in pages)
 
 
-@pytest.mark.parametrize("procedure", PROCEDURES)
+@pytest.mark.parametrize("procedure", procedure_names())
 def test_every_setting_of_a_plan_is_documented(procedure: str) -> None:
     page = page_of(procedure)
-    plan = PROCEDURES[procedure].Plan
-    inner = {
-        name: kind
-        for name, hint in get_type_hints(plan).items()
-        for kind in get_args(hint)
-        if is_dataclass(kind) and name in plan_settings(plan)
-    }
-    for mark, settings in {"Settings": plan, **{f"`{name}`:": kind for name, kind in inner.items()}}.items():
-        table, known = rows_after(page, mark), plan_settings(settings)
+    plan = procedure_of(procedure).plan_type
+    tables = {f"`{one.name}`:": one.table for one in settings_of(plan) if one.table is not None}
+    for mark, kind in {"Settings": plan, **tables}.items():
+        table, known = rows_after(page, mark), {one.name: one for one in settings_of(kind)}
         assert list(table) == list(known)
-        for key, (annotation, field) in known.items():
-            assert table[key][2] == as_toml(field.default), key
-            for word in choices(annotation):
+        for key, one in known.items():
+            assert table[key][2] == ("required" if one.needed else as_toml(one.default)), key
+            for word in one.choices:
                 assert word in table[key][1], key
+
+
+@pytest.mark.parametrize("procedure", procedure_names())
+def test_every_setting_has_one_plain_sentence(procedure: str) -> None:
+    settings = settings_of(procedure_of(procedure).plan_type)
+    inner = [two for one in settings if one.table is not None for two in settings_of(one.table)]
+    for one in (*settings, *inner):
+        assert re.fullmatch(r"[A-Z].*[^.]\.", one.help), one.name
+        assert one.example or one.choices or one.flag, f"{one.name}: how is it written?"
 
 
 # Results
@@ -416,9 +420,9 @@ def test_every_quantity_condition_and_curve_of_a_moved_mass_is_documented(tmp_pa
 
 def test_every_remark_of_a_procedure_is_documented() -> None:
     code = re.compile(r'Remark\(\s*"(\w+)"')
-    for procedure in PROCEDURES:
+    for procedure in procedure_names():
         page = page_of(procedure)
-        for module in (SOURCE / "procedures" / procedure).glob("*.py"):
+        for module in (SOURCE / "procedures" / procedure).rglob("*.py"):
             for word in code.findall(module.read_text(encoding="utf-8")):
                 assert f"`{word}`" in page, f"{procedure}: remark {word}"
     results_page = (DOCS / "results.md").read_text(encoding="utf-8")

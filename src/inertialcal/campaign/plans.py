@@ -1,20 +1,20 @@
 """Plan of a test: the ``plan`` table of the campaign file, read into the dataclass of its procedure.
 
-The fields of the procedure's ``Plan`` are the schema: their types and units (``metadata``) say what may stand
-there. Fields that come from the sensor or the standards cannot be set in ``plan``.
+The settings of the procedure's ``Plan`` are the schema: their types, units and limits say what may stand there.
+Fields that come from the sensor or the standards cannot be set in ``plan``.
 """
 
 from __future__ import annotations
 
-from dataclasses import MISSING, fields, is_dataclass
 from difflib import get_close_matches
 from functools import cache
-from typing import Any, get_args, get_origin, get_type_hints
+from typing import Any, get_args
 
-from pydantic import ConfigDict, Field, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from ..core.errors import Problem
 from ..core.quantities import quantity
+from ..core.settings import Setting, settings_of
 from ..procedures import procedure_of
 
 
@@ -30,66 +30,45 @@ def plan_values(procedure: str, given: dict[str, Any], where: str) -> tuple[dict
     where : str
         Place of the table, for messages.
     """
-    plan: Any = procedure_of(procedure).plan_type
-    settings = plan_settings(plan)
+    settings = {one.name: one for one in settings_of(procedure_of(procedure).plan_type)}
     try:
-        read = _model(plan).model_validate(given)
+        read = _model(procedure_of(procedure).plan_type).model_validate(given)
     except ValidationError as error:
         return {}, [_problem(entry, list(settings), where) for entry in error.errors(include_url=False)]
-    return {name: _value(getattr(read, name), plan, name) for name in given}, []
+    return {name: _value(getattr(read, name), settings[name]) for name in given}, []
 
 
 @cache
-def _model(plan: Any) -> Any:
+def _model(plan: Any) -> type[BaseModel]:
     """Return the pydantic model of a dataclass of settings."""
-    settings = plan_settings(plan)
-    return create_model(
-        plan.__name__,
-        __config__=ConfigDict(extra="forbid", strict=True),
-        **{name: (kind, default) for name, (kind, default) in settings.items()},  # type: ignore[call-overload]
-    )
+    fields: dict[str, Any] = {one.name: (_annotation(one), _field(one)) for one in settings_of(plan)}
+    return create_model(plan.__name__, __config__=ConfigDict(extra="forbid", strict=True), **fields)
 
 
-def _value(read: Any, plan: Any, name: str) -> Any:
+def _value(read: Any, setting: Setting) -> Any:
     """Return a setting, tables of settings as their own dataclass."""
-    inner = _inner(get_type_hints(plan)[name])
-    if inner is None or read is None:
+    if setting.table is None or read is None:
         return read
-    return inner(**{one.name: getattr(read, one.name) for one in fields(inner)})
+    return setting.table(**{one.name: getattr(read, one.name) for one in settings_of(setting.table)})
 
 
-def _inner(hint: Any) -> Any:
-    """Return the dataclass that a setting holds, or None."""
-    return next((one for one in (hint, *get_args(hint)) if is_dataclass(one)), None)
+def _annotation(one: Setting) -> Any:
+    """Return the type that a campaign file has to give: text "number unit" for a quantity."""
+    if not one.unit and one.table is None:
+        return one.kind
+    kind = quantity(one.unit, one.difference) if one.unit else _model(one.table or object)
+    kind = list[kind] if one.many else kind  # type: ignore[valid-type]
+    return kind | None if type(None) in get_args(one.kind) or one.table is not None else kind
 
 
-def plan_settings(plan: Any) -> dict[str, tuple[Any, Any]]:
-    """Return type and default of each setting of a plan that a campaign may give."""
-    hints = get_type_hints(plan)
-    return {
-        one.name: (_annotation(hints[one.name], dict(one.metadata)), _default(one))
-        for one in fields(plan)
-        if "from" not in one.metadata
-    }
-
-
-def _annotation(hint: Any, metadata: dict[str, Any]) -> Any:
-    if "unit" in metadata or "difference" in metadata:
-        one = quantity(metadata.get("unit") or metadata["difference"], "difference" in metadata)
-        if any(get_origin(part) is list for part in (hint, *get_args(hint))):
-            return list[one] | None if type(None) in get_args(hint) else list[one]  # type: ignore[valid-type]
-        return one | None if type(None) in get_args(hint) else one
-    inner = _inner(hint)
-    return hint if inner is None else _model(inner) | None
-
-
-def _default(one: Any) -> Any:
-    limit = {"gt": one.metadata["above"]} if "above" in one.metadata else {}
-    if one.default is not MISSING:
-        return Field(default=one.default, **limit)
-    if one.default_factory is not MISSING:
-        return Field(default_factory=one.default_factory, **limit)
-    return Field(**limit)
+def _field(one: Setting) -> Any:
+    limits: dict[str, Any] = {"gt": one.above, "ge": one.least, "le": one.most}
+    given = {name: limit for name, limit in limits.items() if limit is not None}
+    if one.needed:
+        return Field(**given)
+    if callable(one.default):
+        return Field(default_factory=one.default, **given)
+    return Field(default=one.default, **given)
 
 
 def _problem(entry: Any, known: list[str], where: str) -> Problem:

@@ -21,16 +21,22 @@ class Setting:
         Inside; empty for what is no quantity.
     difference : bool
         Of temperatures.
-    many, flag, table : bool
-        A list; yes or no; settings of its own, written as in a campaign file.
+    many, flag : bool
+        A list; yes or no.
     choices : tuple of str
         Words that there are.
     number : type or None
         ``int`` or ``float`` where it is a bare number.
     default : object
-        Inside; None where it has none.
+        Inside; None where it has none; of a list or table what makes it.
     needed : bool
         Has no default.
+    kind : object
+        Its type inside, as annotated.
+    table : type or None
+        Settings of its own: their dataclass.
+    above, least, most : float or None
+        Limits: it is larger than ``above``, no smaller than ``least``, no larger than ``most``.
     """
 
     name: str
@@ -44,7 +50,11 @@ class Setting:
     number: type | None
     default: object
     needed: bool
-    table: bool = False
+    kind: Any
+    table: type[Any] | None = None
+    above: float | None = None
+    least: float | None = None
+    most: float | None = None
 
     @property
     def option(self) -> str:
@@ -74,6 +84,14 @@ def setting(
     return field(default=default, metadata=kept)
 
 
+def fact(help: str, origin: Literal["sensor", "site", "standards", "command"], default: Any = MISSING) -> Any:
+    """Return a field of a Plan that nobody sets: it comes from the sensor, the site, the standards or a command."""
+    kept: Mapping[str, object] = {"help": help, "from": origin}
+    if callable(default):
+        return field(default_factory=default, metadata=kept)
+    return field(default=default, metadata=kept)
+
+
 def settings_of(plan: type[Any]) -> tuple[Setting, ...]:
     """Return the settings of a Plan that a user may give, in its order."""
     hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))
@@ -90,8 +108,10 @@ def _setting(one: Field[Any], hint: Any) -> Setting:
     unit = str(meta.get("unit") or meta.get("difference") or "")
     number = inner if inner in (int, float) and not unit else None
     needed = one.default is MISSING and one.default_factory is MISSING
-    default = None if one.default is MISSING else one.default
+    default = one.default_factory if one.default is MISSING else one.default
     return Setting(
         one.name, str(meta.get("help", "")), str(meta.get("example", "")), unit, "difference" in meta, many,
-        inner is bool, choices, number, default, needed, is_dataclass(inner),
+        inner is bool, choices, number, None if default is MISSING else default, needed, hint,
+        inner if isinstance(inner, type) and is_dataclass(inner) else None,
+        meta.get("above"), meta.get("least"), meta.get("most"),
     )  # fmt: skip

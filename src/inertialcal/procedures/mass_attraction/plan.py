@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 from ...core.influence import Influence, Standards
+from ...core.settings import fact, setting
 
 # Influences that the scale factor is subject to, and what each would change.
 APPLIED = ("source_mass.density", "source_mass.placing", "source_mass.gravitational_constant")
@@ -20,78 +21,58 @@ Scatter = Literal["between_runs", "within_runs"]
 
 @dataclass(frozen=True)
 class SourceMass:
-    """The moved mass, as far as its attraction can be judged by it.
+    """The moved mass, as far as its attraction can be judged by it."""
 
-    Parameters
-    ----------
-    mass : float
-        [kg].
-    density : float
-        Of its material [kg/m^3].
-    stand_off : float
-        From the proof mass to the plane that the mass stays behind [m].
-    """
-
-    mass: float = field(metadata={"unit": "kg"})
-    density: float = field(metadata={"unit": "kg/m^3"})
-    stand_off: float = field(metadata={"unit": "m"})
+    mass: float = setting("Of all that is moved.", unit="kg", example="20 kg")
+    density: float = setting("Of its material.", unit="kg/m^3", example="11340 kg/m^3")
+    stand_off: float = setting(
+        "Distance from the proof mass to the plane that the mass stays behind.", unit="m", example="0.1 m"
+    )
 
 
 @dataclass(frozen=True)
 class HighG:
-    """Scale factor from another test of the same instrument, at much larger input: a flip in gravity, a data sheet.
+    """Scale factor from another test of the same instrument, at much larger input: a flip in gravity, a data sheet."""
 
-    Parameters
-    ----------
-    scale_factor : float
-        [count/s/(m/s^2)].
-    u : float
-        Standard uncertainty of it [count/s/(m/s^2)].
-    """
-
-    scale_factor: float = field(metadata={"unit": "count/s/(m/s^2)"})
-    u: float = field(default=0.0, metadata={"difference": "count/s/(m/s^2)"})
+    scale_factor: float = setting("At large input.", unit="count/s/(m/s^2)", example="1.2 count/s/ug")
+    u: float = setting(
+        "Standard uncertainty of the scale factor.", 0.0, difference="count/s/(m/s^2)", example="0.001 count/s/ug"
+    )
 
 
 @dataclass(frozen=True)
 class Plan:
-    """How the campaign was made and how it is to be reduced.
+    """How the campaign was made and how it is to be reduced."""
 
-    Parameters
-    ----------
-    axis : str
-        Input axis; from the sensor.
-    nominal : float or None
-        Scale factor of the data sheet [count/s/(m/s^2)]; from the chain of the sensor.
-    tilt : {"regressed", "known", "ignored"}
-        What becomes of the tilt channel: its share in the readings is found from them, or is gravity times the tilt,
-        or it is not used.
-    tilt_sign : {1, -1}
-        Whether a positive tilt is felt as a positive acceleration, where its share is known.
-    mercury : float
-        Amplitude by which the moved mass tilts the mercury of the meter, in phase with the attraction [rad].
-    side_bands : int, optional
-        Lines on each side of the drive that the noise is read from; 4 to 8, by the length of the run, if not said.
-    floor : float
-        A response below so many standard uncertainties is not told from noise.
-    scatter : {"between_runs", "within_runs"}
-        Where the uncertainty of several runs comes from: how they differ, or the noise beside the line of each.
-    high_g : HighG, optional
-        What the scale factor is compared with.
-    source : SourceMass, optional
-        By which the schedule is judged: no such mass attracts more than the best shape does.
-    standards : mapping of Influence
-        Uncertainties of the standards; from the campaign.
-    """
-
-    axis: str = field(default="x", metadata={"from": "sensor"})
-    nominal: float | None = field(default=None, metadata={"from": "sensor"})
-    tilt: Tilt = "regressed"
-    tilt_sign: Literal[1, -1] = 1
-    mercury: float = field(default=0.0, metadata={"difference": "rad"})
-    side_bands: int | None = None
-    floor: float = field(default=3.0, metadata={"above": 0.0})
-    scatter: Scatter = "between_runs"
-    high_g: HighG | None = None
-    source: SourceMass | None = None
-    standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
+    axis: str = fact("Input axis.", "sensor", "x")
+    nominal: float | None = fact("Scale factor of the data sheet [count/s/(m/s^2)].", "sensor", None)
+    tilt: Tilt = setting(
+        "What becomes of the tilt channel: its share in the readings is found from them, or is gravity times the tilt, "
+        "or it is not used.", "regressed",
+    )  # fmt: skip
+    tilt_sign: Literal[1, -1] = setting(
+        "Whether a positive tilt is felt as a positive acceleration, where its share is known.", 1
+    )
+    mercury: float = setting(
+        "Amplitude by which the moved mass tilts the mercury of the meter, in phase with the attraction.",
+        0.0, difference="rad", example="1e-9 rad",
+    )  # fmt: skip
+    side_bands: int | None = setting(
+        "Lines on each side of the drive that the noise is read from; 4 to 8, by the length of the run, where not "
+        "given.", None, example="8",
+    )  # fmt: skip
+    floor: float = setting(
+        "A response below so many standard uncertainties is not told from noise.", 3.0, above=0.0, example="3"
+    )
+    scatter: Scatter = setting(
+        "Where the uncertainty of several runs comes from: how they differ, or the noise beside the line of each.",
+        "between_runs",
+    )
+    high_g: HighG | None = setting(
+        "Scale factor that the result is compared with.", None, example='{ scale_factor = "1.2 count/s/ug" }'
+    )
+    source: SourceMass | None = setting(
+        "By which the schedule is judged: no such mass attracts more than the best shape does.", None,
+        example='{ mass = "20 kg", density = "11340 kg/m^3", stand_off = "0.1 m" }',
+    )  # fmt: skip
+    standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])

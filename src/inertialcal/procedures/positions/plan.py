@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 from ...core.influence import Influence, Standards
+from ...core.settings import fact, setting
 
 # Influences that a test of positions is subject to, and what each would change.
 INFLUENCES = {
@@ -19,39 +20,38 @@ INFLUENCES = {
 
 @dataclass(frozen=True)
 class Plan:
-    """How the test was made and how it is to be reduced.
+    """How the test was made and how it is to be reduced."""
 
-    Parameters
-    ----------
-    gravity : float, optional
-        Local gravity [m/s^2]; absent: normal gravity of latitude and height, else the standard value, with a remark.
-    latitude : float, optional
-        Geodetic [rad]; from the campaign's site.
-    height : float
-        Above the ellipsoid [m].
-    g_sensitivity : bool, optional
-        Estimate what the gyros read of specific force; absent: where the positions carry it.
-    shortest : float, optional
-        Shortest static interval [s]; absent: from the noise (module ``placements`` of the signals).
-    outlier_risk : float
-        Probability that any position, or any rotation, of a set without outliers is called one.
-    acc_scale_factor, gyro_scale_factor : mapping of str to float, optional
-        Ideal scale factor of each sensor, by axis [unit of the readings/(m/s^2)], [unit of the readings/(rad/s)];
-        absent: 1 for readings in SI, else the estimated ones, rounded, which then are a definition.
-    acc_zero, gyro_zero : mapping of str to float, optional
-        Reading that stands for no input [unit of the readings]: 32768 of a 16-bit converter; absent: 0.
-    standards : mapping of Influence
-        Uncertainties of the standards; from the campaign.
-    """
-
-    gravity: float | None = field(default=None, metadata={"unit": "m/s^2"})
-    latitude: float | None = field(default=None, metadata={"from": "site"})
-    height: float = field(default=0.0, metadata={"unit": "m"})
-    g_sensitivity: bool | None = None
-    shortest: float | None = field(default=None, metadata={"unit": "s"})
-    outlier_risk: float = field(default=0.01, metadata={"above": 0.0})
-    acc_scale_factor: Mapping[str, float] | None = field(default=None, metadata={"from": "sensor"})
-    gyro_scale_factor: Mapping[str, float] | None = field(default=None, metadata={"from": "sensor"})
-    acc_zero: Mapping[str, float] | None = None
-    gyro_zero: Mapping[str, float] | None = None
-    standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
+    gravity: float | None = setting(
+        "Local gravity; where not given, normal gravity of latitude and height, else the standard value.",
+        None, unit="m/s^2", example="9.81 m/s2",
+    )  # fmt: skip
+    latitude: float | None = fact("Geodetic latitude [rad].", "site", None)
+    height: float = setting("Height above the ellipsoid.", 0.0, unit="m", example="300 m")
+    g_sensitivity: bool | None = setting(
+        "Estimate what the gyros read of specific force; where not given, where the positions carry it.", None
+    )
+    shortest: float | None = setting(
+        "Shortest static interval; from the noise where not given.", None, unit="s", example="2 s"
+    )
+    outlier_risk: float = setting(
+        "Probability that any position, or any rotation, of a set without outliers is called one.",
+        0.01, above=0.0, example="0.01",
+    )  # fmt: skip
+    acc_scale_factor: Mapping[str, float] | None = fact(
+        "Ideal scale factor of each accelerometer, by axis [unit of the readings/(m/s^2)]; None: 1 for readings in SI, "
+        "else the estimated ones, rounded, which then are a definition.", "sensor", None,
+    )  # fmt: skip
+    gyro_scale_factor: Mapping[str, float] | None = fact(
+        "Ideal scale factor of each gyro, by axis [unit of the readings/(rad/s)]; None: as of accelerometers.",
+        "sensor", None,
+    )  # fmt: skip
+    acc_zero: Mapping[str, float] | None = setting(
+        "Reading of each accelerometer that stands for no input, by axis, in the unit of the readings; 0 where not "
+        "given.", None, example="{ x = 32768 }",
+    )  # fmt: skip
+    gyro_zero: Mapping[str, float] | None = setting(
+        "Reading of each gyro that stands for no input, by axis, in the unit of the readings; 0 where not given.",
+        None, example="{ x = 32768 }",
+    )  # fmt: skip
+    standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Literal
 
 from ...core.influence import Influence, Standards
+from ...core.settings import fact, setting
 
 LARGEST_ORDER = 9  # of a polynomial that anybody can mean
 
@@ -20,25 +21,17 @@ INFLUENCES = {
 
 @dataclass(frozen=True)
 class Attitude:
-    """How the body lies while its temperature changes: the axes of the body are those of ``physics.earth``'s table.
+    """How the body lies while its temperature changes: the axes of the body are those of ``physics.earth``'s table."""
 
-    Parameters
-    ----------
-    tilt : float
-        Angle of the body's z axis from the vertical, positive towards ``azimuth`` [rad].
-    u : float
-        Standard uncertainty of it [rad].
-    azimuth : float, optional
-        Direction of the tilt, and of the body's x axis seen from above, from north towards east [rad]; unknown by
-        default.
-    u_azimuth : float
-        Standard uncertainty of it [rad].
-    """
-
-    tilt: float = field(metadata={"unit": "rad"})
-    u: float = field(default=0.0, metadata={"unit": "rad"})
-    azimuth: float | None = field(default=None, metadata={"unit": "rad"})
-    u_azimuth: float = field(default=0.0, metadata={"unit": "rad"})
+    tilt: float = setting(
+        "Angle of the body's z axis from the vertical, positive towards azimuth.", unit="rad", example="0.1 deg"
+    )
+    u: float = setting("Standard uncertainty of the tilt.", 0.0, unit="rad", example="0.02 deg")
+    azimuth: float | None = setting(
+        "Direction of the tilt, and of the body's x axis seen from above, from north towards east; unknown where not "
+        "given.", None, unit="rad", example="30 deg",
+    )  # fmt: skip
+    u_azimuth: float = setting("Standard uncertainty of the azimuth.", 0.0, unit="rad", example="1 deg")
 
 
 @dataclass(frozen=True)
@@ -52,58 +45,46 @@ class Thermometer:
 
 @dataclass(frozen=True)
 class Plan:
-    """How the test was made and how it is to be reduced.
+    """How the test was made and how it is to be reduced."""
 
-    Parameters
-    ----------
-    order : int, optional
-        Of the polynomial; absent: chosen on what is held out (module ``order``).
-    largest_order : int
-        That comes into question.
-    reference_temperature : float
-        Powers are those of the temperature less this [degC].
-    at : list of float, optional
-        Temperatures at which the bias is told too [degC].
-    turn_over : float, optional
-        After each turn of the temperature, and at the start, samples within this distance of it are left out [degC];
-        absent: a tenth of the range.
-    bins : int
-        Of temperature, each with the same weight.
-    least_range : float
-        A smaller range of temperature carries no polynomial [degC].
-    warm_up : float, optional
-        Left out after each power-up [s]; absent: until what is left of the start-up is below ``settled``.
-    settled : float, optional
-        [rad/s], of an accelerometer [m/s^2]; absent: a tenth of the scatter of a sample.
-    no_hysteresis : float, optional
-        Gap between warming and cooling that counts as none [rad/s]; absent: none is ever shown.
-    run_level : {"power_up", "recording"}
-        What the runs are: separate power-ups, or merely separate recordings.
-    attitude : Attitude, optional
-        Of the body; without it the earth rate along its axes is unknown.
-    latitude : float, optional
-        Geodetic [rad]; from the campaign's site.
-    thermometers : mapping of str to Thermometer, optional
-        By axis; from the campaign's sensor.
-    scale_factor : mapping of str to float, optional
-        Ideal scale factor of each sensor [V/(rad/s)]; from the campaign's sensor.
-    standards : mapping of Influence
-        Uncertainties of the standards; from the campaign.
-    """
-
-    order: int | None = None
-    largest_order: int = field(default=5, metadata={"above": 0})
-    reference_temperature: float = field(default=20.0, metadata={"unit": "degC"})
-    at: list[float] | None = field(default=None, metadata={"unit": "degC"})
-    turn_over: float | None = field(default=None, metadata={"difference": "degC"})
-    bins: int = field(default=40, metadata={"above": 3})
-    least_range: float = field(default=10.0, metadata={"difference": "degC"})
-    warm_up: float | None = field(default=None, metadata={"unit": "s"})
-    settled: float | None = field(default=None, metadata={"unit": "rad/s"})
-    no_hysteresis: float | None = field(default=None, metadata={"unit": "rad/s"})
-    run_level: Literal["power_up", "recording"] = "power_up"
-    attitude: Attitude | None = None
-    latitude: float | None = field(default=None, metadata={"from": "site"})
-    thermometers: Mapping[str, Thermometer] | None = field(default=None, metadata={"from": "sensor"})
-    scale_factor: Mapping[str, float] | None = field(default=None, metadata={"from": "sensor"})
-    standards: Standards = field(default_factory=dict[str, Influence], metadata={"from": "standards"})
+    order: int | None = setting("Of the polynomial; where not given, chosen on what is held out.", None, example="3")
+    largest_order: int = setting("Largest order that comes into question.", 5, above=0, example="5")
+    reference_temperature: float = setting(
+        "Powers are those of the temperature less this.", 20.0, unit="degC", example="20 degC"
+    )
+    at: list[float] | None = setting(
+        "Temperatures at which the bias is told too.", None, unit="degC", example="-20 degC"
+    )
+    turn_over: float | None = setting(
+        "After each turn of the temperature, and at the start, samples within this distance of it are left out; a "
+        "tenth of the range where not given.", None, difference="degC", example="2 K",
+    )  # fmt: skip
+    bins: int = setting("How many bins of temperature there are, each with the same weight.", 40, above=3, example="40")
+    least_range: float = setting(
+        "A smaller range of temperature carries no polynomial.", 10.0, difference="degC", example="10 K"
+    )
+    warm_up: float | None = setting(
+        "Left out after each power-up; where not given, until what is left of the start-up is below what settled says.",
+        None, unit="s", example="600 s",
+    )  # fmt: skip
+    settled: float | None = setting(
+        "What may be left of the start-up; a tenth of the scatter of a sample where not given.",
+        None, unit="rad/s", example="0.001 deg/s",
+    )  # fmt: skip
+    no_hysteresis: float | None = setting(
+        "Gap between warming and cooling that counts as none; none is ever shown where not given.",
+        None, unit="rad/s", example="0.001 deg/s",
+    )  # fmt: skip
+    run_level: Literal["power_up", "recording"] = setting(
+        "What the runs are: separate power-ups, or merely separate recordings.", "power_up"
+    )
+    attitude: Attitude | None = setting(
+        "How the body lies; without it the earth rate along its axes is unknown.", None,
+        example='{ tilt = "0.1 deg" }',
+    )  # fmt: skip
+    latitude: float | None = fact("Geodetic latitude [rad].", "site", None)
+    thermometers: Mapping[str, Thermometer] | None = fact(
+        "Temperature channel of each sensor, by axis.", "sensor", None
+    )
+    scale_factor: Mapping[str, float] | None = fact("Ideal scale factor of each sensor [V/(rad/s)].", "sensor", None)
+    standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
