@@ -44,8 +44,8 @@ PAGES = [ROOT / "README.md", *sorted(DOCS.rglob("*.md"))]
 FENCE = re.compile(r"^```(?P<kind>\{?[\w-]+\}?)[^\n]*\n(?P<body>.*?)^```$", re.MULTILINE | re.DOTALL)
 ELLIPSIS = "..."
 REFUSED = (2, 3)
-ROOT: Any = get_command(app)
-COMMANDS: dict[str, Any] = {word: ROOT.get_command(None, word) for word in ROOT.list_commands(None)}
+TYPED: Any = get_command(app)
+COMMANDS: dict[str, Any] = {word: TYPED.get_command(None, word) for word in TYPED.list_commands(None)}
 CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "Top level": schema.CampaignFile,
     "`[campaign]`": schema.CampaignHead,

@@ -30,9 +30,10 @@ def plan_values(procedure: str, given: dict[str, Any], where: str) -> tuple[dict
     where : str
         Place of the table, for messages.
     """
-    settings = {one.name: one for one in settings_of(procedure_of(procedure).plan_type)}
+    plan: Any = procedure_of(procedure).plan_type
+    settings = {one.name: one for one in settings_of(plan)}
     try:
-        read = _model(procedure_of(procedure).plan_type).model_validate(given)
+        read = _model(plan).model_validate(given)
     except ValidationError as error:
         return {}, [_problem(entry, list(settings), where) for entry in error.errors(include_url=False)]
     return {name: _value(getattr(read, name), settings[name]) for name in given}, []
@@ -56,7 +57,8 @@ def _annotation(one: Setting) -> Any:
     """Return the type that a campaign file has to give: text "number unit" for a quantity."""
     if not one.unit and one.table is None:
         return one.kind
-    kind = quantity(one.unit, one.difference) if one.unit else _model(one.table or object)
+    inner: Any = one.table
+    kind = quantity(one.unit, one.difference) if one.unit else _model(inner)
     kind = list[kind] if one.many else kind  # type: ignore[valid-type]
     return kind | None if type(None) in get_args(one.kind) or one.table is not None else kind
 

@@ -25,5 +25,7 @@ class Plan:
         "Of the sine at the first sample; free if not given.", None, unit="rad", example="90 deg"
     )
     drift: Literal["dct", "polynomial"] = setting("A straight line and the lowest cosines, or a polynomial.", "dct")
-    order: int | None = setting("Highest cosine, or degree of the polynomial; chosen if not given.", None)
-    side_bands: int | None = setting("Lines on each side from which the noise is told; chosen if not given.", None)
+    order: int | None = setting("Highest cosine, or degree of the polynomial; chosen if not given.", None, example="6")
+    side_bands: int | None = setting(
+        "Lines on each side from which the noise is told; chosen if not given.", None, example="8"
+    )
