@@ -162,11 +162,12 @@ def _of_flip(one: Prepared, chain: Chain) -> Iterator[dict[str, Any]]:
             decided = _by_plan(one, key)
             yield _row(one, remark.code, decided, remark.what, remark.where, count=remark.count, counts=counts)
     for axis, values in one.readings.outputs.items():
-        ending = f"{axis} is not read"
-        why = [said for said in one.readings.remarks if said.code in UNREAD and said.what.endswith(ending)]
-        for i in np.flatnonzero(np.isnan(values)) if why else ():
+        said = next((r for r in one.readings.remarks if r.code in UNREAD and r.axis == axis), None)
+        if said is None:
+            continue
+        for i in np.flatnonzero(np.isnan(values)):
             place = one.readings.where[i] if one.readings.where else ""
-            yield _row(one, why[0].code, _by_plan(one, UNREAD[why[0].code]), why[0].what, place, axis)
+            yield _row(one, said.code, _by_plan(one, UNREAD[said.code]), said.what, place, axis)
 
 
 def _by_plan(one: Prepared, key: str) -> str:

@@ -209,7 +209,7 @@ def _of_one_gain(recording: Recording, axes: Sequence[str], name: str) -> Record
         when = f"{name}: {(one.time_ns - blocks.start_ns) / SECOND:.0f} s after the start"
         what = f"level and scatter of {axis} change by a factor of {one.level:.3g}: {axis} is not read"
         do = "Cut the record there (--from, --to), or record the gain beside it"
-        remarks.append(Remark("gain_changed", "warning", what, when, do=do))
+        remarks.append(Remark("gain_changed", "warning", what, when, do=do, axis=axis))
         empty = replace(recording.channel(axis), data=np.full(len(recording), np.nan))
         channels = tuple(empty if c.name == axis else c for c in recording.channels)
         recording = replace(recording, channels=channels)

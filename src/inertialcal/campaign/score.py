@@ -252,12 +252,11 @@ def _intervals(one: Fitted) -> Iterator[tuple[Key, Interval]]:
     estimate = one.result.estimate
     if estimate is None:
         return
-    for name, value, u, dof in zip(estimate.names, estimate.values, estimate.u, estimate.dof, strict=True):
-        quantity, _, axis = _called(one.result, name).rpartition("_")
-        yield (quantity, axis, one.test, ""), t_interval(float(value), float(u), float(dof))
+    for key, value, u, dof in zip(estimate.keys, estimate.values, estimate.u, estimate.dof, strict=True):
+        yield (_called(one.result, key.name), key.axis, one.test, ""), t_interval(float(value), float(u), float(dof))
 
 
-def _called(result: Any, name: str) -> str:
-    """Return the name of a value as the rows have it: what is left after a ground model is the error of that model."""
+def _called(result: Any, quantity: str) -> str:
+    """Return the quantity as the rows have it: what is left after a ground model is the error of that model."""
     corrected = isinstance(result, flip.Result) and result.plan.corrected
-    return name.replace("bias_", f"{flip.MODEL_BIAS}_", 1) if corrected and name.startswith("bias_") else name
+    return flip.MODEL_BIAS if corrected and quantity == "bias" else quantity

@@ -13,7 +13,8 @@ from typing import NamedTuple
 
 FROM_ZERO = ("bias_voltage",)  # polynomials whose power 0 is told, too
 DIGITS = {"temperature": 6, "line": 4}  # significant ones of a place
-COEFFICIENT = re.compile(r"(?P<quantity>.+_(?:temperature|voltage))_(?P<power>\d+)")
+COEFFICIENT = re.compile(r"(?P<quantity>.+_(?:temperature|voltage|warm_up|warm_up_time))_(?P<power>\d+)")
+OPENINGS = {"in doubt: ": "in_doubt", "yes: ": "yes", "no: ": "no", "unclear: ": "unclear"}  # of reasons, their codes
 NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
 TEMPERATURE = re.compile(rf"(?P<value>{NUMBER}) degC")
 LINE = re.compile(rf"line at (?:(?P<times>\d+) x )?(?P<value>{NUMBER}) Hz(?:, (?P<run>run .+ alone))?", re.DOTALL)
@@ -29,7 +30,12 @@ class At(NamedTuple):
 
     def __str__(self) -> str:
         """Return the place as text: ``"-20 degC"``, ``"9.97 Hz"``."""
-        return f"{self.value:.{DIGITS.get(self.what, 6)}g} {self.unit}".rstrip()
+        return f"{self.number} {self.unit}".rstrip()
+
+    @property
+    def number(self) -> str:
+        """Its value as text."""
+        return f"{self.value:.{DIGITS.get(self.what, 6)}g}"
 
 
 class Member(NamedTuple):
@@ -169,7 +175,12 @@ class Case(NamedTuple):
     @property
     def place(self) -> str:
         """Where it holds as text: ``"-20 degC"``, ``"2 x 9.97 Hz"``; empty for no place."""
-        return "" if self.at is None else f"{self.times} x {self.at}" if self.times else str(self.at)
+        return "" if self.at is None else f"{self.number} {self.at.unit}".rstrip()
+
+    @property
+    def number(self) -> str:
+        """The same without its unit."""
+        return "" if self.at is None else f"{self.times} x {self.at.number}" if self.times else self.at.number
 
     def __str__(self) -> str:
         """Return the text that ``results.json`` has as condition."""
@@ -223,8 +234,15 @@ def _temperature(text: str) -> At | None:
     return None if found is None else At("temperature", float(found["value"]), "degC")
 
 
+def reason_of(text: str) -> Reason:
+    """Read the reason of a row of ``results.json``; its code is told where the text begins with a word for it."""
+    return Reason(next((code for opening, code in OPENINGS.items() if text.startswith(opening)), ""), text)
+
+
 def key_of(name: str, axis: str | None = None) -> Key:
     """Read the name of a value of an estimate, or a quantity where its axis is given beside it."""
+    if axis is None and COEFFICIENT.fullmatch(name):  # of the whole unit: warm_up_time_1
+        return key_of(name, "")
     if axis is None:
         stem, _, place = name.partition(" at ")
         quantity, _, own = stem.rpartition("_")

@@ -11,6 +11,7 @@ from dataclasses import asdict, dataclass, replace
 from typing import Literal
 
 Severity = Literal["info", "warning", "error"]
+OF_PROGRAMS = ("axis", "subject", "index")  # fields that results.json does not hold
 
 
 @dataclass(frozen=True)
@@ -31,6 +32,12 @@ class Remark:
         At how many places.
     do : str
         What to do about it.
+    axis : str
+        That it is about.
+    subject : str
+        What it is about, as a name: a column, a sensor.
+    index : int
+        Number of the first sample or row that it is about.
     """
 
     code: str
@@ -39,6 +46,9 @@ class Remark:
     where: str = ""
     count: int = 1
     do: str = ""
+    axis: str = ""
+    subject: str = ""
+    index: int = 0
 
     def __str__(self) -> str:
         """One line, the severity first."""
@@ -48,12 +58,17 @@ class Remark:
         return f"{text}. {self.do}" if self.do else text
 
     def to_dict(self) -> dict[str, str | int]:
-        """Return the parts as plain values, for ``results.json``."""
-        return asdict(self)
+        """Return the parts as plain values, for ``results.json``: those that people read."""
+        return {name: value for name, value in asdict(self).items() if name not in OF_PROGRAMS}
 
     def at(self, where: str) -> Remark:
         """Return the same remark, placed in front of its own place."""
         return replace(self, where=f"{where}: {self.where}" if self.where else where)
+
+
+def is_placed(where: str, place: str) -> bool:
+    """Tell whether the place of a remark is one, or inside it: as ``Remark.at`` puts it in front."""
+    return where == place or where.startswith(f"{place}: ")
 
 
 FEW = 3  # different texts of one kind that are listed one by one

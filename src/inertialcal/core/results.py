@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Literal
 
-from .key import NO_REASON, Case, Key, Member, Method, Reason, case_of, key_of
+from .key import NO_REASON, Case, Key, Member, Method, Reason, case_of, key_of, reason_of
 
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
@@ -114,7 +114,7 @@ class Row:
             key._replace(sensor=case.sensor, at=case.at, power=case.times or key.power),
             value, u, str(row["unit"]), dof,
             None if ends is None else Interval(ends["lo"], ends["hi"], ends["p"]),
-            row["status"], Reason("", str(row["reason"])), str(row["test"]), case.condition, case.method, case.member,
+            row["status"], reason_of(str(row["reason"])), str(row["test"]), case.condition, case.method, case.member,
         )  # fmt: skip
 
 

@@ -29,6 +29,10 @@ FRACTION = re.compile(
 )  # datetime keeps six digits
 
 
+class NoMissionStartError(ValueError):
+    """Mission elapsed time, where nobody said when the mission started."""
+
+
 def read_instant(given: object, mission_start: int | None = None) -> int:
     """Return UTC nanoseconds since 1970.
 
@@ -141,7 +145,7 @@ def _from_text(given: str, mission_start: int | None) -> int:
         return _from_day_of_year(match, given)
     if match := ELAPSED.fullmatch(given):
         if mission_start is None:
-            raise ValueError(
+            raise NoMissionStartError(
                 f"{given!r} is mission elapsed time, but when the mission started is not said: "
                 "say it, or write UTC or GMT with its year (2014/295/09:36:36)"
             )

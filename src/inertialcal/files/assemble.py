@@ -170,5 +170,5 @@ def _texts(described: Sequence[Described], clock: Clock, path: str) -> list[Rema
         texts = list(dict.fromkeys(str(text) for text in d.column.values))
         some = ", ".join(texts[:SHOWN]) + (", ..." if len(texts) > SHOWN else "")
         what = f"column {d.name!r} is text ({len(texts)} different: {some[:80]}): no channel"
-        remarks.append(Remark("text_column", "info", what, where=path))
+        remarks.append(Remark("text_column", "info", what, where=path, subject=d.name))
     return remarks

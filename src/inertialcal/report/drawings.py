@@ -8,6 +8,7 @@ from typing import Any
 
 from markupsafe import Markup
 
+from ..core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION
 from .embedded import curve_csv, rows_csv
 from .figures import FIGURES, Picture, prefix, to_svg
 from .findings import ORDER, Finding
@@ -20,6 +21,7 @@ Results = Mapping[str, Any]
 
 NOISE = {"allan": ("allan", "allan_terms"), "spectrum": ("spectrum",)}  # curves of the figures of noise
 STILL = 0.01  # of the largest input: next to none
+SIDE_BY_SIDE = (ERROR, OTHER, CHANGE, REDUCTION)
 
 
 @dataclass(frozen=True, eq=False)
@@ -237,7 +239,7 @@ def _rows(results: Results, name: str, test: str) -> list[Mapping[str, Any]]:
     rows = [row for row in results["budgets" if name == "budget" else "results"] if row["test"] == test]
     if name == "matrix":
         return [row for row in rows if not row["condition"]]
-    return [row for row in rows if "model_bias_error" in row["quantity"]] if name == "side_by_side" else rows
+    return [row for row in rows if row["quantity"] in SIDE_BY_SIDE] if name == "side_by_side" else rows
 
 
 def _traces(results: Results, dwells: Mapping[str, Any]) -> list[Mapping[str, Any]]:

@@ -12,6 +12,7 @@ from typing import Any
 
 from markupsafe import Markup, escape
 
+from ..core.key import reason_of
 from .numbers import Number, Text, both, clean, digits, time
 from .wording import count, counted, listed, severities, words
 
@@ -132,7 +133,7 @@ def of_thermal(rows: Sequence[Any]) -> Finding:
     scatter = largest(estimated(rows, "scatter_run", None))
     if scatter is not None:
         said = (*said, "; power-ups scatter by up to ", of_row(scatter), ", on ", scatter["axis"])
-    seen = [row["axis"] for row in rows if row["quantity"] == "hysteresis" and str(row["reason"]).startswith("yes")]
+    seen = [row["axis"] for row in rows if row["quantity"] == "hysteresis" and reason_of(row["reason"]).code == "yes"]
     words: Finding = ("hysteresis seen on ", *_with_commas(seen)) if seen else ("no hysteresis is shown",)
     return (*said, "; ", *words)
 

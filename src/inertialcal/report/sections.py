@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..core.key import case_of
+from ..core.remarks import is_placed
 from ..core.show.alternatives import columns_of, lines_of, missing_of
 from ..core.show.side_by_side import own_rows, pairs_of
 from .findings import Finding, of_test
@@ -205,7 +206,7 @@ def budgeted(rows: Iterable[Any]) -> dict[tuple[str, str, str], Any]:
 
 def placed(remarks: Iterable[Any], test: str) -> list[Any]:
     """Return the remarks of a test, the serious ones first."""
-    mine = [one for one in remarks if one["where"] == test or one["where"].startswith(f"{test}: ")]
+    mine = [one for one in remarks if is_placed(one["where"], test)]
     return by_severity(mine)
 
 

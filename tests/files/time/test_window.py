@@ -63,7 +63,7 @@ def test_stamps_out_of_order_are_chosen_one_by_one(tmp_path: Path) -> None:
         (UTC, {"start": 20, "stop": 10}, UsageError, "wrong_time", "from 20 to 10: the end is not after the start"),
         (UTC, {"start": "noon"}, UsageError, "wrong_time", "'noon' is no time"),
         (UTC, {"start": "2014_10_22_09"}, UsageError, "wrong_time", "is no time"),
-        (UTC, {"start": "001/00:00"}, UsageError, "wrong_time", "when the mission started is not said"),
+        (UTC, {"start": "001/00:00"}, UsageError, "no_mission_start", "when the mission started is not said"),
         (ELAPSED, {"start": "2010-04-28T15:10:00Z"}, UsageError, "wrong_time", "counts from its own time zero"),
         ("x [g]\n1\n2\n3\n", {"start": 1}, DataError, "no_time", "the recording has no time"),
     ],

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
+from ...core.key import reason_of
 from ...core.remarks import Remark
 from ...core.show.alternatives import columns_of, lines_of, names_of
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ...core.show.rounding import number
 from ...core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
 from .output import clean, table, wrapped
-
-DOUBT = "in doubt"  # beginning of the reason of a figure that may not hold
 
 
 def results_text(results: Mapping[str, Any]) -> str:
@@ -58,7 +57,7 @@ def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return a line a reason why figures of axes may not hold."""
     axes: dict[str, dict[str, None]] = {}
     for row in own_rows(rows):
-        if row["status"] == "estimated" and row["reason"].startswith(DOUBT):
+        if row["status"] == "estimated" and reason_of(row["reason"]).code == "in_doubt":
             axes.setdefault(row["reason"], {})[row["axis"]] = None
     return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
 

@@ -18,7 +18,6 @@ PLACEHOLDER = "UNIT"  # for the user to fill in
 REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 CAMPAIGN = "campaign.toml"
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
-TEXT = re.compile(r"column '(.*)' is text")
 AXIS_COLUMNS = {"axis", "channel", "sensor"}
 POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
 FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
@@ -95,7 +94,7 @@ def _is_of_flip(recording: Recording, remarks: Sequence[Remark]) -> bool:
 
 def _is_of_means(recording: Recording, remarks: Sequence[Remark]) -> bool:
     """Whether a file looks like means of a flip, by its columns: axes, positions, and an acceleration."""
-    names = {found[1].lower() for one in remarks if one.code == "text_column" and (found := TEXT.match(one.what))}
+    names = {one.subject.lower() for one in remarks if one.code == "text_column"}
     means = any(one.unit is not None and kind(one.unit) == "acceleration" for one in recording.channels)
     return means and bool(names & AXIS_COLUMNS) and bool(names & POSITION_COLUMNS)
 

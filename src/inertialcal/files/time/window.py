@@ -11,7 +11,7 @@ import numpy as np
 from ...core.errors import DataError, UsageError
 from ...core.recording import Recording, Times
 from ...core.remarks import Remark
-from ...core.times import SECOND, instant_text, read_elapsed, read_instant
+from ...core.times import SECOND, NoMissionStartError, instant_text, read_elapsed, read_instant
 
 NUMBER = re.compile(r"[+-]?[0-9]+(?:\.[0-9]*)?", re.ASCII)
 
@@ -44,14 +44,15 @@ class Window:
         Raises
         ------
         UsageError
-            ``wrong_time``, if one is no such time, or the stop is not after the start.
+            ``wrong_time``, if one is no such time, or the stop is not after the start; ``no_mission_start``.
         """
         try:
             origin = None if self.mission_start is None else read_instant(_plain(self.mission_start))
             start, stop = (_read(given, epoch, origin) for given in (self.start, self.stop))
         except ValueError as error:
             own = "" if epoch == "utc" else "The recording counts from its own time zero, not in UTC"
-            raise UsageError(str(error), do=own, code="wrong_time") from None
+            code = "no_mission_start" if isinstance(error, NoMissionStartError) else "wrong_time"
+            raise UsageError(str(error), do=own, code=code) from None
         if start is not None and stop is not None and stop <= start:
             raise UsageError(f"from {self.start} to {self.stop}: the end is not after the start", code="wrong_time")
         return start, stop

@@ -125,8 +125,8 @@ def _called(term: Term, fit: NoiseFit) -> str:
     if isinstance(term, Sinusoid):
         return f"line at {term.frequency:.4g} Hz"
     found = fit.term(term.name)
-    name = found.parameters[0].name if found is not None and found.parameters else term.name
-    return name.removesuffix("_sigma")
+    told = found.parameters if found is not None and term.parameters == ("coefficient",) else ()
+    return told[0].name if told else term.name
 
 
 def _spectrum(result: Result, one: AxisNoise, record: Recorded, spectrum: Spectrum) -> Curve:

@@ -14,9 +14,11 @@ from scipy import special
 from ...core.estimate import Component, Estimate
 from ...core.influence import Influence, Standards
 from ...core.results import Interval, Row
+from ...sensors.noise.terms import GaussMarkov, quantity_name
 
 SCALE = "sensor.scale_factor"
 SOURCE = "scale factor of the sensor"
+TIME = quantity_name(GaussMarkov.name, "correlation_time", None)
 
 
 def relative(standards: Standards) -> float:
@@ -78,7 +80,7 @@ def with_scale(estimate: Estimate, standards: Standards) -> Estimate:
     influence = standards.get(SCALE)
     if influence is None or influence.u == 0.0:
         return estimate
-    sized = np.array([0.0 if "correlation_time" in name else 1.0 for name in estimate.names]) * estimate.values
+    sized = np.array([0.0 if key.quantity == TIME else 1.0 for key in estimate.keys]) * estimate.values
     covariance = influence.u**2 * np.outer(sized, sized)
     component = Component(SOURCE, "B", covariance, influence.dof, influence.distribution, influence.stated)
     return replace(estimate, components=(*estimate.components, component))

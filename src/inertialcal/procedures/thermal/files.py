@@ -209,7 +209,7 @@ def _taken(recording: Recording, columns: Mapping[str, str] | None, sensor: Sens
         do = "There are: x, y, z, temperature, temperature_x, ..."
         raise UsageError(f"column {wrong[0]!r}", do=do, code="unknown_name")
     axes = {axis: said[axis] for axis in AXES if axis in said} or _axes(recording, sensor)
-    warm = {what: name for what, name in said.items() if what.startswith(TEMPERATURE)} or _temperatures(recording)
+    warm = {what: name for what, name in said.items() if what not in AXES} or _temperatures(recording)
     path = recording.source.path
     have = ", ".join(recording.names)
     if not axes:
@@ -266,7 +266,7 @@ def _in_si(recording: Recording, taken: Mapping[str, str], sensor: Sensor) -> Re
     made = []
     for what, name in taken.items():
         channel = recording.channel(name)
-        unit = "degC" if what.startswith(TEMPERATURE) else KINDS[sensor][1]
+        unit = "degC" if what not in AXES else KINDS[sensor][1]
         data = convert(np.asarray(channel.data, dtype=np.float64), channel.unit or unit, unit)
         made.append(replace(channel, name=what, data=data, unit=unit))
     return replace(recording, channels=tuple(made))

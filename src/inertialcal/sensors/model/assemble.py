@@ -76,12 +76,12 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
     factors = np.array([factor(own, other) for own, other in zip(estimate.units, units, strict=True)])
     grid = np.outer(factors, factors)
     components = tuple(replace(one, covariance=one.covariance * grid) for one in estimate.components)
-    return Estimate(estimate.names, estimate.values * factors, units, components)
+    return Estimate(estimate.keys, estimate.values * factors, units, components)
 
 
 def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
     """Terms that the names ask for, without effect: M = I, zeros, time constants of 1 s."""
-    k, order = len(axes), orders(estimate.names)
+    k, order = len(axes), orders(estimate.keys)
     matrix = np.zeros((order["matrix"] + 1, k, k))
     matrix[0] = np.eye(k)
     terms = {"matrix": matrix, "bias": np.zeros(k)}
@@ -93,6 +93,6 @@ def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
     for field, (quantity, _) in PER_AXIS.items():
         if field != "bias" and any(f"{quantity}_{axis}" in estimate.names for axis in axes):
             terms[field] = np.zeros(k)
-    if any(name.startswith("g_sensitivity_") for name in estimate.names):
+    if any(key.quantity == "g_sensitivity" for key in estimate.keys):
         terms["g_sensitivity"] = np.zeros((k, len(FORCE_AXES)))
     return terms

@@ -121,8 +121,10 @@ def outside(
 
 def _remark(code: str, text: str, where: NDArray[Any], do: str = "The model extrapolates there") -> Remark:
     count = int(np.count_nonzero(where))
-    first = f"row {int(np.argmax(where))}" if count else ""
-    return Remark(code, "warning", f"{count} of {len(where)} row(s): {text}", first, count, do)
+    at = int(np.argmax(where)) if count else 0
+    return Remark(
+        code, "warning", f"{count} of {len(where)} row(s): {text}", f"row {at}" if count else "", count, do, index=at
+    )
 
 
 def _compiled(model: SensorModel, columns: Columns, readings: Array, out: Array) -> bool:

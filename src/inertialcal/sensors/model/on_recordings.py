@@ -197,4 +197,4 @@ def _place(recording: Recording, index: int) -> str:
 
 def _placed(recording: Recording, remark: Remark) -> Remark:
     """Return the remark of `outside` with its row as a place of the file."""
-    return replace(remark, where=_place(recording, int(remark.where.removeprefix("row "))))
+    return replace(remark, where=_place(recording, remark.index))

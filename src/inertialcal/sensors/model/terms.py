@@ -7,13 +7,13 @@ The matrix at the reference temperature is told in the field's words: ``scale_fa
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
 from ...core.estimate import Array
+from ...core.key import Key
 from ...core.units import normalise
 
 FORCE_AXES = ("x", "y", "z")
@@ -52,7 +52,10 @@ PER_POWER = {
     "bias_temperature": ("bias_temperature", "{U}/degC"),
     "bias_warm_up": ("bias_warm_up", "{U}"),
 }
-COUNTED = re.compile(r"(bias_temperature|bias_warm_up|warm_up_time|\w+_temperature)_(\d+)(?:_(\w+))?")
+COUNTED = {
+    "bias_temperature": "bias_temperature", "bias_warm_up": "bias_warm_up", "warm_up_time": "bias_warm_up",
+    "scale_factor_error_temperature": "matrix", "cross_axis_sensitivity_temperature": "matrix",
+}  # terms of which there are several: whose number they have  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -169,8 +172,8 @@ def with_values(arrays: Mapping[str, Array], changes: Mapping[Parameter, float])
     return new
 
 
-def orders(names: Iterable[str]) -> dict[str, int]:
-    """Highest power of temperature, or number of exponentials, of the counted terms among the names.
+def orders(keys: Iterable[Key]) -> dict[str, int]:
+    """Highest power of temperature, or number of exponentials, of the counted terms among the keys.
 
     Returns
     -------
@@ -178,10 +181,7 @@ def orders(names: Iterable[str]) -> dict[str, int]:
         ``matrix`` (0 when constant), ``bias_temperature`` and ``bias_warm_up``.
     """
     found = {"matrix": 0, "bias_temperature": 0, "bias_warm_up": 0}
-    for name in names:
-        match = COUNTED.fullmatch(name)
-        if match:
-            stem = match[1]
-            key = "bias_warm_up" if "warm_up" in stem else stem if stem == "bias_temperature" else "matrix"
-            found[key] = max(found[key], int(match[2]))
+    for key in keys:
+        if key.quantity in COUNTED:
+            found[COUNTED[key.quantity]] = max(found[COUNTED[key.quantity]], key.power)
     return found

@@ -74,7 +74,7 @@ def _changed(blocks: Blocks, axes: Sequence[str], known_gain: Sequence[str]) -> 
             when = f"{(one.time_ns - blocks.start_ns) / SECOND:.0f} s after the start"
             what = f"level and scatter of {axis} change by a factor of {one.level:.3g}: {axis} is not read"
             do = "Cut the record there (--from, --to), or record the gain beside it"
-            found.setdefault(axis, Remark("gain_changed", "warning", what, when, do=do))
+            found.setdefault(axis, Remark("gain_changed", "warning", what, when, do=do, axis=axis))
     return found
 
 

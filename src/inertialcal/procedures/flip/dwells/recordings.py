@@ -227,12 +227,14 @@ def _not_read(plan: Plan, one: Turned, axis: str, inside: slice, absent: float) 
     """Return why an axis is not read in a window; None where it is."""
     if absent > plan.missing:
         what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: {axis} is not read"
-        return Remark("dwell_incomplete", "warning", what)
+        return Remark("dwell_incomplete", "warning", what, axis=axis)
     name = f"gain_{axis}"
     gains = np.unique(one.recording.channel(name).data[inside]) if name in one.recording.names else np.zeros(0)
     if len(gains) > 1:
         what = f"the gain changes from {gains[0]:g} to {gains[-1]:g} inside the window: {axis} is not read"
-        return Remark("gain_changed", "warning", what, do="Choose a window of one gain: its zero and bias are others")
+        return Remark(
+            "gain_changed", "warning", what, axis=axis, do="Choose a window of one gain: its zero and bias are others"
+        )
     return None
 
 

@@ -128,7 +128,7 @@ def _given(recording: Recording, one: Said, mission_start: str | None) -> flip.W
         start, stop = Between(one.start, one.stop, mission_start).bounds(recording.epoch)
     except UsageError as error:
         problem = error.problems[0]
-        mission = "Say it: --mission-start 1996-03-22T08:13:04Z" if "mission started" in problem.what else ""
+        mission = "Say it: --mission-start 1996-03-22T08:13:04Z" if problem.code == "no_mission_start" else ""
         do = problem.do or mission
         raise UsageError(f"--window {one.start}..{one.stop}: {problem.what}", do=do, code="wrong_time") from None
     assert start is not None  # noqa: S101 - both were given

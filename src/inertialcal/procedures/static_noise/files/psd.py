@@ -74,7 +74,7 @@ class SpectrumFile:
     def rows(self) -> tuple[Row, ...]:
         """Lines first, then terms."""
         rows = self.noise.rows
-        lines = [row for row in rows if row.quantity.startswith("line_")]
+        lines = [row for row in rows if row.key.at is not None]
         return (*lines, *(row for row in rows if row not in lines))
 
     def content(self) -> dict[str, Any]:

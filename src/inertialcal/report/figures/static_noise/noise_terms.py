@@ -15,6 +15,7 @@ from matplotlib.axes import Axes
 from ....core.estimate import Array
 from ....core.key import case_of
 from ....core.show.rounding import with_uncertainty
+from ....sensors.noise.terms import GaussMarkov, quantity_name
 from ...wording import words
 from ..drawing.data import Curve, numbers
 from ..drawing.style import COLOURS, plain
@@ -29,7 +30,8 @@ STROKES: dict[str, dict[str, Any]] = {
     "rate_ramp": {"color": COLOURS["quiet"], "linestyle": (0, (6, 2, 1, 2, 1, 2))},
     "gauss_markov": {"color": COLOURS["sky"], "linestyle": (0, (4, 2))},
 }
-ALIKE = {  # the field's words by kind of sensor
+SIZES = {quantity_name(GaussMarkov.name, "sigma", None): GaussMarkov.name}  # quantity that a term is told by
+ALIKE = SIZES | {  # the field's words by kind of sensor
     "angle_random_walk": "random_walk",
     "velocity_random_walk": "random_walk",
     "acceleration_random_walk": "rate_random_walk",
@@ -37,7 +39,6 @@ ALIKE = {  # the field's words by kind of sensor
 }
 OTHER: dict[str, Any] = {"color": COLOURS["quiet"], "linestyle": (0, (1, 2))}
 WHOLE: dict[str, Any] = {"color": COLOURS["vermilion"], "linewidth": 1.6}
-LINE = "line at "  # begins the name of the column of a line
 LONGEST = 120  # characters of a finding: two lines
 NAMED = 2  # terms in a finding with their figures: two lines of it
 DOTS: tuple[dict[str, Any], ...] = (
@@ -63,7 +64,7 @@ def draw_terms(ax: Axes, at: Array, curve: Curve, compared: tuple[Array, Array] 
         Averaging times of the data, and what all terms give there: drawn instead where there are lines.
     """
     names = terms_of(curve)
-    lines = [name for name in names if name.startswith(LINE)]
+    lines = [name for name in names if (place := case_of(name).at) is not None and place.what == "line"]
     whole = ALL in curve["columns"]
     for name in names:
         stroke = WHOLE if whole and len(names) == 1 else STROKES.get(ALIKE.get(name, name), OTHER)
@@ -84,7 +85,7 @@ def named(term: str) -> str:
 
 def _of_lines(names: Sequence[str]) -> str:
     """Return what the joined peaks of lines are called."""
-    return "peaks of the lines" if len(names) > 1 else f"peaks of the {plain(names[0].removeprefix(LINE))} line"
+    return "peaks of the lines" if len(names) > 1 else f"peaks of the {plain(case_of(names[0]).place)} line"
 
 
 def peaks_joined(at: Array, values: Array) -> Array:
@@ -150,8 +151,8 @@ def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) ->
 
 
 def _term(quantity: str) -> str:
-    return ALIKE.get(quantity, quantity.removesuffix("_sigma"))
+    return ALIKE.get(quantity, quantity)
 
 
 def _size(row: Mapping[str, Any]) -> str:
-    return named(str(row["quantity"]).removesuffix("_sigma"))
+    return named(SIZES.get(str(row["quantity"]), str(row["quantity"])))

@@ -53,7 +53,7 @@ def _picture(results: Mapping[str, Any], test: str, axis: str, mine: Sequence[Cu
 
 def finding(results: Mapping[str, Any], test: str, axis: str) -> str:
     """Return the finding: lines that stand out of the noise, by their frequency."""
-    named = [name.removesuffix(" Hz") for name in _lines(results, test, axis)]
+    named = list(_lines(results, test, axis))
     few = [*named[:NAMED], *([f"{len(named) - NAMED} more"] if len(named) > NAMED else [])]
     said = f"{'lines' if len(named) > 1 else 'line'} at {listed(few)} Hz" if few else "no line found"
     return f"{plain(axis)}: {said.replace(' more Hz', ' more')}"
@@ -64,7 +64,7 @@ def _lines(results: Mapping[str, Any], test: str, axis: str) -> dict[str, float]
     found: dict[str, float] = {}
     for row in results.get("results", []):
         if (row["test"], row["axis"], row["quantity"]) == (test, axis, "line_frequency") and row["value"] is not None:
-            found.setdefault(plain(case_of(row["condition"]).place), float(row["value"]))
+            found.setdefault(plain(case_of(row["condition"]).number), float(row["value"]))
     return found
 
 
