@@ -53,7 +53,7 @@ class Fault:
     what : str
         What is wrong.
     shows : str
-        Code of the error or remark that names it, or words of the reason why a quantity is not estimated.
+        Code of the error or remark that names it, or of the reason why a quantity is not estimated.
     change : mapping
         Settings of the bench that differ.
     """

@@ -50,13 +50,14 @@ def _of_axis(result: Result, found: AxisNoise) -> Iterator[Row]:
         yield from _terms(result, found.fit, found.axis, found.doubt)
         return
     kind, unit = result.plan.kind, result.plan.unit
+    why = Reason() if found.problem is None else Reason(found.problem.code, found.problem.what)
     for name, term in TERMS.items():
         if name == Sinusoid.name or name not in (result.plan.terms or TERMS):
             continue
         for parameter in term.parameters:
             shown = unit_of(name, parameter, kind, unit)
             key = Key(quantity_name(name, parameter, kind), found.axis)
-            yield not_estimated(key, shown, Reason("no_fit", found.reason))
+            yield not_estimated(key, shown, why)
 
 
 def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str) -> Iterator[Row]:

@@ -131,6 +131,6 @@ FAULTS: dict[str, Fault] = {
     "no_tilt": Fault("the tilt meter of a run was not recorded", "missing_tilt", {"no_tilt": "run3"}),
     "cut_off": Fault("a record ends before its schedule does", "length_differs", {"cut": ("run4", 60)}),
     "wrong_gate": Fault("pulses were counted for 100 s, not 10 s", "gate_disagrees", {"gate_said": 10.0}),
-    "wooden": Fault("the cubes are of wood", "floor", {"lighter": 0.05}),
+    "wooden": Fault("the cubes are of wood", "below_floor", {"lighter": 0.05}),
     "overlap": Fault("the mass stands where the instrument is", "overlap", {"stand_off_said": -0.02}),
 }

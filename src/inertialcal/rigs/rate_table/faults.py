@@ -18,10 +18,10 @@ FAULTS: dict[str, Fault] = {
     "bit_low": Fault("the built-in test is low throughout", "never_valid", {"built_in_test": 0.4}),
     "only_positive": Fault(
         "the table turned one way only",
-        "needs both senses of rotation",
+        "few_rates",
         {"rates_deg_s": (0.0, 0.5, 1.0, 1.5, 2.0, 0.0, 3.0, 3.5, 4.0, 4.5, 0.0)},
     ),
-    "axis_not_turned": Fault("the unit was not turned about z", "was not turned about z", {"turned": ("x", "y")}),
+    "axis_not_turned": Fault("the unit was not turned about z", "not_turned", {"turned": ("x", "y")}),
     "never_still": Fault(
         "no dwell at rest",
         "never_still",

@@ -42,7 +42,7 @@ FAULTS: dict[str, Fault] = {
     "knocked": Fault("somebody knocks against the bench", "disturbed", {"knocked": True}),
     "warming": Fault("the unit still warms up", "warm_up", {"warming": 3e-4}),
     "humming": Fault("a fan turns beside the bench", "lines", {"humming": 5e-5}),
-    "stuck": Fault("the channel of y hangs", "zero throughout", {"stuck": "y"}),
+    "stuck": Fault("the channel of y hangs", "constant", {"stuck": "y"}),
     "too_short": Fault("40 s are no record of noise", "too_short", {"samples": 20, "skipped": 0.0}),
 }
 
