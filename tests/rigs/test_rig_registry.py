@@ -175,6 +175,7 @@ def test_the_package_of_a_rig_is_named_without_loading_it(tmp_path: Path) -> Non
         ("import module_that_is_not_there", "cannot be loaded .ModuleNotFoundError: No module named"),
         ("", "cannot be loaded .AttributeError"),
         ("RIG = {}", "rig 'toy' of toy-rig 1.0 is a dict, not a Rig"),
+        (TOY.replace('Rig("toy"', 'Rig("other"'), "rig 'toy' of toy-rig 1.0 calls itself 'other'"),
     ],
 )
 def test_a_broken_package_is_one_clear_error(

@@ -12,14 +12,25 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, MutableMapping
 from functools import cached_property
 from importlib import import_module
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from .errors import UsageError
+from .plugins import fault
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
 
-T = TypeVar("T")
+
+class Named(Protocol):
+    """What a registry can hold: it says its own name."""
+
+    @property
+    def name(self) -> str:
+        """As it is typed."""
+        ...
+
+
+T = TypeVar("T", bound=Named)
 
 
 class Registry(MutableMapping[str, T]):
@@ -108,10 +119,11 @@ class Registry(MutableMapping[str, T]):
         try:
             thing = point.load()
         except Exception as error:
-            why = f"{type(error).__name__}: {error}"
-            raise self._broken(point, "cannot be loaded", why) from error
+            raise self._broken(point, "cannot be loaded", fault(error)) from error
         if not isinstance(thing, self.made):
             raise self._broken(point, f"is a {type(thing).__name__}, not a {self.made.__name__}")
+        if thing.name != name:
+            raise self._broken(point, f"calls itself {thing.name!r}")
         return thing
 
     def _broken(self, point: EntryPoint, what: str, why: str = "") -> UsageError:
