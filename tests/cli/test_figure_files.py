@@ -12,7 +12,7 @@ import pytest
 from inertialcal.campaign.example import copy_example
 from inertialcal.campaign.run import run
 from inertialcal.cli.__main__ import main
-from inertialcal.report.figures import FIGURES
+from inertialcal.report.figures import figures
 
 Call = Callable[..., tuple[int, str, str]]
 TABLE = "rate [deg/s],gyro_x [deg/s],run\n" + "".join(
@@ -104,7 +104,7 @@ def test_an_unknown_figure_is_wrong_usage_and_absent_data_a_refusal(call: Call, 
     for words in (("rate-table", "x.csv"), ("show", campaign)):
         status, _, err = call(*words, "--figure", "pie", "-o", "a.png")
         assert status == 2
-        assert f"There are: {', '.join(FIGURES)}" in err
+        assert f"There are: {', '.join(figures())}" in err
     status, _, err = call("show", campaign, "--figure", "dwells", "-o", "a.png")
     assert status == 3
     assert "no data for figure 'dwells'" in err

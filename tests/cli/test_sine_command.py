@@ -15,7 +15,7 @@ from inertialcal.core.results import Row
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.procedures.sine.files import SineFile
-from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures import figures, on_new_figure
 
 SINE = np.tile([0.0, 1.0, 0.0, -1.0], N // 4)
 APPLIED = 2.256e-7  # [m/s^2]: 23 ng
@@ -142,7 +142,7 @@ def test_figure_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path, pul
     assert (status, (tmp_path / "f.svg").stat().st_size > 10_000) == (0, True)
     assert "written: " in out
     found = ic.sine(pulses, period="480 s", phase="0 deg")
-    (picture,) = FIGURES["sine"].pictures(found.content())
+    (picture,) = figures()["sine"].pictures(found.content())
     assert picture.finding.startswith("rate: amplitude 0.2")
     axes = on_new_figure(picture, titled=True).axes
     labels = [line.get_label() for line in axes[2].get_lines()]
@@ -151,7 +151,7 @@ def test_figure_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path, pul
         "beside it: the noise",
         "the drive",
     ]
-    assert FIGURES["sine"].pictures({"curves": []}) == []
+    assert figures()["sine"].pictures({"curves": []}) == []
 
 
 def test_a_long_record_is_thinned_in_curves(tmp_path: Path) -> None:

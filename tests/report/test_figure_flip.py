@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures import figures, on_new_figure
 from inertialcal.report.figures.flip.flip import draw_record, spans
 
 
@@ -48,10 +48,13 @@ def test_ends_carry_letters_and_positions_their_marks() -> None:
 
 def test_readings_are_drawn_filled_at_zero_and_hollow_turned() -> None:
     results = {"curves": [dwells("x"), dwells("y"), quiet("x"), quiet("y")]}
-    first, second = FIGURES["flip"].pictures(results)
-    assert (first.recorded, second.recorded) == (False, True)
+    first, second = figures()["flip"].pictures(results)
+    assert ([one["name"] for one in first.data], [one["name"] for one in second.data]) == (
+        ["flip_dwells"] * 2,
+        ["quiet"] * 2,
+    )
     ax = on_new_figure(first, titled=False).axes[0]
     marked = [line for line in ax.get_lines() if line.get_label() in ("position 0", "turned")]
     assert np.asarray(marked[0].get_ydata())[0] == 1.0
     assert np.asarray(marked[1].get_ydata()).tolist() == [-1.0, -1.2]
-    assert FIGURES["flip"].pictures({"curves": []}) == []
+    assert figures()["flip"].pictures({"curves": []}) == []

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.axes import Axes
 
-from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures import figures, on_new_figure
 
 TIME = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 SHAPE = [0.0, 1.0, 0.0, -1.0, 0.0, 1.0]
@@ -70,7 +70,7 @@ RESULTS: dict[str, Any] = {"curves": CURVES, "results": ROWS}
 
 
 def axes_of(name: str) -> list[Axes]:
-    figure = on_new_figure(FIGURES[name].pictures(RESULTS)[0], titled=False)
+    figure = on_new_figure(figures()[name].pictures(RESULTS)[0], titled=False)
     figure.draw_without_rendering()
     return figure.axes
 
@@ -84,11 +84,11 @@ def axes_of(name: str) -> list[Axes]:
     ],
 )
 def test_titles_say_the_finding(name: str, finding: str) -> None:
-    assert FIGURES[name].pictures(RESULTS)[0].finding == finding
+    assert figures()[name].pictures(RESULTS)[0].finding == finding
 
 
 def test_a_test_without_a_scale_factor_says_so() -> None:
-    found = FIGURES["mass_runs"].pictures({"curves": [runs()], "results": []})
+    found = figures()["mass_runs"].pictures({"curves": [runs()], "results": []})
     assert found[0].finding == "2 runs: no scale factor is told from noise"
 
 
@@ -115,4 +115,4 @@ def test_what_the_published_way_makes_of_a_run_stands_lower() -> None:
 
 
 def test_a_spectrum_without_its_correlation_is_no_figure() -> None:
-    assert FIGURES["mass_line"].pictures({"curves": [spectrum()]}) == []
+    assert figures()["mass_line"].pictures({"curves": [spectrum()]}) == []

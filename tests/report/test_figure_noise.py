@@ -9,7 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures import figures, on_new_figure
 from inertialcal.report.figures.drawing.log_axes import label, log_axis
 from inertialcal.report.figures.drawing.style import LINE
 from inertialcal.report.figures.static_noise.spectrum import OVER
@@ -69,7 +69,7 @@ ROWS = [
 
 
 def drawn(name: str, *curves: dict[str, Any]) -> tuple[Axes, str]:
-    (picture,) = FIGURES[name].pictures({"curves": list(curves), "results": ROWS})
+    (picture,) = figures()[name].pictures({"curves": list(curves), "results": ROWS})
     return on_new_figure(picture, titled=False).axes[0], picture.finding
 
 
@@ -110,7 +110,7 @@ def test_the_spectrum_marks_lines_and_names_them() -> None:
     assert found["measured"] == spectrum("z")["columns"]["density"]["values"]
     assert found["line"] == [pytest.approx(OVER * 2e-3)]
     assert finding == "z: line at 12.8 Hz"
-    (other,) = FIGURES["spectrum"].pictures({"curves": [spectrum("x")], "results": ROWS})
+    (other,) = figures()["spectrum"].pictures({"curves": [spectrum("x")], "results": ROWS})
     assert other.finding == "x: no line found"
 
 
@@ -123,7 +123,7 @@ def test_a_line_is_marked_at_its_frequency_and_a_broad_peak_once() -> None:
         row("line_frequency", 13.4, 0.01, "Hz", "line at 13.4 Hz"),
         row("line_frequency", 20.0, 0.1, "Hz", "line at 20 Hz"),
     ]
-    (picture,) = FIGURES["spectrum"].pictures({"curves": [marked], "results": rows})
+    (picture,) = figures()["spectrum"].pictures({"curves": [marked], "results": rows})
     ax = on_new_figure(picture, titled=False).axes[0]
     places = {str(line.get_label()): np.asarray(line.get_xdata()).tolist() for line in ax.get_lines()}
     assert places["line"] == [13.4, 20.0]
@@ -166,7 +166,7 @@ def test_a_single_term_is_drawn_once() -> None:
 
 def test_a_finding_of_many_terms_takes_two_lines() -> None:
     more = [*ROWS, row("rate_random_walk", 29.1, 8.9, "deg/h/sqrt(h)"), row("gauss_markov_sigma", 60.9, 1.4, "deg/h")]
-    (picture,) = FIGURES["allan"].pictures({"curves": [allan("z")], "results": more})
+    (picture,) = figures()["allan"].pictures({"curves": [allan("z")], "results": more})
     assert picture.finding.endswith("bias instability 9.30 ± 0.40 deg/h, rate random walk, Gauss-Markov")
     assert len(picture.finding) <= 2 * LINE
 
@@ -174,7 +174,7 @@ def test_a_finding_of_many_terms_takes_two_lines() -> None:
 def test_terms_that_do_not_hold_are_no_finding() -> None:
     doubt = "the terms do not explain the Allan deviation"
     rows = [one | {"reason": doubt} for one in ROWS[:2]]
-    (picture,) = FIGURES["allan"].pictures({"curves": [allan("z")], "results": rows})
+    (picture,) = figures()["allan"].pictures({"curves": [allan("z")], "results": rows})
     assert picture.finding == f"z: {doubt}"
 
 
@@ -183,7 +183,7 @@ def test_deviations_without_intervals_or_terms_are_drawn_alone() -> None:
     ax, _ = drawn("allan", allan("z", lo=absent, hi=absent))
     assert list(lines_of(ax)) == ["measured"]
     assert not ax.collections
-    assert FIGURES["allan"].pictures({"curves": [allan("z", deviation=column([0.0] * 12, "deg/s"))]}) == []
+    assert figures()["allan"].pictures({"curves": [allan("z", deviation=column([0.0] * 12, "deg/s"))]}) == []
 
 
 @pytest.mark.parametrize(

@@ -14,7 +14,7 @@ from matplotlib.textpath import text_to_path
 from matplotlib.transforms import Affine2D
 from test_figures import poisoned, results
 
-from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures import figures, on_new_figure
 from inertialcal.report.figures.drawing.metrics import _advance, folded, shortened, width
 
 SLACK = 2.0  # pt: kerning, rounding
@@ -59,9 +59,9 @@ def texts_of(figure: Figure) -> list[tuple[str, Any]]:
 
 
 @pytest.mark.parametrize("text", ["", "W" * 60, "a long name of many words, longer than any"])
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", figures())
 def test_no_text_is_cut_or_lies_over_another(name: str, text: str) -> None:
-    figure = on_new_figure(FIGURES[name].pictures(poisoned(text) if text else results())[0], titled=False)
+    figure = on_new_figure(figures()[name].pictures(poisoned(text) if text else results())[0], titled=False)
     found = texts_of(figure)
     wide, high = (72.0 * size for size in figure.get_size_inches())
     for label, box in found:

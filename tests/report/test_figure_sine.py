@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.figure import Figure
 
-from inertialcal.report.figures import FIGURES
+from inertialcal.report.figures import figures
 from inertialcal.report.figures.sine.sine import draw
 
 TIME = 120.0 * np.arange(12)
@@ -47,6 +47,6 @@ def test_panels_show_what_is_given() -> None:
 
 
 def test_finding_is_the_amplitude_or_its_limit() -> None:
-    found = [FIGURES["sine"].pictures({"curves": curves_of(), "results": rows})[0].finding
+    found = [figures()["sine"].pictures({"curves": curves_of(), "results": rows})[0].finding
              for rows in ([row()], [row("upper_limit")], [])]  # fmt: skip
     assert found == ["x: amplitude 0.200 ± 0.020 1/s", "x: no line found, amplitude below 0.05 1/s", "x: no amplitude"]

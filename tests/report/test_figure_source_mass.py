@@ -12,7 +12,7 @@ from matplotlib.collections import PolyCollection
 import inertialcal as ic
 from inertialcal.core.errors import InertialcalError
 from inertialcal.procedures.mass_attraction.planning.planner import MassPlan
-from inertialcal.report.figures import FIGURES, on_new_figure, to_svg
+from inertialcal.report.figures import figures, on_new_figure, to_svg
 from inertialcal.report.figures.drawing.data import curves, numbers
 
 NAMES = ("mass_body", "mass_field", "mass_growth", "cube_as_point", "mass_forecast", "proof_mass")
@@ -33,17 +33,17 @@ def plan() -> MassPlan:
 
 def test_each_has_a_finding_and_can_be_drawn_for_a_page_and_a_file(plan: MassPlan) -> None:
     for name in NAMES:
-        (picture,) = FIGURES[name].pictures(plan.results)
+        (picture,) = figures()[name].pictures(plan.results)
         assert any(letter.isdigit() for letter in picture.finding), name
         figure = on_new_figure(picture, titled=True)
         figure.canvas.draw()
         assert "<svg" in to_svg(picture, "p")
-        assert FIGURES[name].pictures({"curves": [], "results": []}) == []
+        assert figures()[name].pictures({"curves": [], "results": []}) == []
 
 
 def test_findings_say_what_the_rows_say(plan: MassPlan) -> None:
     rows = {row.quantity: row.value for row in reversed(plan.rows)}
-    said = {name: FIGURES[name].pictures(plan.results)[0].finding for name in NAMES}
+    said = {name: figures()[name].pictures(plan.results)[0].finding for name in NAMES}
     assert f"{rows['mass']:.0f} kg" in said["mass_body"]
     assert f"amplitude of {rows['amplitude']:.3g} ng" in said["mass_field"]
     assert "from 10 to 40 cm" in said["mass_field"]

@@ -9,7 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
-from inertialcal.report.figures import FIGURES, on_new_figure
+from inertialcal.report.figures import figures, on_new_figure
 
 T = [10.0, 20.0, 30.0]
 TESTS = ("vacuum", "air")
@@ -96,7 +96,7 @@ RESULTS: dict[str, Any] = {"curves": CURVES, "results": ROWS, "sequence": SEQUEN
 
 
 def axes_of(name: str) -> list[Axes]:
-    figure = on_new_figure(FIGURES[name].pictures(RESULTS)[0], titled=False)
+    figure = on_new_figure(figures()[name].pictures(RESULTS)[0], titled=False)
     figure.draw_without_rendering()
     return figure.axes
 
@@ -125,7 +125,7 @@ def heights(ax: Axes) -> list[tuple[float, float]]:
     ],
 )
 def test_titles_say_the_finding(name: str, finding: str) -> None:
-    assert FIGURES[name].pictures(RESULTS)[0].finding == finding
+    assert figures()[name].pictures(RESULTS)[0].finding == finding
 
 
 def test_cells_are_drawn_filled_where_it_warmed_and_hollow_where_it_cooled() -> None:
@@ -147,7 +147,7 @@ def test_paths_stand_half_their_difference_apart_from_the_middle() -> None:
 
 
 def test_cells_without_a_law_of_their_own_are_no_picture() -> None:
-    assert FIGURES["thermal"].pictures({"curves": [cells("vacuum"), law("air")]}) == []
+    assert figures()["thermal"].pictures({"curves": [cells("vacuum"), law("air")]}) == []
 
 
 def test_the_order_chosen_is_filled_and_errors_over_decades_are_drawn_over_decades() -> None:
@@ -162,7 +162,7 @@ def test_the_order_chosen_is_filled_and_errors_over_decades_are_drawn_over_decad
 
 def test_an_order_that_the_plan_gives_is_said_to_be_given() -> None:
     given = {"curves": [order() | {"of": "given"}]}
-    assert FIGURES["thermal_order"].pictures(given)[0].finding == "order 1 for x, as the plan says"
+    assert figures()["thermal_order"].pictures(given)[0].finding == "order 1 for x, as the plan says"
 
 
 def test_start_up_has_a_panel_an_axis_and_shows_what_is_left_out() -> None:
@@ -174,7 +174,7 @@ def test_start_up_has_a_panel_an_axis_and_shows_what_is_left_out() -> None:
 
 def test_start_up_without_a_transient_says_so() -> None:
     quiet = {"curves": [start_up()], "results": []}
-    assert FIGURES["start_up"].pictures(quiet)[0].finding == "no start-up transient stands out of the noise"
+    assert figures()["start_up"].pictures(quiet)[0].finding == "no start-up transient stands out of the noise"
 
 
 def test_reference_voltages_are_drawn_less_their_mean() -> None:
@@ -193,9 +193,9 @@ def test_both_conditions_are_drawn_with_their_bands() -> None:
 
 def test_a_test_beside_none_or_beside_another_sensor_has_no_picture_of_conditions() -> None:
     alone = {"curves": CURVES, "sequence": [{"test": "vacuum", "against": None}]}
-    assert FIGURES["conditions"].pictures(alone) == []
+    assert figures()["conditions"].pictures(alone) == []
     other = {"curves": [law(), law("air") | {"axis": "z"}], "sequence": SEQUENCE}
-    assert FIGURES["conditions"].pictures(other) == []
+    assert figures()["conditions"].pictures(other) == []
 
 
 def test_the_overlay_shows_what_each_step_leaves_and_in_air_there_is_one_step() -> None:
@@ -203,5 +203,5 @@ def test_the_overlay_shows_what_each_step_leaves_and_in_air_there_is_one_step() 
     assert points(first, "raw") == (T, [30.0, 20.0, -10.0])
     assert points(first, "for temperature and pressure")[1][:2] == [0.5, -0.4]
     assert second.get_legend() is not None
-    air = FIGURES["overlay"].pictures({"curves": [overlay(vacuum=False)]})[0]
+    air = figures()["overlay"].pictures({"curves": [overlay(vacuum=False)]})[0]
     assert air.finding == "compensation takes the largest bias from 30 to 5 deg/h"

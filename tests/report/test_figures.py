@@ -30,7 +30,7 @@ from test_figure_thermal import ROWS as THERMAL_ROWS
 from test_figure_thermal import SEQUENCE as THERMAL_SEQUENCE
 
 from inertialcal.core.errors import DataError
-from inertialcal.report.figures import FIGURES, on_new_figure, prefix, to_svg
+from inertialcal.report.figures import figures, on_new_figure, prefix, to_svg
 from inertialcal.report.figures.campaign import budget, matrix
 from inertialcal.report.figures.drawing import data
 from inertialcal.report.figures.drawing.scales import signed_log
@@ -171,7 +171,7 @@ def results() -> dict[str, Any]:
 
 
 def drawn(name: str, content: dict[str, Any], titled: bool = False) -> Figure:
-    figure = on_new_figure(FIGURES[name].pictures(content)[0], titled)
+    figure = on_new_figure(figures()[name].pictures(content)[0], titled)
     figure.draw_without_rendering()
     return figure
 
@@ -295,8 +295,8 @@ def test_the_trace_goes_through_least_and_largest_and_stops_at_gaps() -> None:
 
 def test_dwells_need_the_trace_of_their_own_recording() -> None:
     line, found = trace()
-    assert FIGURES["dwells"].pictures({"curves": [line | {"recording": "other"}, found]}) == []
-    assert FIGURES["dwells"].pictures({"curves": [found]}) == []
+    assert figures()["dwells"].pictures({"curves": [line | {"recording": "other"}, found]}) == []
+    assert figures()["dwells"].pictures({"curves": [found]}) == []
 
 
 def test_the_envelope_joins_neighbours_at_one_end() -> None:
@@ -366,7 +366,7 @@ def test_side_by_side_draws_both_errors_their_difference_and_the_flips() -> None
 
 
 def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
-    found = {name: kind.pictures(results())[0].finding for name, kind in FIGURES.items()}
+    found = {name: kind.pictures(results())[0].finding for name, kind in figures().items()}
     assert found["compensated"] == "rms error on dwells held out: x 0.39 → 0.012 deg/s"
     assert found["input_output"] == "x: 4 dwells within 0.03 deg/s of the line, 2 left out"
     assert found["rate_error"] == "x: R1 FAIL at 1, INCONCLUSIVE at 1, PASS at 2 of 4 rates"
@@ -380,7 +380,7 @@ def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
 
 
 def test_a_title_stands_on_a_file_and_not_on_a_page() -> None:
-    picture = FIGURES["rate_error"].pictures(results())[0]
+    picture = figures()["rate_error"].pictures(results())[0]
     assert on_new_figure(picture, titled=True).get_suptitle().startswith("x: R1 FAIL")
     assert on_new_figure(picture, titled=False).get_suptitle() == ""
 
@@ -396,16 +396,16 @@ def emptied(content: dict[str, Any], value: Callable[[list[Any]], list[Any]]) ->
     return content | {"curves": curves}
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", figures())
 def test_absent_data_is_no_figure(name: str) -> None:
     nothing: dict[str, Any] = {"curves": [], "verdicts": [], "results": [], "budgets": [], "closed_loop": {"axes": []}}
-    assert FIGURES[name].svg({}) is None
-    assert FIGURES[name].svg(nothing) is None
+    assert figures()[name].svg({}) is None
+    assert figures()[name].svg(nothing) is None
     rowless = emptied(results(), lambda values: []) | {"results": [], "budgets": []}
-    assert FIGURES[name].svg(rowless) is None
+    assert figures()[name].svg(rowless) is None
     blank = emptied(results(), lambda values: [None] * len(values)) | {"results": [], "budgets": []}
-    assert FIGURES[name].svg(blank) is None
-    assert FIGURES[name].svg(results(), test="nobody") is None
+    assert figures()[name].svg(blank) is None
+    assert figures()[name].svg(results(), test="nobody") is None
 
 
 def test_an_empty_matrix_is_refused_in_words() -> None:
@@ -425,7 +425,7 @@ def test_one_point_and_many_of_any_size_are_drawn(name: str, count: int, size: f
         grown = (values * (count // len(values) + 1))[:count]
         return [v * size * (1 + i) if isinstance(v, float) else v for i, v in enumerate(grown)]
 
-    found = FIGURES[name].svg(emptied(results(), resized) | {"verdicts": []})
+    found = figures()[name].svg(emptied(results(), resized) | {"verdicts": []})
     assert found is not None
     assert len(found) < 150_000
 
@@ -438,7 +438,7 @@ def test_any_rates_and_errors_can_be_drawn(values: list[float | None]) -> None:
         rate=column([float(i) - 3.0 for i in range(n)], "deg/s"), error=column(values, "%"), lo=column([None] * n),
         hi=column([None] * n), u=column([None] * n), dof=column([None] * n),
     )  # fmt: skip
-    found = FIGURES["rate_error"].svg({"curves": [content], "verdicts": []})
+    found = figures()["rate_error"].svg({"curves": [content], "verdicts": []})
     assert (found is None) == all(value is None for value in values)
 
 
@@ -459,7 +459,7 @@ def test_thousands_of_dwells_stay_a_small_file_and_the_legend_counts_them() -> N
         run=column([""] * n), group=column([""] * n), used=column([True] * n), reason=column([""] * n),
         place=column([""] * n),
     )  # fmt: skip
-    svg = FIGURES["input_output"].svg({"curves": [content]})
+    svg = figures()["input_output"].svg({"curves": [content]})
     assert svg is not None
     assert len(svg) < 600_000
     assert "dwells used (20000), 1200 drawn" in svg
@@ -499,7 +499,7 @@ def poisoned(text: str) -> dict[str, Any]:
 @pytest.mark.parametrize("text", HOSTILE)
 def test_hostile_texts_stay_texts(text: str) -> None:
     content = poisoned(text)
-    for name, kind in FIGURES.items():
+    for name, kind in figures().items():
         svg = kind.svg(content)
         assert svg is not None, name
         root = ET.fromstring(svg)
@@ -514,14 +514,14 @@ def test_hostile_texts_stay_texts(text: str) -> None:
 
 
 def test_a_dollar_does_not_reach_mathtext() -> None:
-    svg = FIGURES["budget"].svg(poisoned("$x_1$"))
+    svg = figures()["budget"].svg(poisoned("$x_1$"))
     assert svg is not None
     assert "$x_1$ (B)" in svg
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", figures())
 def test_an_svg_is_the_same_every_time_and_loads_nothing(name: str) -> None:
-    one, other = FIGURES[name].svg(results()), FIGURES[name].svg(results())
+    one, other = figures()[name].svg(results()), figures()[name].svg(results())
     assert one == other
     assert one is not None
     assert one.startswith("<svg ")
@@ -533,14 +533,14 @@ def test_an_svg_is_the_same_every_time_and_loads_nothing(name: str) -> None:
     assert 'role="img"' in one
     assert 'viewBox="0 0 360 ' in one
     root = ET.fromstring(one)
-    picture = FIGURES[name].pictures(results())[0]
+    picture = figures()[name].pictures(results())[0]
     assert root.attrib["aria-label"] == picture.label
     assert root[0].text == picture.label
 
 
 def test_no_two_figures_share_an_id_and_every_reference_finds_its_own() -> None:
     seen: set[str] = set()
-    for name, kind in FIGURES.items():
+    for name, kind in figures().items():
         for number, picture in enumerate(kind.pictures(results() | {"curves": [*results()["curves"], errors(), *[]]})):
             svg = to_svg(picture, prefix(picture, number))
             ids = re.findall(r'\bid="([^"]+)"', svg)
@@ -553,9 +553,9 @@ def test_no_two_figures_share_an_id_and_every_reference_finds_its_own() -> None:
     assert seen
 
 
-@pytest.mark.parametrize("name", FIGURES)
+@pytest.mark.parametrize("name", figures())
 def test_every_colour_of_a_page_is_a_variable(name: str) -> None:
-    svg = FIGURES[name].svg(results())
+    svg = figures()[name].svg(results())
     assert svg is not None
     outside = re.sub(r"var\(--fig-\w+, #[0-9a-f]{6}\)", "", svg)
     assert not re.findall(r"#[0-9a-f]{6}\b", outside)

@@ -7,7 +7,8 @@ from typing import Any
 
 import pytest
 
-from inertialcal.report import findings, wording
+from inertialcal.core.show import wording
+from inertialcal.report import findings
 from inertialcal.report.highlights import highlights
 from inertialcal.report.numbers import Number, Text, both, digits, rounded, uncertainty, wrap
 from inertialcal.report.sections import anchor, missing, table
@@ -47,7 +48,7 @@ def results(**more: Any) -> Any:
 def test_a_test_says_its_largest_scale_factor_error_and_verdicts() -> None:
     rows = wrap([row("scale_factor_error", "x", 0.2), row("scale_factor_error", "y", -0.7, 0.03)], "/results")
     judged = wrap([verdict("PASS"), verdict("INCONCLUSIVE")], "/verdicts")
-    found = findings.of_test(rows, judged)
+    found = findings.of_test("rate_table", rows, judged)
     assert plain(found) == "Largest scale factor error -0.700 ± 0.030 %, on y; R1 INCONCLUSIVE"
     assert pointers(found) == ["/results/1/value", "/results/1/u"]
 
@@ -59,16 +60,22 @@ def test_a_moved_mass_says_its_scale_factor_runs_and_null_runs() -> None:
         row("response_amplitude", "x", 0.24, condition="run 2 alone"),
         row("null_response", "x", 0.001, 0.002, condition="run n alone", unit="ug"),
     ]  # fmt: skip
-    assert plain(findings.of_test(wrap(rows, ""), [])) == (
+    assert plain(findings.of_test("mass_attraction", wrap(rows, ""), [])) == (
         "Scale factor 10.31 ± 0.35 count/s/ug from two runs with the mass moved; 0.9 ± 3.5 % off that at high g;"
         " with the mass at rest at most 0.0010 ± 0.0020 ug"
     )
     lost = [row("scale_factor", "x", None), *rows[2:4]]
-    assert plain(findings.of_test(wrap(lost, ""), [])) == "The response of two runs is not told from noise"
+    assert (
+        plain(findings.of_test("mass_attraction", wrap(lost, ""), []))
+        == "The response of two runs is not told from noise"
+    )
 
 
 def test_a_test_that_carries_nothing_says_so() -> None:
-    assert plain(findings.of_test(wrap([row("bias", "x", None)], ""), [])) == "No scale factor error could be estimated"
+    assert (
+        plain(findings.of_test("", wrap([row("bias", "x", None)], ""), []))
+        == "No scale factor error could be estimated"
+    )
 
 
 @pytest.mark.parametrize(

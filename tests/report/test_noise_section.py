@@ -67,13 +67,16 @@ def test_terms_in_doubt_are_not_known() -> None:
     doubtful = found(curve(), rows=[row("angle_random_walk", 1.0, reason=DOUBT)])
     assert told(findings.of_noise(doubtful)).startswith(f"Angle random walk of x: {DOUBT}")
     rows = wrap([row("angle_random_walk", 1.0, reason=DOUBT), row("bias_instability", 2.0, reason=DOUBT)], "")
-    assert told(findings.of_test(rows, [])).endswith(f", on x; {DOUBT}")
+    assert told(findings.of_test("static_noise", rows, [])).endswith(f", on x; {DOUBT}")
 
 
 def test_a_test_of_noise_without_a_random_walk_says_what_it_found() -> None:
     rows = [row("angle_random_walk", 0.1, "upper_limit", u=None), row("bias_instability", 30.06)]
-    assert told(findings.of_test(wrap(rows, ""), [])) == "Largest bias instability 30.060 ± 0.010 deg/h, on x"
-    assert told(findings.of_test(wrap(rows[:1], ""), [])) == "No noise term could be estimated"
+    assert (
+        told(findings.of_test("static_noise", wrap(rows, ""), []))
+        == "Largest bias instability 30.060 ± 0.010 deg/h, on x"
+    )
+    assert told(findings.of_test("static_noise", wrap(rows[:1], ""), [])) == "No noise term could be estimated"
 
 
 def test_the_section_tells_why_and_how_long_and_the_table_of_the_test_does_not_again() -> None:

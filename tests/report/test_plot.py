@@ -15,7 +15,7 @@ import inertialcal as ic
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.report.figures import FIGURES
+from inertialcal.report.figures import figures
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from
 
@@ -159,7 +159,7 @@ def test_what_cannot_be_drawn_is_refused() -> None:
     for nothing in (None, 3, "results.json", {}, {"other": 1}):
         with pytest.raises(UsageError, match="cannot be drawn"):
             ic.plot(nothing)
-    with pytest.raises(UsageError, match=f"There are: {', '.join(FIGURES)}"):
+    with pytest.raises(UsageError, match=f"There are: {', '.join(figures())}"):
         ic.plot({"curves": []}, figure="pie")
     with pytest.raises(DataError, match="no data that a figure shows"):
         ic.plot({"curves": [], "results": []})

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from ..core.errors import UsageError
 from ..core.registry import Registry
 from .protocol import Procedure
 
@@ -35,3 +36,17 @@ def procedure_of(name: str) -> Procedure[Any, Any, Any]:
         ``unknown_name`` if there is none; ``broken_plugin`` if the package that adds it cannot be loaded.
     """
     return PROCEDURES.named(name)
+
+
+def procedure_of_result(result: object) -> Procedure[Any, Any, Any] | None:
+    """Return the procedure whose package the type of a result stands in; None for anything else."""
+    where = type(result).__module__
+    for name in PROCEDURES:
+        try:
+            procedure = PROCEDURES[name]
+        except UsageError:  # a package that cannot be loaded has given no result
+            continue
+        package = type(procedure).__module__.rpartition(".")[0]
+        if package and where.startswith(f"{package}."):
+            return procedure
+    return None

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
@@ -128,6 +130,32 @@ def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
         columns |= {name: _in_hours(column) for name, column in columns.items() if column.unit == "s"}
     short = [name for name in columns if name in TEN_DIGITS or curve.name == "trace"]
     return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
+
+
+def curve_contents(curves: Iterable[Curve], unit: str | None, test: str = "") -> list[dict[str, Any]]:
+    """Return curves as ``results.json`` holds them, with what has the kind of a unit in it, and ratios in percent.
+
+    Parameters
+    ----------
+    curves : iterable of Curve
+        SI.
+    unit : str or None
+        Of the files; None leaves SI.
+    test : str
+        Name of the test.
+    """
+    return [_content_in_unit(curve.to_dict(test), unit) for curve in curves]
+
+
+def _content_in_unit(curve: dict[str, Any], unit: str | None) -> dict[str, Any]:
+    for column in curve["columns"].values():
+        own = column["unit"]
+        shown = "%" if own == "1" else unit if unit and own and kind(own) == kind(unit) else own
+        if shown != own:
+            scale = factor(own, shown)
+            column["values"] = [None if value is None else value * scale for value in column["values"]]
+            column["unit"] = shown
+    return curve
 
 
 def _in_hours(column: Column) -> Column:

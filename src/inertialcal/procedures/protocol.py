@@ -12,6 +12,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 from ..core.axes import AXES, Kind
+from ..core.figure import FigureSpec
+from ..core.show.sentence import Sentence, error_sentence
 
 if TYPE_CHECKING:
     from ..core.curve import Curve
@@ -311,6 +313,7 @@ class Procedure(Generic[P, R, S]):
     influences: Mapping[str, str] = {}
     uses: frozenset[str] = frozenset({"fit", "report_only"})
     counts_dwells: bool = True
+    figures: Sequence[FigureSpec] = ()
 
     # ---- from what was said to readings -----------------------------------------------------------------------
 
@@ -403,6 +406,10 @@ class Procedure(Generic[P, R, S]):
         """Return the curves of ``results.json``, SI."""
         made: Callable[[], Sequence[Curve]] | None = getattr(result, "curves", None)
         return () if made is None else made()
+
+    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+        """Return what a test found as one sentence, of its rows in ``results.json``: its error, or its bias."""
+        return error_sentence(rows)
 
     def truths(self, result: S) -> Sequence[Row] | None:
         """Return rows that are held against the truth of a rig; None where the estimate says all."""

@@ -6,18 +6,18 @@ picks rows by a stated rule and says what they hold.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
 from markupsafe import Markup, escape
 
-from ..core.key import reason_of
-from .numbers import Number, Text, both, clean, digits, time
-from .wording import count, counted, listed, severities, words
+from ..core.show.sentence import Cited, Quoted, error_sentence
+from ..core.show.wording import VERDICTS, count, counted, listed, severities, words
+from ..procedures import procedure_of
+from .numbers import Branch, Number, Text, both, clean, digits, time, unwrapped
 
 LOOP = "closed loop"  # row of the verification matrix that is no requirement
-ORDER = ("FAIL", "INCONCLUSIVE", "OPEN", "PASS")  # the worst first
 
 
 @dataclass(frozen=True)
@@ -57,124 +57,28 @@ def of_row(row: Any) -> Figure:
     return Figure(row["value"], row["u"], _unit(row["unit"]))
 
 
-def estimated(rows: Iterable[Any], quantity: str, condition: str | None = "") -> list[Any]:
-    """Return the rows of a quantity that the data could carry, under a condition; None takes any."""
-    return [
-        row
-        for row in rows
-        if row["quantity"] == quantity
-        and row["status"] == "estimated"
-        and row["value"] is not None
-        and condition in (None, row["condition"])
-    ]
+def of_test(procedure: str, rows: Sequence[Branch], verdicts: Sequence[Any]) -> Finding:
+    """Say what a test found, in the words of its procedure, and what the requirements made of it.
+
+    Parameters
+    ----------
+    procedure : str
+        Its name; empty for what no single test gave, as the rows of a model.
+    rows, verdicts : sequence of Branch
+        Of the test.
+    """
+    say = procedure_of(procedure).finding if procedure else error_sentence
+    at = {id(unwrapped(row)): row for row in rows}
+    said = say([unwrapped(row) for row in rows])
+    return (*(_with_pointer(part, at) for part in said), *_made_of(verdicts))
 
 
-def largest(rows: Sequence[Any]) -> Any | None:
-    """Return the row with the largest absolute value; the first of equals."""
-    return max(rows, key=lambda row: abs(row["value"].raw), default=None)
-
-
-WALKS = ("angle_random_walk", "velocity_random_walk")
-NOISE = (*WALKS, "bias_instability", "gauss_markov_sigma", "rate_random_walk", "acceleration_random_walk")
-BIASES = ("bias", "model_bias_error", "residual_bias")
-OFFSETS = ("vacuum_offset", "bias_shift")
-
-
-def of_test(rows: Sequence[Any], verdicts: Sequence[Any]) -> Finding:
-    """Say the scale factor error, the largest of several axes, or the bias; and what the requirements made of it."""
-    if any(row["quantity"] == "path_difference" for row in rows):
-        return (*of_thermal(rows), *_made_of(verdicts))
-    if any(row["quantity"] in WALKS for row in rows):
-        return (*_noise(rows), *_made_of(verdicts))
-    if any(row["quantity"] == "response_amplitude" for row in rows):
-        return (*of_mass(rows), *_made_of(verdicts))
-    biases = [row for quantity in BIASES for row in estimated(rows, quantity)]
-    if biases and not any(row["quantity"] == "scale_factor_error" for row in rows):
-        row = largest(biases)
-        return (*_bias(row, rows), *_made_of(verdicts))
-    found = largest(estimated(rows, "scale_factor_error")) or largest(
-        [row for row in rows if row["quantity"] == "scale_factor_error" and row["value"] is not None]
-    )
-    if found is None:
-        parts: Finding = ("No scale factor error could be estimated",)
-    elif len({row["axis"] for row in rows if row["quantity"] == "scale_factor_error"}) > 1:
-        parts = ("Largest scale factor error ", of_row(found), ", on ", found["axis"])
-    else:
-        parts = ("Scale factor error of ", found["axis"], " ", of_row(found))
-    return (*parts, *_made_of(verdicts))
-
-
-def of_mass(rows: Sequence[Any]) -> Finding:
-    """Say the scale factor from a moved mass, of how many runs, what it is off, and whether null runs are zero."""
-    runs = {row["condition"]: row for row in rows if row["quantity"] == "response_amplitude"}
-    found = largest(estimated(rows, "scale_factor"))
-    if found is None:
-        return (f"The response of {counted(len(runs), 'run')} is not told from noise",)
-    said: Finding = ("Scale factor ", of_row(found), " from ", counted(len(runs), "run"), " with the mass moved")
-    off = largest(estimated(rows, "high_g_difference"))
-    if off is not None:
-        said = (*said, "; ", of_row(off), " off that at high g")
-    null = largest([row for row in rows if row["quantity"] == "null_response" and row["value"] is not None])
-    return said if null is None else (*said, "; with the mass at rest at most ", of_row(null))
-
-
-def of_thermal(rows: Sequence[Any]) -> Finding:
-    """Say over which temperatures the bias is known, what power-ups scatter by, and which axes show hysteresis."""
-    low, high = (
-        max((row for row in rows if row["quantity"] == name and row["value"] is not None), key=key, default=None)
-        for name, key in (("temperature_lowest", _value), ("temperature_highest", lambda row: -_value(row)))
-    )
-    if low is None or high is None:
-        return ("No bias over temperature could be told",)
-    said: Finding = ("Bias over ", Figure(low["value"]), " to ", Figure(high["value"], None, _unit(high["unit"])))
-    offset = largest([row for name in OFFSETS for row in estimated(rows, name, None)])
-    if offset is not None:
-        said = (*said, "; ", offset["quantity"].replace("_", " "), " up to ", of_row(offset), ", on ", offset["axis"])
-    scatter = largest(estimated(rows, "scatter_run", None))
-    if scatter is not None:
-        said = (*said, "; power-ups scatter by up to ", of_row(scatter), ", on ", scatter["axis"])
-    seen = [row["axis"] for row in rows if row["quantity"] == "hysteresis" and reason_of(row["reason"]).code == "yes"]
-    words: Finding = ("hysteresis seen on ", *_with_commas(seen)) if seen else ("no hysteresis is shown",)
-    return (*said, "; ", *words)
-
-
-def _value(row: Any) -> float:
-    return float(row["value"].raw)
-
-
-def _with_commas(names: Sequence[Any]) -> Finding:
-    return tuple(part for i, name in enumerate(names) for part in ((", ", name) if i else (name,)))
-
-
-def _noise(rows: Sequence[Any]) -> Finding:
-    """Say the largest of the first two terms that were found, white noise and bias instability before others."""
-    shown = [row for quantity in NOISE if (row := largest(estimated(rows, quantity))) is not None][:2]
-    if not shown:
-        return ("No noise term could be estimated",)
-    said: Finding = ()
-    for row in shown:
-        said = (
-            *said,
-            "; largest " if said else "Largest ",
-            words(row["quantity"]),
-            " ",
-            of_row(row),
-            ", on ",
-            row["axis"],
-        )
-    doubt = next((row["reason"] for row in shown if row["reason"]), "")
-    if doubt:
-        return (*said, "; ", doubt)
-    return said if estimated(rows, "bias_instability") else (*said, "; no bias instability found")
-
-
-def _bias(row: Any, rows: Sequence[Any]) -> Finding:
-    """Say the largest bias, and the error of the control axis, of a flip."""
-    said: Finding = ("Largest ", row["quantity"].replace("_", " "), " ", of_row(row), ", on ", row["axis"])
-    control = largest(estimated(rows, "control_error"))
-    if control is None:
-        return said
-    return (*said, "; control axis ", control["axis"], " reads ", of_row(control), " of the turn, where zero is right")
+def _with_pointer(part: str | Cited, at: Mapping[int, Branch]) -> str | Figure:
+    """Return a part of a sentence as the page has it: a number knows its row, a name of the user's stands apart."""
+    if isinstance(part, str):
+        return Text(part) if isinstance(part, Quoted) else part
+    row = at[id(part.row)]
+    return Figure(row["value"], row["u"] if part.u else None, _unit(row["unit"]) if part.unit else "")
 
 
 def _made_of(verdicts: Sequence[Any]) -> Finding:
@@ -189,7 +93,7 @@ def _made_of(verdicts: Sequence[Any]) -> Finding:
 def worst(verdicts: Iterable[Any]) -> str:
     """Return the gravest verdict of some."""
     found = {str(one["verdict"]) for one in verdicts}
-    return next((word for word in ORDER if word in found), "")
+    return next((word for word in VERDICTS if word in found), "")
 
 
 def of_noise(reaches: Sequence[Any]) -> Finding:
@@ -256,7 +160,7 @@ def of_verdict(verdict: str | None, verification: Sequence[Any], loop: Any) -> F
     """Say in one sentence why the verdict is what it is."""
     if not verdict:
         return ("No requirement is stated and no closed loop was run, so this report judges nothing.",)
-    named = {word: [row["requirement"] for row in verification if row["verdict"] == word] for word in ORDER}
+    named = {word: [row["requirement"] for row in verification if row["verdict"] == word] for word in VERDICTS}
     if verdict in ("FAIL", "INCONCLUSIVE"):
         reasons = (_failed(named["FAIL"]), _undecided(named["INCONCLUSIVE"]), _open(named["OPEN"]))
         return _joined([one for one in reasons if one])
@@ -311,7 +215,7 @@ def of_requirements(verification: Sequence[Any]) -> Finding:
     stated = [row for row in verification if row["requirement"] != LOOP]
     if not stated:
         return ("No requirement is stated",)
-    tally = [f"{count(n)} {word}" for word in ORDER if (n := sum(row["verdict"] == word for row in stated))]
+    tally = [f"{count(n)} {word}" for word in VERDICTS if (n := sum(row["verdict"] == word for row in stated))]
     return (f"{counted(len(stated), 'requirement').capitalize()}: {listed(tally)}",)
 
 

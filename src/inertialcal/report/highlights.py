@@ -8,8 +8,9 @@ from dataclasses import dataclass
 from typing import Any
 
 from ..core.key import case_of
+from ..core.show.sentence import estimated, largest
 from ..core.units import factor
-from .findings import Figure, Finding, estimated, largest, of_row, worst_axis
+from .findings import Figure, Finding, of_row, worst_axis
 from .numbers import clean
 
 MODEL = re.compile("model(_.+)?")  # rows of the models that are delivered

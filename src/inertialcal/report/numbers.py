@@ -74,6 +74,9 @@ class Number:
         """All its digits, for an attribute."""
         return repr(self.raw)
 
+    def __float__(self) -> float:
+        return float(self.raw)
+
     def __html__(self) -> Markup:
         return self.tag(plain(self))
 
@@ -103,6 +106,11 @@ class Branch:
 
     def __len__(self) -> int:
         return len(self._content)
+
+
+def unwrapped(branch: Branch) -> Mapping[str, Any]:
+    """Return an object as the file has it, its numbers without pointers."""
+    return branch._content
 
 
 def wrap(content: Any, at: str) -> Any:

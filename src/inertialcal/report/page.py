@@ -18,9 +18,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..core.show import output_table
+from ..core.show import output_table, wording
 from ..core.show.side_by_side import verdict_of
-from . import drawings, findings, numbers, sections, wording
+from . import drawings, findings, numbers, sections
 from .coefficients import delivered
 from .drawings import Drawing
 from .figures import variables
@@ -29,42 +29,6 @@ from .highlights import highlights
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
 MOST_FIGURES = 21  # drawn on a page: each takes time
-BESIDE = {"allan": "spectrum"}  # at the top, of the same axis: side by side they are one picture of a noise
-AT_TOP = (  # the first of these that there is
-    "compensated",
-    "rate_error",
-    "input_output",
-    "flip",
-    "thermal",
-    "mass_runs",
-    "transitions",
-    "positions_residuals",
-    "allan",
-)
-OF_ALL_AXES = (  # after those of single axes
-    "overlay",
-    "conditions",
-    "thermal_order",
-    "start_up",
-    "reference_voltage",
-    "positions_residuals",
-    "positions_sphere",
-    "transitions",
-)
-OF_TESTS = (
-    "input_output",
-    "rate_error",
-    "dwells",
-    "flip",
-    "side_by_side",
-    "thermal",
-    "mass_runs",
-    "mass_series",
-    "mass_line",
-    "allan",
-    "spectrum",
-    *OF_ALL_AXES,
-)
 USES = ("fit", "hold_out", "report_only")  # figures of the first are wanted most, after those of tests that are judged
 NO_ROOM = 20_000  # bytes left, with which no further figure is drawn
 FILTERS: dict[str, Callable[..., Any]] = {
@@ -136,7 +100,7 @@ def _content(
         "find": findings,
         "wording": wording,
         "grouped": sections.grouped,
-        "tally": drawings.tally,
+        "tally": wording.tally,
     }
 
 
@@ -147,34 +111,31 @@ def _named(groups: Iterable[tuple[tuple[str, ...], list[Any]]], kind: str) -> li
 def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     """Return the figures by where they stand, and all in the order in which they are wanted."""
     found = drawings.of_campaign(results)
-    top = next((one for name in AT_TOP for one in found if _is(one, name)), None)
-    matrix = next((one for one in found if _is(one, "matrix") and one.picture.test == sections.MODEL), None)
+    leading = [one for one in found if one.spec.top is not None]
+    top = min(leading, key=lambda one: one.spec.top or 0, default=None)
+    partner = None if top is None else _partner(top, found)
+    matrix = next((one for one in found if one.spec.place == "model" and one.picture.test == sections.MODEL), None)
     of_tests: dict[str, list[Drawing]] = {}
-    beside = None if top is None else _beside(top, found)
     for one in found:
-        if one.picture.name in OF_TESTS and one not in (top, beside):
+        if one.spec.place == "test" and one not in (top, partner):
             of_tests.setdefault(one.picture.test, []).append(one)
     for drawn in of_tests.values():
-        drawn.sort(key=lambda one: (_is(one, "dwells"), one.picture.name in OF_ALL_AXES, one.picture.axis))
-    budgets = {one.picture.test: one for one in found if _is(one, "budget")}
+        drawn.sort(key=lambda one: (one.spec.rank, one.picture.axis))
+    budgets = {one.picture.test: one for one in found if one.spec.place == "budgets"}
     budgets = {sections.MODEL: budgets[sections.MODEL]} if sections.MODEL in budgets else budgets
     judged = {one["test"] for one in results["verdicts"]}
     steps = sorted(results["sequence"], key=lambda step: (step["test"] not in judged, USES.index(step["use"])))
-    overlays = [one for one in found if _is(one, "overlay") and one is not top]
-    others = [one for step in steps for one in of_tests.get(step["test"], []) if one not in overlays]
-    wanted = [top, beside, *overlays, matrix, *budgets.values(), *others]
+    first = [one for one in found if one.spec.first and one is not top]
+    others = [one for step in steps for one in of_tests.get(step["test"], []) if one not in first]
+    wanted = [top, partner, *first, matrix, *budgets.values(), *others]
     drawn = [one for one in wanted if one is not None][:MOST_FIGURES]
-    return {"top": top, "beside": beside, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
+    return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
 
 
-def _beside(top: Drawing, found: Iterable[Drawing]) -> Drawing | None:
+def _partner(top: Drawing, found: Iterable[Drawing]) -> Drawing | None:
     """Return the figure that stands with the one at the top, if it is one of two."""
-    name, own = BESIDE.get(top.picture.name), (top.picture.test, top.picture.axis)
-    return next((one for one in found if _is(one, name or "") and (one.picture.test, one.picture.axis) == own), None)
-
-
-def _is(drawing: Drawing, name: str) -> bool:
-    return drawing.picture.name == name
+    wanted = (top.spec.partner, top.picture.test, top.picture.axis)
+    return next((one for one in found if (one.spec.name, one.picture.test, one.picture.axis) == wanted), None)
 
 
 def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:

@@ -1,21 +1,23 @@
 """Draw a result: ``inertialcal.plot``.
 
-What a result is, is told by what it has: the content of ``results.json`` (a dict, or the ``results`` of a run), the
-lines of a rate table, or one of the types of ``core`` and ``sensors``.
+A result is the content of ``results.json`` (a dict, the ``results`` of a run, the ``content()`` of what a call on files
+gives), the Result of a procedure, or one of the types of ``core`` and ``sensors``.
 """
 
 from __future__ import annotations
 
 import sys
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol, runtime_checkable
 
 import numpy as np
 
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Estimate
 from ..core.recording import Recording
-from ..core.units import factor, kind
+from ..core.units import factor
+from ..procedures import procedure_of_result
+from ..procedures.display import curve_contents
 from ..sensors.model.sensor_model import SensorModel, lines
 
 if TYPE_CHECKING:
@@ -24,7 +26,16 @@ if TYPE_CHECKING:
 
     from .figures.drawing.picture import Picture
 
-WITH_CONTENT = ("sensors", "line", "responses")  # of files: noise or spectra, a sine, a moved mass
+
+@runtime_checkable
+class WithContent(Protocol):
+    """What a call on files returns."""
+
+    def content(self) -> Mapping[str, Any]:
+        """Return it as ``results.json`` would hold it."""
+        ...
+
+
 OWN_FIGURE = {Recording: "recording", SensorModel: "matrix", Estimate: "estimate"}
 
 
@@ -84,13 +95,14 @@ def pictures(result: Any, figure: str | None = None, test: str | None = None, ax
         if test is not None or (axis is not None and own != "recording"):
             raise UsageError(f"a {type(result).__name__} has no test and no axis to choose", do="Leave them out")
         return [_own_picture(result, axis)]
-    from .figures import FIGURES  # noqa: PLC0415 - matplotlib is heavy
+    from .figures import figures  # noqa: PLC0415 - matplotlib is heavy
 
-    if figure is not None and figure not in FIGURES:
-        raise UsageError(f"no figure {figure!r}", do=f"There are: {', '.join(FIGURES)}", code="unknown_name")
+    every = figures()
+    if figure is not None and figure not in every:
+        raise UsageError(f"no figure {figure!r}", do=f"There are: {', '.join(every)}", code="unknown_name")
     content = _content(result)
-    there = {name: found for name, kind in FIGURES.items() if (found := kind.pictures(content))}
-    for name in (figure,) if figure else FIGURES:
+    there = {name: found for name, kind in every.items() if (found := kind.pictures(content))}
+    for name in (figure,) if figure else every:
         chosen = [one for one in there.get(name, []) if _is_of(one, test, axis)]
         if chosen:
             return chosen
@@ -113,46 +125,21 @@ def _nothing(there: Mapping[str, list[Picture]], figure: str | None, test: str |
     return DataError(what, do=do, code="nothing_to_draw")
 
 
-def _content(result: Any) -> Mapping[str, Any]:
+def _content(result: object) -> Mapping[str, Any]:
     """Return a result as ``results.json`` would hold it."""
     content = result if isinstance(result, Mapping) else getattr(result, "results", None)
     if isinstance(content, Mapping) and ("curves" in content or "results" in content):
         return content
-    if callable(getattr(result, "content", None)):  # of files
-        return result.content()  # type: ignore[no-any-return]
-    if hasattr(getattr(result, "result", None), "lines"):  # of a rate-table file, with the unit of the file
-        return _of_rate_table(result.result, result.unit)
-    for own, test in (("flips", "flip"), ("sensors", "thermal")):  # of files of a flip, of a thermal test
-        if hasattr(getattr(result, "result", None), own):
-            return {
-                "curves": [_in_unit(one.to_dict() | {"test": test}, result.unit) for one in result.result.curves()],
-                "results": [row.to_dict() for row in result.rows],
-            }
-    if hasattr(result, "lines") and hasattr(result, "readings"):
-        return _of_rate_table(result, None)
+    if isinstance(result, WithContent):
+        return result.content()
+    procedure = procedure_of_result(result)
+    if procedure is not None:
+        return {"curves": curve_contents(procedure.curves(result), None)}
     raise UsageError(
         f"a {type(result).__name__} cannot be drawn",
         do="Give what run, rate_table, read or load_model returned, an Estimate, or the content of results.json",
         code="wrong_value",
     )
-
-
-def _of_rate_table(result: Any, unit: str | None) -> dict[str, Any]:
-    from ..procedures.rate_table.curves import curves  # noqa: PLC0415 - what else is drawn does not need it
-
-    return {"curves": [_in_unit(curve.to_dict(), unit) for curve in curves(result)]}
-
-
-def _in_unit(curve: dict[str, Any], unit: str | None) -> dict[str, Any]:
-    """Return a curve with rates in the unit of the file and ratios in percent."""
-    for column in curve["columns"].values():
-        own = column["unit"]
-        shown = "%" if own == "1" else unit if unit and own and kind(own) == kind(unit) else own
-        if shown != own:
-            scale = factor(own, shown)
-            column["values"] = [None if value is None else value * scale for value in column["values"]]
-            column["unit"] = shown
-    return curve
 
 
 def _own_picture(result: Recording | SensorModel | Estimate, axis: str | None) -> Picture:

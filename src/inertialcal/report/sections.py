@@ -11,9 +11,9 @@ from ..core.key import case_of
 from ..core.remarks import is_placed
 from ..core.show.alternatives import columns_of, lines_of, missing_of
 from ..core.show.side_by_side import own_rows, pairs_of
+from ..core.show.wording import SEVERITIES
 from .findings import Finding, of_test
 from .numbers import Text
-from .wording import SEVERITIES
 
 MODEL = "model"
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
@@ -173,9 +173,11 @@ def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[An
         runs = {way: part for way in every if (part := case_of(way).member) is not None and part.kind == "run"}
         alone = [(way, Text(part.label)) for way, part in runs.items()]
         ways = [way for way in every if way not in runs]
+        step = steps.get(test)
+        finding = of_test("" if step is None else str(step["procedure"]), mine, judged)
         found.append(
             Section(
-                test, anchor("test", test, number), steps.get(test), of_test(mine, judged), lines, ways, alone,
+                test, anchor("test", test, number), step, finding, lines, ways, alone,
                 missing(mine), placed(remarks, test), pairs_of(mine),
             )
         )  # fmt: skip

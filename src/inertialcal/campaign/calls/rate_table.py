@@ -18,7 +18,7 @@ from ...core.show.tables import Part, html, text
 from ...core.units import parse_quantity, si_unit
 from ...files import read
 from ...files.text.table import read_table
-from ...procedures.display import displayed
+from ...procedures.display import curve_contents, displayed
 from ...procedures.rate_table import reduction as procedure
 from ..schema_sensors import Chain, Sensor
 from .reduced_table import table_columns, table_readings, turned_axis
@@ -54,6 +54,10 @@ class RateTableFile:
     def remarks(self) -> tuple[Remark, ...]:
         """What the reduction brought up."""
         return self.result.remarks
+
+    def content(self) -> dict[str, Any]:
+        """Return the curves as ``results.json`` would hold them, in the unit of the file."""
+        return {"curves": curve_contents(self.result.curves(), self.unit)}
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..protocol import Command, Correction, InputSpec, Procedure, Source, Tested
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...core.results import Row
+    from ...core.show.sentence import Sentence
     from .readings import Readings
     from .reduction import Result
 
@@ -24,6 +26,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         Command("flip", "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."),
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
@@ -56,6 +59,12 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         from .side_by_side import side_by_side
 
         return side_by_side(result, other.result, other.id)
+
+    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+        """Return what a test found, as one sentence."""
+        from .finding import finding
+
+        return finding(rows)
 
 
 PROCEDURE = Flip()

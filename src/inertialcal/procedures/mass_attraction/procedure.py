@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Role, Source
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.show.sentence import Sentence
     from .readings import Readings
     from .reduction import Result
 
@@ -29,6 +31,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         "mass-attraction", "Source mass, drive, budget, and uncertainty of the scale factor against hours."
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     inputs = InputSpec(
         ("accelerometer",),
         (Role("tilt", "angle", "rad", by_axis=False), Role("temperature", "temperature", "degC", by_axis=False)),
@@ -65,6 +68,12 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+        """Return what a test found, as one sentence."""
+        from .finding import finding
+
+        return finding(rows)
 
 
 PROCEDURE = MassAttraction()

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -29,6 +30,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         "positions", "Positions of accelerometers to take, one after another, and the uncertainty to expect of them."
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     inputs = InputSpec(("accelerometer", "gyro"), several_sensors=True)
 

@@ -7,6 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from ..protocol import Command, Correction, InputSpec, Procedure, Role, Source
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -26,6 +27,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         ),
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     inputs = InputSpec(("gyro",), (Role("applied", "angular_rate", "rad/s", by_axis=False),), table="rows")
 

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
 from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...core.results import Row
+    from ...core.show.sentence import Sentence
     from .reduction import Readings, Result
 
 
@@ -27,6 +29,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         ),
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     uses = frozenset({"fit", "report_only"})
     counts_dwells = False
     inputs = InputSpec(("accelerometer", "gyro"), missing=True)
@@ -74,6 +77,12 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
     def truths(self, result: Result) -> Sequence[Row]:
         """Return the rows: there is no joint estimate."""
         return result.rows()
+
+    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+        """Return what a test found, as one sentence."""
+        from .finding import finding
+
+        return finding(rows)
 
 
 PROCEDURE = Sine()

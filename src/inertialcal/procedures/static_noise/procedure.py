@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
 from ..protocol import Command, Correction, Exclusion, Facts, InputSpec, Procedure, Source, Tested
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...core.remarks import Remark
     from ...core.results import Interval, Row
+    from ...core.show.sentence import Sentence
     from .readings import Readings
     from .reduction import Result
 
@@ -35,6 +37,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         ),
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     inputs = InputSpec(("gyro", "accelerometer"), missing=True, ground_model="bias_kept", windows="records")
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
@@ -96,6 +99,12 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     def interval_at(self, result: Result, row: Row, p: float) -> Interval | None:
         """Return the interval of a noise term."""
         return result.interval_at(row, p)
+
+    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+        """Return what a test found, as one sentence."""
+        from .finding import finding
+
+        return finding(rows)
 
 
 PROCEDURE = StaticNoise()

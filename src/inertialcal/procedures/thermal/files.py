@@ -20,7 +20,7 @@ from ...core.show.tables import Part, html, text
 from ...core.units import convert, kind, parse_quantity
 from ...files import read
 from ...files.time.plausible import time_remarks
-from ..display import displayed
+from ..display import curve_contents, displayed
 from . import reduction as procedure
 from .recordings import TEMPERATURE, Warmed, readings_from
 
@@ -56,6 +56,11 @@ class ThermalFile:
     unit: str
     remarks: tuple[Remark, ...] = ()
     sensor: Sensor = field(default="gyro")
+
+    def content(self) -> dict[str, Any]:
+        """Return rows and curves as ``results.json`` would hold them, in the unit of the files."""
+        curves = curve_contents(self.result.curves(), self.unit, "thermal")
+        return {"curves": curves, "results": [row.to_dict() for row in self.rows]}
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""

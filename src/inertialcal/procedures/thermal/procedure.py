@@ -6,10 +6,12 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ..protocol import Command, Correction, Exclusion, Facts, InputSpec, Procedure, Role, Source, Tested
+from .figures import FIGURES
 from .plan import INFLUENCES, Plan, Thermometer
 
 if TYPE_CHECKING:
     from ...core.results import Row
+    from ...core.show.sentence import Sentence
     from .readings import Readings
     from .reduction import Result
 
@@ -29,6 +31,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         ),
     )
     plan_type, influences = Plan, INFLUENCES
+    figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     counts_dwells = False
     inputs = InputSpec(
@@ -96,6 +99,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     def truths(self, result: Result) -> Sequence[Row]:
         """Return all rows: those against another test say more than the estimate."""
         return result.rows()
+
+    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+        """Return what a test found, as one sentence."""
+        from .finding import finding
+
+        return finding(rows)
 
 
 PROCEDURE = Thermal()

@@ -21,7 +21,7 @@ from ....core.units import factor, kind, normalise, parse_quantity
 from ....files import read
 from ....files.pad.frames import sensor_frame
 from ....files.text.table import read_table
-from ...display import displayed
+from ...display import curve_contents, displayed
 from .. import reduction as procedure
 from ..dwells.recordings import Turned, readings_from
 from ..inputs import means_of
@@ -62,6 +62,11 @@ class FlipFile:
     unit: str
     remarks: tuple[Remark, ...]
     sources: Mapping[str, FlipSource] = field(default_factory=dict[str, FlipSource])
+
+    def content(self) -> dict[str, Any]:
+        """Return rows and curves as ``results.json`` would hold them, in the unit of the files."""
+        curves = curve_contents(self.result.curves(), self.unit, "flip")
+        return {"curves": curves, "results": [row.to_dict() for row in self.rows]}
 
     def to_frame(self) -> Any:
         """Return a pandas DataFrame, a row a figure."""

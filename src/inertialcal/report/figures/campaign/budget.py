@@ -42,18 +42,20 @@ class Source:
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    rows = [row for row in results.get("budgets", []) if row.get("share") is not None]
-    return [of_rows([row for row in rows if row["test"] == test], test) for test in distinct(r["test"] for r in rows)]
+    every = results.get("budgets", [])
+    tests = distinct(row["test"] for row in every if row.get("share") is not None)
+    return [of_rows([row for row in every if row["test"] == test], test) for test in tests]
 
 
-def of_rows(rows: Rows, test: str) -> Picture:
-    """Return the picture of the budgets of one test."""
+def of_rows(every: Rows, test: str) -> Picture:
+    """Return the picture of the budgets of one test; what has no share is not drawn."""
+    rows = [row for row in every if row.get("share") is not None]
 
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes[0], rows, title)
 
     height = LEAST + ROW * len(_quantities(rows))
-    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint)
+    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint, data=every)
 
 
 def finding(rows: Rows) -> str:

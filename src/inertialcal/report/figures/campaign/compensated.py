@@ -16,6 +16,8 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 
 NAME = "compensated"
 SHOWS = "Error of each dwell held out over the applied input, raw and compensated, a panel an axis"
+OTHERS_TURNED = " At no input lie the dwells in which another axis was turned."
+STILL = 0.01  # of the largest input: next to none
 MOST = 800  # dwells drawn a panel; of more, the least and largest of each bin
 SERIES: dict[str, dict[str, Any]] = {
     "raw_error": {
@@ -37,7 +39,17 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
 
     loop = results.get("closed_loop", {}).get("axes", [])
     test = str(found[0].get("test", ""))
-    return [Picture(NAME, test, "", finding(found, loop), SHOWS, (1.35,) * len(found), paint)]
+    note = (OTHERS_TURNED,) if others_turned(found) else ()
+    return [Picture(NAME, test, "", finding(found, loop), SHOWS, (1.35,) * len(found), paint, note=note)]
+
+
+def others_turned(found: Sequence[Curve]) -> bool:
+    """Return whether most dwells of an axis have next to no input: others were turned."""
+    for one in found:
+        sizes = np.abs(finite(numbers(one, "applied")))
+        if len(sizes) and np.sum(sizes < STILL * np.max(sizes)) > len(sizes) / 2:
+            return True
+    return False
 
 
 def finding(found: Sequence[Curve], loop: Sequence[Mapping[str, Any]]) -> str:

@@ -57,7 +57,7 @@ def of_rows(rows: Rows, test: str = MODEL) -> Picture:
         draw(axes[0], rows, title)
 
     height = CELL * len(axes_of(cells))
-    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint)
+    return Picture(NAME, test, "", finding(rows), SHOWS, (height,), paint, data=rows)
 
 
 def entries(rows: Rows) -> dict[tuple[str, str], Mapping[str, Any]]:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .layout import place
 from .style import WIDTH, look, set_heading, set_ticks
@@ -36,8 +36,11 @@ class Picture:
         Takes as many axes as there are panels, and a title (empty: none).
     share_x : bool
         Whether the panels have one x axis.
-    recorded : bool
-        Of a flip: whether it shows the record, not the dwells.
+    data : sequence of mapping
+        Curves or rows of the results that it is drawn from; by default the curves that its figure names, of its test
+        and axis.
+    note : tuple of str
+        What the caption of its figure says of these data; names of the user's are ``Quoted``.
     """
 
     name: str
@@ -48,7 +51,8 @@ class Picture:
     heights: tuple[float, ...]
     draw: Callable[[Sequence[Axes], str], None]
     share_x: bool = True
-    recorded: bool = False
+    data: Sequence[Mapping[str, Any]] = ()
+    note: tuple[str, ...] = ()
 
     @property
     def label(self) -> str:

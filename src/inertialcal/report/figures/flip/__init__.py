@@ -1,1 +1,1 @@
-"""Figures of flip."""
+"""Figures of the flip."""

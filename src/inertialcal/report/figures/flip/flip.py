@@ -20,6 +20,8 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 
 NAME = "flip"
 SHOWS = "Reading of each axis, a panel an axis; filled at position 0, hollow where turned; the line is what was found"
+DWELLS = "What each axis read at its positions, in the order of the dwells, and what was found (line)."
+RECORD = "Block means of the quiet record; shaded are the windows, their ends are A, B and so on."
 MOST = 800  # blocks drawn a panel
 SAME = 1e-3  # angles that are one position [rad]
 HEIGHT = 1.35  # of a panel [in]
@@ -37,7 +39,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
         mine = [curve for curve in dwells if curve.get("test") == test]
         found.append(_of_dwells(test, mine))
         records = [one for one in curves(results, "quiet") if one.get("test") == test]
-        found += _of_records(test, mine, records)
+        found += _of_records(test, records)
     return found
 
 
@@ -47,24 +49,26 @@ def _of_dwells(test: str, mine: Sequence[Curve]) -> Picture:
 
     count = len(numbers(mine[0], "reading"))
     axes = ", ".join(plain(one.get("axis", "")) for one in mine)
-    return Picture(NAME, test, "", f"{count} dwells of {axes}", SHOWS, (HEIGHT,) * len(mine), paint)
+    finding = f"{count} dwells of {axes}"
+    return Picture(NAME, test, "", finding, SHOWS, (HEIGHT,) * len(mine), paint, data=mine, note=(DWELLS,))
 
 
-def _of_records(test: str, mine: Sequence[Curve], records: Sequence[Curve]) -> Iterator[Picture]:
+def _of_records(test: str, records: Sequence[Curve]) -> Iterator[Picture]:
     for name in dict.fromkeys(str(one.get("recording", "")) for one in records):
         own = [one for one in records if one.get("recording") == name and len(finite(numbers(one, "mean")))]
         if own:
-            yield _of_record(test, name, mine, own)
+            yield _of_record(test, name, records, own)
 
 
-def _of_record(test: str, name: str, mine: Sequence[Curve], own: Sequence[Curve]) -> Picture:
+def _of_record(test: str, name: str, records: Sequence[Curve], own: Sequence[Curve]) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw_record(axes, own, title)
 
     blocks = len(numbers(own[0], "mean"))
     shows = "Block means over time, a panel an axis; shaded are the windows, their ends are A, B, C and so on"
     finding = f"{plain(name)}: {blocks} quiet blocks, {len(spans(own[0]))} windows"
-    return Picture(NAME, test, "", finding, shows, (HEIGHT,) * len(own), paint, recorded=True)
+    heights = (HEIGHT,) * len(own)
+    return Picture(NAME, test, "", finding, shows, heights, paint, data=records, note=(RECORD,))
 
 
 def draw_dwells(axes: Sequence[Axes], mine: Sequence[Curve], title: str = "") -> None:

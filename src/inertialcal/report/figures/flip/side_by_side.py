@@ -40,18 +40,20 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
     rows = results.get("results", [])
     found = []
     for test in distinct(str(row["test"]) for row in rows if row["quantity"] == CHANGE):
-        pairs = pairs_of(row for row in rows if row["test"] == test)
+        mine = [row for row in rows if row["test"] == test]
+        pairs = pairs_of(mine)
         if _results(pairs):
-            found.append(_picture(pairs, (test, str(against.get(test) or "the other"))))
+            errors = [row for row in mine if row["quantity"] in (ERROR, OTHER, CHANGE, REDUCTION)]
+            found.append(_picture(pairs, (test, str(against.get(test) or "the other")), errors))
     return found
 
 
-def _picture(pairs: Pairs, tests: tuple[str, str]) -> Picture:
+def _picture(pairs: Pairs, tests: tuple[str, str], errors: Sequence[Row]) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes, pairs, tests, title)
 
     heights = (HEIGHT,) * len(_results(pairs))
-    return Picture(NAME, tests[0], "", finding(pairs, tests), SHOWS, heights, paint)
+    return Picture(NAME, tests[0], "", finding(pairs, tests), SHOWS, heights, paint, data=errors)
 
 
 def finding(pairs: Pairs, tests: tuple[str, str]) -> str:

@@ -48,7 +48,8 @@ def _picture(spectrum: Curve, correlation: Curve) -> Picture:
         draw(axes, spectrum, correlation, title)
 
     test, axis = str(spectrum.get("test", "")), str(spectrum.get("axis", ""))
-    return Picture(NAME, test, axis, finding(spectrum), SHOWS, (1.8, 1.3), paint, share_x=False)
+    return Picture(NAME, test, axis, finding(spectrum), SHOWS, (1.8, 1.3), paint, share_x=False,
+                   data=(correlation, spectrum))  # fmt: skip
 
 
 def finding(spectrum: Curve) -> str:

@@ -34,7 +34,7 @@ def _picture(curve: Curve) -> Picture:
         draw(axes, curve, title)
 
     test, axis = str(curve.get("test", "")), str(curve.get("axis", ""))
-    return Picture(NAME, test, axis, finding(curve), SHOWS, (1.7, 1.7), paint)
+    return Picture(NAME, test, axis, finding(curve), SHOWS, (1.7, 1.7), paint, data=(curve,))
 
 
 def finding(curve: Curve) -> str:

@@ -1,1 +1,1 @@
-"""Figures of rate table."""
+"""Figures of the rate table."""

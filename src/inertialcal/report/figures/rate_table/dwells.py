@@ -20,13 +20,20 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "dwells"
+OTHERS = " The other recordings of this test are in results.json."
 SHOWS = "Trace of the channel over time; shaded are the dwells that were used, hatched those that were left out"
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a recording whose dwells were found."""
     traces = [curve for curve in curves(results, "trace") if len(finite(numbers(curve, "lo")))]
-    return [_picture(trace, curve) for curve in curves(results, NAME) for trace in [_trace(traces, curve)] if trace]
+    every = curves(results, NAME)
+    tests = [curve.get("test", "") for curve in every]
+    return [
+        _picture(trace, curve, tests.count(curve.get("test", "")) > 1)
+        for curve in every
+        if (trace := _trace(traces, curve)) is not None
+    ]
 
 
 def _trace(traces: Sequence[Curve], dwells: Curve) -> Curve | None:
@@ -35,12 +42,13 @@ def _trace(traces: Sequence[Curve], dwells: Curve) -> Curve | None:
     return next((one for one in mine if one.get("axis") == dwells.get("axis")), None)
 
 
-def _picture(trace: Curve, dwells: Curve) -> Picture:
+def _picture(trace: Curve, dwells: Curve, one_of_several: bool) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes[0], trace, dwells, title)
 
     test, axis = str(dwells.get("test", "")), str(dwells.get("axis", ""))
-    return Picture(NAME, test, axis, finding(dwells), SHOWS, (2.0,), paint)
+    note = (OTHERS,) if one_of_several else ()
+    return Picture(NAME, test, axis, finding(dwells), SHOWS, (2.0,), paint, data=(dwells, trace), note=note)
 
 
 def finding(dwells: Curve) -> str:

@@ -17,6 +17,8 @@ from matplotlib.axes import Axes
 
 from ....core.estimate import Array
 from ....core.show.rounding import number
+from ....core.show.sentence import Quoted
+from ....core.show.wording import tally
 from ..drawing.data import Curve, curves, distinct, finite, numbers, unit
 from ..drawing.picture import Picture
 from ..drawing.scales import signed_log
@@ -89,7 +91,17 @@ def _picture(curve: Curve, verdicts: Sequence[Mapping[str, Any]]) -> Picture:
         draw(axes, curve, verdicts, title)
 
     test, axis = str(curve.get("test", "")), str(curve.get("axis", ""))
-    return Picture(NAME, test, axis, finding(curve, panels), SHOWS, (2.4,) * len(panels), paint)
+    note = judged_by(test, axis, verdicts)
+    return Picture(NAME, test, axis, finding(curve, panels), SHOWS, (2.4,) * len(panels), paint, note=note)
+
+
+def judged_by(test: str, axis: str, verdicts: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
+    """Say what each requirement made of the errors."""
+    mine = [one for one in verdicts if (one["test"], one["axis"]) == (test, axis)]
+    said: list[str] = []
+    for requirement in distinct(one["requirement"] for one in mine):
+        said += ["; ", Quoted(requirement), " is ", tally([one for one in mine if one["requirement"] == requirement])]
+    return tuple(said)
 
 
 def points(curve: Curve, verdicts: Sequence[Mapping[str, Any]]) -> list[Points]:

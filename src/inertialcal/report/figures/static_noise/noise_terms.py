@@ -15,8 +15,8 @@ from matplotlib.axes import Axes
 from ....core.estimate import Array
 from ....core.key import case_of
 from ....core.show.rounding import with_uncertainty
+from ....core.show.wording import words
 from ....sensors.noise.terms import GaussMarkov, quantity_name
-from ...wording import words
 from ..drawing.data import Curve, numbers
 from ..drawing.style import COLOURS, plain
 

@@ -14,7 +14,7 @@ from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
 from ....core.key import case_of
-from ...wording import listed
+from ....core.show.wording import listed
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit
 from ..drawing.log_axes import log_axis
 from ..drawing.picture import Picture

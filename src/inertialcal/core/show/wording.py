@@ -5,7 +5,8 @@ A count of lines is no result, so it is written in words: digits on the page are
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any
 
 SMALL = (
     "no", "one", "two", "three", "four", "five", "six", "seven", "eight", "nine", "ten", "eleven", "twelve",
@@ -18,6 +19,7 @@ NAMES = {
     "gauss_markov_sigma": "Gauss-Markov size",
     "gauss_markov": "Gauss-Markov",
 }  # of people
+VERDICTS = ("FAIL", "INCONCLUSIVE", "OPEN", "PASS")  # the worst first
 SEVERITIES = ("error", "warning", "info")
 SEVERITY_NAMES = {"error": "error", "warning": "warning", "info": "note"}
 
@@ -60,6 +62,14 @@ def severities(severity_of: Sequence[str]) -> str:
         counted(list(severity_of).count(one), SEVERITY_NAMES[one]) for one in SEVERITIES if one in set(severity_of)
     ]
     return listed(parts) or "no remark"
+
+
+def tally(verdicts: Sequence[Mapping[str, Any]]) -> str:
+    """Return verdicts counted in words, the worst first: ``"INCONCLUSIVE at six rates and PASS at twenty"``."""
+    found = [str(one["verdict"]) for one in verdicts]
+    if len(found) == 1:
+        return found[0]
+    return listed([f"{word} at {count(found.count(word))}" for word in VERDICTS if word in found])
 
 
 def words(name: str) -> str:

@@ -1,0 +1,42 @@
+"""What a thermal test found, in one sentence."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from ...core.key import reason_of
+from ...core.show.sentence import Cited, Quoted, Row, Sentence, estimated, largest
+
+OFFSETS = ("vacuum_offset", "bias_shift")
+
+
+def finding(rows: Sequence[Row]) -> Sentence:
+    """Say over which temperatures the bias is known, what power-ups scatter by, and which axes show hysteresis."""
+    lowest, highest = (
+        [row for row in rows if row["quantity"] == name and row["value"] is not None]
+        for name in ("temperature_lowest", "temperature_highest")
+    )
+    if not lowest or not highest:
+        return ("No bias over temperature could be told",)
+    low, high = max(lowest, key=_value), min(highest, key=_value)  # where all axes are known
+    said: Sentence = ("Bias over ", Cited(low, u=False, unit=False), " to ", Cited(high, u=False))
+    offset = largest([row for name in OFFSETS for row in estimated(rows, name, None)])
+    if offset is not None:
+        name = offset["quantity"].replace("_", " ")
+        said = (*said, "; ", name, " up to ", Cited(offset), ", on ", Quoted(offset["axis"]))
+    scatter = largest(estimated(rows, "scatter_run", None))
+    if scatter is not None:
+        said = (*said, "; power-ups scatter by up to ", Cited(scatter), ", on ", Quoted(scatter["axis"]))
+    shown = [Quoted(row["axis"]) for row in rows if row["quantity"] == "hysteresis" and _is_shown(row)]
+    if not shown:
+        return (*said, "; no hysteresis is shown")
+    named = [part for axis in shown for part in (", ", axis)][1:]
+    return (*said, "; hysteresis seen on ", *named)
+
+
+def _value(row: Row) -> float:
+    return float(row["value"])
+
+
+def _is_shown(row: Row) -> bool:
+    return reason_of(row["reason"]).code == "yes"
