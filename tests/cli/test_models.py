@@ -16,7 +16,7 @@ from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.units import factor
 from inertialcal.files import read
-from inertialcal.files.models.formats import MODULES
+from inertialcal.files.models.formats import FORMATS
 from inertialcal.files.models.model_json import checksum, write_model
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from
@@ -275,7 +275,7 @@ def test_a_model_that_was_not_judged_is_handed_out_by_word_only(call: Call, tmp_
 def test_export_refuses_other_formats_and_its_own_input(call: Call) -> None:
     content = as_json(call, "export", "judged.json", "--to", "excel", "-o", "out.xlsx")
     assert content["exit"] == UsageError.exit_status
-    assert all(name in content["errors"][0]["do"] for name in MODULES)
+    assert all(name in content["errors"][0]["do"] for name in FORMATS)
     assert as_json(call, "export", "judged.json", "--to", "json", "-o", "judged.json")["exit"] == 3
     assert as_json(call, "export", "judged.json", "--to", "json", "-o", "no/out.json")["exit"] == 3
 

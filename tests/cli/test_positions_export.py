@@ -17,7 +17,7 @@ from inertialcal import load_model, read
 from inertialcal.campaign.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.estimate import Array
-from inertialcal.files.models.formats import MODULES
+from inertialcal.files.models.formats import FORMATS
 from inertialcal.rigs.hand_held.rig import Bench, build
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.sensor_model import SensorModel
@@ -25,7 +25,7 @@ from inertialcal.sensors.model.sensor_model import SensorModel
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 SENSORS = {"acc": "accelerometer", "gyro": "gyro"}
 CODE = ("c", "python")
-IMPORTED = tuple(name for name in MODULES if name not in ("json", *CODE))
+IMPORTED = tuple(name for name in FORMATS if name not in ("json", *CODE))
 NO_BIAS, NO_FORCE = ("kalibr-model",), ("imu-tk", "realsense")
 EXACT = 1e-9  # relative: through text, and a matrix parted in two
 ACC, GYRO = (tuple(f"{sensor}_{axis}" for axis in "xyz") for sensor in SENSORS)

@@ -1,8 +1,9 @@
-"""What a reader is: its name, the endings it is known by, how it tells its files, and the columns it gives.
+"""What a reader is: the endings it is known by, how it tells its files, and the columns it gives.
 
-A reader of one's own is a `Reader` that a distribution names under the entry point ``inertialcal.readers``, or a line
-in ``registry.READERS``. It gets a file whole and unpacked, and hands over its columns as they are; units, time, missing
-values and remarks are then found as for any other format. ``binary.arrays.number_column`` makes a column of numbers.
+A built-in reader is a module that holds a `Reader`, and a line in ``registry.BUILT_IN``; installed packages add theirs
+by the entry point ``inertialcal.readers``. A reader gets a file whole and unpacked, and hands over its columns as they
+are; units, time, missing values and remarks are then found as for any other format. ``binary.arrays.number_column``
+makes a column of numbers.
 """
 
 from __future__ import annotations
@@ -23,8 +24,6 @@ class Reader:
 
     Parameters
     ----------
-    name : str
-        ``"parquet"``.
     title : str
         As a list of formats names it: ``"Parquet"``.
     endings : tuple of str
@@ -35,7 +34,6 @@ class Reader:
         Columns of a loaded file; the second argument names the variables to take, where a file holds several sets.
     """
 
-    name: str
     title: str
     endings: tuple[str, ...]
     recognises: Callable[[bytes, str], bool]
@@ -61,8 +59,10 @@ class ArchiveReader:
 
     Parameters
     ----------
-    name, title : str
-        As those of `Reader`.
+    name : str
+        ``"pad"``.
+    title : str
+        As a list of formats names it.
     read : callable
         Recording of a path; None where it is no such record.
     """

@@ -1,8 +1,8 @@
-"""Readers: the one place that knows them all, and those of other distributions.
+"""Readers: name -> `Reader`, loaded when a file may be theirs.
 
-A file is told by its bytes. Readers of others (entry points ``inertialcal.readers``) are loaded only where no reader of
-ours knows the bytes, or where they are text under an ending that text does not usually have; so none can take a
-file from a reader that is built in.
+A file is told by its bytes. Readers of installed packages (entry point ``inertialcal.readers``) are asked only where no
+built-in one knows the bytes, or where they are text under an ending that text does not usually have; so none can take
+a file from a reader that is built in. One that is broken is left out, and named.
 """
 
 from __future__ import annotations
@@ -10,36 +10,45 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 
-from ..core.errors import DataError, Problem, UsageError
-from ..core.plugins import BrokenPlugin, Plugin, fault, load_plugins
+from ..core.errors import DataError, InertialcalError, Problem, UsageError
 from ..core.recording import Recording, Source
+from ..core.registry import Registry
 from ..core.remarks import Remark
 from .assemble import assemble
-from .binary import hdf5, matlab, numpy_file, parquet
 from .columns import Column, Content
 from .formats import refusal
 from .pad import reader as pad
 from .reader import ArchiveReader, Reader, Request
 from .reader_errors import as_data_errors
 from .source import Loaded, load
-from .text import delimited
 from .time.window import cut
 
-TEXT = delimited.READER  # what no other reader knows
-READERS: tuple[Reader, ...] = (
-    parquet.READER,
-    matlab.VERSION_5,
-    hdf5.READER,
-    numpy_file.NPY,
-    numpy_file.NPZ,
-    matlab.VERSION_4,
+TEXT = "text"  # what no other reader knows
+BUILT_IN = {  # name -> module and attribute, in the order in which they are asked
+    TEXT: "text.delimited:READER",
+    "parquet": "binary.parquet:READER",
+    "mat5": "binary.matlab:VERSION_5",
+    "hdf5": "binary.hdf5:READER",
+    "npy": "binary.numpy_file:NPY",
+    "npz": "binary.numpy_file:NPZ",
+    "mat4": "binary.matlab:VERSION_4",
+}
+READERS: Registry[Reader] = Registry(
+    "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}
 )
 ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER,)
-GROUP = "inertialcal.readers"
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
+
+
+class Found(NamedTuple):
+    """The reader of a file, and its name."""
+
+    name: str
+    reader: Reader
 
 
 def read_recording(path: str | Path, request: Request) -> Recording:
@@ -56,12 +65,12 @@ def read_recording(path: str | Path, request: Request) -> Recording:
             code="wrong_frame",
         )
     loaded = load(path)
-    reader = find_reader(loaded)
+    name, reader = find_reader(loaded)
     content = reader.read(loaded, request.variables)
     packed = ", gzip" if loaded.packed else ""
     recording = assemble(
         content,
-        Source(loaded.path, loaded.sha256, content.format + packed, reader.name),
+        Source(loaded.path, loaded.sha256, content.format + packed, name),
         units=request.units,
         sample_rate=request.sample_rate,
         time_column=request.time_column,
@@ -70,30 +79,32 @@ def read_recording(path: str | Path, request: Request) -> Recording:
     return cut(recording, request.window)
 
 
-def find_reader(loaded: Loaded) -> Reader:
-    """Return the reader of a loaded file: ours by its bytes, else one of others, else that of text.
+def find_reader(loaded: Loaded) -> Found:
+    """Return the reader of a loaded file: a built-in one by its bytes, else one of a package, else that of text.
 
     Raises
     ------
     DataError
-        If the file is of a known format that nobody reads; readers of others that are broken are named.
+        If the file is of a known format that nobody reads; broken readers of packages are named.
     """
     data, path = loaded.data, loaded.path
-    found = next((reader for reader in READERS if reader.recognises(data, path)), None)
-    if found is not None:
-        return found
+    for name in BUILT_IN:
+        if name != TEXT and READERS[name].recognises(data, path):
+            return Found(name, READERS[name])
+    text = READERS[TEXT]
     refused = refusal(data, path, readable())
-    if refused is None and _ending(path) in TEXT.endings and TEXT.recognises(data, path):
-        return TEXT
-    other, broken = _of_others(data, path)
-    if other is None and refused is not None:
-        raise DataError([*refused.problems, *(_problem(one, path) for one in broken)])
-    return _naming(other or TEXT, broken)
+    if refused is None and _ending(path) in text.endings and text.recognises(data, path):
+        return Found(TEXT, text)
+    found, broken = _of_packages(data, path)
+    if found is None and refused is not None:
+        raise DataError([*refused.problems, *broken])
+    name, reader = found or Found(TEXT, text)
+    return Found(name, _naming(reader, broken))
 
 
 def readable() -> str:
-    """Return the titles of all formats that are read here."""
-    titles = [reader.title for reader in (TEXT, *READERS)] + [archive.title for archive in ARCHIVES]
+    """Return the titles of all formats that are read without other packages."""
+    titles = [READERS[name].title for name in BUILT_IN] + [archive.title for archive in ARCHIVES]
     return ", ".join(dict.fromkeys(titles))
 
 
@@ -102,38 +113,39 @@ def _ending(path: str) -> str:
     return Path(path.lower().removesuffix(".gz")).suffix
 
 
-def _of_others(data: bytes, path: str) -> tuple[Reader | None, list[BrokenPlugin]]:
-    """Return the reader of another distribution that knows a file, if there is one, and those that are broken."""
-    plugins, faults = load_plugins(GROUP, Reader)
-    broken = list(faults)
-    own = {reader.name for reader in (TEXT, *READERS)} | {archive.name for archive in ARCHIVES}
-    for plugin in plugins:
-        if plugin.value.name in own:
-            broken.append(BrokenPlugin(plugin.name, plugin.origin, f"has the name of ours, {plugin.value.name!r}"))
+def _of_packages(data: bytes, path: str) -> tuple[Found | None, list[Problem]]:
+    """Return the first reader of a package that knows a file, if there is one, and what is wrong with others."""
+    broken: list[Problem] = []
+    for name in READERS:
+        if name in BUILT_IN:
             continue
         try:
-            if plugin.value.recognises(data, path):
-                return _guarded(plugin), broken
-        except Exception as error:  # whatever the code of somebody else raises
-            broken.append(BrokenPlugin(plugin.name, plugin.origin, f"cannot tell its files: {fault(error)}"))
+            with as_data_errors(path, f"a file of the {_called(name)}"):
+                if READERS[name].recognises(data, path):
+                    return Found(name, _guarded(name, READERS[name])), broken
+        except InertialcalError as error:
+            broken += [replace(one, where=path, code="broken_plugin") for one in error.problems]
     return None, broken
 
 
-def _guarded(plugin: Plugin[Reader]) -> Reader:
-    """Return a reader of others whose faults are errors that a user can act on."""
-    name = f"the reader {plugin.name!r} of {plugin.origin}"
+def _called(name: str) -> str:
+    package = READERS.packages().get(name)
+    return f"reader {name!r}" + (f" of {package}" if package else "")
+
+
+def _guarded(name: str, reader: Reader) -> Reader:
+    """Return a reader whose faults are errors that a user can act on."""
 
     def read(loaded: Loaded, variables: Sequence[str] | None) -> Content:
-        with as_data_errors(loaded.path, f"{plugin.value.title}, by {name}"):
-            content = plugin.value.read(loaded, variables)
+        with as_data_errors(loaded.path, f"{reader.title}, by the {_called(name)}"):
+            content = reader.read(loaded, variables)
         wrong = _fault(content)
         if wrong:
-            raise DataError(
-                f"{name} gives {wrong}", where=loaded.path, do="Tell those who made it", code="broken_plugin"
-            )
+            what, do = f"the {_called(name)} gives {wrong}", "Tell those who made it"
+            raise DataError(what, where=loaded.path, do=do, code="broken_plugin")
         return content
 
-    return replace(plugin.value, read=read)
+    return replace(reader, read=read)
 
 
 def _fault(content: object) -> str:
@@ -150,23 +162,17 @@ def _fault(content: object) -> str:
     return "two columns of one name" if len(set(names)) < len(names) else ""
 
 
-def _naming(reader: Reader, broken: Sequence[BrokenPlugin]) -> Reader:
-    """Return a reader that names the broken ones of others, which might have read the file."""
+def _naming(reader: Reader, broken: Sequence[Problem]) -> Reader:
+    """Return a reader that names the broken ones of packages, which might have read the file."""
     if not broken:
         return reader
 
     def read(loaded: Loaded, variables: Sequence[str] | None) -> Content:
-        problems = [_problem(one, loaded.path) for one in broken]
         try:
             content = reader.read(loaded, variables)
         except DataError as error:
-            raise DataError([*error.problems, *problems]) from None
-        remarks = (Remark(one.code, "warning", one.what, one.where, do=one.do) for one in problems)
+            raise DataError([*error.problems, *broken]) from None
+        remarks = (Remark(one.code, "warning", f"{one.what} ({one.why})", one.where, do=one.do) for one in broken)
         return replace(content, remarks=(*content.remarks, *remarks))
 
     return replace(reader, read=read)
-
-
-def _problem(one: BrokenPlugin, path: str) -> Problem:
-    what = f"the reader {one.name!r} of {one.origin} {one.why}: it is left out"
-    return Problem(what, path, do="Mend or uninstall it", code="broken_plugin")

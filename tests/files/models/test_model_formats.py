@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import ast
-import sys
 from pathlib import Path
-from types import ModuleType
 
 import numpy as np
 import pytest
@@ -14,7 +12,7 @@ from inertialcal.core.errors import UsageError
 from inertialcal.core.remarks import Remark
 from inertialcal.files.models import formats
 from inertialcal.files.models.export import export
-from inertialcal.files.models.formats import MODULES, model_format
+from inertialcal.files.models.formats import BUILT_IN, FORMATS
 from inertialcal.files.models.model_file import load_model_file
 from inertialcal.files.models.model_format import ImportedModels, ModelFormat, ModelText
 from inertialcal.files.models.model_json import write_model
@@ -46,11 +44,10 @@ def toy() -> ModelFormat:
     )
 
 
-def test_a_format_is_a_module_and_a_line(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
-    module = ModuleType("inertialcal.files.models.toy")
-    module.FORMAT = toy()  # type: ignore[attr-defined]
-    monkeypatch.setitem(sys.modules, module.__name__, module)
-    monkeypatch.setitem(MODULES, "toy", "toy")
+def test_a_format_is_read_and_written_once_it_stands_in_the_registry(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.setitem(FORMATS, "toy", toy())
     write_model(tmp_path / "model.json", gyro())
     done = export(load_model_file(tmp_path / "model.json"), "toy", tmp_path / "m.toy", unjudged=True)
     assert [one.code for one in done.remarks] == ["not_held"]
@@ -63,14 +60,14 @@ def test_a_format_is_a_module_and_a_line(monkeypatch: pytest.MonkeyPatch, tmp_pa
         export(again, "other", tmp_path / "out", unjudged=True)
 
 
-@pytest.mark.parametrize("name", MODULES)
+@pytest.mark.parametrize("name", FORMATS)
 def test_every_format_is_whole_and_documented(name: str) -> None:
-    assert isinstance(model_format(name), ModelFormat)
+    assert isinstance(FORMATS[name], ModelFormat)
     assert f"`{name}`" in (DOCS / "commands" / "export.md").read_text()
 
 
 def test_formats_import_nothing_of_each_other() -> None:
-    for module in MODULES.values():
+    for module in BUILT_IN.values():
         tree = ast.parse((FOLDER / f"{module}.py").read_text())
         named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1}
-        assert not named & set(MODULES.values()), module
+        assert not named & set(BUILT_IN.values()), module

@@ -19,7 +19,8 @@ from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
 from inertialcal.files.models.export import export
-from inertialcal.files.models.formats import model_format, read_models
+from inertialcal.files.models.formats import FORMATS as ALL
+from inertialcal.files.models.formats import read_models
 from inertialcal.files.models.model_file import load_model_file
 from inertialcal.files.models.model_format import ImportedModels, ModelText
 from inertialcal.files.models.model_json import write_model
@@ -30,7 +31,7 @@ from inertialcal.sensors.model.sensor_model import INPUT_UNIT, SensorModel, to_o
 
 EXACT = 1e-12  # relative
 
-FORMATS = {name: model_format(name) for name in ("imucal", "kalibr-model", "imu-tk", "realsense")}
+FORMATS = {name: ALL[name] for name in ("imucal", "kalibr-model", "imu-tk", "realsense")}
 
 
 def imported(text: str, where: str, kind: Kind | None = None) -> ImportedModels:

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ...files.models.formats import MODULES
+from ...files.models.formats import BUILT_IN
 from .. import figures
 from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from ..pairs import pairs
@@ -164,7 +164,7 @@ def export(
     output: Output,
     to: Annotated[
         str,
-        typer.Option("--to", help=f"Format: {', '.join(MODULES)}.", show_default=False),
+        typer.Option("--to", help=f"Format: {', '.join(BUILT_IN)}.", show_default=False),
     ],
     other: Annotated[
         Path | None, typer.Option("--with", help="Model of the other sensor, for formats that hold both.")

@@ -12,10 +12,12 @@ from __future__ import annotations
 
 import re
 import textwrap
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
@@ -24,7 +26,6 @@ from ...sensors.model.equation import Columns, curve, needed
 from ...sensors.model.nonlinearity import endless_slope, rising_branch
 from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, equation
 from ...sensors.model.uniqueness import check_unique
-from .model_format import Models
 
 LONGEST = 200  # characters of a text from the model
 WIDTH = 96  # of a comment
@@ -224,7 +225,7 @@ def matrix_at(model: SensorModel, entry: str, away: str) -> str:
     return text
 
 
-def code_cannot_hold(models: Models, language: str) -> tuple[Remark, ...]:
+def code_cannot_hold(models: Mapping[Kind, SensorModel], language: str) -> tuple[Remark, ...]:
     """Return what of these models code leaves out."""
     return tuple(
         Remark("not_held", "info", f"{model.kind}: code in {language} cannot hold: uncertainties")

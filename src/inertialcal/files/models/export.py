@@ -12,7 +12,7 @@ from ...core.errors import DataError, UsageError
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
 from ..write.atomic import atomic_write
-from .formats import MODULES, model_format
+from .formats import FORMATS
 from .model_file import ModelFile, sensor_named
 
 
@@ -38,7 +38,7 @@ def export(
     source : ModelFile
         What to hand out.
     to : str
-        Name of the format, one of ``formats.MODULES``.
+        Name of the format, one of ``formats.FORMATS``.
     target : path
         File to write.
     unjudged : bool
@@ -60,12 +60,12 @@ def export(
     StoreError
         ``not_written``.
     """
-    if to not in MODULES:
-        raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(MODULES)}", code="unsupported_format")
+    if to not in FORMATS:
+        raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(FORMATS)}", code="unsupported_format")
     sources = (source, *others)
     for one in sources:
         _check_judged(one, unjudged)
-    chosen = model_format(to)
+    chosen = FORMATS[to]
     if chosen.one_sensor and len(sources) > 1:
         raise UsageError(f"--to {to} holds one sensor a file", do="Export them one by one", code="one_sensor")
     models: dict[Kind, SensorModel] = {one.model.kind: one.model for one in sources}

@@ -1,4 +1,4 @@
-"""What a format of models is: its name, how it is told, read and written, and what of a model it loses."""
+"""What a format of models is: how it is read and written, and what of a model it loses. Free of numpy."""
 
 from __future__ import annotations
 
@@ -6,12 +6,15 @@ import json
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TYPE_CHECKING
 
 from ...core.axes import Kind
 from ...core.remarks import Remark
-from ...sensors.model.sensor_model import SensorModel
 
-Models = Mapping[Kind, SensorModel]
+if TYPE_CHECKING:
+    from ...sensors.model.sensor_model import SensorModel
+
+    Models = Mapping[Kind, SensorModel]
 
 
 @dataclass(frozen=True)

@@ -92,7 +92,8 @@ def _refuse_constant(name: str) -> NoReturn:
     raise ValueError(f"{name} is no number of a model")
 
 
-def _read(given: ModelText) -> ImportedModels:
+def read(given: ModelText) -> ImportedModels:
+    """Return the model of a text that is ours; Raises as `read_model`."""
     model = parse_model(given.text, given.where)
     return ImportedModels({model.kind: model})
 
@@ -103,5 +104,5 @@ FORMAT = ModelFormat(
     cannot_hold=lambda models: (),
     one_sensor=True,
     verbatim=True,
-    read=_read,
+    read=read,
 )
