@@ -14,7 +14,7 @@ from inertialcal.files.source import Loaded
 
 
 def recognise(data: bytes, name: str) -> str:
-    return find_reader(Loaded(name, data, ""))[0]
+    return find_reader(Loaded(name, data, "")).name
 
 
 def _zip(*names: str) -> bytes:

@@ -33,7 +33,7 @@ def read(loaded, variables):
     return Content(columns, "Toy, little endian")
 
 
-READER = Reader("Toy logger", (".toy",), recognises, read)
+READER = Reader("toy", "Toy logger", (".toy",), recognises, read)
 """
 Install = Callable[..., None]
 
@@ -132,6 +132,7 @@ def test_text_under_an_ending_of_its_own_may_be_that_of_a_reader(install: Instal
         ("import a_module_that_nobody_has", "cannot be loaded (ModuleNotFoundError"),
         ("def :", "cannot be loaded (SyntaxError"),
         ("READER = 3", "is a int, not a Reader"),
+        (TOY.replace('"toy", "Toy', '"text", "Toy'), "calls itself 'text'"),
         (TOY.replace("return data.startswith", "return missing.startswith"), "name 'missing' is not defined"),
     ],
 )

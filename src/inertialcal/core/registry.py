@@ -15,7 +15,6 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 from .errors import UsageError
-from .plugins import fault
 
 if TYPE_CHECKING:
     from importlib.metadata import EntryPoint
@@ -133,3 +132,8 @@ class Registry(MutableMapping[str, T]):
 
 def _package(point: EntryPoint) -> str:
     return f"{point.dist.name} {point.dist.version}" if point.dist is not None else "a package"
+
+
+def fault(error: Exception, longest: int = 160) -> str:
+    """Return an error of other people's code on one line: its class and what it says."""
+    return f"{type(error).__name__}: {' '.join(str(error).split())}"[:longest].rstrip(": ")

@@ -24,6 +24,8 @@ class Reader:
 
     Parameters
     ----------
+    name : str
+        That in the registry: ``"parquet"``.
     title : str
         As a list of formats names it: ``"Parquet"``.
     endings : tuple of str
@@ -34,6 +36,7 @@ class Reader:
         Columns of a loaded file; the second argument names the variables to take, where a file holds several sets.
     """
 
+    name: str
     title: str
     endings: tuple[str, ...]
     recognises: Callable[[bytes, str], bool]

@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 
@@ -44,13 +43,6 @@ ARCHIVES: tuple[ArchiveReader, ...] = (pad.READER,)
 KINDS = "iufMO"  # of the values of a column: numbers, instants, text
 
 
-class Found(NamedTuple):
-    """The reader of a file, and its name."""
-
-    name: str
-    reader: Reader
-
-
 def read_recording(path: str | Path, request: Request) -> Recording:
     """Return the recording in a file, or in a record of several files; Raises as ``files.read``."""
     for archive in ARCHIVES:
@@ -65,12 +57,12 @@ def read_recording(path: str | Path, request: Request) -> Recording:
             code="wrong_frame",
         )
     loaded = load(path)
-    name, reader = find_reader(loaded)
+    reader = find_reader(loaded)
     content = reader.read(loaded, request.variables)
     packed = ", gzip" if loaded.packed else ""
     recording = assemble(
         content,
-        Source(loaded.path, loaded.sha256, content.format + packed, name),
+        Source(loaded.path, loaded.sha256, content.format + packed, reader.name),
         units=request.units,
         sample_rate=request.sample_rate,
         time_column=request.time_column,
@@ -79,7 +71,7 @@ def read_recording(path: str | Path, request: Request) -> Recording:
     return cut(recording, request.window)
 
 
-def find_reader(loaded: Loaded) -> Found:
+def find_reader(loaded: Loaded) -> Reader:
     """Return the reader of a loaded file: a built-in one by its bytes, else one of a package, else that of text.
 
     Raises
@@ -90,16 +82,15 @@ def find_reader(loaded: Loaded) -> Found:
     data, path = loaded.data, loaded.path
     for name in BUILT_IN:
         if name != TEXT and READERS[name].recognises(data, path):
-            return Found(name, READERS[name])
+            return READERS[name]
     text = READERS[TEXT]
     refused = refusal(data, path, readable())
     if refused is None and _ending(path) in text.endings and text.recognises(data, path):
-        return Found(TEXT, text)
+        return text
     found, broken = _of_packages(data, path)
     if found is None and refused is not None:
         raise DataError([*refused.problems, *broken])
-    name, reader = found or Found(TEXT, text)
-    return Found(name, _naming(reader, broken))
+    return _naming(found or text, broken)
 
 
 def readable() -> str:
@@ -113,7 +104,7 @@ def _ending(path: str) -> str:
     return Path(path.lower().removesuffix(".gz")).suffix
 
 
-def _of_packages(data: bytes, path: str) -> tuple[Found | None, list[Problem]]:
+def _of_packages(data: bytes, path: str) -> tuple[Reader | None, list[Problem]]:
     """Return the first reader of a package that knows a file, if there is one, and what is wrong with others."""
     broken: list[Problem] = []
     for name in READERS:
@@ -122,7 +113,7 @@ def _of_packages(data: bytes, path: str) -> tuple[Found | None, list[Problem]]:
         try:
             with as_data_errors(path, f"a file of the {_called(name)}"):
                 if READERS[name].recognises(data, path):
-                    return Found(name, _guarded(name, READERS[name])), broken
+                    return _guarded(READERS[name]), broken
         except InertialcalError as error:
             broken += [replace(one, where=path, code="broken_plugin") for one in error.problems]
     return None, broken
@@ -133,15 +124,15 @@ def _called(name: str) -> str:
     return f"reader {name!r}" + (f" of {package}" if package else "")
 
 
-def _guarded(name: str, reader: Reader) -> Reader:
+def _guarded(reader: Reader) -> Reader:
     """Return a reader whose faults are errors that a user can act on."""
 
     def read(loaded: Loaded, variables: Sequence[str] | None) -> Content:
-        with as_data_errors(loaded.path, f"{reader.title}, by the {_called(name)}"):
+        with as_data_errors(loaded.path, f"{reader.title}, by the {_called(reader.name)}"):
             content = reader.read(loaded, variables)
         wrong = _fault(content)
         if wrong:
-            what, do = f"the {_called(name)} gives {wrong}", "Tell those who made it"
+            what, do = f"the {_called(reader.name)} gives {wrong}", "Tell those who made it"
             raise DataError(what, where=loaded.path, do=do, code="broken_plugin")
         return content
 

@@ -37,6 +37,7 @@ def toy() -> ModelFormat:
         return ImportedModels({"gyro": model}, (Remark("toy", "info", "all but the bias of x is taken as ideal"),))
 
     return ModelFormat(
+        name="toy",
         title="Toy",
         dump=lambda models: f"toy {models['gyro'].bias[0]!r}\n".replace("np.float64(", "").replace(")", ""),
         cannot_hold=lambda models: (Remark("not_held", "warning", "Toy cannot hold: nearly all"),),

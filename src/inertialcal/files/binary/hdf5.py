@@ -103,4 +103,4 @@ def _recognises(data: bytes, path: str) -> bool:
     return any(data[at : at + len(MAGIC)] == MAGIC for at in MAGIC_AT)
 
 
-READER = Reader("HDF5", (".h5", ".hdf5", ".mat"), _recognises, read_hdf5)
+READER = Reader("hdf5", "HDF5", (".h5", ".hdf5", ".mat"), _recognises, read_hdf5)

@@ -85,5 +85,5 @@ def _is_version_5(data: bytes, path: str) -> bool:
     return data.startswith(MAGIC)
 
 
-VERSION_4 = Reader("MATLAB", (".mat",), _is_version_4, read_matlab4)
-VERSION_5 = Reader("MATLAB", (".mat",), _is_version_5, read_matlab5)
+VERSION_4 = Reader("mat4", "MATLAB", (".mat",), _is_version_4, read_matlab4)
+VERSION_5 = Reader("mat5", "MATLAB", (".mat",), _is_version_5, read_matlab5)

@@ -77,5 +77,5 @@ def _is_npz(data: bytes, path: str) -> bool:
     return any(name.endswith(".npy") for name in members(data))
 
 
-NPY = Reader("NumPy", (".npy",), _is_npy, read_npy)
-NPZ = Reader("NumPy", (".npz",), _is_npz, read_npz)
+NPY = Reader("npy", "NumPy", (".npy",), _is_npy, read_npy)
+NPZ = Reader("npz", "NumPy", (".npz",), _is_npz, read_npz)

@@ -129,4 +129,4 @@ def _recognises(data: bytes, path: str) -> bool:
     return data.startswith(MAGIC)
 
 
-READER = Reader("Parquet", (".parquet",), _recognises, read_parquet)
+READER = Reader("parquet", "Parquet", (".parquet",), _recognises, read_parquet)

@@ -201,5 +201,5 @@ def _validity(model: SensorModel) -> list[str]:
 
 
 FORMAT = ModelFormat(
-    title="c", dump=of_one(c_text), cannot_hold=lambda models: code_cannot_hold(models, "c"), one_sensor=True
+    name="c", title="c", dump=of_one(c_text), cannot_hold=lambda models: code_cannot_hold(models, "c"), one_sensor=True
 )

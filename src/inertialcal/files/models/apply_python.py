@@ -147,6 +147,7 @@ def _validity(model: SensorModel) -> list[str]:
 
 
 FORMAT = ModelFormat(
+    name="python",
     title="python",
     dump=of_one(python_text),
     cannot_hold=lambda models: code_cannot_hold(models, "python"),

@@ -111,4 +111,4 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     return (*gone, Remark("not_held", "info", f"{NAME} cannot hold: which sensor it is, units"))
 
 
-FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)
+FORMAT = ModelFormat(name="imu-tk", title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

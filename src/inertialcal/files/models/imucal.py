@@ -145,4 +145,4 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     return (*gone, *filled(models, NAME))
 
 
-FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)
+FORMAT = ModelFormat(name="imucal", title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

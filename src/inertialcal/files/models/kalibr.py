@@ -172,4 +172,4 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     return (*gone, *filled(models, NAME))
 
 
-FORMAT = ModelFormat(title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)
+FORMAT = ModelFormat(name="kalibr-model", title=NAME, dump=dump, cannot_hold=cannot_hold, read=read)

@@ -66,6 +66,8 @@ class ModelFormat:
 
     Parameters
     ----------
+    name : str
+        As ``--to`` takes it: ``"kalibr-model"``.
     title : str
         Whose it is: ``"Kalibr"``.
     dump : callable
@@ -80,6 +82,7 @@ class ModelFormat:
         Models of a text; it gives None for a text in another format. None where the format is written only.
     """
 
+    name: str
     title: str
     dump: Callable[[Models], str]
     cannot_hold: Callable[[Models], tuple[Remark, ...]]

@@ -99,6 +99,7 @@ def read(given: ModelText) -> ImportedModels:
 
 
 FORMAT = ModelFormat(
+    name="json",
     title="inertialcal",
     dump=of_one(dump_model),
     cannot_hold=lambda models: (),

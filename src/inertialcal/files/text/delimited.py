@@ -276,4 +276,4 @@ def read_text(loaded: Loaded, variables: Sequence[str] | None = None) -> Content
     return replace(content, remarks=remarks + content.remarks)
 
 
-READER = Reader("CSV and other text", ENDINGS, looks_like_text, read_text)
+READER = Reader("text", "CSV and other text", ENDINGS, looks_like_text, read_text)

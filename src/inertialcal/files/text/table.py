@@ -162,9 +162,9 @@ def read_table(path: str | Path) -> Table:
         If there is no such file, it is empty or no text, rows differ in width, or a name appears twice.
     """
     loaded = load(path)
-    name, reader = find_reader(loaded)
-    if name != TEXT:
-        return _from_content(reader.read(loaded, None), loaded, name)
+    reader = find_reader(loaded)
+    if reader.name != TEXT:
+        return _from_content(reader.read(loaded, None), loaded, reader.name)
     text, remarks = decode(loaded.data, loaded.path)
     layout = sniff(text, loaded.path)
     names = column_names(layout, loaded.path)
@@ -174,7 +174,7 @@ def read_table(path: str | Path) -> Table:
         names=names,
         cells=tuple(tuple(cell.strip(BLANKS) for cell in column) for column in cells),
         rows=rows,
-        source=Source(loaded.path, loaded.sha256, layout.words, name),
+        source=Source(loaded.path, loaded.sha256, layout.words, reader.name),
         units=units,
         decimal=layout.decimal,
         remarks=remarks + layout.remarks,
