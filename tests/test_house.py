@@ -130,9 +130,9 @@ def test_importing_the_package_loads_nothing_heavy() -> None:
 def test_plans_and_procedures_load_nothing_heavy() -> None:
     code = (
         "import sys\nfrom importlib import import_module\n"
-        "from inertialcal.procedures import OURS, procedure_of\n"
+        "from inertialcal.procedures import BUILT_IN, procedure_of\n"
         "from inertialcal.core.settings import settings_of\n"
-        "for name in OURS:\n    import_module(f'inertialcal.procedures.{name}.plan')\n"
+        "for name in BUILT_IN:\n    import_module(f'inertialcal.procedures.{name}.plan')\n"
         "    settings_of(procedure_of(name).plan_type)\n"
         f"print([name for name in {HEAVY!r} if name in sys.modules])"
     )
