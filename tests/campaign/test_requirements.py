@@ -8,9 +8,10 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.requirements import Tested as Reduced
-from inertialcal.campaign.requirements import Verdict, judge, worst
+from inertialcal.campaign.requirements import judge, worst
 from inertialcal.campaign.schema import Requirement
 from inertialcal.campaign.schema import Test as Entry
+from inertialcal.core.judging import Verdict
 from inertialcal.core.key import Key, Reason
 from inertialcal.core.results import Row
 from inertialcal.procedures.rate_table.reduction import Plan, Truth, reduce, simulate

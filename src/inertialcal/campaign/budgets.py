@@ -11,32 +11,21 @@ that is no more than the rounding of the arithmetic is no contribution and has n
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass
+from collections.abc import Sequence
 from typing import Any
 
 from ..core.estimate import Component, Estimate
 from ..core.results import finite
 from ..core.units import divide, factor
 from ..procedures.display import display_unit, stated_unit, ten_digits
-from ..procedures.flip.rows import MODEL_BIAS
-from ..procedures.rate_table.rows import RESIDUAL
+from ..procedures.protocol import BudgetFigure, budget_figures
 
 ROUNDING = 1e-20  # share of a variance that cannot be told from none: 1e-10 of u
 
 
-@dataclass(frozen=True)
-class _Figure:
-    """A figure that is shown: value ``at`` of the estimate times ``times``."""
-
-    quantity: str
-    axis: str
-    at: int
-    unit: str
-    times: float = 1.0
-
-
-def budget_rows(test: str, estimate: Estimate | None, sensor_unit: str, plan: Any = None) -> list[dict[str, Any]]:
+def budget_rows(
+    test: str, estimate: Estimate | None, sensor_unit: str, figures: Sequence[BudgetFigure] | None = None
+) -> list[dict[str, Any]]:
     """Return the sources of uncertainty of each figure, in the units of the campaign.
 
     Parameters
@@ -47,40 +36,24 @@ def budget_rows(test: str, estimate: Estimate | None, sensor_unit: str, plan: An
         SI.
     sensor_unit : str
         As the campaign has it: ``"deg/s"``.
-    plan : Plan of the procedure, optional
-        Of the test, by which a bias is a residual bias, and scale factors in volts are shown too.
+    figures : sequence of BudgetFigure, optional
+        Those that have a budget; all values of the estimate by default.
     """
     if estimate is None:
         return []
     found = []
-    for figure in _figures(estimate, plan):
+    for figure in budget_figures(estimate) if figures is None else figures:
         total = float(estimate.covariance[figure.at, figure.at])
         for component in estimate.components:
             share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
             if share > ROUNDING:
-                head = {"test": test, "quantity": figure.quantity, "axis": figure.axis}
+                head = {"test": test, "quantity": figure.key.name, "axis": figure.key.axis}
                 found.append(head | _row(figure, component, sensor_unit) | {"share": share})
     return found
 
 
-def _figures(estimate: Estimate, plan: Any) -> Iterator[_Figure]:
-    """Return the figures of the rows that an estimate gives, by the names that they have there."""
-    ideal: Mapping[str, float] = getattr(plan, "scale_factor", None) or {}
-    for i, key in enumerate(estimate.keys):
-        if key.at is not None:  # the same sources as the coefficients that it is made of
-            continue
-        quantity, axis = key.name, key.axis
-        if quantity == "bias" and getattr(plan, "zero_reference", False):
-            quantity = RESIDUAL
-        elif quantity == "bias" and getattr(plan, "corrected", False):
-            quantity = MODEL_BIAS
-        if quantity == "scale_factor_error" and axis in ideal:
-            yield _Figure("scale_factor", axis, i, "V/(rad/s)", abs(ideal[axis]))
-        yield _Figure(quantity, axis, i, estimate.units[i])
-
-
-def _row(figure: _Figure, component: Component, sensor_unit: str) -> dict[str, Any]:
-    unit = display_unit(figure.quantity, figure.unit, sensor_unit)
+def _row(figure: BudgetFigure, component: Component, sensor_unit: str) -> dict[str, Any]:
+    unit = display_unit(figure.key.name, figure.unit, sensor_unit)
     u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
     dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
     return {

@@ -7,30 +7,29 @@ from dataclasses import replace
 from typing import Any
 
 from ..core.estimate import Estimate
+from ..core.judging import Verdict
 from ..core.key import Reason, key_of
 from ..core.remarks import Remark, condensed
 from ..core.results import Row, finite, not_estimated
 from ..core.units import convert, factor, kind
+from ..procedures import procedure_of
 from ..procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
 from ..procedures.positions.of_sensor import by_quantity
 from ..procedures.rate_table.closed_loop import AxisLoop
-from ..procedures.static_noise import reduction as static_noise
-from ..procedures.static_noise.scale import SCALE
 from ..statistics.intervals import t_interval
 from .budgets import budget_rows
 from .cross_checks import MODELLED
 from .curves import curves_content
 from .engine import Prepared
-from .exclusions import exclusion_rows
+from .exclusions import exclusion_rows, left_out
 from .load import Campaign
 from .margins import margin
 from .modelling import Modelled
 from .prepared import modelled_sensor, sensor_of
-from .requirements import RULE, Tested, Verdict, judge, worst
+from .requirements import RULE, Tested, judge, worst
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
-from .thermal_exclusions import thermal_exclusions
 from .thermal_loop import loop_rows
 
 
@@ -74,7 +73,7 @@ def results_content(
         new = [row for row in more if (row.test, row.key, row.case) not in known]
         rows += [displayed(row, unit) for row in new]
     verdicts = [verdict for verdict, _ in judged]
-    left_out = [*exclusion_rows(campaign, prepared, tested), *thermal_exclusions(tested)]
+    unused = left_out(campaign, prepared, tested)
     results = {
         "schema": 1,
         "campaign": campaign.file.campaign.model_dump(),
@@ -82,8 +81,8 @@ def results_content(
         "site": site_content(campaign.file.site),
         "sensors": sensors_content(campaign.file.sensors),
         "standards": standards_rows(campaign, tested),
-        "sequence": sequence_rows(prepared, left_out),
-        "exclusions": left_out,
+        "sequence": sequence_rows(prepared, unused),
+        "exclusions": exclusion_rows(unused),
         "results": [row.to_dict() for row in rows],
         "covariances": [c for one in tested if (c := _covariance(one)) is not None],
         "budgets": _budgets(campaign, tested, modelled),
@@ -101,10 +100,8 @@ def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | 
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
     for one in tested:
-        if isinstance(one.result, static_noise.Result) and not one.result.plan.standards.get(SCALE):
-            continue  # the scatter of the noise is all there is
         unit = sensor_of(campaign, one.test).unit
-        found += budget_rows(one.test.id, one.result.estimate, unit, one.result.plan)
+        found += budget_rows(one.test.id, one.result.estimate, unit, one.procedure.budgeted(one.result))
     if modelled is not None:
         for name, (unit, made) in _named(campaign, modelled).items():
             found += budget_rows(name, made.model.estimate, unit)
@@ -168,7 +165,7 @@ def _not_run(campaign: Campaign, modelled: Modelled | None) -> str:
         return "no test is held out"
     procedures = dict.fromkeys(test.procedure for test in campaign.file.tests)
     made = [one for one in procedures if one in MODELLED]
-    named = (f"{one} test" if one == "thermal" else one.replace("_", " ") for one in procedures)
+    named = (procedure_of(one).kind_of_test or one.replace("_", " ") for one in procedures)
     return "no model" if made else f"no model is made of a {' or a '.join(named)}"
 
 

@@ -34,7 +34,7 @@ def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Model
     found = []
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
-        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.result.curves()]
+        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.procedure.curves(one.result)]
     units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
     found += [displayed_curve(curve, units[test]).to_dict(test) for test, curve in overlays(campaign, tested)]
     if modelled is not None:

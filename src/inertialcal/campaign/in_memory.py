@@ -27,8 +27,8 @@ class Fitted:
 
     Parameters
     ----------
-    test : str
-        Its name.
+    test, procedure : str
+        Its name, and that of its procedure.
     result : Result
         SI.
     rows : tuple of Row or None
@@ -36,6 +36,7 @@ class Fitted:
     """
 
     test: str
+    procedure: str
     result: Any
     rows: tuple[Row, ...] | None = None
 
@@ -57,7 +58,7 @@ def fitted_tests(twin: Twin) -> list[Fitted]:
         made = [procedure_of(one.procedure).correction(name, results[name]) for name, one in before]
         corrections = [one for one in made if one is not None]
         results[test.id] = reduce_test(prepare_test(file, test, standards, store, corrections))
-    return [Fitted(test.id, results[test.id], _rows(test, tests, results)) for test in tests]
+    return [Fitted(test.id, test.procedure, results[test.id], _rows(test, tests, results)) for test in tests]
 
 
 def fit_results(twin: Twin) -> list[Any]:

@@ -6,55 +6,12 @@ from collections.abc import Iterator
 from difflib import get_close_matches
 
 from ..core.errors import DataError, Problem
+from ..core.judging import parse_condition
 from ..core.units import kind, normalise, parse_quantity, same_dimension
-from ..procedures.static_noise import units as noise
-from .conditions import parse_condition
+from ..procedures import all_quantities
+from ..procedures.protocol import Quantity
 from .schema import CampaignFile, Requirement
 from .toml_lines import At
-
-RATE = ("angular_rate", "acceleration")
-RELATIVE = ("dimensionless",)
-# Quantities that tests give, with the kinds of unit that their limits can have.
-QUANTITIES: dict[str, tuple[str, ...]] = {
-    "rate_error": RELATIVE,
-    "bias": RATE,
-    "scale_factor": ("other",),
-    "scale_factor_error": RELATIVE,
-    "scale_factor_asymmetry": RELATIVE,
-    "cross_axis_sensitivity": RELATIVE,
-    "misalignment": ("angle",),
-    "linearity_error": RELATIVE,
-    "scatter_sample": RATE,
-    "scatter_dwell": RATE,
-    "scatter_run": RATE,
-    "scatter_recording": RATE,
-    "ambient_acceleration": RATE,
-    "model_bias_error": RATE,
-    "control_error": RATE,
-    "reading": RATE,
-    "bias_shift": RATE,
-    "corrected_bias": RATE,
-    "model_bias_error_change": RATE,
-    "model_bias_error_reduction": RATE,
-    "path_difference": RATE,
-    "hysteresis": RATE,
-    "vacuum_offset": RATE,
-    "residual_bias": RATE,
-    "warm_up_change": RATE,
-    "warm_up_time": ("time",),
-    "warm_up_time_constant": ("time",),
-    "thermal_lag": ("time",),
-    "high_g_difference": RELATIVE,
-    "null_response": RATE,
-    "reference_voltage": ("voltage",),
-    "temperature_reference_voltage": ("voltage",),
-    "g_sensitivity": ("other",),
-    "scatter_position": RATE,
-    "scatter_rotation": ("angle",),
-    "transition_error": ("angle",),
-}
-NOISE = {sensor: noise.data_sheet_units(sensor) for sensor in noise.SENSORS}  # quantities of noise, and their units
-WHERE = {"rate_error": "rate", "bias": "temperature"}  # quantities over a range, and what the range is of
 
 
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
@@ -82,9 +39,9 @@ def _where(one: Requirement, where: str) -> Iterator[Problem]:
         what = f"requirement {one.id!r}: {error.problems[0].what}"
         yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
         return
-    over = WHERE.get(one.quantity)
+    over = _known(one).over
     others = {part.name for every in condition.alternatives for part in every} - {over}
-    if over is not None and others:
+    if over and others:
         what = f"requirement {one.id!r}: where names {' and '.join(sorted(others))}, {one.quantity} is over {over}"
         yield Problem(what, where, "it would have no effect", f"Write it in terms of {over}", "wrong_value")
 
@@ -99,22 +56,25 @@ def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
         what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
         yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
     what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
-    needed = QUANTITIES.get(one.quantity)
-    if needed is not None and kind(unit) not in needed:
+    needed, shown = _known(one).kinds, _known(one).shown_by_kind.values()
+    if needed and kind(unit) not in needed:
         yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
-    shown = [units[one.quantity] for units in NOISE.values() if one.quantity in units]
     if shown and not any(same_dimension(unit, other) for other in shown):
         yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
 
 
 def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
     """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
-    known = [*QUANTITIES, *(name for units in NOISE.values() for name in units)]
+    known = all_quantities()
     near = get_close_matches(one.quantity, known, n=1, cutoff=0.8)
     if one.quantity not in known and near:
         what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
         yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
-    about = WHERE.get(one.quantity)
-    if one.where and about is None:
-        what = f"requirement {one.id!r}: where is about {' or '.join(WHERE)}, not {one.quantity}"
+    if one.where and not _known(one).over:
+        ranged = [name for name, quantity in known.items() if quantity.over]
+        what = f"requirement {one.id!r}: where is about {' or '.join(ranged)}, not {one.quantity}"
         yield Problem(what, where, "it would have no effect", code="wrong_value")
+
+
+def _known(one: Requirement) -> Quantity:
+    return all_quantities().get(one.quantity, Quantity())

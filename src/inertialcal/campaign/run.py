@@ -217,8 +217,14 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
     if problems:
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
     tested = [
-        Tested(test, results[test.id], [replace(row, test=test.id) for row in results[test.id].rows()])
-        for test in tests
+        Tested(
+            test,
+            results[test.id],
+            [replace(row, test=test.id) for row in procedure_of(test.procedure).rows(results[test.id])],
+            ready[number].plan,
+            ready[number].readings,
+        )
+        for number, test in enumerate(tests)
     ]
     remarks = [remark.at(test.id) for test in tests for remark in results[test.id].remarks]
     return [ready[number] for number in range(len(tests))], beside_others(campaign, tested), remarks

@@ -17,7 +17,7 @@ from ..core.results import Interval
 from ..core.show.rounding import number, with_uncertainty
 from ..core.show.tables import Grid, Part, html, text
 from ..core.units import convert
-from ..procedures.flip import reduction as flip
+from ..procedures import procedure_of
 from ..rigs import RIGS
 from ..rigs.protocol import TrueValue, Twin
 from ..statistics.intervals import binomial_interval, contains, covers, t_interval
@@ -253,10 +253,6 @@ def _intervals(one: Fitted) -> Iterator[tuple[Key, Interval]]:
     if estimate is None:
         return
     for key, value, u, dof in zip(estimate.keys, estimate.values, estimate.u, estimate.dof, strict=True):
-        yield (_called(one.result, key.name), key.axis, one.test, ""), t_interval(float(value), float(u), float(dof))
-
-
-def _called(result: Any, quantity: str) -> str:
-    """Return the quantity as the rows have it: what is left after a ground model is the error of that model."""
-    corrected = isinstance(result, flip.Result) and result.plan.corrected
-    return flip.MODEL_BIAS if corrected and quantity == "bias" else quantity
+        shown = procedure_of(one.procedure).called(one.result, key)
+        if shown.at is None:
+            yield (shown.name, shown.axis, one.test, ""), t_interval(float(value), float(u), float(dof))

@@ -7,8 +7,6 @@ from dataclasses import replace
 
 from ..core.errors import InertialcalError
 from ..core.results import Row
-from ..procedures import procedure_of
-from ..procedures.protocol import Tested as HeldAgainst
 from .load import Campaign
 from .prepared import placed
 from .requirements import Tested
@@ -36,5 +34,4 @@ def _beside(campaign: Campaign, one: Tested, other: Tested) -> Tested:
 
 
 def _rows(one: Tested, other: Tested) -> Sequence[Row]:
-    of_other = HeldAgainst(other.test.id, other.test.condition, other.test.use, None, None, other.result)
-    return procedure_of(one.test.procedure).against(one.result, of_other, one.test.condition) or ()
+    return one.procedure.against(one.result, other.reduced, one.test.condition) or ()

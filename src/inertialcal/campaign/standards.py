@@ -8,20 +8,9 @@ from typing import Any
 from ..core.influence import Influence
 from ..core.results import finite
 from ..core.standards import STANDARDS
-from ..procedures.flip import reduction as flip
-from ..procedures.positions import reduction as positions
-from ..procedures.positions.of_sensor import OfSensor
-from ..procedures.positions.rows import missing
-from ..procedures.rate_table import reduction as rate_table
-from ..procedures.rate_table.rows import applies
-from ..procedures.static_noise import reduction as static_noise
-from ..procedures.thermal import reduction as thermal
+from ..procedures import loaded_procedures
 from .load import Campaign
 from .requirements import Tested
-
-LATITUDE = "site.latitude"
-EFFECTS = rate_table.INFLUENCES | {LATITUDE: "earth rate along the axis of the table"}
-EVERY = positions.INFLUENCES | thermal.INFLUENCES | static_noise.INFLUENCES | EFFECTS | flip.INFLUENCES
 
 
 def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
@@ -39,42 +28,15 @@ def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[st
     return [
         _row(name, one, _effect(name, tested))
         for name, one in stated
-        if one is not None or any(_needs(name, t) for t in tested)
+        if one is not None or any(t.procedure.needs(name, t.result) for t in tested)
     ]
 
 
 def _effect(name: str, tested: Sequence[Tested]) -> str:
     """Say what an influence changes in the tests that were run; of none of them, what it changes at all."""
-    effects = {
-        rate_table.Result: EFFECTS,
-        flip.Result: flip.INFLUENCES,
-        thermal.Result: thermal.INFLUENCES | {LATITUDE: "earth rate along the axes"},
-        static_noise.Result: static_noise.INFLUENCES,
-        OfSensor: positions.INFLUENCES,
-    }
-    found = [effects[type(one.result)].get(name, "") for one in tested if type(one.result) in effects]
-    return "; ".join(dict.fromkeys(effect for effect in found if effect)) or EVERY.get(name, "")
-
-
-def _needs(name: str, one: Tested) -> bool:
-    result = one.result
-    if isinstance(result, flip.Result | static_noise.Result):
-        return name in (flip if isinstance(result, flip.Result) else static_noise).INFLUENCES
-    if isinstance(result, thermal.Result):
-        known = result.plan.attitude is not None and result.plan.latitude is not None
-        return (name in thermal.needed(result.plan)) or (name == LATITUDE and known)
-    if isinstance(result, OfSensor):
-        return name in missing(result.whole)
-    if not isinstance(result, rate_table.Result):
-        return False
-    if name == LATITUDE:
-        return _earth_rate_is_known(result.plan)
-    return name in rate_table.INFLUENCES and applies(name, result.plan, result.readings)
-
-
-def _earth_rate_is_known(plan: rate_table.Plan) -> bool:
-    """Whether earth rate along the table axis is taken from the latitude; with a zero reference it drops out."""
-    return plan.attitude is not None and plan.latitude is not None and not plan.zero_reference
+    found = [one.procedure.effects().get(name, "") for one in tested]
+    every = (one.effects()[name] for one in loaded_procedures() if name in one.effects())
+    return "; ".join(dict.fromkeys(effect for effect in found if effect)) or next(every, "")
 
 
 def _row(name: str, influence: Influence | None, effect: str) -> dict[str, Any]:

@@ -6,11 +6,14 @@ Installed packages add theirs by the entry point ``inertialcal.procedures``.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from functools import lru_cache
+from types import MappingProxyType
 from typing import Any
 
 from ..core.errors import UsageError
 from ..core.registry import Registry
-from .protocol import Procedure
+from .protocol import Procedure, Quantity
 
 BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions")
 
@@ -41,12 +44,34 @@ def procedure_of(name: str) -> Procedure[Any, Any, Any]:
 def procedure_of_result(result: object) -> Procedure[Any, Any, Any] | None:
     """Return the procedure whose package the type of a result stands in; None for anything else."""
     where = type(result).__module__
-    for name in PROCEDURES:
-        try:
-            procedure = PROCEDURES[name]
-        except UsageError:  # a package that cannot be loaded has given no result
-            continue
+    for procedure in loaded_procedures():
         package = type(procedure).__module__.rpartition(".")[0]
         if package and where.startswith(f"{package}."):
             return procedure
     return None
+
+
+def loaded_procedures() -> tuple[Procedure[Any, Any, Any], ...]:
+    """Return all procedures that can be loaded: one of others that is broken says so when it is asked for."""
+    found = []
+    for name in PROCEDURES:
+        try:
+            found.append(PROCEDURES[name])
+        except UsageError:
+            continue
+    return tuple(found)
+
+
+def all_quantities() -> Mapping[str, Quantity]:
+    """Return what there is to say of a figure, whichever procedure gives it: the first that says it."""
+    return _quantities(tuple(PROCEDURES))
+
+
+@lru_cache(4)
+def _quantities(names: tuple[str, ...]) -> Mapping[str, Quantity]:
+    found: dict[str, Quantity] = {}
+    for one in loaded_procedures():
+        for name, quantity in one.quantities().items():
+            known = found.get(name)
+            found[name] = quantity if known is None else known.joined(quantity)
+    return MappingProxyType(found)

@@ -11,12 +11,10 @@ import numpy as np
 from ..core.curve import Column, Curve
 from ..core.results import Interval, Row
 from ..core.units import divide, factor, kind, normalise, power, same_dimension, si_unit
-from .static_noise.units import noise_unit
+from ..sensors.noise.units import kind_of_unit
+from . import all_quantities
 
 PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter
-PERCENT = ("scale_factor_error", "high_g_difference", "scale_factor_asymmetry", "cross_axis_sensitivity")
-TURNED = ("transition_error", "scatter_rotation")  # angles that people tell in degrees
-PER_FORCE = "g_sensitivity"  # told per g
 
 
 def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
@@ -31,8 +29,6 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
     sensor_unit : str
         As the campaign has it: ``"deg/s"``.
     """
-    if quantity in PERCENT and unit == "1":
-        return "%"
     own = _own_unit(quantity, unit, sensor_unit)
     if own:
         return own
@@ -46,14 +42,18 @@ def display_unit(quantity: str, unit: str, sensor_unit: str) -> str:
 
 
 def _own_unit(quantity: str, unit: str, sensor_unit: str) -> str:
-    """Return the unit that people tell a quantity in, whatever else has that kind of unit; empty where none."""
-    if quantity in TURNED:
+    """Return the unit that people speak a quantity in, whatever else has that kind of unit; empty where none."""
+    known = all_quantities().get(quantity)
+    if known is None:
+        return ""
+    if known.shown == "%":
+        return "%" if unit == "1" else ""
+    if known.shown == "deg":
         return stated_unit(unit, sensor_unit)
-    if quantity == PER_FORCE:  # of readings in counts whose scale factor is not told it stays in counts
-        told = normalise(f"({sensor_unit})/g")
-        return told if same_dimension(told, unit) else ""
-    noise = noise_unit(quantity, sensor_unit)
-    return noise if noise and same_dimension(noise, unit) else ""
+    sensor = kind_of_unit(sensor_unit) if known.shown_by_kind else None
+    shown = known.shown_by_kind.get(sensor, "") if sensor else known.shown.replace("{unit}", sensor_unit)
+    shown = normalise(shown) if shown else ""
+    return shown if shown and same_dimension(shown, unit) else ""
 
 
 def _coefficient_unit(unit: str, sensor_unit: str) -> str:

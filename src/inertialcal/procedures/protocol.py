@@ -7,6 +7,7 @@ that starts slowly, as options and help are made of them.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
@@ -18,8 +19,10 @@ from ..core.show.sentence import Sentence, error_sentence
 if TYPE_CHECKING:
     from ..core.curve import Curve
     from ..core.errors import Problem
-    from ..core.estimate import Array
+    from ..core.estimate import Array, Estimate
     from ..core.influence import Influence, Standards
+    from ..core.judging import Asked, Verdict
+    from ..core.key import Key
     from ..core.recording import Recording
     from ..core.remarks import Remark
     from ..core.results import Interval, Row
@@ -262,6 +265,11 @@ class Exclusion:
         Applied rate of a dwell.
     dwell : bool
         Whether it counts among the dwells that the test left out.
+    place_in_list : float
+        Where it stands among what the chain left out, which has the number of its remark; behind it by default. Goes
+        with results schema 2, as ``last`` does.
+    last : bool
+        Stands behind the exclusions of all tests.
     """
 
     rule: str
@@ -274,6 +282,82 @@ class Exclusion:
     applied: float | None = None
     unit: str = ""
     dwell: bool = False
+    place_in_list: float = math.inf
+    last: bool = False
+
+
+READING = ("angular_rate", "acceleration")  # kinds of unit
+RELATIVE = ("dimensionless",)
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """What a procedure says of one of its figures: requirements, tables and comparisons read it here.
+
+    Parameters
+    ----------
+    kinds : tuple of str
+        Of unit that it can have; empty where ``shown_by_kind`` says it.
+    over : str
+        What a requirement on it may say ``where`` of: ``rate``, ``temperature``; empty for a single figure.
+    size : bool
+        Never negative: a limit is one above, and it is judged by its own interval.
+    unit : str
+        SI, that limits are shown in where no test speaks to it; empty where that is of the sensor.
+    shown : str
+        Unit that people speak, with ``{unit}`` for that of the sensor; empty for that of the sensor.
+    shown_by_kind : mapping of str to str
+        The same by kind of sensor.
+    """
+
+    kinds: tuple[str, ...] = ()
+    over: str = ""
+    size: bool = False
+    unit: str = ""
+    shown: str = ""
+    shown_by_kind: Mapping[str, str] = field(default_factory=dict[str, str])
+
+    def joined(self, other: Quantity) -> Quantity:
+        """Return what both say: what this one leaves open is as the other has it."""
+        return Quantity(
+            tuple(dict.fromkeys((*self.kinds, *other.kinds))),
+            self.over or other.over,
+            self.size or other.size,
+            self.unit or other.unit,
+            self.shown or other.shown,
+            {**other.shown_by_kind, **self.shown_by_kind},
+        )
+
+
+@dataclass(frozen=True)
+class BudgetFigure:
+    """A figure whose sources of uncertainty are listed: ``times`` value ``at`` of the estimate.
+
+    Parameters
+    ----------
+    key : Key
+        As rows have it.
+    unit : str
+        SI.
+    at : int
+        In the estimate.
+    times : float
+        Factor.
+    """
+
+    key: Key
+    unit: str
+    at: int
+    times: float = 1.0
+
+
+def budget_figures(estimate: Estimate, keys: Sequence[Key] = ()) -> list[BudgetFigure]:
+    """Return a figure for each value of an estimate, by its own key or by those given.
+
+    Values at a place are left out: they have the sources of the coefficients that they are made of.
+    """
+    each = zip(keys or estimate.keys, estimate.units, strict=True)
+    return [BudgetFigure(key, unit, at) for at, (key, unit) in enumerate(each) if key.at is None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -299,12 +383,14 @@ class Tested(Generic[P, R, S]):
 class Procedure(Generic[P, R, S]):
     """A test that turns readings into a result. Subclasses say what is their own; the rest has its default here.
 
-    ``name`` is the word of campaign files, ``title`` one sentence for the report; ``commands`` are its nouns on the
-    command line (`cli.commands` says where their functions stand), ``planner`` that of ``plan``.
+    ``name`` is the word of campaign files, ``kind_of_test`` what a sentence calls it where that is not the name,
+    ``title`` one sentence for the report; ``commands`` are its nouns on the command line (`cli.commands` says where their
+    functions stand), ``planner`` that of ``plan``.
     """
 
     name: str
     title: str
+    kind_of_test: str = ""
     commands: Sequence[Command] = ()
     planner: Command | None = None
     command_module: str = ""
@@ -363,6 +449,10 @@ class Procedure(Generic[P, R, S]):
 
     # ---- judged -----------------------------------------------------------------------------------------------
 
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of the figures that it can give, by quantity."""
+        return {}
+
     def exclusions(self, test: Tested[P, R, S]) -> Iterator[Exclusion]:
         """Yield what was not used; what the chain left out and what was not chosen is the engine's to tell."""
         yield from ()
@@ -375,9 +465,29 @@ class Procedure(Generic[P, R, S]):
         """Return what each influence changes in this test."""
         return self.influences
 
-    def budgeted(self, result: S) -> bool:
-        """Return whether the budget of the result is worth a table."""
-        return True
+    def judge(self, asked: Asked, tests: Sequence[Tested[P, R, S]]) -> tuple[list[Verdict], list[Row]] | None:
+        """Return verdicts on a requirement that all these tests are about, and rows that follow from it.
+
+        None leaves it to the general rule, which judges every row of that quantity by its interval.
+        """
+        return None
+
+    def interval_at(self, result: S, row: Row, p: float) -> Interval | None:
+        """Return the interval of another probability of a row that is a size; None where it has none."""
+        return row.interval if row.interval is not None and row.interval.p == p else None
+
+    def doubt(self, result: S, axis: str) -> str:
+        """Return why figures of an axis may not hold; empty where nothing speaks against them."""
+        return ""
+
+    def called(self, result: S, key: Key) -> Key:
+        """Return the key of a value of the estimate as rows have it."""
+        return key
+
+    def budgeted(self, result: S) -> Sequence[BudgetFigure]:
+        """Return the figures whose budgets are worth a table: by default all values of the estimate."""
+        estimate: Estimate | None = getattr(result, "estimate", None)
+        return [] if estimate is None else budget_figures(estimate, [self.called(result, key) for key in estimate.keys])
 
     # ---- set beside each other --------------------------------------------------------------------------------
 
@@ -414,10 +524,6 @@ class Procedure(Generic[P, R, S]):
     def truths(self, result: S) -> Sequence[Row] | None:
         """Return rows that are held against the truth of a rig; None where the estimate says all."""
         return None
-
-    def interval_at(self, result: S, row: Row, p: float) -> Interval | None:
-        """Return the interval of another probability of a row."""
-        raise NotImplementedError
 
     def check(self, file: Any, number: int, at: Any) -> Iterator[Problem]:
         """Yield what is wrong with a test of a campaign file, before any recording is read."""

@@ -2,19 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Command, Correction, InputSpec, Procedure, Source, Tested
+from ..protocol import READING, Command, Correction, Exclusion, InputSpec, Procedure, Quantity, Source, Tested
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.key import Key
     from ...core.results import Row
     from ...core.show.sentence import Sentence
     from .readings import Readings
     from .reduction import Result
+
+QUANTITIES = dict.fromkeys(
+    (
+        "bias", "ambient_acceleration", "model_bias_error", "control_error", "reading", "bias_shift", "corrected_bias",
+        "model_bias_error_change", "model_bias_error_reduction",
+    ),
+    Quantity(READING),
+)  # fmt: skip
 
 
 class Flip(Procedure[Plan, "Readings", "Result"]):
@@ -53,6 +62,23 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of its figures."""
+        return QUANTITIES
+
+    def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
+        """Yield starts of windows and samples as remarks count them, then the dwells that an axis is not read in."""
+        from .left_out import left_out
+
+        return left_out(test.plan, test.readings)
+
+    def called(self, result: Result, key: Key) -> Key:
+        """Return the key of a value: what is left after a ground model is the error of that model."""
+        from .rows import MODEL_BIAS
+
+        left = result.plan.corrected and key.quantity == "bias"
+        return key._replace(quantity=MODEL_BIAS) if left else key
 
     def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
         """Return what two tests of one head differ by, as after one ground model and another."""

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Role, Source
+from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Role, Source
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
@@ -14,6 +14,12 @@ if TYPE_CHECKING:
     from ...core.show.sentence import Sentence
     from .readings import Readings
     from .reduction import Result
+
+QUANTITIES = {
+    "scale_factor": Quantity(("other",)),
+    "high_g_difference": Quantity(RELATIVE, shown="%"),
+    "null_response": Quantity(READING),
+}
 
 
 class MassAttraction(Procedure[Plan, "Readings", "Result"]):
@@ -74,6 +80,18 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         from .finding import finding
 
         return finding(rows)
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of its figures."""
+        return QUANTITIES
+
+    def needs(self, influence: str, result: Result) -> bool:
+        """Return False: the table of standards lists what is stated alone, until results schema 2."""
+        return False
+
+    def effects(self) -> Mapping[str, str]:
+        """Return nothing: the table of standards does not say what they change, until results schema 2."""
+        return {}
 
 
 PROCEDURE = MassAttraction()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
+from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Source
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
@@ -13,6 +13,17 @@ if TYPE_CHECKING:
     from .of_sensor import OfSensor
     from .readings import Readings
     from .reduction import Result
+
+QUANTITIES = {
+    "bias": Quantity(READING),
+    "scale_factor": Quantity(("other",)),
+    "scale_factor_error": Quantity(RELATIVE, shown="%"),
+    "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
+    "g_sensitivity": Quantity(("other",), shown="({unit})/g"),  # of readings in counts it stays in counts
+    "scatter_position": Quantity(READING),
+    "scatter_rotation": Quantity(("angle",), shown="deg"),
+    "transition_error": Quantity(("angle",), shown="deg"),
+}
 
 
 class Positions(Procedure[Plan, "Readings", "Result"]):
@@ -63,6 +74,16 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .of_sensor import OfSensor
 
         return OfSensor(result, facts.kind or "accelerometer")
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of its figures."""
+        return QUANTITIES
+
+    def needs(self, influence: str, result: Any) -> bool:
+        """Return whether the test is subject to an influence that is not stated."""
+        from .rows import missing
+
+        return influence in missing(result.whole)
 
 
 PROCEDURE = Positions()

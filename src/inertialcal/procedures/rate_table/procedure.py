@@ -2,17 +2,49 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from ..protocol import Command, Correction, InputSpec, Procedure, Role, Source
+from ..protocol import (
+    READING,
+    RELATIVE,
+    BudgetFigure,
+    Command,
+    Correction,
+    Exclusion,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Role,
+    Source,
+    Tested,
+)
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.judging import Asked, Verdict
+    from ...core.results import Row
     from .readings import Readings
     from .reduction import Result
+
+LATITUDE = "site.latitude"
+QUANTITIES = {
+    "rate_error": Quantity(RELATIVE, over="rate", unit="1"),
+    "bias": Quantity(READING),
+    "scale_factor": Quantity(("other",)),
+    "scale_factor_error": Quantity(RELATIVE, shown="%"),
+    "scale_factor_asymmetry": Quantity(RELATIVE, shown="%"),
+    "cross_axis_sensitivity": Quantity(RELATIVE, shown="%"),
+    "misalignment": Quantity(("angle",)),
+    "linearity_error": Quantity(RELATIVE),
+    "scatter_sample": Quantity(READING),
+    "scatter_dwell": Quantity(READING),
+    "scatter_run": Quantity(READING),
+    "scatter_recording": Quantity(READING),
+    "residual_bias": Quantity(READING),
+}
 
 
 class RateTable(Procedure[Plan, "Readings", "Result"]):
@@ -56,6 +88,52 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .reduction import reduce
 
         return reduce(plan, readings)
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of its figures."""
+        return QUANTITIES
+
+    def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
+        """Yield samples at edges and outliers, then each dwell that a rule left out, sensor by sensor."""
+        from .left_out import dwells_left_out, samples_left_out
+
+        yield from samples_left_out(test.readings)
+        yield from dwells_left_out(test.plan, test.readings)
+
+    def needs(self, influence: str, result: Result) -> bool:
+        """Return whether an influence would change this result; the latitude, where earth rate is taken from it."""
+        from .rows import applies
+
+        plan = result.plan
+        if influence == LATITUDE:  # with a zero reference earth rate drops out
+            return plan.attitude is not None and plan.latitude is not None and not plan.zero_reference
+        return influence in self.influences and applies(influence, plan, result.readings)
+
+    def effects(self) -> Mapping[str, str]:
+        """Return what each influence changes."""
+        return {**self.influences, LATITUDE: "earth rate along the axis of the table"}
+
+    def judge(
+        self, asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]
+    ) -> tuple[list[Verdict], list[Row]] | None:
+        """Return the verdicts on the error of rate, rate by rate; other figures are judged by the general rule."""
+        from .judging import judge_rate_errors
+
+        return judge_rate_errors(asked, tests) if asked.quantity == "rate_error" else None
+
+    def budgeted(self, result: Result) -> Sequence[BudgetFigure]:
+        """Return all values; a bias after a zero reference is what is left of it, scale factors in volts come too."""
+        from .rows import RESIDUAL
+
+        ideal, found = result.plan.scale_factor or {}, []
+        for one in super().budgeted(result):
+            quantity, axis = one.key.quantity, one.key.axis
+            if quantity == "scale_factor_error" and axis in ideal:
+                volts = one.key._replace(quantity="scale_factor")
+                found.append(BudgetFigure(volts, "V/(rad/s)", one.at, abs(ideal[axis])))
+            left = quantity == "bias" and result.plan.zero_reference
+            found.append(replace(one, key=one.key._replace(quantity=RESIDUAL)) if left else one)
+        return found
 
 
 PROCEDURE = RateTable()

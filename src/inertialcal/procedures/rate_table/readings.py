@@ -53,6 +53,8 @@ class Readings:
         Dwells of recordings that are not read because too many of their samples are missing, invalid or at the rail.
     tallies : tuple of Tally
         Where the samples of each recording went, in the order of the recordings.
+    files : tuple of str
+        Of each recording.
     traces : tuple of Trace
         The recordings that the dwells were cut from, for pictures.
     """
@@ -72,6 +74,7 @@ class Readings:
     remarks: tuple[Remark, ...] = ()
     incomplete: NDArray[np.bool_] | None = None
     tallies: tuple[Tally, ...] = ()
+    files: tuple[str, ...] = ()
     traces: tuple[Trace, ...] = ()
 
     def __len__(self) -> int:

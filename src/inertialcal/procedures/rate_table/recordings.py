@@ -50,6 +50,8 @@ class Turned:
         Rate in each window [rad/s].
     name : str
         Of the recording, for figures; its file where not given.
+    file : str
+        Its file, as people know it.
     taken_off : mapping of str to TakenOff
         What was taken off its readings before: patterns of one dwell, the same in all, by source.
     """
@@ -60,6 +62,7 @@ class Turned:
     windows: tuple[tuple[int, int], ...] = ()
     rates: Array | None = None
     name: str = ""
+    file: str = ""
     taken_off: Mapping[str, TakenOff] = field(default_factory=dict[str, TakenOff])
 
 
@@ -103,6 +106,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
         remarks=(*(remark for part in parts for remark in part.remarks), _counted(parts)),
         incomplete=np.concatenate([part.incomplete for part in parts]),
         tallies=tuple(part.tally for part in parts),
+        files=tuple(one.file for one in turned),
         traces=tuple(part.trace.shifted(int(rows)) for part, rows in zip(parts, before[:-1], strict=True)),
     )  # fmt: skip
 
@@ -331,6 +335,7 @@ def together(parts: list[Readings]) -> Readings:
             [np.zeros(len(part), dtype=bool) if part.incomplete is None else part.incomplete for part in parts]
         ),
         tallies=tuple(one for part in parts for one in part.tallies),
+        files=tuple(one for part in parts for one in part.files),
         traces=tuple(
             one.shifted(int(rows)) for part, rows in zip(parts, before[:-1], strict=True) for one in part.traces
         ),

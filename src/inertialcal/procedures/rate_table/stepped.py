@@ -38,12 +38,12 @@ def _turned(plan: Plan, source: Source) -> Turned:
         if APPLIED not in recording.names:
             do = "Give channels.applied (the rate of the table), or a schedule"
             raise DataError(f"recordings.{source.name}: nothing says the rate of the table", do=do, code="no_applied")
-        return Turned(recording, str(axis), source.run, name=source.name)
+        return Turned(recording, str(axis), source.run, name=source.name, file=source.file)
     windows, rates = _scheduled(source, entry.schedule, recording)
     if source.windows:
         inside = [any(a <= start and stop <= b for a, b in source.windows) for start, stop in windows]
         windows, rates = tuple(w for w, use in zip(windows, inside, strict=True) if use), rates[np.array(inside)]
-    return Turned(recording, str(axis), source.run, windows, rates, source.name)
+    return Turned(recording, str(axis), source.run, windows, rates, source.name, source.file)
 
 
 def _scheduled(

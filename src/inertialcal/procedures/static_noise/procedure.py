@@ -6,7 +6,18 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
-from ..protocol import Command, Correction, Exclusion, Facts, InputSpec, Procedure, Source, Tested
+from ..protocol import (
+    BudgetFigure,
+    Command,
+    Correction,
+    Exclusion,
+    Facts,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Source,
+    Tested,
+)
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
@@ -90,11 +101,22 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
                 count = found.looked.left_out
                 yield Exclusion("disturbed", disturbed, reason, found.run.name, axis.axis, count, "sample")
 
-    def budgeted(self, result: Result) -> bool:
-        """Return whether the scale factor takes part; else the scatter of the noise is all there is."""
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of the noise terms: sizes, in the units of data sheets."""
+        from .units import SENSORS, data_sheet_units
+
+        units = {kind: data_sheet_units(kind) for kind in SENSORS}
+        names = dict.fromkeys(name for own in units.values() for name in own)
+        return {
+            name: Quantity(size=True, shown_by_kind={kind: own[name] for kind, own in units.items() if name in own})
+            for name in names
+        }
+
+    def budgeted(self, result: Result) -> Sequence[BudgetFigure]:
+        """Return all terms if the scale factor takes part; else the scatter of the noise is all there is."""
         from .scale import SCALE
 
-        return bool(result.plan.standards.get(SCALE))
+        return super().budgeted(result) if result.plan.standards.get(SCALE) else []
 
     def interval_at(self, result: Result, row: Row, p: float) -> Interval | None:
         """Return the interval of a noise term."""
@@ -105,6 +127,10 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         from .finding import finding
 
         return finding(rows)
+
+    def doubt(self, result: Result, axis: str) -> str:
+        """Return why the terms of an axis may not hold."""
+        return result.doubt(axis)
 
 
 PROCEDURE = StaticNoise()

@@ -9,7 +9,7 @@ from typing import get_args
 from ...core.axes import Kind
 from ...core.units import normalise
 from ...sensors.noise.terms import TERMS, quantity_name
-from ...sensors.noise.units import kind_of_unit, shown_units
+from ...sensors.noise.units import shown_units
 from .reduction import quantity_units
 
 SENSORS: tuple[Kind, ...] = get_args(Kind)
@@ -51,17 +51,3 @@ def second_unit(quantity: str, kind: Kind) -> str:
                 shown = shown_units(name, parameter, kind)
                 return normalise(shown[1]) if len(shown) > 1 else ""
     return ""
-
-
-def noise_unit(quantity: str, sensor_unit: str) -> str:
-    """Return the unit that a quantity of noise of a sensor is shown in; empty where it is none.
-
-    Parameters
-    ----------
-    quantity : str
-        Of a row.
-    sensor_unit : str
-        Of its readings.
-    """
-    kind = kind_of_unit(sensor_unit)
-    return data_sheet_units(kind).get(quantity, "") if kind is not None else ""

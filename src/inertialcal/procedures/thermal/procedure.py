@@ -5,11 +5,24 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import Command, Correction, Exclusion, Facts, InputSpec, Procedure, Role, Source, Tested
+from ..protocol import (
+    READING,
+    Command,
+    Correction,
+    Exclusion,
+    Facts,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Role,
+    Source,
+    Tested,
+)
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan, Thermometer
 
 if TYPE_CHECKING:
+    from ...core.judging import Asked, Verdict
     from ...core.results import Row
     from ...core.show.sentence import Sentence
     from .readings import Readings
@@ -17,12 +30,26 @@ if TYPE_CHECKING:
 
 RULES = ("warm_up", "turn_over", "one_path", "sparse")
 LATITUDE = "site.latitude"
+QUANTITIES = {
+    "bias": Quantity(READING, over="temperature"),
+    "path_difference": Quantity(READING),
+    "hysteresis": Quantity(READING),
+    "vacuum_offset": Quantity(READING),
+    "scatter_run": Quantity(READING),
+    "scatter_recording": Quantity(READING),
+    "warm_up_change": Quantity(READING),
+    "warm_up_time": Quantity(("time",)),
+    "warm_up_time_constant": Quantity(("time",)),
+    "thermal_lag": Quantity(("time",)),
+    "reference_voltage": Quantity(("voltage",)),
+    "temperature_reference_voltage": Quantity(("voltage",)),
+}
 
 
 class Thermal(Procedure[Plan, "Readings", "Result"]):
     """Bias over temperature of a unit at rest."""
 
-    name = "thermal"
+    name, kind_of_test = "thermal", "thermal test"
     title = "Bias over temperature of a unit at rest: polynomial, warming against cooling, start-up, power-ups."
     commands = (
         Command(
@@ -83,7 +110,20 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
             }
             for rule in (rule for rule in RULES if one.cells.left_out.get(rule)):
                 count, by = one.cells.left_out[rule], decided.get(rule, f"rule: {rule}")
-                yield Exclusion(rule, by, WORDS[rule], axis=axis, count=count, counts="sample")
+                yield Exclusion(rule, by, WORDS[rule], axis=axis, count=count, counts="sample", last=True)
+
+    def quantities(self) -> Mapping[str, Quantity]:
+        """Return what there is to say of its figures."""
+        return QUANTITIES
+
+    def judge(
+        self, asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]
+    ) -> tuple[list[Verdict], list[Row]] | None:
+        """Return the verdicts on the bias over a range; other figures are judged by the general rule."""
+        from .over_temperature import judge_bias
+
+        over = asked.quantity == "bias" and asked.where
+        return (list(judge_bias(asked, tests)), []) if over else None
 
     def needs(self, influence: str, result: Result) -> bool:
         """Return whether an influence would change this result; the latitude, where the attitude is known too."""

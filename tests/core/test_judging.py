@@ -8,8 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.campaign.conditions import parse_condition
 from inertialcal.core.errors import DataError
+from inertialcal.core.judging import parse_condition
 
 
 def at(text: str, deg_s: float) -> bool:

@@ -1,6 +1,6 @@
-"""The ``where`` of a requirement: a small stated grammar, never eval.
+"""What a requirement asks and what a test answers: its limits, its ``where``, and the verdict at each place.
 
-::
+``where`` follows a small stated grammar, never eval::
 
     condition  = comparison { ("and" | "or") comparison }     "and" binds stronger than "or"
     comparison = [ "abs(" ] name [ ")" ] operator quantity
@@ -16,10 +16,14 @@ import operator
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import cached_property
+from typing import Literal
 
-from ..core.errors import DataError
-from ..core.units import kind, parse_quantity, si_unit
+from .errors import DataError
+from .results import Interval
+from .units import kind, parse_quantity, si_unit
 
+LEVEL = 0.95
 LONGEST = 400  # characters
 NAMES = {"rate": "angular_rate", "temperature": "temperature"}  # what may be compared, and which kind of quantity it is
 OPERATORS: dict[str, Callable[[float, float], bool]] = {
@@ -95,3 +99,89 @@ def _comparison(text: str) -> Comparison:
             f"where: {name} cannot be compared with {match['value']!r}", do='Write: "abs(rate) >= 0.1 deg/s"'
         )
     return Comparison(name, match["sized"] is not None, match["op"], given.to(si_unit(given.unit)))
+
+
+@dataclass(frozen=True)
+class Asked:
+    """What a requirement asks of a figure, as a procedure sees it.
+
+    Parameters
+    ----------
+    id, quantity : str
+        Of the requirement.
+    axis : str or None
+        None for all.
+    of : {"expected", "dwell_mean", "reading"}
+        What of it, where a procedure tells them apart.
+    limit, lower, upper : str or None
+        As stated: the size of both limits, or one or two.
+    where : str
+        Over which range.
+    """
+
+    id: str
+    quantity: str
+    axis: str | None = None
+    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"
+    limit: str | None = None
+    lower: str | None = None
+    upper: str | None = None
+    where: str = ""
+
+    @cached_property
+    def condition(self) -> Condition:
+        """The range, parsed."""
+        return parse_condition(self.where)
+
+    def limits(self, unit: str, size: bool = False) -> tuple[float | None, float | None]:
+        """Return the limits in a unit; a limit on either side is one above for a size, which is never negative.
+
+        Raises
+        ------
+        DataError
+            If the limits are of another kind.
+        """
+        if self.limit is not None:
+            far = abs(parse_quantity(self.limit).to(unit, difference=True))
+            return (None if size else -far), far
+        lower = None if self.lower is None else parse_quantity(self.lower).to(unit)
+        upper = None if self.upper is None else parse_quantity(self.upper).to(unit)
+        return lower, upper
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """A requirement judged at one place.
+
+    Parameters
+    ----------
+    requirement, test, axis : str
+        Which.
+    at : float or None
+        Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure.
+    of : str
+        What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure.
+    value, u : float or None
+        In ``unit``.
+    lower, upper : float or None
+        Limits in ``unit``.
+    verdict : {"PASS", "FAIL", "INCONCLUSIVE", "OPEN"}
+        By the rule.
+    reason : str
+        Why not PASS or FAIL.
+    """
+
+    requirement: str
+    test: str
+    axis: str
+    at: float | None
+    of: str
+    value: float | None
+    u: float | None
+    unit: str
+    interval: Interval | None
+    lower: float | None
+    upper: float | None
+    verdict: str
+    reason: str = ""
+    at_unit: str = "rad/s"

@@ -8,22 +8,26 @@ Scheffe's for a whole polynomial of that order.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from scipy import special
 
-from ..core.estimate import Array
-from ..core.results import Interval
-from ..procedures.thermal.fit.law import Law
-from ..procedures.thermal.reduction import Plan, bias_at
-from ..statistics.decision import decide
-from ..statistics.intervals import band_factor
-from .conditions import Condition
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.judging import LEVEL, Asked, Condition, Verdict
+from ...core.results import Interval
+from ...statistics.decision import decide
+from ...statistics.intervals import band_factor
+from ..protocol import Tested
+from .fit.law import Law
+from .fit.quantities import bias_at
+from .plan import Plan
+from .readings import Readings
+from .reduction import Result
 
 PLACES = 13  # temperatures over a range
-LEVEL = 0.95
 
 
 @dataclass(frozen=True)
@@ -36,6 +40,23 @@ class Place:
     interval: Interval | None
     status: str
     reason: str = ""
+
+
+def judge_bias(asked: Asked, tests: Sequence[Tested[Plan, Readings, Result]]) -> Iterator[Verdict]:
+    """Yield the verdicts on the bias at temperatures that the condition takes in, with a band that holds for all."""
+    for one in tests:
+        unit = one.result.readings.unit
+        try:
+            lower, upper = asked.limits(unit)
+        except DataError:  # a limit of another kind, which the checks of the campaign file name
+            continue
+        for axis, sensor in one.result.sensors.items():
+            if asked.axis in (None, axis):
+                for place in judged_over(one.result.plan, sensor.law, axis, unit, asked.condition, lower, upper):
+                    yield Verdict(
+                        asked.id, one.id, axis, place.at, "expected", place.value, place.u, unit,
+                        place.interval, lower, upper, place.status, place.reason, "degC",
+                    )  # fmt: skip
 
 
 def judged_over(
