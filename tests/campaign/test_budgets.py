@@ -21,6 +21,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
 from inertialcal.procedures.display import display_unit, stated_unit
 from inertialcal.procedures.rate_table.plan import Attitude
+from inertialcal.procedures.rate_table.procedure import PROCEDURE
 from inertialcal.procedures.rate_table.reduction import Plan, Readings, reduce
 from ran_campaigns import Ran
 
@@ -163,7 +164,7 @@ def test_sensitivities_by_hand() -> None:
     plan, readings = dwells()
     result = reduce(plan, readings)
     assert result.estimate is not None
-    rows = budget_rows("test", result.estimate, "deg/s", plan)
+    rows = budget_rows("test", result.estimate, "deg/s", PROCEDURE.budgeted(result))
     entry = {name: result.estimate.value(f"misalignment_{name}") for name in ("xy", "yx")}
     m_xx = 1.0 + result.estimate.value("scale_factor_error_x")
     rate = figure(rows, "scale_factor_error", "x", "table rate")
@@ -201,7 +202,8 @@ def test_without_an_attitude_any_direction_of_the_earths_rotation_is_equally_lik
     """A component of a vector in any direction is rectangular between -Omega and Omega."""
     plan, readings = dwells()
     plan = replace(plan, attitude=None)
-    rows = budget_rows("test", reduce(plan, readings).estimate, "deg/h", plan)
+    result = reduce(plan, readings)
+    rows = budget_rows("test", result.estimate, "deg/h", PROCEDURE.budgeted(result))
     found = figure(rows, "bias", "x", "earth rate: direction unknown, x turned")
     assert found["distribution"] == "rectangular"
     assert found["stated_unit"] == "deg/h"

@@ -66,11 +66,12 @@ def exclusion_rows(found: Sequence[LeftOut]) -> list[dict[str, Any]]:
 
 
 def _row(test: str, unit: str, what: Exclusion) -> dict[str, Any]:
-    known = what.applied is not None
+    applied = what.applied
     return {
         "test": test, "axis": what.axis, "place": what.place,
-        "applied": ten_digits(float(convert(what.applied, what.unit, unit))) if known else None,
-        "unit": unit if known else "", "rule": what.rule, "decided_by": what.decided_by, "reason": what.reason,
+        "applied": None if applied is None else ten_digits(float(convert(applied, what.unit, unit))),
+        "unit": "" if applied is None else unit, "rule": what.rule,
+        "decided_by": what.decided_by, "reason": what.reason,
         "count": what.count, "counts": what.counts,
     }  # fmt: skip
 

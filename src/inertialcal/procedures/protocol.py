@@ -384,8 +384,8 @@ class Procedure(Generic[P, R, S]):
     """A test that turns readings into a result. Subclasses say what is their own; the rest has its default here.
 
     ``name`` is the word of campaign files, ``kind_of_test`` what a sentence calls it where that is not the name,
-    ``title`` one sentence for the report; ``commands`` are its nouns on the command line (`cli.commands` says where their
-    functions stand), ``planner`` that of ``plan``.
+    ``title`` one sentence for the report; ``commands`` are its nouns on the command line (`cli.commands` says where
+    their functions stand), ``planner`` that of ``plan``.
     """
 
     name: str

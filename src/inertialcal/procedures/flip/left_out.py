@@ -22,10 +22,10 @@ def left_out(plan: Plan, readings: Readings) -> Iterator[Exclusion]:
             yield Exclusion(remark.code, _decided(plan, key), remark.what, remark.where, count=remark.count,
                             counts=counts, place_in_list=number)  # fmt: skip
     for axis, values in readings.outputs.items():
-        why = next((one for one in readings.remarks if one.code in UNREAD and one.axis == axis), None)
-        for i in np.flatnonzero(np.isnan(values)) if why is not None else ():
-            place = readings.where[i] if readings.where else ""
-            yield Exclusion(why.code, _decided(plan, UNREAD[why.code]), why.what, place, axis, dwell=True)
+        for why in [one for one in readings.remarks if one.code in UNREAD and one.axis == axis][:1]:
+            for i in np.flatnonzero(np.isnan(values)):
+                place = readings.where[i] if readings.where else ""
+                yield Exclusion(why.code, _decided(plan, UNREAD[why.code]), why.what, place, axis, dwell=True)
 
 
 def _decided(plan: Plan, key: str) -> str:
