@@ -32,6 +32,7 @@ from .show.rounding import with_uncertainty
 from .show.tables import Grid, Part, html, text
 
 Array = NDArray[np.float64]
+Numbers = NDArray[np.integer | np.floating]  # readings as they were recorded: counts, or floats of any width
 
 SYMMETRY = 1e-9  # largest relative asymmetry that a covariance may have from rounding
 TINY = float(np.finfo(float).tiny)

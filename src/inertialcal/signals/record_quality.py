@@ -12,13 +12,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import DataError
-from ..core.estimate import Array
+from ..core.estimate import Array, Numbers
 from ..core.remarks import Remark
 from ..core.show.rounding import number
 from .allan.channel import code_remarks
@@ -139,7 +138,7 @@ def _of_codes(x: Array, name: str) -> tuple[Remark, ...]:
 
 
 def record_quality(
-    x: NDArray[Any], interval: float, floor: float = 0.0, names: tuple[str, ...] | None = None
+    x: Numbers, interval: float, floor: float = 0.0, names: tuple[str, ...] | None = None
 ) -> RecordQuality:
     """Look a record at rest through for what its noise terms should not be fitted to.
 

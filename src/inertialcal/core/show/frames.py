@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING
 
 from ..errors import UsageError
 from ..results import Row
 
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
-def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> Any:
+
+def frame(columns: Mapping[str, object], index: Sequence[str] | None = None) -> DataFrame:
     """Return a pandas DataFrame of the columns.
 
     Raises
@@ -26,7 +29,7 @@ def frame(columns: Mapping[str, Any], index: Sequence[str] | None = None) -> Any
     return pd.DataFrame(dict(columns), index=None if index is None else list(index))
 
 
-def frame_of_rows(rows: Sequence[Row]) -> Any:
+def frame_of_rows(rows: Sequence[Row]) -> DataFrame:
     """Return a pandas DataFrame, a row a figure; errors as `frame`."""
     told = [row.to_dict() for row in rows]
     return frame({name: [one[name] for one in told] for name in told[0]})

@@ -18,9 +18,10 @@ from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import cached_property
 from os import cpu_count
-from typing import Any
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -32,6 +33,8 @@ ALLOWED = 5e-13  # of the sum of the magnitudes of all cells' attractions
 SMALL = 100_000  # vertices times points up to which one processor is quicker than two
 EXACT = 8  # vertices that a cell takes for itself
 PARTS = 4  # slices a processor
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, eq=False)
@@ -155,13 +158,13 @@ class Lattice:
         """Smallest and largest coordinates of the body, shape (2, 3) [m]."""
         return np.stack([self.vertices[0].min(axis=1), self.vertices[0].max(axis=1)])
 
-    def _near(self, points: Array) -> Any:
+    def _near(self, points: Array) -> NDArray[np.bool_]:
         """Whether vertices may be summed: the farthest corner of the body is within reach."""
         low, high = self._corners
         farthest = np.maximum(np.abs(low - points), np.abs(high - points))
-        return np.linalg.norm(farthest, axis=1) <= self._reach
+        return np.asarray(np.linalg.norm(farthest, axis=1) <= self._reach)
 
-    def _one_by_one(self, points: Array, which: Any, field: Array, slope: Array) -> None:
+    def _one_by_one(self, points: Array, which: NDArray[np.bool_], field: Array, slope: Array) -> None:
         """Fill the rows of points that are far with the sum over cells."""
         far = np.flatnonzero(which)
         centres, density = self.cells
@@ -175,7 +178,7 @@ class Lattice:
         _spread(part, len(far), EXACT * len(density))
 
 
-def _spread(work: Callable[[slice], Any], count: int, terms: int) -> list[Any]:
+def _spread(work: Callable[[slice], T], count: int, terms: int) -> list[T]:
     """Do a work on slices of so many things of so many terms; side by side where that pays, as starting threads costs.
 
     What comes out does not depend on how many there are: things do not meet.

@@ -11,8 +11,6 @@ References
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -87,7 +85,9 @@ def saved(bench: Bench, head: Head, made: Record, rng: np.random.Generator) -> R
     return Recording(channels, stamps[kept], 1.0 / bench.rate, epoch="utc")
 
 
-def _counts(bench: Bench, head: Head, seconds: Array, read: Array, warm: Array) -> tuple[NDArray[Any], NDArray[Any]]:
+def _counts(
+    bench: Bench, head: Head, seconds: Array, read: Array, warm: Array
+) -> tuple[NDArray[np.int16], NDArray[np.int16]]:
     """Return counts of readings and of temperatures, shape (n, 3) each, as the converter has them: 16 bits."""
     known = chain(bench, head)
     gain = None if bench.gain_change is None else _gains(bench, seconds)

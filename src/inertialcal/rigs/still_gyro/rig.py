@@ -12,7 +12,7 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import TypeAlias
 
 import numpy as np
 
@@ -21,7 +21,7 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...sensors.noise.simulate import simulate
-from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, Term, quantity_name
+from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, quantity_name
 from ..parts.standards import drawn_error
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
@@ -29,6 +29,8 @@ from .campaign import campaign_text, recording_file
 from .setup import Bench
 
 __all__ = ["FAULTS", "RIG", "Bench", "build"]
+
+Drift: TypeAlias = RandomWalk | RateRandomWalk | BiasInstability
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 APART = 86_400  # from record to record [s]
@@ -69,7 +71,7 @@ def build(bench: Bench, seed: int) -> Twin:
     return Twin(campaign_text(bench), recordings, _true_values(terms), drawn)
 
 
-def _draw_unit(bench: Bench, rng: np.random.Generator) -> dict[str, tuple[Term, ...]]:
+def _draw_unit(bench: Bench, rng: np.random.Generator) -> dict[str, tuple[Drift, ...]]:
     """Return the terms of each axis, drawn about those of the bench."""
     size = 1.0 + SPREAD * (2.0 * rng.random(5) - 1.0)
     return {
@@ -79,23 +81,19 @@ def _draw_unit(bench: Bench, rng: np.random.Generator) -> dict[str, tuple[Term, 
     }
 
 
-def _true_values(terms: Mapping[str, tuple[Term, ...]]) -> tuple[TrueValue, ...]:
+def _true_values(terms: Mapping[str, tuple[Drift, ...]]) -> tuple[TrueValue, ...]:
     """Return the sizes as the results name them, SI."""
     units = {"random_walk": "rad/sqrt(s)", "rate_random_walk": "rad/s/sqrt(s)", "bias_instability": "rad/s"}
     return tuple(
-        TrueValue(quantity_name(term.name, "coefficient", "gyro"), axis, float(_size(term)), units[term.name])
+        TrueValue(quantity_name(term.name, "coefficient", "gyro"), axis, float(term.coefficient), units[term.name])
         for axis, own in terms.items()
         for term in own
     )
 
 
-def _size(term: Any) -> float:
-    return float(term.coefficient)
-
-
 def _recording(
     bench: Bench,
-    terms: Mapping[str, tuple[Term, ...]],
+    terms: Mapping[str, tuple[Drift, ...]],
     bias: Array,
     error: float,
     number: int,

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -221,7 +221,7 @@ def wide(name: str, values: ArrayLike, k: int, n: int | None = None) -> Array:
     return array
 
 
-def nonzero(name: str, value: Any, k: int) -> Array:
+def nonzero(name: str, value: ArrayLike, k: int) -> Array:
     """Factors as an array, one for all or one of k.
 
     Raises

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..codes import is_stuck, levels_of, longest_run, rails
 from ..names import Quantity
@@ -35,7 +35,7 @@ class Channel:
 
 
 def of_channel(
-    x: NDArray[Any],
+    x: Numbers,
     present: NDArray[np.bool_] | None,
     quantity: Quantity,
     kind: Kind,
@@ -96,7 +96,7 @@ def _remarks(flat: bool, terms: NDArray[np.int64], told: int, k: int, name: str)
     return found
 
 
-def code_remarks(x: NDArray[Any], name: str) -> tuple[Remark, ...]:
+def code_remarks(x: Numbers, name: str) -> tuple[Remark, ...]:
     """Return what the codes of a channel say: stuck for long, or piled up at the ends of the range.
 
     Takes longer than the deviations themselves, and is left to who reads the file.

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import DataError, PlanError
+from ...core.estimate import Numbers
 from .deviations import KINDS, Kind
 from .edf import BLUEST
 from .prefix import QUANTITIES
@@ -46,7 +47,7 @@ def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"]
     return kind
 
 
-def checked_samples(x: ArrayLike, interval: float, scale: float) -> NDArray[Any]:
+def checked_samples(x: ArrayLike, interval: float, scale: float) -> Numbers:
     """Return samples as an array, shape (n, axes), in their type.
 
     Raises
@@ -69,7 +70,7 @@ def checked_samples(x: ArrayLike, interval: float, scale: float) -> NDArray[Any]
     return samples[:, None] if samples.ndim == 1 else samples
 
 
-def checked_present(present: NDArray[np.bool_] | None, samples: NDArray[Any]) -> NDArray[np.bool_] | None:
+def checked_present(present: NDArray[np.bool_] | None, samples: Numbers) -> NDArray[np.bool_] | None:
     """Return which samples are there, shape (n, axes).
 
     Raises

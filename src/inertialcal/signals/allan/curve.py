@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,6 +16,9 @@ from ...core.show.rounding import number
 from ...core.show.tables import Grid, Part, html, short, text
 from ..names import Deviation, Quantity
 from .deviations import KINDS
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 NAMES = {2: "quantisation", 1: "flicker of angle", 0: "white", -1: "flicker", -2: "random walk", -3: "flicker walk"}
 NAMES |= {-4: "random run"}
@@ -97,7 +100,7 @@ class Allan:
         """Square of the deviation, shape (k, axes)."""
         return self.deviation**2
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row an averaging time of a channel."""
         k, axes = self.deviation.shape
         shown = {name: getattr(self, name).T.ravel() for name in ("n", "deviation", "lo", "hi", "edf", "power")}

@@ -25,12 +25,11 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from . import _kernels as kernels
 from . import _kernels_missing as missing
 from .prefix import Phase
@@ -125,7 +124,7 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
         return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation, ends)
 
 
-def _sum_complete(p: NDArray[Any], kind: Kind, factors: NDArray[np.int64], sums: Array) -> None:
+def _sum_complete(p: Numbers, kind: Kind, factors: NDArray[np.int64], sums: Array) -> None:
     if kind.modified:
         _sum_modified(p, factors, sums)
     elif not kind.overlapping:
@@ -134,7 +133,7 @@ def _sum_complete(p: NDArray[Any], kind: Kind, factors: NDArray[np.int64], sums:
         kernels.sum_overlapping(p, factors, kind.order, sums)
 
 
-def _sum_modified(p: NDArray[Any], factors: NDArray[np.int64], sums: Array) -> None:
+def _sum_modified(p: Numbers, factors: NDArray[np.int64], sums: Array) -> None:
     """Averages of m second differences of P are third differences of the sums of P."""
     few = 0
     for longest in kernels.SHORT:

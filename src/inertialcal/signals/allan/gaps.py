@@ -7,19 +7,18 @@ interval, and never interpolated; stamps that are not a grid at all are refused.
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ...core.estimate import Numbers
 from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 
 MOST_EMPTY = 100.0  # places on the grid, a sample, above which a record is no record with gaps
 
 
-def on_grid(x: NDArray[Any], time_ns: Times, interval: float) -> tuple[NDArray[Any], NDArray[np.bool_]]:
+def on_grid(x: Numbers, time_ns: Times, interval: float) -> tuple[Numbers, NDArray[np.bool_]]:
     """Return samples on the regular grid of their interval, and which places hold one.
 
     Parameters

@@ -20,6 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ...core.estimate import Numbers
 from ..names import Quantity
 from . import _kernels as kernels
 
@@ -50,7 +51,7 @@ class Phase:
         Samples that are not there.
     """
 
-    values: NDArray[Any]
+    values: Numbers
     count: NDArray[np.int32]
     pointwise: bool
     missing: int = 0
@@ -61,7 +62,7 @@ class Phase:
         return not len(self.count)
 
 
-def phase_of(x: NDArray[Any], quantity: Quantity, present: NDArray[np.bool_] | None = None) -> Phase:
+def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None = None) -> Phase:
     """Return the phase of one channel.
 
     Parameters
@@ -92,7 +93,7 @@ def phase_of(x: NDArray[Any], quantity: Quantity, present: NDArray[np.bool_] | N
     return _of_all(x, quantity) if there is None or there.all() else _of_present(x, quantity, there)
 
 
-def _of_all(x: NDArray[Any], quantity: Quantity) -> Phase:
+def _of_all(x: Numbers, quantity: Quantity) -> Phase:
     level = _level(x)
     if quantity == "angle":
         return Phase(_less(x, level), NOTHING_MISSING, pointwise=True)
@@ -101,7 +102,7 @@ def _of_all(x: NDArray[Any], quantity: Quantity) -> Phase:
     return Phase(phase, NOTHING_MISSING, pointwise=False)
 
 
-def _memory(points: int, kind: type[np.generic]) -> NDArray[Any]:
+def _memory(points: int, kind: type[np.generic]) -> Numbers:
     """Return an empty array that starts on a cache line: so do windows of 8, 16, ... samples, which are read faster."""
     size = points * np.dtype(kind).itemsize
     try:
@@ -124,7 +125,7 @@ def give_back(phase: Phase) -> None:
         _spare[:] = [owner]
 
 
-def _of_present(x: NDArray[Any], quantity: Quantity, there: NDArray[np.bool_]) -> Phase:
+def _of_present(x: Numbers, quantity: Quantity, there: NDArray[np.bool_]) -> Phase:
     missing = int(len(x) - np.count_nonzero(there))
     level = _level(x, there)
     if quantity == "angle":
@@ -135,16 +136,16 @@ def _of_present(x: NDArray[Any], quantity: Quantity, there: NDArray[np.bool_]) -
     return Phase(phase, count, False, missing)
 
 
-def _summed(x: NDArray[Any]) -> type[np.generic]:
+def _summed(x: Numbers) -> type[np.generic]:
     return np.int64 if x.dtype.kind in "iub" else np.float64
 
 
-def _less(x: NDArray[Any], level: Any) -> NDArray[Any]:
-    less: NDArray[Any] = x.astype(_summed(x)) - level
+def _less(x: Numbers, level: Any) -> Numbers:
+    less: Numbers = x.astype(_summed(x)) - level
     return less
 
 
-def _level(x: NDArray[Any], there: NDArray[np.bool_] | None = None) -> Any:
+def _level(x: Numbers, there: NDArray[np.bool_] | None = None) -> Any:
     """Return what is taken off each sample: about their mean; exactly their value where all are equal."""
     sample = x[:: max(1, len(x) // LEVEL_FROM)]
     if there is not None:
@@ -158,7 +159,7 @@ def _level(x: NDArray[Any], there: NDArray[np.bool_] | None = None) -> Any:
         return np.float64(sample[0] + (sample - sample[0]).sum() / len(sample))
 
 
-def _whole_level(x: NDArray[Any], sample: NDArray[Any]) -> np.int64:
+def _whole_level(x: Numbers, sample: Numbers) -> np.int64:
     least, most = int(x.min()), int(x.max())
     first = int(sample[0]) if len(sample) else least
     level = first + sum(int(value) - first for value in sample) // max(1, len(sample))

@@ -14,20 +14,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
 from .._kernels import fill_first, fill_moments
 from ..time.samples import Flags, Indices
 
 FULL = 0.5  # part of the usual number of samples from which a block counts
 
-Signal = NDArray[Any] | Sequence[NDArray[Any]]
+Signal = Numbers | Sequence[Numbers]
 
 
 @dataclass(frozen=True, eq=False)
@@ -138,7 +137,7 @@ def block_statistics(
     return Blocks(first, stop, at, int(time_ns[0]), round(length * SECOND), *moments(channels, first, stop))
 
 
-def columns(signal: Signal) -> list[NDArray[Any]]:
+def columns(signal: Signal) -> list[Numbers]:
     """Return the channels of a signal one by one, each of shape (n,), not copied.
 
     Raises
@@ -158,7 +157,7 @@ def columns(signal: Signal) -> list[NDArray[Any]]:
 
 
 def moments(
-    channels: Sequence[NDArray[Any]], first: Indices, stop: Indices
+    channels: Sequence[Numbers], first: Indices, stop: Indices
 ) -> tuple[Array, Array, Array, Array, NDArray[np.int64]]:
     """Return mean, variance, least, largest and number of the finite samples [first, stop), each (b, channels)."""
     shape = (len(channels), len(first))

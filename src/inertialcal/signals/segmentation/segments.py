@@ -19,13 +19,12 @@ selects the turns of a head from a long record, by its block means and variances
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import Times
 from ...core.remarks import Remark
 from ..time.samples import Flags, Indices, Samples, samples_of
@@ -137,7 +136,7 @@ class Segmentation:
 
 
 def detect(
-    signal: NDArray[Any],
+    signal: Numbers,
     time_ns: Times | None = None,
     sample_interval: float | None = None,
     plan: Detection | None = None,
@@ -226,7 +225,7 @@ def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
     return np.ascontiguousarray(level), np.sqrt(np.ascontiguousarray(variance)), low == high
 
 
-def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Samples:
+def _samples_like(segmentation: Segmentation, signal: Numbers | None) -> Samples:
     """Give the samples of a signal of the same clock, or of the segmented one where it is absent."""
     own = segmentation.samples
     if signal is None:
@@ -239,7 +238,7 @@ def _samples_like(segmentation: Segmentation, signal: NDArray[Any] | None) -> Sa
 
 def dwells(
     segmentation: Segmentation,
-    signal: NDArray[Any] | None = None,
+    signal: Numbers | None = None,
     *,
     min_samples: int | None = None,
     min_duration: float | None = None,
@@ -283,7 +282,7 @@ def _reduced(samples: Samples, start: Indices, stop: Indices, drop_edge: int) ->
 
 def static_intervals(
     segmentation: Segmentation,
-    signal: NDArray[Any] | None = None,
+    signal: Numbers | None = None,
     *,
     min_samples: int | None = None,
     min_duration: float | None = None,
@@ -352,7 +351,7 @@ def placement_groups(segmentation: Segmentation, longest: float, same_level: flo
 
 def quiet_windows(
     segmentation: Segmentation,
-    signal: NDArray[Any] | None = None,
+    signal: Numbers | None = None,
     *,
     samples: int | None = None,
     duration: float | None = None,

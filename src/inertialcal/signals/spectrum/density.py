@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,9 @@ from ...core.show.result_tables import dof, told
 from ...core.show.rounding import number
 from ...core.show.tables import Grid, Part, html, text
 from ..names import Method
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 PER_DECADE = 3  # rows shown of a decade
 
@@ -174,9 +177,9 @@ class Spectrum:
                 density[out, axis] = np.exp(np.interp(place[out], place[~out], level))
         return replace(self, density=density)
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row a frequency, columns ``density_0``, ``lo_0``, ``hi_0``, ... an axis."""
-        columns: dict[str, Any] = {"frequency": self.frequency}
+        columns: dict[str, object] = {"frequency": self.frequency}
         lo, hi = self.lo, self.hi
         for axis in range(self.density.shape[1]):
             columns |= {f"density_{axis}": self.density[:, axis], f"lo_{axis}": lo[:, axis], f"hi_{axis}": hi[:, axis]}

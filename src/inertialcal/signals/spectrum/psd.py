@@ -14,14 +14,11 @@ References
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 from scipy import fft
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Method
 from .density import Spectrum
@@ -37,7 +34,7 @@ CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value
 
 
 def psd(
-    x: NDArray[Any],
+    x: Numbers,
     interval: float,
     method: Method = "welch",
     *,
@@ -94,7 +91,7 @@ def psd(
     )  # fmt: skip
 
 
-def _checked(x: NDArray[Any], interval: float, method: str, time_bandwidth: float, p: float) -> Array:
+def _checked(x: Numbers, interval: float, method: str, time_bandwidth: float, p: float) -> Array:
     if method not in {"welch", "multitaper"}:
         raise PlanError(f"method {method!r}", do="There are 'welch' and 'multitaper'")
     if not 2.0 <= time_bandwidth <= 32.0:

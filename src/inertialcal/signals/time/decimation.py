@@ -9,13 +9,11 @@ bins, each sample stands alone.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
 
 
@@ -36,7 +34,7 @@ class Bins:
     hi: Array
 
 
-def min_max(signal: NDArray[Any], time_ns: Times, bins: int = 600) -> Bins:
+def min_max(signal: Numbers, time_ns: Times, bins: int = 600) -> Bins:
     """Return least and largest value of each channel per bin.
 
     Parameters
@@ -83,7 +81,7 @@ def _ticks(time_ns: Times) -> Times:
     return np.concatenate([np.zeros(1, dtype=np.int64), np.cumsum(whole)])
 
 
-def _check(signal: NDArray[Any], time_ns: Times, bins: int) -> None:
+def _check(signal: Numbers, time_ns: Times, bins: int) -> None:
     if bins < 1:
         raise PlanError(f"{bins} bins, need 1 or more")
     if np.ndim(signal) != 2 or time_ns.shape != (len(signal),):

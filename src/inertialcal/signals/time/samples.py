@@ -7,13 +7,12 @@ outlier. Gaps come from the time axis; without time, samples count as one interv
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
 from .time_axis import TimeAxis, analyse
 
@@ -74,7 +73,7 @@ class Samples:
         return max(1, round(seconds / self.sample_interval))
 
 
-def samples_of(signal: NDArray[Any], time_ns: Times | None = None, sample_interval: float | None = None) -> Samples:
+def samples_of(signal: Numbers, time_ns: Times | None = None, sample_interval: float | None = None) -> Samples:
     """Return a signal, (n,) or (n, channels), as Samples, its time looked through.
 
     Raises

@@ -10,13 +10,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError, PlanError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import Times
 from ..segmentation.dwells import Dwell, dwell_of
 from .samples import LONGEST_GAP, Indices, samples_of
@@ -26,7 +24,7 @@ FIRST_PART = 64  # samples: a dwell is rarely shorter
 
 
 def dwells_by_windows(
-    windows_ns: Sequence[tuple[int, int]], signal: NDArray[Any], time_ns: Times, *, drop_edge: int = 1
+    windows_ns: Sequence[tuple[int, int]], signal: Numbers, time_ns: Times, *, drop_edge: int = 1
 ) -> tuple[Dwell, ...]:
     """Cut dwells at given times: from a schedule, or where the steps are too small to be seen.
 
@@ -81,8 +79,8 @@ def _check_windows(windows_ns: Sequence[tuple[int, int]]) -> None:
 
 
 def dwells_by_reference(
-    applied: NDArray[Any],
-    signal: NDArray[Any],
+    applied: Numbers,
+    signal: Numbers,
     time_ns: Times | None = None,
     sample_interval: float | None = None,
     *,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from ....core.axes import Kind
 from ....core.estimate import Array, Estimate
@@ -16,6 +16,9 @@ from ....core.show.tables import Grid, Part, html, text
 from ..terms import TERMS, Term
 from ..units import converted, shown_units
 from .goodness import ChiSquare
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 BEST = 5  # choices of terms that are shown
 REASONS = {
@@ -175,7 +178,7 @@ class NoiseFit:
                 found += _missing_rows(term, axis, test, condition)
         return tuple(found)
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row a parameter, with value, u, interval, unit, status and reason."""
         rows = self.rows()
         columns = {
