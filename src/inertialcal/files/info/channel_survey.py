@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from ...core.recording import Channel
-from ...core.remarks import Remark
+from ...core.remarks import Remark, Severity
 from ...core.results import finite
 from ...signals.codes import Rail, Run, is_stuck, levels_of, longest_run, rails, resolution
 
@@ -140,16 +140,16 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple
     remarks = []
     run = survey.longest_run
     if survey.is_constant:
-        severity = "info" if survey.quantity in NO_CODES else "warning"
+        severity: Severity = "info" if survey.quantity in NO_CODES else "warning"
         what = f"{survey.name!r} is {survey.minimum:g} throughout"
-        remarks.append(Remark("constant_channel", severity, what, place(0)))  # type: ignore[arg-type]
+        remarks.append(Remark("constant_channel", severity, what, place(0), subject=survey.name))
     elif survey.stuck and run is not None:
         what = f"{survey.name!r} stays at {run.value:g} for {run.length} samples: stuck?"
         do = "Leave that stretch out, or record again"
-        remarks.append(Remark("stuck", "warning", what, place(run.start), do=do))
+        remarks.append(Remark("stuck", "warning", what, place(run.start), do=do, subject=survey.name))
     for rail, first in zip(survey.rails, survey.rails_at, strict=True):
         code = ", the end of a converter" if rail.is_code else ""
         what = f"{survey.name!r} piles up at {rail.value:g}{code}: clipped?"
         do = "Record with a larger range"
-        remarks.append(Remark("clipped", "warning", what, place(first), rail.count, do))
+        remarks.append(Remark("clipped", "warning", what, place(first), rail.count, do, subject=survey.name))
     return tuple(remarks)

@@ -115,7 +115,7 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     said = heading(title, column.unit) if title or column.unit else Heading()
     if said.unknown:
         what = f"{said.unknown!r} in the header of {column.name!r} is no unit that fits: none taken"
-        remarks.append(Remark("unknown_unit", "info", what, where=path))
+        remarks.append(Remark("unknown_unit", "info", what, where=path, subject=column.name))
     quantity = "index" if _counts_rows(column, said.quantity) else said.quantity
     unit = None if quantity in ("index", "status") else said.unit
     return Described(column, said.axis, quantity, unit, "header" if unit else "")
@@ -178,5 +178,5 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
         )
     if described.unit not in (None, unit):
         what = f"{described.name!r} is {described.unit} by its header, {unit} by the flag: the flag is taken"
-        remarks.append(Remark("unit_overridden", "warning", what, where=path))
+        remarks.append(Remark("unit_overridden", "warning", what, where=path, subject=described.name))
     return replace(described, unit=unit, unit_from="flag")

@@ -24,10 +24,10 @@ def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], st
     remarks = []
     if len(empty):
         what = f"empty cell in {name!r}: missing"
-        remarks.append(Remark("missing_cells", "info", what, where(int(empty[0])), len(empty)))
+        remarks.append(Remark("missing_cells", "info", what, where(int(empty[0])), len(empty), subject=name))
     if len(nan):
         what = f"no finite number (NaN, inf) in {name!r}: taken as missing"
-        remarks.append(Remark("nan_literal", "warning", what, where(int(nan[0])), len(nan)))
+        remarks.append(Remark("nan_literal", "warning", what, where(int(nan[0])), len(nan), subject=name))
     return tuple(remarks)
 
 

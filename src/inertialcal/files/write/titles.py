@@ -92,7 +92,7 @@ def _remarks(channel: Channel, title: Title) -> Iterator[Remark]:
     found = read_back(title, channel)
     if bare_name(title.name) not in {bare_name(channel.name), channel.name.strip()}:
         what = f"column {channel.name!r} is written as {title.name!r}: its name cannot stand with its unit there"
-        yield Remark("column_renamed", "warning", what)
+        yield Remark("column_renamed", "warning", what, subject=channel.name)
     if found.unit != channel.unit:
         what = f"the unit of {channel.name!r}, {channel.unit or 'none'}, cannot be written so that it reads back"
-        yield Remark("unit_not_kept", "warning", what, do="Write Parquet")
+        yield Remark("unit_not_kept", "warning", what, do="Write Parquet", subject=channel.name)
