@@ -35,7 +35,6 @@ from inertialcal.report.figures.campaign import budget, matrix
 from inertialcal.report.figures.drawing import data
 from inertialcal.report.figures.drawing.scales import signed_log
 from inertialcal.report.figures.drawing.style import ROLES, plain, variables
-from inertialcal.report.figures.rate_table import dwells as dwell_figure
 from inertialcal.report.figures.rate_table import rate_error
 
 RATES = [-4.0, -2.0, -0.5, 0.5, 2.0, 4.0]
@@ -300,7 +299,7 @@ def test_dwells_need_the_trace_of_their_own_recording() -> None:
 
 
 def test_the_envelope_joins_neighbours_at_one_end() -> None:
-    at, values = dwell_figure.envelope(np.array([0.0, 1.0]), np.array([1.0, 3.0]), np.array([2.0, 4.0]))
+    at, values = data.envelope(np.array([0.0, 1.0]), np.array([1.0, 3.0]), np.array([2.0, 4.0]))
     assert (at.tolist(), values.tolist()) == ([0.0, 0.0, 1.0, 1.0], [1.0, 2.0, 4.0, 3.0])
 
 

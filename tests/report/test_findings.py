@@ -210,7 +210,7 @@ def test_lines_put_other_ways_of_reduction_beside_the_default() -> None:
     assert ways == ["as_published"]
     assert lines[0].row is not None
     assert lines[0].row["value"].raw == 1.0
-    assert lines[0].beside["as_published"]["value"].raw == 2.0
+    assert lines[0].alternatives["as_published"]["value"].raw == 2.0
     assert [len(found) for _, found in missing(rows)] == [1]
 
 

@@ -10,7 +10,8 @@ import pytest
 from inertialcal.report import findings
 from inertialcal.report.numbers import Number, time, wrap
 from inertialcal.report.page import environment
-from inertialcal.report.sections import by_test, reaches, sections, told_in
+from inertialcal.report.record_length import by_test, explained, finding, reaches
+from inertialcal.report.sections import sections
 
 DOUBT = "in doubt: the terms do not explain the Allan deviation"
 SHORT = "record too short; 80 min would show it at this limit"
@@ -33,8 +34,8 @@ def curve(test: str = "still", **values: list[Any]) -> dict[str, Any]:
     return {"name": "record_length", "test": test, "axis": "x", "columns": shown}
 
 
-def told(finding: findings.Finding) -> str:
-    return re.sub("<[^>]*>", "", findings.html(finding))
+def told(said: findings.Finding) -> str:
+    return re.sub("<[^>]*>", "", findings.html(said))
 
 
 def found(*curves: dict[str, Any], rows: list[dict[str, Any]] | None = None) -> list[Any]:
@@ -53,19 +54,17 @@ def test_lengths_are_said_in_the_unit_of_people(hours: float, said: str) -> None
 
 
 def test_the_finding_counts_what_is_known_and_what_is_not_found() -> None:
-    assert (
-        told(findings.of_noise(found(curve()))) == "One term is known to 10 % or better; one of two terms was not found"
-    )
+    assert told(finding(found(curve()))) == "One term is known to 10 % or better; one of two terms was not found"
     poor = curve(relative_error=[31.0, None], needed=[15.0, 1.3])
     said = "Angle random walk of x is known to 31 %; a record of 15 h would give 10 %; one of two terms was not found"
-    assert told(findings.of_noise(found(poor))) == said
-    assert " of x in still is known" in told(findings.of_noise(found(poor, curve("other"))))
-    assert told(findings.of_noise(found(curve(relative_error=[None, None])))) == "None of two terms was found"
+    assert told(finding(found(poor))) == said
+    assert " of x in still is known" in told(finding(found(poor, curve("other"))))
+    assert told(finding(found(curve(relative_error=[None, None])))) == "None of two terms was found"
 
 
 def test_terms_in_doubt_are_not_known() -> None:
     doubtful = found(curve(), rows=[row("angle_random_walk", 1.0, reason=DOUBT)])
-    assert told(findings.of_noise(doubtful)).startswith(f"Angle random walk of x: {DOUBT}")
+    assert told(finding(doubtful)).startswith(f"Angle random walk of x: {DOUBT}")
     rows = wrap([row("angle_random_walk", 1.0, reason=DOUBT), row("bias_instability", 2.0, reason=DOUBT)], "")
     assert told(findings.of_test("static_noise", rows, [])).endswith(f", on x; {DOUBT}")
 
@@ -87,7 +86,7 @@ def test_the_section_tells_why_and_how_long_and_the_table_of_the_test_does_not_a
     assert f"Gauss-Markov size x not found {SHORT}" in shown
     assert "angle random walk x 0.5 % long enough for 10 %" in shown
     (section,) = sections(wrap(rows, "/results"), [], [], [])
-    table = rendered("lines", lines=section.lines, ways=section.ways, elsewhere=told_in(known))
+    table = rendered("lines", lines=section.lines, ways=section.ways, elsewhere=explained(known))
     assert "upper limit" in table
     assert "too short" not in table
     assert "too short" in rendered("lines", lines=section.lines, ways=section.ways, elsewhere=set())

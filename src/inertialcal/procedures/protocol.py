@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, T
 
 from ..core.axes import AXES, Kind
 from ..core.figure import FigureSpec
-from ..core.show.sentence import Sentence, error_sentence
+from ..core.show.sentence import Sentence, WrittenRow, error_sentence
 
 if TYPE_CHECKING:
     from ..core.curve import Curve
@@ -517,7 +517,7 @@ class Procedure(Generic[P, R, S]):
         made: Callable[[], Sequence[Curve]] | None = getattr(result, "curves", None)
         return () if made is None else made()
 
-    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+    def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found as one sentence, of its rows in ``results.json``: its error, or its bias."""
         return error_sentence(rows)
 

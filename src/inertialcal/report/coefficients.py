@@ -12,7 +12,7 @@ from ..files.models.apply_python import python_text
 from ..sensors.model.sensor_model import equation
 from ..sensors.model.serial import from_dict
 from .findings import Figure, Finding
-from .numbers import Number, Text
+from .numbers import Branch, Number, Text
 from .sections import MODEL
 
 FORMULAS = 3  # lines of an equation before those that say what its symbols are
@@ -44,7 +44,7 @@ class Coefficient:
     symbol: str
     value: Number
     unit: str
-    row: Any | None
+    row: Branch | None
     note: str
     origin: str
 
@@ -61,7 +61,7 @@ class Delivered:
     c: str
 
 
-def delivered(content: Any, model: Any, rows: Sequence[Any]) -> Delivered:
+def delivered(content: Any, model: Branch, rows: Sequence[Branch]) -> Delivered:
     """Return what the page says of a model.
 
     Parameters
@@ -84,7 +84,7 @@ def delivered(content: Any, model: Any, rows: Sequence[Any]) -> Delivered:
     )
 
 
-def _coefficient(one: Any, model: Any, rows: dict[tuple[str, str], Any]) -> Coefficient:
+def _coefficient(one: Any, model: Branch, rows: dict[tuple[str, str], Any]) -> Coefficient:
     value: Any = model["terms"][one.field]
     for place in one.index:
         value = value[place]

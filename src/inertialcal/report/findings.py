@@ -13,7 +13,7 @@ from typing import Any
 from markupsafe import Markup, escape
 
 from ..core.show.sentence import Cited, Quoted, error_sentence
-from ..core.show.wording import VERDICTS, count, counted, listed, severities, words
+from ..core.show.wording import VERDICTS, count, counted, listed, severities
 from ..procedures import procedure_of
 from .numbers import Branch, Number, Text, both, clean, digits, time, unwrapped
 
@@ -52,12 +52,12 @@ def html(finding: Finding) -> Markup:
     return Markup("").join(escape(part if hasattr(part, "__html__") else clean(part)) for part in finding)
 
 
-def of_row(row: Any) -> Figure:
+def of_row(row: Branch) -> Figure:
     """Return the figure of a row of results."""
     return Figure(row["value"], row["u"], _unit(row["unit"]))
 
 
-def of_test(procedure: str, rows: Sequence[Branch], verdicts: Sequence[Any]) -> Finding:
+def of_test(procedure: str, rows: Sequence[Branch], verdicts: Sequence[Branch]) -> Finding:
     """Say what a test found, in the words of its procedure, and what the requirements made of it.
 
     Parameters
@@ -81,7 +81,7 @@ def _with_pointer(part: str | Cited, at: Mapping[int, Branch]) -> str | Figure:
     return Figure(row["value"], row["u"] if part.u else None, _unit(row["unit"]) if part.unit else "")
 
 
-def _made_of(verdicts: Sequence[Any]) -> Finding:
+def _made_of(verdicts: Sequence[Branch]) -> Finding:
     """Say what each requirement made of a test."""
     parts: Finding = ()
     for requirement in dict.fromkeys(one["requirement"] for one in verdicts):
@@ -90,49 +90,13 @@ def _made_of(verdicts: Sequence[Any]) -> Finding:
     return parts
 
 
-def worst(verdicts: Iterable[Any]) -> str:
+def worst(verdicts: Iterable[Branch]) -> str:
     """Return the gravest verdict of some."""
     found = {str(one["verdict"]) for one in verdicts}
     return next((word for word in VERDICTS if word in found), "")
 
 
-def of_noise(reaches: Sequence[Any]) -> Finding:
-    """Say which term is known worst for what was asked, and how many were not found."""
-    found = [one for one in reaches if one.known is not None]
-    missing = len(reaches) - len(found)
-    lost = f"; {count(missing)} of {counted(len(reaches), 'term')} {'was' if missing == 1 else 'were'} not found"
-    if not found:
-        return (f"None of {counted(len(reaches), 'term')} was found",)
-    poor = [one for one in found if not one.enough and not one.reason]
-    if not poor and any(one.reason for one in found):
-        first = next(one for one in found if one.reason)
-        return (
-            words(first.term).capitalize(),
-            " of ",
-            *_where(first, reaches),
-            ": ",
-            first.reason,
-            lost if missing else "",
-        )
-    if not poor:
-        start = f"{counted(len(found), 'term').capitalize()} {'is' if len(found) == 1 else 'are'} known to "
-        return (start, Figure(found[0].wanted, None, found[0].unit), " or better", lost if missing else "")
-    worst_one = max(poor, key=lambda one: one.known.raw)
-    said: Finding = (words(worst_one.term).capitalize(), " of ", *_where(worst_one, reaches), " is known to ",
-                     Figure(worst_one.known, None, worst_one.unit))  # fmt: skip
-    if worst_one.longer:
-        said = (*said, "; a record of ", Length(worst_one.needed, worst_one.time), " would give ",
-                Figure(worst_one.wanted, None, worst_one.unit))  # fmt: skip
-    return (*said, lost if missing else "")
-
-
-def _where(reach: Any, reaches: Sequence[Any]) -> Finding:
-    """Say of which axis, and of which test where there are several."""
-    several = len({str(one.test) for one in reaches}) > 1
-    return (reach.axis, " in ", reach.test) if several else (reach.axis,)
-
-
-def of_closed_loop(loop: Any) -> Finding:
+def of_closed_loop(loop: Branch) -> Finding:
     """Say on the worst axis what compensation did to readings that the model had not seen."""
     axis = worst_axis(loop)
     if axis is None:
@@ -143,12 +107,12 @@ def of_closed_loop(loop: Any) -> Finding:
     )  # fmt: skip
 
 
-def _why_this(loop: Any) -> str:
+def _why_this(loop: Branch) -> str:
     several = len({str(one["unit"]) for one in loop["axes"]}) > 1
     return ", with the largest share left, " if several else ", the axis with the largest left, "
 
 
-def worst_axis(loop: Any) -> Any | None:
+def worst_axis(loop: Branch) -> Any | None:
     """Return the axis with the largest rms error left after compensation; of several units, the largest share left."""
     axes = [one for one in loop["axes"] if one["compensated_rms"] is not None]
     if len({str(one["unit"]) for one in axes}) > 1:
@@ -156,7 +120,7 @@ def worst_axis(loop: Any) -> Any | None:
     return max(axes, key=lambda one: one["compensated_rms"].raw, default=None)
 
 
-def of_verdict(verdict: str | None, verification: Sequence[Any], loop: Any) -> Finding:
+def of_verdict(verdict: str | None, verification: Sequence[Branch], loop: Branch) -> Finding:
     """Say in one sentence why the verdict is what it is."""
     if not verdict:
         return ("No requirement is stated and no closed loop was run, so this report judges nothing.",)
@@ -210,7 +174,7 @@ def _names(names: Sequence[str]) -> Finding:
     return tuple(parts)
 
 
-def of_requirements(verification: Sequence[Any]) -> Finding:
+def of_requirements(verification: Sequence[Branch]) -> Finding:
     """Say how many of the rows of the verification matrix came out which way."""
     stated = [row for row in verification if row["requirement"] != LOOP]
     if not stated:
@@ -219,7 +183,7 @@ def of_requirements(verification: Sequence[Any]) -> Finding:
     return (f"{counted(len(stated), 'requirement').capitalize()}: {listed(tally)}",)
 
 
-def of_budget(rows: Sequence[Any]) -> Finding:
+def of_budget(rows: Sequence[Branch]) -> Finding:
     """Say which source the variance of a quantity mostly comes from."""
     known = [row for row in rows if row["share"] is not None]
     most = max(known, key=lambda row: row["share"].raw, default=None)
@@ -228,7 +192,7 @@ def of_budget(rows: Sequence[Any]) -> Finding:
     return ("Mostly ", most["source"], ", a share of ", Figure(most["share"]), " of the variance")
 
 
-def of_exclusions(rows: Sequence[Any]) -> Finding:
+def of_exclusions(rows: Sequence[Branch]) -> Finding:
     """Say how many dwells were left out, where else something was, and by how many rules.
 
     A row is one dwell, or a place with the count of what was left out there.
@@ -245,17 +209,17 @@ def of_exclusions(rows: Sequence[Any]) -> Finding:
     return (text[:1].upper() + text[1:],)
 
 
-def _whole(row: Any) -> int:
+def _whole(row: Branch) -> int:
     """Return how many windows a row is about; 0 where it counts something else."""
     return int(getattr(row["count"], "raw", row["count"])) if str(row["counts"]) == "window" else 0
 
 
-def of_remarks(remarks: Sequence[Any]) -> Finding:
+def of_remarks(remarks: Sequence[Branch]) -> Finding:
     """Say how many remarks there are of each severity."""
     return (severities([str(one["severity"]) for one in remarks]).capitalize(),)
 
 
-def of_model(model: Any | None, loop: Any) -> Finding:
+def of_model(model: Branch | None, loop: Branch) -> Finding:
     """Say whether there is a model, and whether recordings held out have judged it."""
     if model is None:
         return ("No model is delivered",)

@@ -5,13 +5,12 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ..core.key import case_of
 from ..core.show.sentence import estimated, largest
 from ..core.units import factor
 from .findings import Figure, Finding, of_row, worst_axis
-from .numbers import clean
+from .numbers import Branch, clean
 
 MODEL = re.compile("model(_.+)?")  # rows of the models that are delivered
 ERRORS = ("scale_factor_error", "misalignment")
@@ -38,7 +37,7 @@ class Highlight:
     rule: str
 
 
-def highlights(results: Any) -> list[Highlight]:
+def highlights(results: Branch) -> list[Highlight]:
     """Return up to three highlights, from what the campaign has.
 
     Parameters
@@ -60,7 +59,7 @@ def highlights(results: Any) -> list[Highlight]:
     return chosen
 
 
-def _closed_loop(loop: Any) -> Highlight | None:
+def _closed_loop(loop: Branch) -> Highlight | None:
     axis = worst_axis(loop)
     if axis is None:
         return None
@@ -69,24 +68,24 @@ def _closed_loop(loop: Any) -> Highlight | None:
     return Highlight(label, figure, _which(loop))
 
 
-def _which(loop: Any) -> str:
+def _which(loop: Branch) -> str:
     several = len({str(one["unit"]) for one in loop["axes"]}) > 1
     return f"on readings held out; the {'largest share' if several else 'axis with the largest error'} left"
 
 
-def _largest_error(rows: Sequence[Any]) -> Highlight | None:
+def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
     """Relative errors and angles beside each other: 1 % is taken for as much as 0.01 rad."""
     known = [row for quantity in ERRORS for row in estimated(rows, quantity, None)]
     row = max(known, key=_relative, default=None)
     return None if row is None else _of_row(row, "largest of all scale factor errors and misalignments")
 
 
-def _relative(row: Any) -> float:
+def _relative(row: Branch) -> float:
     unit = str(row["unit"])
     return abs(float(row["value"].raw)) * (1.0 if unit == "rad" else factor(unit, "1"))
 
 
-def _least_margin(verdicts: Sequence[Any]) -> Highlight | None:
+def _least_margin(verdicts: Sequence[Branch]) -> Highlight | None:
     """Return the verdict with the least margin for its limits: a negative one crosses them."""
     known = [one for one in verdicts if one["margin"] is not None]
     one = min(known, key=_margin, default=None)
@@ -99,7 +98,7 @@ def _least_margin(verdicts: Sequence[Any]) -> Highlight | None:
     return Highlight(label, (Figure(one["margin"], None, one["unit"]),), rule)
 
 
-def _limits(one: Any) -> Finding:
+def _limits(one: Branch) -> Finding:
     """Say what the margin is to."""
     lower, upper, unit = one["lower"], one["upper"], one["unit"]
     if lower is not None and upper is not None:
@@ -108,10 +107,10 @@ def _limits(one: Any) -> Finding:
     return () if end is None else ("; limit ", Figure(end, None, unit))
 
 
-def _margin(one: Any) -> float:
+def _margin(one: Branch) -> float:
     limits = [abs(float(end.raw)) for end in (one["lower"], one["upper"]) if end is not None and end.raw]
     return float(one["margin"].raw) / (min(limits) if limits else 1.0)
 
 
-def _of_row(row: Any, rule: str) -> Highlight:
+def _of_row(row: Branch, rule: str) -> Highlight:
     return Highlight((row["quantity"].replace("_", " "), " ", row["axis"]), (of_row(row),), rule)

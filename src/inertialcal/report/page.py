@@ -20,7 +20,7 @@ from markupsafe import Markup
 
 from ..core.show import output_table, wording
 from ..core.show.side_by_side import verdict_of
-from . import drawings, findings, numbers, sections
+from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
 from .drawings import Drawing
 from .figures import variables
@@ -36,7 +36,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "uncertainty": numbers.uncertainty,
     "digits": numbers.digits,
     "both": numbers.both,
-    "told": findings.html,
+    "sentence": findings.html,
     "bare": numbers.clean,
     "words": wording.words,
     "time": numbers.time,
@@ -86,18 +86,19 @@ def _content(
         "r": r,
         "model": modelled,
         "provenance": numbers.wrap(provenance, "provenance:"),
-        "delivered": None if model is None else delivered(model, modelled, lists["results"]),
+        "delivered": None if model is None or modelled is None else delivered(model, modelled, lists["results"]),
         "sections": sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"]),
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
         "output": output_table.output_rows(lists["results"], results["sequence"]),
-        "reaches": sections.reaches(r["curves"], lists["results"]),
+        "reaches": record_length.reaches(r["curves"], lists["results"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
         "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
         "lists": lists,
         "pictures": _pictures(results),
         "find": findings,
+        "record_length": record_length,
         "wording": wording,
         "grouped": sections.grouped,
         "tally": wording.tally,
@@ -168,16 +169,16 @@ def _of_all_tests(page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
     if page["output"]:
         yield "output", _block("output", page, output=page["output"], note=output_table.note)
     if page["reaches"]:
-        yield "noise", _block("noise", page, tests=sections.by_test(page["reaches"]))
+        yield "noise", _block("noise", page, tests=record_length.by_test(page["reaches"]))
 
 
 def _quantities(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
     """Yield the table of a test, and that of each of its records alone."""
-    own = {"lines": section.together, "ways": section.ways, "elsewhere": sections.told_in(page["reaches"])}
+    own = {"lines": section.together, "ways": section.ways, "elsewhere": record_length.explained(page["reaches"])}
     yield f"lines-{section.anchor}", _block("lines", page, **own)
     if section.alone:
-        beside = [line for line in section.lines if any(way in line.beside for way, _ in section.alone)]
-        yield f"alone-{section.anchor}", _block("alone", page, lines=beside, names=section.alone)
+        lines = [line for line in section.lines if any(way in line.alternatives for way, _ in section.alone)]
+        yield f"alone-{section.anchor}", _block("alone", page, lines=lines, names=section.alone)
 
 
 def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]]:

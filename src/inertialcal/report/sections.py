@@ -13,7 +13,7 @@ from ..core.show.alternatives import columns_of, lines_of, missing_of
 from ..core.show.side_by_side import own_rows, pairs_of
 from ..core.show.wording import SEVERITIES
 from .findings import Finding, of_test
-from .numbers import Text
+from .numbers import Branch, Text
 
 MODEL = "model"
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
@@ -21,14 +21,14 @@ MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 @dataclass(frozen=True)
 class Line:
-    """One quantity of one axis: its row, and those beside it."""
+    """One quantity of one axis: its row, and by condition those of other ways and of parts of the readings."""
 
     quantity: str
     condition: str
     axis: str
     unit: str
-    row: Any | None
-    beside: dict[str, Any]
+    row: Branch | None
+    alternatives: dict[str, Any]
 
 
 @dataclass(frozen=True)
@@ -61,7 +61,7 @@ class Section:
 
     test: str
     anchor: str
-    step: Any | None
+    step: Branch | None
     finding: Finding
     lines: list[Line]
     ways: list[str]
@@ -73,80 +73,9 @@ class Section:
     @property
     def together(self) -> list[Line]:
         """Lines of the whole test; what only single records have stands in the table of these."""
-        return [line for line in self.lines if line.row is not None or not line.beside.keys().isdisjoint(self.ways)]
-
-
-@dataclass(frozen=True)
-class Reach:
-    """What the records of a test of noise tell of one term of one axis, and how long one would have to be.
-
-    Parameters
-    ----------
-    test, axis, term : str
-        Which.
-    known : Number or None
-        Relative error; None for a term that was not found.
-    wanted : Number or None
-        Relative error that was asked for.
-    unit : str
-        Of both.
-    record, needed : Number or None
-        Length of the longest record, and of one that is enough; None where there is none.
-    time : str
-        Unit of these two.
-    reason : str
-        Why the term was not found, or is not to be relied on.
-    """
-
-    test: str
-    axis: str
-    term: str
-    known: Any | None
-    wanted: Any | None
-    unit: str
-    record: Any
-    needed: Any | None
-    time: str
-    reason: str
-
-    @property
-    def enough(self) -> bool:
-        """Whether these records know the term as well as was asked for."""
-        return self.known is not None and self.known.raw <= self.wanted.raw if self.wanted is not None else False
-
-    @property
-    def longer(self) -> bool:
-        """Whether a longer record is known that would be enough."""
-        return not self.enough and self.needed is not None and self.needed.raw > self.record.raw
-
-
-def reaches(curves: Iterable[Any], rows: Iterable[Any]) -> list[Reach]:
-    """Return what the records of all tests of noise tell of each term, with the reasons of their rows."""
-    found = []
-    reasons = {(row["test"], row["axis"], row["quantity"]): row["reason"] for row in rows if not row["condition"]}
-    for curve in curves:
-        if curve["name"] != "record_length":
-            continue
-        columns = curve["columns"]
-        keys = ("term", "relative_error", "wanted", "record", "needed")
-        for term, known, wanted, record, needed in zip(*(columns[key]["values"] for key in keys), strict=True):
-            unit, time = (str(columns[key]["unit"]) for key in ("relative_error", "record"))
-            reason = reasons.get((curve["test"], curve["axis"], term), "")
-            found.append(Reach(curve["test"], curve["axis"], term, known, wanted, unit, record, needed, time, reason))
-    return found
-
-
-def by_test(reaches: Iterable[Reach]) -> list[list[Reach]]:
-    """Return what is told of terms by test, in order of first appearance."""
-    found: dict[str, list[Reach]] = {}
-    for one in reaches:
-        found.setdefault(one.test, []).append(one)
-    return list(found.values())
-
-
-def told_in(reaches: Iterable[Reach]) -> set[tuple[str, str, str]]:
-    """Return of which test, axis and quantity the section of noise tells the reason."""
-    return {(one.test, one.axis, one.term) for one in reaches}
+        return [
+            line for line in self.lines if line.row is not None or not line.alternatives.keys().isdisjoint(self.ways)
+        ]
 
 
 def anchor(kind: str, name: str, number: int) -> str:
@@ -155,7 +84,9 @@ def anchor(kind: str, name: str, number: int) -> str:
     return f"{kind}-{kept}" if kept == name else f"{kind}-{kept}-{number}".replace("--", "-")
 
 
-def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[Any], remarks: Any) -> list[Section]:
+def sections(
+    rows: Sequence[Branch], sequence: Sequence[Branch], verdicts: Sequence[Branch], remarks: Sequence[Branch]
+) -> list[Section]:
     """Return a section a test, in the order run.
 
     Parameters
@@ -184,7 +115,7 @@ def sections(rows: Sequence[Any], sequence: Sequence[Any], verdicts: Sequence[An
     return found
 
 
-def table(rows: Iterable[Any]) -> tuple[list[Line], list[str]]:
+def table(rows: Iterable[Branch]) -> tuple[list[Line], list[str]]:
     """Return the estimated rows, a line a quantity and axis, and which conditions stand beside the result."""
     groups = lines_of(rows)
     shown, left = columns_of(groups)
@@ -192,12 +123,12 @@ def table(rows: Iterable[Any]) -> tuple[list[Line], list[str]]:
     return lines, [*shown, *left]
 
 
-def missing(rows: Iterable[Any]) -> list[tuple[str, list[Any]]]:
+def missing(rows: Iterable[Branch]) -> list[tuple[str, list[Any]]]:
     """Return the rows that the data could not carry, by their reason."""
     return list(missing_of(rows).items())
 
 
-def budgeted(rows: Iterable[Any]) -> dict[tuple[str, str, str], Any]:
+def budgeted(rows: Iterable[Branch]) -> dict[tuple[str, str, str], Any]:
     """Return the rows that budgets add up to, by test, quantity and axis."""
     return {
         (row["test"], row["quantity"], row["axis"]): row
@@ -206,18 +137,18 @@ def budgeted(rows: Iterable[Any]) -> dict[tuple[str, str, str], Any]:
     }
 
 
-def placed(remarks: Iterable[Any], test: str) -> list[Any]:
+def placed(remarks: Iterable[Branch], test: str) -> list[Any]:
     """Return the remarks of a test, the serious ones first."""
     mine = [one for one in remarks if is_placed(one["where"], test)]
     return by_severity(mine)
 
 
-def by_severity(remarks: Iterable[Any]) -> list[Any]:
+def by_severity(remarks: Iterable[Branch]) -> list[Any]:
     """Return remarks, the serious ones first."""
     return sorted(remarks, key=lambda one: SEVERITIES.index(one["severity"]))
 
 
-def grouped(rows: Iterable[Any], *keys: str) -> list[tuple[tuple[str, ...], list[Any]]]:
+def grouped(rows: Iterable[Branch], *keys: str) -> list[tuple[tuple[str, ...], list[Any]]]:
     """Return rows by the values of some keys, in order of first appearance."""
     groups: dict[tuple[str, ...], list[Any]] = {}
     for row in rows:

@@ -7,23 +7,25 @@ shown as long as there is room, else counted. A figure beside the result may lac
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from typing import TypeVar
 
 from ..key import WAYS, Case, Method, case_of
+from .sentence import WrittenRow
+
+R = TypeVar("R", bound=WrittenRow)
 
 MOST = 5  # columns beside the result
 ALL, TEXTBOOK = Case(Method.ALL_READINGS), Case(Method.TEXTBOOK)
-Row = Mapping[str, Any]
 Key = tuple[str, str, str, str]  # quantity, condition of its own, axis, unit
 
 
-def lines_of(rows: Iterable[Row]) -> dict[Key, dict[str, Row]]:
+def lines_of(rows: Iterable[R]) -> dict[Key, dict[str, R]]:
     """Return what is shown, a line a figure: its rows by the condition that they stand beside under, "" the result."""
     every = list(rows)
     results = [row for row in every if not case_of(row["condition"]).beside]
     open_ones = {_figure(row) for row in results if _is_open(row)}
     whole = _of_the_test([str(row["condition"]) for row in results])
-    found: dict[Key, dict[str, Row]] = {}
+    found: dict[Key, dict[str, R]] = {}
     for row in every:
         if _is_shown(row, open_ones):
             way = row["condition"] if case_of(row["condition"]).beside else ""
@@ -39,7 +41,7 @@ def _of_the_test(conditions: Sequence[str]) -> str:
     return max(conditions, key=conditions.count)
 
 
-def columns_of(lines: Mapping[Key, Mapping[str, Row]]) -> tuple[list[str], list[str]]:
+def columns_of(lines: Mapping[Key, Mapping[str, WrittenRow]]) -> tuple[list[str], list[str]]:
     """Return which conditions have a column beside the result, and for which there is no room."""
     there = list(dict.fromkeys(way for ways in lines.values() for way in ways if way))
     shown: list[str] = [way for way in WAYS if way in there]
@@ -52,12 +54,12 @@ def columns_of(lines: Mapping[Key, Mapping[str, Row]]) -> tuple[list[str], list[
     return shown, left
 
 
-def missing_of(rows: Iterable[Row]) -> dict[str, list[Row]]:
+def missing_of(rows: Iterable[R]) -> dict[str, list[R]]:
     """Return by their reason the rows of the result that the data could not carry; of those beside it what is new."""
     every = list(rows)
     shown = {id(row) for ways in lines_of(every).values() for row in ways.values()}
     known = {(*_figure(row), row["reason"]) for row in every if not case_of(row["condition"]).beside}
-    found: dict[str, list[Row]] = {}
+    found: dict[str, list[R]] = {}
     for row in every:
         case = case_of(row["condition"])
         again = case.beside and case != TEXTBOOK and (*_figure(row), row["reason"]) in known
@@ -73,16 +75,16 @@ def names_of(conditions: Sequence[str]) -> str:
     return "; ".join([*conditions[:2], "...", conditions[-1]])
 
 
-def _is_open(row: Row) -> bool:
+def _is_open(row: WrittenRow) -> bool:
     return bool(row["status"] == "not_estimated")
 
 
-def _is_shown(row: Row, open_ones: set[tuple[str, str]]) -> bool:
+def _is_shown(row: WrittenRow, open_ones: set[tuple[str, str]]) -> bool:
     if not _is_open(row):
         return True
     told = row["value"] is not None and case_of(row["condition"]).beside
     return told and not (case_of(row["condition"]) == ALL and _figure(row) in open_ones)
 
 
-def _figure(row: Row) -> tuple[str, str]:
+def _figure(row: WrittenRow) -> tuple[str, str]:
     return row["quantity"], row["axis"]

@@ -6,11 +6,17 @@ are mappings as ``results.json`` holds them.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, Protocol
 
-Row = Mapping[str, Any]
+
+class WrittenRow(Protocol):
+    """A row of ``results.json``: a mapping, or one that knows where it stands in the file."""
+
+    def __getitem__(self, key: str, /) -> Any:
+        """Return a field."""
+        ...
 
 
 class Quoted(str):
@@ -31,7 +37,7 @@ class Cited:
         Whether its uncertainty and its unit stand with it; without uncertainty it has few digits.
     """
 
-    row: Row
+    row: WrittenRow
     u: bool = True
     unit: bool = True
 
@@ -42,7 +48,7 @@ BIASES = ("bias", "residual_bias")
 ERROR = "scale_factor_error"
 
 
-def estimated(rows: Iterable[Row], quantity: str, condition: str | None = "") -> list[Any]:
+def estimated(rows: Iterable[WrittenRow], quantity: str, condition: str | None = "") -> list[Any]:
     """Return the rows of a quantity that the data could carry, under a condition; None takes any."""
     return [
         row
@@ -59,14 +65,14 @@ def largest(rows: Sequence[Any]) -> Any | None:
     return max(rows, key=lambda row: abs(float(row["value"])), default=None)
 
 
-def largest_of(quantities: Sequence[str], rows: Sequence[Row], condition: str | None = "") -> Sentence:
+def largest_of(quantities: Sequence[str], rows: Sequence[WrittenRow], condition: str | None = "") -> Sentence:
     """Say the largest value of some quantities, and on which axis; nothing where none was estimated."""
     row = largest([row for quantity in quantities for row in estimated(rows, quantity, condition)])
     return () if row is None else ("Largest ", row["quantity"].replace("_", " "), " ", Cited(row), ", on ",
                                    Quoted(row["axis"]))  # fmt: skip
 
 
-def error_sentence(rows: Sequence[Row]) -> Sentence:
+def error_sentence(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the scale factor error, the largest of several axes; the largest bias where there is none."""
     errors = [row for row in rows if row["quantity"] == ERROR]
     if not errors and (said := largest_of(BIASES, rows)):

@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.show.sentence import Cited, Quoted, Row, Sentence, error_sentence, estimated, largest, largest_of
+from ...core.show.sentence import Cited, Quoted, Sentence, WrittenRow, error_sentence, estimated, largest, largest_of
 
 BIASES = ("bias", "model_bias_error")
 
 
-def finding(rows: Sequence[Row]) -> Sentence:
+def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the largest bias, and the error of the control axis."""
     said = largest_of(BIASES, rows)
     if not said:

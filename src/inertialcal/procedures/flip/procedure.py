@@ -13,7 +13,7 @@ from .plan import INFLUENCES, Plan
 if TYPE_CHECKING:
     from ...core.key import Key
     from ...core.results import Row
-    from ...core.show.sentence import Sentence
+    from ...core.show.sentence import Sentence, WrittenRow
     from .readings import Readings
     from .reduction import Result
 
@@ -86,7 +86,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
 
         return side_by_side(result, other.result, other.id)
 
-    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+    def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""
         from .finding import finding
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.show.sentence import Cited, Row, Sentence, estimated, largest
+from ...core.show.sentence import Cited, Sentence, WrittenRow, estimated, largest
 from ...core.show.wording import counted
 
 
-def finding(rows: Sequence[Row]) -> Sentence:
+def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the scale factor, of how many runs, what it is off, and whether null runs are zero."""
     runs = {row["condition"]: row for row in rows if row["quantity"] == "response_amplitude"}
     found = largest(estimated(rows, "scale_factor"))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +11,7 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
-    from ...core.show.sentence import Sentence
+    from ...core.show.sentence import Sentence, WrittenRow
     from .readings import Readings
     from .reduction import Result
 
@@ -75,7 +75,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
 
         return reduce(plan, readings)
 
-    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+    def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""
         from .finding import finding
 

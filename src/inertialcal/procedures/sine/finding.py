@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.show.sentence import Row, Sentence, largest_of
+from ...core.show.sentence import Sentence, WrittenRow, largest_of
 
 
-def finding(rows: Sequence[Row]) -> Sentence:
+def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the largest amplitude."""
     return largest_of(("amplitude",), rows) or ("No amplitude could be estimated",)

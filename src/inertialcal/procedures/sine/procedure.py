@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
@@ -12,7 +12,7 @@ from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...core.results import Row
-    from ...core.show.sentence import Sentence
+    from ...core.show.sentence import Sentence, WrittenRow
     from .reduction import Readings, Result
 
 
@@ -78,7 +78,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         """Return the rows: there is no joint estimate."""
         return result.rows()
 
-    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+    def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""
         from .finding import finding
 

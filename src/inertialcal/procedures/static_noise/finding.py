@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.show.sentence import Cited, Quoted, Row, Sentence, estimated, largest
+from ...core.show.sentence import Cited, Quoted, Sentence, WrittenRow, estimated, largest
 from ...core.show.wording import words
 
 TERMS = ("angle_random_walk", "velocity_random_walk", "bias_instability", "gauss_markov_sigma", "rate_random_walk",
@@ -12,7 +12,7 @@ TERMS = ("angle_random_walk", "velocity_random_walk", "bias_instability", "gauss
 TOLD = 2  # terms in a sentence
 
 
-def finding(rows: Sequence[Row]) -> Sentence:
+def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the largest of the first two terms that were found, white noise and bias instability before others."""
     shown = [row for quantity in TERMS if (row := largest(estimated(rows, quantity))) is not None][:TOLD]
     if not shown:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
@@ -24,7 +24,7 @@ from .plan import INFLUENCES, Plan
 if TYPE_CHECKING:
     from ...core.remarks import Remark
     from ...core.results import Interval, Row
-    from ...core.show.sentence import Sentence
+    from ...core.show.sentence import Sentence, WrittenRow
     from .readings import Readings
     from .reduction import Result
 
@@ -122,7 +122,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         """Return the interval of a noise term."""
         return result.interval_at(row, p)
 
-    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+    def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""
         from .finding import finding
 

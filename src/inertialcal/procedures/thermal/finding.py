@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.key import reason_of
-from ...core.show.sentence import Cited, Quoted, Row, Sentence, estimated, largest
+from ...core.show.sentence import Cited, Quoted, Sentence, WrittenRow, estimated, largest
 
 OFFSETS = ("vacuum_offset", "bias_shift")
 
 
-def finding(rows: Sequence[Row]) -> Sentence:
+def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say over which temperatures the bias is known, what power-ups scatter by, and which axes show hysteresis."""
     lowest, highest = (
         [row for row in rows if row["quantity"] == name and row["value"] is not None]
@@ -34,9 +34,9 @@ def finding(rows: Sequence[Row]) -> Sentence:
     return (*said, "; hysteresis seen on ", *named)
 
 
-def _value(row: Row) -> float:
+def _value(row: WrittenRow) -> float:
     return float(row["value"])
 
 
-def _is_shown(row: Row) -> bool:
+def _is_shown(row: WrittenRow) -> bool:
     return reason_of(row["reason"]).code == "yes"

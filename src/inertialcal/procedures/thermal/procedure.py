@@ -24,7 +24,7 @@ from .plan import INFLUENCES, Plan, Thermometer
 if TYPE_CHECKING:
     from ...core.judging import Asked, Verdict
     from ...core.results import Row
-    from ...core.show.sentence import Sentence
+    from ...core.show.sentence import Sentence, WrittenRow
     from .readings import Readings
     from .reduction import Result
 
@@ -140,7 +140,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         """Return all rows: those against another test say more than the estimate."""
         return result.rows()
 
-    def finding(self, rows: Sequence[Mapping[str, Any]]) -> Sentence:
+    def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return what a test found, as one sentence."""
         from .finding import finding
 

@@ -11,9 +11,9 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.recording import SECOND, Channel, Recording
 from ....signals.time.decimation import min_max
+from ..drawing.data import envelope
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, TEXT, plain, set_labels, with_unit
-from ..rate_table.dwells import envelope
 
 NAME = "recording"
 MOST = 12  # channels drawn
@@ -56,8 +56,8 @@ def finding(recording: Recording, drawn: Sequence[Channel]) -> str:
     seconds = recording.seconds
     length = "" if seconds is None else f", {seconds[-1]:.6g} s"
     part = f", {len(drawn)} of {len(recording.channels)} channels" if len(drawn) < len(recording.channels) else ""
-    told = f"{len(recording)} samples{length}{part}"
-    return f"{plain(name)}: {told}" if name else told
+    said = f"{len(recording)} samples{length}{part}"
+    return f"{plain(name)}: {said}" if name else said
 
 
 def draw(axes: Sequence[Axes], recording: Recording, channels: Sequence[Channel], title: str = "") -> None:

@@ -19,7 +19,7 @@ Curve = Mapping[str, Any]
 def curves(results: Mapping[str, Any], name: str) -> list[Curve]:
     """Return the curves of that name, in their order; those without any value are left out."""
     found = [curve for curve in results.get("curves", []) if curve.get("name") == name and "columns" in curve]
-    return [curve for curve in found if any(map(_told, curve["columns"].values()))]
+    return [curve for curve in found if any(map(_has_values, curve["columns"].values()))]
 
 
 def numbers(curve: Curve, column: str) -> Array:
@@ -74,7 +74,7 @@ def distinct(values: Iterable[str]) -> list[str]:
     return list(dict.fromkeys(values))
 
 
-def _told(column: Mapping[str, Any]) -> bool:
+def _has_values(column: Mapping[str, Any]) -> bool:
     """Whether any value of a column is there."""
     return any(value is not None for value in column["values"])
 
@@ -102,4 +102,11 @@ def thinned(values: Array, most: int) -> NDArray[np.intp]:
     return np.array(sorted(kept), dtype=np.intp)
 
 
-__all__: Sequence[str] = ("curves", "distinct", "finite", "flags", "numbers", "thinned", "unit", "words")
+def envelope(time: Array, lo: Array, hi: Array) -> tuple[Array, Array]:
+    """Return the line from least to largest and back: shapes (2n,); NaN where a bin has no sample."""
+    at, values = np.repeat(time, 2), np.stack([lo, hi], axis=1)
+    values[1::2] = values[1::2, ::-1].copy()  # so that neighbours join at the same end
+    return at, np.where(np.isfinite(values).all(axis=1, keepdims=True), values, np.nan).ravel()
+
+
+__all__: Sequence[str] = ("curves", "distinct", "envelope", "finite", "flags", "numbers", "thinned", "unit", "words")

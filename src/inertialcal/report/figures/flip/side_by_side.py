@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from ....core.results import finite
 from ....core.show.rounding import with_uncertainty
-from ....core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, Row, pairs_of, verdict_of
+from ....core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, pairs_of, verdict_of
 from ..drawing.data import distinct
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_title, with_unit
@@ -31,7 +31,7 @@ SHOWS = (
 HEIGHT = 1.15  # of a panel [in]
 LONGEST = 18  # characters of a test's name beside the axes
 
-Pairs = Mapping[tuple[str, str], Mapping[str, Row]]
+Pairs = Mapping[tuple[str, str], Mapping[str, Mapping[str, Any]]]
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
@@ -48,7 +48,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
     return found
 
 
-def _picture(pairs: Pairs, tests: tuple[str, str], errors: Sequence[Row]) -> Picture:
+def _picture(pairs: Pairs, tests: tuple[str, str], errors: Sequence[Mapping[str, Any]]) -> Picture:
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes, pairs, tests, title)
 
@@ -58,17 +58,17 @@ def _picture(pairs: Pairs, tests: tuple[str, str], errors: Sequence[Row]) -> Pic
 
 def finding(pairs: Pairs, tests: tuple[str, str]) -> str:
     """Return the finding: of which axes the error is nearer to zero than that of the other, and by how much."""
-    told = []
+    said = []
     for axis, pair in _results(pairs).items():
         word = verdict_of(pair)
         if word == "not shown":
-            told.append(f"{plain(axis, 12)} not shown nearer")
+            said.append(f"{plain(axis, 12)} not shown nearer")
         else:
             row = pair[REDUCTION]
-            told.append(
+            said.append(
                 f"{plain(axis, 12)} {with_uncertainty(abs(row['value']), row['u'])} {plain(row['unit'])} {word}"
             )
-    return f"To zero, {plain(tests[0])} against {plain(tests[1])}: {'; '.join(told)}"
+    return f"To zero, {plain(tests[0])} against {plain(tests[1])}: {'; '.join(said)}"
 
 
 def draw(axes: Sequence[Axes], pairs: Pairs, tests: tuple[str, str], title: str = "") -> None:
@@ -115,6 +115,6 @@ def _mark(ax: Axes, place: int, row: Mapping[str, Any] | None, look: Mapping[str
     ax.plot(row["value"], place, linestyle="none", zorder=4, **look)
 
 
-def _results(pairs: Pairs) -> dict[str, Mapping[str, Row]]:
+def _results(pairs: Pairs) -> dict[str, Mapping[str, Mapping[str, Any]]]:
     """Return the pairs of all flips together, by axis."""
     return {axis: pair for (axis, flip), pair in pairs.items() if not flip}

@@ -58,8 +58,8 @@ def finding(curve: Curve, row: Mapping[str, Any] | None) -> str:
     moved = int(flags(curve, "moved").sum())
     if row is None:
         return f"{moved} run{'s' * (moved != 1)}: no scale factor is told from noise"
-    told = f"{with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}"
-    return f"{moved} run{'s' * (moved != 1)} with the mass moved: {told}"
+    said = f"{with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}"
+    return f"{moved} run{'s' * (moved != 1)} with the mass moved: {said}"
 
 
 def draw(ax: Axes, curve: Curve, row: Mapping[str, Any] | None, title: str = "") -> None:

@@ -15,7 +15,7 @@ from matplotlib.patches import Patch
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
-from ..drawing.data import Curve, curves, distinct, finite, flags, numbers, unit, words
+from ..drawing.data import Curve, curves, distinct, envelope, finite, flags, numbers, unit, words
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
@@ -76,13 +76,6 @@ def draw(ax: Axes, trace: Curve, dwells: Curve, title: str = "") -> None:
     set_title(ax, title)
     set_labels(ax, with_unit("time", unit(trace, "time")), with_unit(plain(trace.get("axis", "")), unit(trace, "lo")))
     set_legend(ax, patches)
-
-
-def envelope(time: Array, lo: Array, hi: Array) -> tuple[Array, Array]:
-    """Return the line from least to largest and back: shapes (2n,); NaN where a bin has no sample."""
-    at, values = np.repeat(time, 2), np.stack([lo, hi], axis=1)
-    values[1::2] = values[1::2, ::-1].copy()  # so that neighbours join at the same end
-    return at, np.where(np.isfinite(values).all(axis=1, keepdims=True), values, np.nan).ravel()
 
 
 def _spans(ax: Axes, dwells: Curve) -> list[Patch]:

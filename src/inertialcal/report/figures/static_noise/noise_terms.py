@@ -144,9 +144,9 @@ def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) ->
         if (term := _term(str(row["quantity"]))) in STROKES
     ]
     doubt = next((str(row["reason"]) for _, row in mine if row.get("reason")), "")
-    told = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
+    sized = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
     others = [_size(row) for _, row in mine[NAMED:]]
-    said = doubt or ", ".join([*told[:NAMED], *others]) or otherwise
+    said = doubt or ", ".join([*sized[:NAMED], *others]) or otherwise
     return f"{plain(axis)}: {plain(said, LONGEST)}"
 
 

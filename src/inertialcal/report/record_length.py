@@ -1,0 +1,117 @@
+"""How well the records of a sensor at rest know each term of its noise, and how long one would have to be."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+
+from ..core.show.wording import count, counted, words
+from .findings import Figure, Finding, Length
+from .numbers import Branch, Number
+
+
+@dataclass(frozen=True)
+class Reach:
+    """What the records of a test of noise tell of one term of one axis, and how long one would have to be.
+
+    Parameters
+    ----------
+    test, axis, term : str
+        Which.
+    known : Number or None
+        Relative error; None for a term that was not found.
+    wanted : Number or None
+        Relative error that was asked for.
+    unit : str
+        Of both.
+    record : Number
+        Length of the longest record.
+    needed : Number or None
+        Length of one that is enough; None where there is none.
+    time : str
+        Unit of these two.
+    reason : str
+        Why the term was not found, or is not to be relied on.
+    """
+
+    test: str
+    axis: str
+    term: str
+    known: Number | None
+    wanted: Number | None
+    unit: str
+    record: Number
+    needed: Number | None
+    time: str
+    reason: str
+
+    @property
+    def enough(self) -> bool:
+        """Whether these records know the term as well as was asked for."""
+        return self.known is not None and self.wanted is not None and self.known.raw <= self.wanted.raw
+
+    @property
+    def longer(self) -> bool:
+        """Whether a longer record is known that would be enough."""
+        return not self.enough and self.needed is not None and self.needed.raw > self.record.raw
+
+
+def reaches(curves: Iterable[Branch], rows: Iterable[Branch]) -> list[Reach]:
+    """Return what the records of all tests of noise tell of each term, with the reasons of their rows."""
+    found = []
+    reasons = {(row["test"], row["axis"], row["quantity"]): row["reason"] for row in rows if not row["condition"]}
+    for curve in curves:
+        if curve["name"] != "record_length":
+            continue
+        columns = curve["columns"]
+        keys = ("term", "relative_error", "wanted", "record", "needed")
+        for term, known, wanted, record, needed in zip(*(columns[key]["values"] for key in keys), strict=True):
+            unit, time = (str(columns[key]["unit"]) for key in ("relative_error", "record"))
+            reason = reasons.get((curve["test"], curve["axis"], term), "")
+            found.append(Reach(curve["test"], curve["axis"], term, known, wanted, unit, record, needed, time, reason))
+    return found
+
+
+def by_test(reaches: Iterable[Reach]) -> list[list[Reach]]:
+    """Return them by test, in order of first appearance."""
+    found: dict[str, list[Reach]] = {}
+    for one in reaches:
+        found.setdefault(one.test, []).append(one)
+    return list(found.values())
+
+
+def explained(reaches: Iterable[Reach]) -> set[tuple[str, str, str]]:
+    """Return the test, axis and quantity of each: the section of noise says their reason."""
+    return {(one.test, one.axis, one.term) for one in reaches}
+
+
+def finding(reaches: Sequence[Reach]) -> Finding:
+    """Say which term is known worst for what was asked, and how many were not found."""
+    found = [(one, one.known, one.wanted) for one in reaches if one.known is not None and one.wanted is not None]
+    missing = len(reaches) - len(found)
+    lost = f"; {count(missing)} of {counted(len(reaches), 'term')} {'was' if missing == 1 else 'were'} not found"
+    lost = lost if missing else ""
+    if not found:
+        return (f"None of {counted(len(reaches), 'term')} was found",)
+    poor = [(one, known, wanted) for one, known, wanted in found if not one.enough and not one.reason]
+    doubtful = next((one for one, _, _ in found if one.reason), None)
+    if poor:
+        one, known, wanted = max(poor, key=lambda each: each[1].raw)
+        term = words(one.term).capitalize()
+        said: Finding = (term, " of ", *_where(one, reaches), " is known to ", Figure(known, None, one.unit))
+        if one.longer and one.needed is not None:
+            needed = Length(one.needed, one.time)
+            said = (*said, "; a record of ", needed, " would give ", Figure(wanted, None, one.unit))
+        return (*said, lost)
+    if doubtful is not None:
+        term = words(doubtful.term).capitalize()
+        return (term, " of ", *_where(doubtful, reaches), ": ", doubtful.reason, lost)
+    one, _, wanted = found[0]
+    start = f"{counted(len(found), 'term').capitalize()} {'is' if len(found) == 1 else 'are'} known to "
+    return (start, Figure(wanted, None, one.unit), " or better", lost)
+
+
+def _where(reach: Reach, reaches: Sequence[Reach]) -> Finding:
+    """Say of which axis, and of which test where there are several."""
+    several = len({str(one.test) for one in reaches}) > 1
+    return (reach.axis, " in ", reach.test) if several else (reach.axis,)
