@@ -57,15 +57,15 @@ def test_intervals_hold_the_transient() -> None:
 def test_one_power_up_has_the_scatter_of_its_stretches() -> None:
     found = find_warm_up(*readings(np.random.default_rng(2), runs=1))
     assert found.level == "stretch"
-    assert found.seen
+    assert found.identified
     assert found.change == pytest.approx(A, rel=0.2)
 
 
 def test_no_transient_is_not_seen() -> None:
-    seen = [find_warm_up(*readings(np.random.default_rng(seed), change=0.0)).seen for seed in range(60)]
+    seen = [find_warm_up(*readings(np.random.default_rng(seed), change=0.0)).identified for seed in range(60)]
     assert np.mean(seen) < 0.15
     none = find_warm_up(*readings(np.random.default_rng(3), change=0.0))
-    assert none.seen or none.settled_after(1e-9) == 0.0
+    assert none.identified or none.settled_after(1e-9) == 0.0
 
 
 def test_too_few_readings_are_refused() -> None:

@@ -22,7 +22,7 @@ def test_rise_is_found_with_its_uncertainty() -> None:
 
 def test_white_noise_has_none() -> None:
     rng = np.random.default_rng(2)
-    assert not any(drift_of(rng.normal(size=N), 0, INTERVAL)[0].found for _ in range(200))
+    assert not any(drift_of(rng.normal(size=N), 0, INTERVAL)[0].significant for _ in range(200))
 
 
 @pytest.mark.parametrize("walk", [2e-3, 0.01, 1.0])
@@ -30,14 +30,14 @@ def test_a_random_walk_is_none(walk: float) -> None:
     """Steps from sample to sample, of white noise: its own rise is hidden, about as large as blocks scatter, alone."""
     rng = np.random.default_rng(4)
     records = (rng.normal(size=N) + walk * np.cumsum(rng.normal(size=N)) for _ in range(60))
-    assert sum(drift_of(x, 0, INTERVAL)[0].found for x in records) <= 3  # 0.6 expected at most
+    assert sum(drift_of(x, 0, INTERVAL)[0].significant for x in records) <= 3  # 0.6 expected at most
 
 
 def test_one_that_falls_early_is_a_warm_up_and_missing_samples_do_no_harm() -> None:
     rng, t = np.random.default_rng(3), np.linspace(0.0, 1.0, N)
     x = 0.3 * rng.normal(size=N) - 2.0 * np.exp(-t / 0.15)
     (whole,) = drift_of(x, 0, INTERVAL)
-    assert whole.found
+    assert whole.significant
     assert whole.remark("x").code == "warm_up"
     x[2_000:2_700] = np.nan
     (gaps,) = drift_of(x, 0, INTERVAL)

@@ -71,7 +71,7 @@ def test_stuck_stretches_are_left_out(value: float) -> None:
     places = [place for one in found.stuck for place in (one.first, one.last)]
     assert places == pytest.approx([2_000, 2_399, 7_000, 7_099], abs=2)
     assert found.bad == ()
-    assert not found.drifts[0].found
+    assert not found.drifts[0].significant
     assert np.count_nonzero(np.isnan(found.cleaned())) == pytest.approx(500, abs=8)
     assert "stuck" in [one.code for one in found.remarks]
 

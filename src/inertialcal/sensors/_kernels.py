@@ -13,7 +13,7 @@ import numba
 import numpy as np
 
 from ..core.estimate import Array
-from .model.nonlinearity import DIGITS, HALLEY_STEPS, LEFT_OVER, STEEP, STEPS, UNDONE
+from .model.nonlinearity import DIGITS, HALLEY_STEPS, ROUNDING, STEEP, STEPS, UNDONE
 
 BLOCK = 512  # rows
 compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
@@ -124,7 +124,7 @@ def _approach(curve: Array, readings: Array, found: Array) -> None:
             step = excess * slope / (slope * slope - excess * curvature)
             u = u - step
         left = abs((curvature * curvature - third * slope) * step * step * step)
-        final = (left <= LEFT_OVER * abs(u * slope * slope)) & (slope >= STEEP) & (u >= lowest) & (u <= highest)
+        final = (left <= ROUNDING * abs(u * slope * slope)) & (slope >= STEEP) & (u >= lowest) & (u <= highest)
         found[n] = u if final else np.nan
 
 

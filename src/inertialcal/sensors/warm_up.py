@@ -31,7 +31,7 @@ FEWEST = 12  # readings of a power-up that three unknowns need
 SEARCHED = (0.01, 1.0)  # of the length of the record: time constants that are looked for
 GRID = 25  # of them that are tried first
 STRETCHES = 10  # of a single power-up
-SEEN = 3.0  # standard uncertainties that a transient must stand out by
+SIGNIFICANT = 3.0  # standard uncertainties that a transient must stand out by
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,13 +59,13 @@ class WarmUp:
     level: str
 
     @property
-    def seen(self) -> bool:
+    def identified(self) -> bool:
         """Whether the transient stands out of the noise."""
-        return abs(self.change) > SEEN * math.sqrt(self.covariance[0, 0])
+        return abs(self.change) > SIGNIFICANT * math.sqrt(self.covariance[0, 0])
 
     def settled_after(self, tolerance: float) -> float:
         """Time after power-up from which less than the tolerance is left [s]; 0 where no transient is seen."""
-        if not self.seen or abs(self.change) <= tolerance:
+        if not self.identified or abs(self.change) <= tolerance:
             return 0.0
         return self.time_constant * math.log(abs(self.change) / tolerance)
 

@@ -63,7 +63,7 @@ class Drift:
     early: float
 
     @property
-    def found(self) -> bool:
+    def significant(self) -> bool:
         """Whether it is more than noise."""
         return self.chance < FALSE_ALARM
 

@@ -103,7 +103,7 @@ class RecordQuality:
         found: list[Remark] = []
         for axis, name in enumerate(self.names):
             found += [*_of_codes(self.values[:, axis], name), *self._of_motion(axis)]
-        return (*found, *(drift.remark(self.names[drift.axis]) for drift in self.drifts if drift.found))
+        return (*found, *(drift.remark(self.names[drift.axis]) for drift in self.drifts if drift.significant))
 
     def _of_motion(self, axis: int) -> list[Remark]:
         found, name = [], self.names[axis]

@@ -34,7 +34,7 @@ from ..core.estimate import Array
 from .least_squares import Fit
 
 ALONE = 1e-9  # 1 - share of a direction that one cluster decides, below which it decides it alone
-UNSEEN = 1e-6  # part of a variance that may be unseen before its dof is called 0
+UNRESOLVED = 1e-6  # part of a variance that may be unseen before its dof is called 0
 
 
 def clustered_covariance(fit: Fit, clusters: NDArray[Any]) -> tuple[Array, Array]:
@@ -140,7 +140,7 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     B[:, at, at] += own
     trace = np.einsum("mgg->m", B)
     wanted = np.sum(to_contrast**2, axis=1)
-    seen = trace > (1.0 - UNSEEN) * wanted
+    seen = trace > (1.0 - UNRESOLVED) * wanted
     dof = np.zeros(trace.size)
     dof[seen] = trace[seen] ** 2 / np.sum(B[seen] ** 2, axis=(1, 2))
     return dof

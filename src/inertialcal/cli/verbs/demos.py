@@ -63,11 +63,11 @@ def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
     return {"example": name} | outcome_content(outcome) | scored
 
 
-BESIDE = ("vacuum_offset", "angle_random_walk")  # shown with the model, which has no such terms
+WITH_MODEL = ("vacuum_offset", "angle_random_walk")  # shown with the model, which has no such terms
 
 
 def _of_others(row: Any) -> bool:
-    return row["quantity"] in BESIDE and case_of(row["condition"]).at is None
+    return row["quantity"] in WITH_MODEL and case_of(row["condition"]).at is None
 
 
 def _print_scored(outcome: Any, found: Any) -> None:

@@ -20,7 +20,7 @@ def doubt_of(found: NoiseFit | None) -> str:
     found : NoiseFit or None
         Fit of an axis.
     """
-    return " and ".join(DOUBTS[code] for code in (found.doubts if found is not None else ()))
+    return " and ".join(DOUBTS[code] for code in (found.fit_warnings if found is not None else ()))
 
 
 def fault_of(run: Run, axis: str) -> str:

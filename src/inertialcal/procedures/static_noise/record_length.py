@@ -10,7 +10,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from ...core.errors import InertialcalError
-from ...sensors.noise.fitting.noise_fit import FoundTerm, duration
+from ...sensors.noise.fitting.noise_fit import TermEstimate, duration
 from ...sensors.noise.planner import plan_record
 from ...sensors.noise.terms import Sinusoid
 from .axis_noise import AxisNoise
@@ -63,7 +63,7 @@ def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:
     return tuple(_reach(plan, found, term, record) for term in found.fit.found if term.name != Sinusoid.name)
 
 
-def _reach(plan: Plan, found: AxisNoise, term: FoundTerm, record: float) -> Reach:
+def _reach(plan: Plan, found: AxisNoise, term: TermEstimate, record: float) -> Reach:
     if term.status != "estimated":
         return Reach(term.name, term.words[0], None, record, term.record_needed, term.reason)
     first = term.parameters[0]

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 from ...core.axes import Kind
 from ...core.key import At, Key, Member, Reason
 from ...core.results import Interval, Row, not_estimated
-from ...sensors.noise.fitting.noise_fit import FoundTerm, NoiseFit, duration
+from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
 from ...sensors.noise.terms import TERMS, Sinusoid, quantity_name
 from ...sensors.noise.units import parameter_unit, sample_unit
 from ...statistics.intervals import t_interval
@@ -76,7 +76,7 @@ def _terms(result: Result, fit: NoiseFit, axis: str, doubt: str) -> Iterator[Row
             yield from _missing(result, term, axis, units)
 
 
-def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
+def _missing(result: Result, term: TermEstimate, axis: str, units: Mapping[str, str]) -> Iterator[Row]:
     """Yield the upper limit of a term that was not found, or that there is none."""
     reason, limit = Reason("not_found", _why(term)), term.upper_limit
     others = term.words
@@ -89,7 +89,7 @@ def _missing(result: Result, term: FoundTerm, axis: str, units: Mapping[str, str
     yield from (not_estimated(Key(word, axis), units[word], without) for word in others)
 
 
-def _why(term: FoundTerm) -> str:
+def _why(term: TermEstimate) -> str:
     """Say why a term was not found, and which record would show it."""
     if term.record_needed is None or term.record_needed <= term.record:
         return term.reason

@@ -171,7 +171,7 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     start, unit = one.start_up, result.readings.unit
     found = start.found
     names = (("warm_up_change", unit), ("warm_up_time_constant", "s"))
-    if found is None or not found.seen:
+    if found is None or not found.identified:
         reason = Reason("no_transient", start.reason if found is None else QUIET)
         yield from (not_estimated(Key(name, axis), its, reason) for name, its in names)
     else:
@@ -193,7 +193,7 @@ def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
         return Row(key, start.cut, None, "s", status="not_estimated", reason=Reason("by_plan", "as the plan says"))
     if found is None:
         return not_estimated(key, "s", Reason("no_transient", start.reason))
-    if not found.seen or start.cut <= 0.0:
+    if not found.identified or start.cut <= 0.0:
         return Row(key, 0.0, None, "s", status="not_estimated", reason=Reason("none_left_out", "nothing left out"))
     u, dof = found.u_settled_after(start.settled)
     if not dof > 0.0:

@@ -12,7 +12,7 @@ TIME, PULSES, TILT, TEMPERATURE = "unix_s", "pulses", "tilt_rad", "case_degc"
 SCHEDULE = "schedule.csv"
 BEGIN = 1_272_412_800  # 2010-04-28 00:00:00 UTC [s]
 APART = 86_400  # from run to run [s]
-OF_DAY = {True: 10 * 3600, False: 20 * 3600}  # start of a run in work hours, and after them [s]
+START_OF_DAY = {True: 10 * 3600, False: 20 * 3600}  # start of a run in work hours, and after them [s]
 
 
 def recording_file(run: Run) -> str:
@@ -22,7 +22,7 @@ def recording_file(run: Run) -> str:
 
 def begin(number: int, run: Run) -> int:
     """Return when the first dwell of a run starts, counted from 0 [s, UNIX]."""
-    return BEGIN + number * APART + OF_DAY[run.work]
+    return BEGIN + number * APART + START_OF_DAY[run.work]
 
 
 def campaign_text(bench: Bench) -> str:

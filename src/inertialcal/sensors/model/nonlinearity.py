@@ -19,7 +19,7 @@ STEPS = 100  # bisection alone reaches the last digit in 60
 DIGITS = 4.0 * np.finfo(float).eps  # relative width at which an inverse is final
 UNDONE = 1e-9  # of the reading: what the inverse may miss where rounding keeps the steps from coming to rest
 HALLEY_STEPS = 2
-LEFT_OVER = 1e-17  # relative error of the last step that rounding hides
+ROUNDING = 1e-17  # relative error of the last step that rounding hides
 STEEP = 0.1  # slope from which on the estimate of that error holds
 
 
@@ -156,7 +156,7 @@ def approached(curve: Curve, branch: Array, readings: Array) -> Array:
             step = excess * slope / (slope * slope - excess * curvature)
             u = u - step
         left = np.abs((curvature * curvature - curve.third * slope) * step * step * step)
-        settled = left <= LEFT_OVER * np.abs(u * slope * slope)
+        settled = left <= ROUNDING * np.abs(u * slope * slope)
     final: Array = np.where(settled & (slope >= STEEP) & (u >= low) & (u <= high), u, np.nan)
     return final
 

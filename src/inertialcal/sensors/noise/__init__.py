@@ -11,7 +11,7 @@ from .allan_of_terms import expected_variance
 from .filter_block import FilterBlock
 from .fitting.estimator import fit
 from .fitting.goodness import ChiSquare
-from .fitting.noise_fit import FoundTerm, NoiseFit, Parameter, duration
+from .fitting.noise_fit import NoiseFit, Parameter, TermEstimate, duration
 from .flicker_bank import flicker_bank
 from .forecast import Forecast, forecast
 from .planner import RecordPlan, plan_record
@@ -41,7 +41,6 @@ __all__ = [
     "ChiSquare",
     "FilterBlock",
     "Forecast",
-    "FoundTerm",
     "GaussMarkov",
     "Kind",
     "NoiseFit",
@@ -55,6 +54,7 @@ __all__ = [
     "Sinusoid",
     "StateSpace",
     "Term",
+    "TermEstimate",
     "bias_state",
     "combined",
     "continuous_spectrum",

@@ -27,7 +27,7 @@ from .terms import Term, total_phase
 
 SHOWN = 0.25  # relative error of a size that is shown to be there
 SPANS = 3  # longest averaging time of the octaves, in its lengths that a record holds
-OF_NOISE = 1.5  # degrees of freedom of an averaging time that a record holds, most of all noises (white)
+NOISE_EDF = 1.5  # degrees of freedom of an averaging time that a record holds, most of all noises (white)
 STEP = 1e-4  # relative, of the derivative for a parameter that the variance is not a power of
 SCALES = ("coefficient", "sigma", "amplitude")  # parameters whose square the Allan variance is proportional to
 GIVEN = ("frequency",)  # parameters that are told before a fit
@@ -165,7 +165,7 @@ def relative_errors(terms: tuple[Term, ...], record: float, interval: float, ave
     phase = total_phase(terms, interval, averaging)
     mean = variance_of_phase(phase, m)
     sigma = covariance_of_allan(phase, m, n - 2.0 * m + 1.0)
-    edf = np.minimum(model_edf(mean, sigma), OF_NOISE * n / m)  # the fit weighs a ramp or a line as if it were noise
+    edf = np.minimum(model_edf(mean, sigma), NOISE_EDF * n / m)  # the fit weighs a ramp or a line as if it were noise
     return sandwich_of(slopes, 0.5 * edf / mean**2, sigma).u
 
 

@@ -129,7 +129,7 @@ def read_cards(text: str, where: str = "") -> Deck:
     """
     cards = _Cards(text.splitlines(), where)
     found: list[SyntheticCase | MeasuredCase] = []
-    while cards.left or not found:
+    while cards.more or not found:
         kind = cards.fields((("KT", 4),))["KT"]
         if kind < 0:
             break
@@ -146,7 +146,7 @@ class _Cards:
         self._lines, self._where, self._next = lines, where, 0
 
     @property
-    def left(self) -> bool:
+    def more(self) -> bool:
         """Whether a card that is not blank is left."""
         return any(line.strip() for line in self._lines[self._next :])
 

@@ -42,8 +42,8 @@ FEWEST = 16  # places from which it can be
 LOW = 0.1  # quantile of window variances that, with the median, tells their spread
 RAMP = 3  # samples at each end of a stretch that may still belong to the ramp
 EDGE = 3.5  # standard deviations at which they do
-BESIDE = 8  # samples after the ramp that give the level there
-SHORTEST = RAMP + BESIDE + 1  # samples that a stretch needs
+LEVEL_SAMPLES = 8  # samples after the ramp that give the level there
+SHORTEST = RAMP + LEVEL_SAMPLES + 1  # samples that a stretch needs
 
 
 def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
@@ -327,9 +327,9 @@ def settled_ends(
     start, stop : ndarray of int, shape (k,)
         Ascending and disjoint.
     """
-    first = (total[start + RAMP + BESIDE] - total[start + RAMP]) / BESIDE
-    last = (total[stop - RAMP] - total[stop - RAMP - BESIDE]) / BESIDE
-    limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / BESIDE)
+    first = (total[start + RAMP + LEVEL_SAMPLES] - total[start + RAMP]) / LEVEL_SAMPLES
+    last = (total[stop - RAMP] - total[stop - RAMP - LEVEL_SAMPLES]) / LEVEL_SAMPLES
+    limit = EDGE * noise.scale * np.sqrt(1.0 + 1.0 / LEVEL_SAMPLES)
     start = _settled(start, 1, y, first, limit, walls, np.concatenate(([0], stop[:-1])))
     stop = _settled(stop, -1, y, last, limit, walls, np.concatenate((start[1:], [len(y)])))
     return start, stop

@@ -33,7 +33,7 @@ WIDEST = 64  # neighbours on each side
 FEWEST = 12  # neighbours on each side that make a level
 PART = 0.5  # of the distance from zero frequency, that the neighbours may reach ...
 KNOWN = 32.0  # ... up to so many degrees of freedom of a value; by their fourth root less beyond
-OF_ALL = 32  # part of all values that lie on one side, at most
+ONE_SIDED = 32  # part of all values that lie on one side, at most
 STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is needed
 
 
@@ -91,7 +91,7 @@ def _windows(spectrum: Spectrum) -> Callable[[Array], Array]:
     at = np.arange(n)
     order = np.round(spectrum.frequency / spectrum.spacing).astype(np.int64)
     part, fewest = PART * min(1.0, (KNOWN / spectrum.edf) ** 0.25), FEWEST + guard
-    half = np.minimum(np.minimum((part * order).astype(np.int64), at), min(WIDEST, max(n // OF_ALL, fewest)))
+    half = np.minimum(np.minimum((part * order).astype(np.int64), at), min(WIDEST, max(n // ONE_SIDED, fewest)))
     half = np.where((half >= fewest) & (8 * fewest <= n), half, 0)  # half of a short spectrum is no neighbourhood
     high = np.minimum(at + half, n - 1)
     low = np.maximum(high - 2 * half, 0)

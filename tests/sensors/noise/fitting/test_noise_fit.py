@@ -193,7 +193,7 @@ def test_a_run_that_differs_is_no_misfit_of_the_terms() -> None:
     for seed in range(1, 7):
         runs = [curve((RandomWalk(size),), 10_000, 0.1, 10 * seed + i) for i, size in enumerate((1.0, 1.0, 1.05))]
         found = fit(runs, "gyro", terms=names(white))
-        told += "runs_disagree" in found.doubts
+        told += "runs_disagree" in found.fit_warnings
         assert found.misfit < 0.02
     assert told >= 5
     (row,) = (row for row in found.rows() if row.quantity == "angle_random_walk")
@@ -205,7 +205,7 @@ def test_a_misfit_at_its_bound_is_told() -> None:
     wild = replace(run, variance=run.variance * np.exp(2.0 * np.cos(2.4 * np.arange(len(run.m)))))
     found = fit(wild, "gyro", terms=["random_walk"])
     assert found.misfit == 0.25
-    assert found.doubts == ("terms_do_not_explain",)
+    assert found.fit_warnings == ("terms_do_not_explain",)
     assert "no figure of this fit holds" in found.remarks[0].what
     assert "do not explain" in found.rows()[0].reason.text
 

@@ -70,7 +70,7 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
         rates = quality.cleaned()[:, 0] if bad else rates
         left_out = before - int(np.count_nonzero(np.isfinite(rates)))
     remarks = [*_moving(quality, axis), *_disturbed(bad, run, axis, left_out)]
-    remarks += [_drift(one, plan, run, axis) for one in quality.drifts if one.found]
+    remarks += [_drift(one, plan, run, axis) for one in quality.drifts if one.significant]
     remarks += coarse_steps(rates, axis)
     return Looked(rates, bad, left_out, tuple(remarks))
 

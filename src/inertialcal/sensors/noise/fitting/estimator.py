@@ -21,7 +21,6 @@ from ....core.errors import DataError, PlanError
 from ..runs import AllanLike, Run, run_of, unit_of
 from ..terms import RateRamp, Sinusoid
 from ..units import sample_unit
-from .found_terms import Solution, estimate_of, estimated, not_identified
 from .goodness import SIGNIFICANT, agreement_test, residual_test
 from .likelihood import Fitted, covariance_of_runs, estimate, mean_of, sandwich, terms_of
 from .misfit import misfit_of
@@ -29,6 +28,7 @@ from .noise_fit import NoiseFit
 from .order import NAMES, Choice, criterion, present, ranked, separable
 from .problem import GAUSS_MARKOV, Problem, problem_of, with_misfit
 from .remarks import remarks_of
+from .term_estimates import Solution, estimate_of, estimated, not_identified
 
 AUTO = (*NAMES, GAUSS_MARKOV)
 

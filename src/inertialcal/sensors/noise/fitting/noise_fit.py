@@ -60,7 +60,7 @@ class Parameter:
 
 
 @dataclass(frozen=True)
-class FoundTerm:
+class TermEstimate:
     """One term: its parameters, or why it has none.
 
     Parameters
@@ -122,7 +122,7 @@ class NoiseFit:
         Of the sensor; None where the unit is that of the file.
     unit : str
         Of the samples.
-    found : tuple of FoundTerm
+    found : tuple of TermEstimate
         Terms, those estimated first.
     estimate : Estimate
         All parameters that were fitted, with their covariance.
@@ -144,7 +144,7 @@ class NoiseFit:
 
     kind: Kind | None
     unit: str
-    found: tuple[FoundTerm, ...]
+    found: tuple[TermEstimate, ...]
     estimate: Estimate
     choices: tuple[tuple[tuple[str, ...], float], ...]
     residual: ChiSquare | None
@@ -156,19 +156,19 @@ class NoiseFit:
     expected: tuple[Array, ...]
     remarks: tuple[Remark, ...] = ()
 
-    def term(self, name: str) -> FoundTerm | None:
+    def term(self, name: str) -> TermEstimate | None:
         """Return what was found of a term; None if it was no candidate."""
         return next((term for term in self.found if term.name == name), None)
 
     @property
-    def doubts(self) -> tuple[str, ...]:
+    def fit_warnings(self) -> tuple[str, ...]:
         """Codes of remarks for which the figures are not to be relied on: keys of `DOUBTS`; empty where all is well."""
         return tuple(code for code in DOUBTS if any(remark.code == code for remark in self.remarks))
 
     def rows(self, axis: str = "", test: str = "", condition: str = "") -> tuple[Row, ...]:
         """Return the parameters as rows of a result, inside units; limits of terms that are not identified."""
         found: list[Row] = []
-        doubt = [DOUBTS[code] for code in self.doubts]
+        doubt = [DOUBTS[code] for code in self.fit_warnings]
         for term in self.found:
             said = "; ".join([*doubt, term.reason] if term.reason else doubt)
             for one in term.parameters:
@@ -217,7 +217,7 @@ class NoiseFit:
         return html(self.parts())
 
 
-def _missing_rows(term: FoundTerm, axis: str, test: str, condition: str) -> list[Row]:
+def _missing_rows(term: TermEstimate, axis: str, test: str, condition: str) -> list[Row]:
     reason = term.reason
     if term.limit_at is not None:
         reason += f"; limit at a correlation time of {duration(term.limit_at)}"
@@ -244,7 +244,7 @@ def _missing_rows(term: FoundTerm, axis: str, test: str, condition: str) -> list
     ]  # fmt: skip
 
 
-def _table(found: tuple[FoundTerm, ...], kind: Kind | None) -> Grid:
+def _table(found: tuple[TermEstimate, ...], kind: Kind | None) -> Grid:
     rows = [
         _row(one, unit)
         for term in found
@@ -264,7 +264,7 @@ def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
     return one.name, with_uncertainty(one.value * times, one.u * times), unit, between
 
 
-def _missing(missing: list[FoundTerm], kind: Kind | None) -> Grid:
+def _missing(missing: list[TermEstimate], kind: Kind | None) -> Grid:
     rows = []
     for term in missing:
         unit = next(iter(shown_units(term.name, TERMS[term.name].parameters[0], kind)), term.unit)

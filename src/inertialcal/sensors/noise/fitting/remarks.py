@@ -13,10 +13,10 @@ from ....core.remarks import Remark
 from ....core.show.rounding import number
 from ..terms import GaussMarkov, RandomWalk, quantity_name
 from ..units import converted, parameter_unit, shown_units
-from .found_terms import Solution
 from .goodness import SIGNIFICANT, ChiSquare
 from .likelihood import terms_of
 from .misfit import MOST
+from .term_estimates import Solution
 
 BRIEF = 10.0  # samples: a correlation time below is that of a filter, rather than of a drift
 MATTERS = 1.05  # ratio of random walks from which it is told

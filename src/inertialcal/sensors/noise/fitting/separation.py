@@ -17,7 +17,7 @@ import numpy as np
 from scipy import special
 
 from ..allan_of_terms import variance_of_phase
-from ..forecast import OF_NOISE, octaves
+from ..forecast import NOISE_EDF, octaves
 from ..runs import Run
 from ..terms import Sinusoid, Term, total_phase
 from .covariance_of_allan import covariance_of_allan, model_edf
@@ -66,7 +66,7 @@ def separation(terms: tuple[Term, ...], term: str, record: float, interval: floa
     m, phase = octaves(n), total_phase(terms, interval, averaging)
     pairs = n - 2.0 * m + 1.0
     mu, sigma = variance_of_phase(phase, m), covariance_of_allan(phase, m, pairs)
-    edf = np.minimum(model_edf(mu, sigma), OF_NOISE * n / m)
+    edf = np.minimum(model_edf(mu, sigma), NOISE_EDF * n / m)
     run = Run(m, mu, pairs, edf, interval, averaging or interval, np.ones(len(m)))
     problem = problem_of([run], [one.frequency for one in terms if isinstance(one, Sinusoid)])
     names = tuple(one.name for one in terms if one.name in CHOSEN_FROM)

@@ -16,7 +16,7 @@ from ..terms import TERMS, Quantization, RandomWalk, Sinusoid, quantity_name
 from ..units import parameter_unit
 from .likelihood import Fitted, estimate, time_at
 from .limits import limit_and_record
-from .noise_fit import FoundTerm, Parameter
+from .noise_fit import Parameter, TermEstimate
 from .order import NAMES, PRICE, Choice, present
 from .problem import GAUSS_MARKOV, LINEAR, Problem
 from .profile import interval_of
@@ -60,7 +60,7 @@ class Solution:
     p: float
 
 
-def estimated(solution: Solution) -> tuple[FoundTerm, ...]:
+def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
     """Return the terms that have a size, with intervals."""
     problem, powers = solution.problem, solution.fitted.powers
     u = solution.bread.u
@@ -83,7 +83,7 @@ def estimated(solution: Solution) -> tuple[FoundTerm, ...]:
     return tuple(found)
 
 
-def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> FoundTerm:
+def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> TermEstimate:
     parameters = tuple(
         Parameter(quantity_name(name, word, solution.kind), *value, parameter_unit(name, word, solution.unit))
         for word, value in zip(TERMS[name].parameters, values, strict=True)
@@ -93,17 +93,17 @@ def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]
         solution.table, lambda choice: name not in choice.terms and not set(choice.terms) <= set(chosen.terms)
     )
     if name == Sinusoid.name or other is None:
-        return FoundTerm(name, "estimated", parameters)
+        return TermEstimate(name, "estimated", parameters)
     gained = tuple(one for one in other.terms if one not in chosen.terms)
     worse = other.criterion - chosen.criterion
-    return FoundTerm(name, "estimated", parameters, code="like_another", others=gained, worse=worse)
+    return TermEstimate(name, "estimated", parameters, code="like_another", others=gained, worse=worse)
 
 
-def not_identified(solution: Solution, name: str) -> FoundTerm:
+def not_identified(solution: Solution, name: str) -> TermEstimate:
     """Return a term that the record does not show: the reason, an upper limit, and the record that would show it."""
     problem, fitted, first = solution.problem, solution.fitted, TERMS[name].parameters[0]
     words = tuple(quantity_name(name, word, solution.kind) for word in TERMS[name].parameters)
-    found = FoundTerm(
+    found = TermEstimate(
         name, "not_identified", (), words, unit=parameter_unit(name, first, solution.unit), record=problem.length
     )
     if name not in solution.candidates:
@@ -125,7 +125,7 @@ def not_identified(solution: Solution, name: str) -> FoundTerm:
     return replace(found, **_why_not(found, chosen))
 
 
-def _why_not(found: FoundTerm, chosen: Choice) -> dict[str, Any]:
+def _why_not(found: TermEstimate, chosen: Choice) -> dict[str, Any]:
     """Return the code of the reason, and no length of a record where length is not what lacks."""
     if found.name == Quantization.name and RandomWalk.name in chosen.terms:
         return {"code": "hidden_by_white", "record_needed": None}
@@ -152,7 +152,7 @@ def _root(power: float | None) -> float | None:
     return None if power is None else float(np.sqrt(power))
 
 
-def estimate_of(solution: Solution, found: tuple[FoundTerm, ...]) -> Estimate:
+def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate:
     """Return all parameters with their covariance: coefficients from powers, times from their logarithm."""
     known = [parameter for term in found for parameter in term.parameters if parameter.u > 0.0]
     fitted = solution.fitted
