@@ -16,8 +16,8 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from .campaign.calls.rate_table import rate_table
     from .campaign.compare import compare
-    from .campaign.compensation import compensate
-    from .campaign.models import load_model
+    from .campaign.models.compensation import compensate
+    from .campaign.models.find import load_model
     from .campaign.run import check, run
     from .campaign.score import score
     from .campaign.twin import simulate
@@ -69,11 +69,11 @@ _HOMES = {
     "sine": ("procedures.sine.files", "sine"),
     "check": ("campaign.run", "check"),
     "compare": ("campaign.compare", "compare"),
-    "compensate": ("campaign.compensation", "compensate"),
+    "compensate": ("campaign.models.compensation", "compensate"),
     "flip": ("procedures.flip.files.call", "flip"),
     "thermal": ("procedures.thermal.files", "thermal"),
     "mass_attraction": ("procedures.mass_attraction.files", "mass_attraction"),
-    "load_model": ("campaign.models", "load_model"),
+    "load_model": ("campaign.models.find", "load_model"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
     "plot": ("report.plot", "plot"),

@@ -14,12 +14,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.campaign.budgets import budget_rows
-from inertialcal.campaign.modelling import _merged
 from inertialcal.campaign.run import run
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
 from inertialcal.procedures.display import display_unit, stated_unit
+from inertialcal.procedures.model_terms import ModelTerms
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.procedure import PROCEDURE
 from inertialcal.procedures.rate_table.reduction import Plan, Readings, reduce
@@ -248,9 +248,10 @@ def test_what_is_no_more_than_rounding_has_no_row() -> None:
 def test_a_model_of_two_reductions_keeps_what_was_stated() -> None:
     plan, readings = dwells()
     estimate = reduce(plan, readings).estimate
-    merged = _merged(estimate, estimate)
-    assert merged is not None
     assert estimate is not None
+    terms = ModelTerms(estimate, estimate.keys, ("x", "y", "z"), {})
+    merged = terms.with_bias_of(terms).estimate
+    assert merged is not None
     for name in ("bias_x", "misalignment_xy"):
         stated = [
             {(c.source, c.stated) for c in one.components if c.u[one.index(name)] > 0.0} for one in (estimate, merged)

@@ -8,12 +8,13 @@ from functools import cache, partial
 import numpy as np
 import pytest
 
-from inertialcal.campaign.modelling import compensated_dwells, mixed_up
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.rate_table.closed_loop import closed_loop, overall
+from inertialcal.procedures.rate_table.model.closed_loop import closed_loop
+from inertialcal.procedures.rate_table.model.held_out import compensated_dwells, mixed_up
 from inertialcal.procedures.rate_table.reduction import Plan, Readings, Result, Truth, reduce, simulate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import SensorModel
+from inertialcal.statistics.closed_loop import judged, overall
 from inertialcal.statistics.intervals import binomial_interval
 
 PLAN = Plan(standards={"rate_table.rate": Influence(3e-4)}, zero_reference=True)
@@ -56,7 +57,7 @@ def real(seed: int) -> tuple[Result, SensorModel, Readings]:
 
 
 def verdict(result: Result, model: SensorModel, held: Readings) -> str:
-    return overall(closed_loop(result.lines, held, partial(compensated_dwells, model), mixed_up(model)))
+    return overall(judged(closed_loop(result.lines, held, partial(compensated_dwells, model), mixed_up(model))))
 
 
 def test_a_right_model_passes_on_every_axis() -> None:

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.in_memory import fitted_tests
-from inertialcal.campaign.models import load_model
+from inertialcal.campaign.models.find import load_model
 from inertialcal.campaign.run import Outcome, run
 from inertialcal.campaign.score import Coverage, coverage, score
 from inertialcal.campaign.twin import simulate

@@ -9,8 +9,6 @@ from pathlib import Path
 import pytest
 
 from inertialcal.campaign.load import MARK
-from inertialcal.campaign.positions_loop import judges_of, loops_of, verdicts
-from inertialcal.campaign.positions_mixed import as_read, mixed_up
 from inertialcal.campaign.prepared import prepare
 from inertialcal.campaign.run import Outcome, check, run
 from inertialcal.campaign.starter import start
@@ -19,8 +17,10 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import Recording
 from inertialcal.files.models.model_json import read_model
 from inertialcal.procedures.positions import reduction as positions
-from inertialcal.procedures.rate_table.closed_loop import overall
+from inertialcal.procedures.positions.held_out.closed_loop import before_and_after, judges_of, loops_of
+from inertialcal.procedures.positions.held_out.judges import as_read, mixed_up
 from inertialcal.rigs.hand_held.rig import Bench, build
+from inertialcal.statistics.closed_loop import judged, overall
 
 BENCH = Bench(positions=16, dwell=2.5, first=4.0, records=2)
 GYRO = ("gyro x at rest", "gyro y at rest", "gyro z at rest", "gyro, rotations")
@@ -97,24 +97,25 @@ def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:
     fitted, held = (prepare(check(folder).campaign, number) for number in (1, 3))
     result = positions.reduce(fitted.plan, fitted.readings)
     assert result.gyro is not None
-    right, units = loops_of(result, [held.readings], "gyro")
+    right = judged(loops_of(result, [held.readings], "gyro"))
     assert [one.verdict for one in right] == ["PASS"] * 4
-    assert [units[one.axis] for one in right] == ["rad/s"] * 3 + ["rad"]
+    assert [one.unit for one in right] == ["rad/s"] * 3 + ["rad"]
     sensor = result.gyro.sensor
     judges, own = (judges_of(result, one, "gyro") for one in (held.readings, result.readings))
     named = {one.name: one for one in own}
     for name, values in mixed_up(sensor.values, full=True).items():
-        wrong, _ = verdicts(sensor, values, judges, named, 1)
+        wrong = judged(before_and_after(sensor, values, judges, named, 1))
         assert overall(wrong) == "FAIL", name
         assert not any(one.verdict == "PASS" and one.compensated > one.raw for one in wrong)
-    turned, _ = verdicts(sensor, mixed_up(sensor.values, full=True)["the bias with its sign turned"], judges, named, 1)
+    opposite = mixed_up(sensor.values, full=True)["the bias with its sign turned"]
+    turned = judged(before_and_after(sensor, opposite, judges, named, 1))
     assert {one.reason for one in turned if one.verdict == "FAIL"} >= {
         "the bias with its sign turned does better on readings held out: the model is mixed up"
     }
     acc = result.acc.sensor
     judges, own = (judges_of(result, one, "accelerometer") for one in (held.readings, result.readings))
     for name, values in mixed_up(acc.values, full=False).items():
-        wrong, _ = verdicts(acc, values, judges, {own[0].name: own[0]}, 1)
+        wrong = judged(before_and_after(acc, values, judges, {own[0].name: own[0]}, 1))
         assert wrong[0].verdict == "FAIL", name
 
 
@@ -123,7 +124,7 @@ def test_a_model_that_corrects_nothing_neither_passes_nor_fails(folder: Path) ->
     result = positions.reduce(fitted.plan, fitted.readings)
     assert result.gyro is not None
     sensor = result.gyro.sensor
-    loops, _ = verdicts(sensor, as_read(sensor), judges_of(result, held.readings, "gyro"), {}, 1)
+    loops = judged(before_and_after(sensor, as_read(sensor), judges_of(result, held.readings, "gyro"), {}, 1))
     assert {one.gain for one in loops} == {0.0}
     assert {one.verdict for one in loops} == {"INCONCLUSIVE"}
 

@@ -13,10 +13,12 @@ import pytest
 from inertialcal.campaign.cross_checks import cross_checks
 from inertialcal.campaign.in_memory import Fitted, fitted_tests
 from inertialcal.campaign.schema import CampaignFile
-from inertialcal.campaign.temperature_terms import with_temperature
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording
+from inertialcal.procedures.protocol import Facts
+from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.rate_table import reduction as rate_table
+from inertialcal.procedures.rate_table.model.terms import model_terms
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
 from inertialcal.rigs.protocol import SEED, Twin
@@ -118,7 +120,10 @@ def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(
     """The sum of polynomial and rest is what was read on the table: there the thermal test adds nothing."""
     result = on_table(found)
     assert result.estimate is not None
-    whole = with_temperature(result.estimate, result, result, bias, AXES)
+    facts = Facts("gyro", "deg/s", "rad/s")
+    rate = Done("rate", "", "fit", result.plan, result.readings, result, facts=facts)
+    whole = bias.with_terms(model_terms(result, [rate])).estimate
+    assert whole is not None
     warmth = 25.0 - bias.result.plan.reference_temperature
     names = [n for n in whole.names if n == "bias_x" or (n.startswith("bias_temperature_") and n.endswith("_x"))]
     scatter = next(one for one in whole.components if one.source == "thermal_ambient: scatter between runs")

@@ -10,7 +10,7 @@ import pytest
 
 from inertialcal.core.curve import Curve
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.procedures.rate_table.closed_loop import held_out_errors
+from inertialcal.procedures.rate_table.model.closed_loop import compensated_curves
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.recordings import Turned, readings_from
 from inertialcal.procedures.rate_table.reduction import (
@@ -218,11 +218,13 @@ def test_a_choice_of_dwells_leaves_the_traces_behind() -> None:
 
 def test_errors_held_out_have_the_sign_of_what_reads_too_much() -> None:
     result = simulated()
-    found = held_out_errors(result.lines, result.readings, lambda r: {s: y - 0.001 for s, y in r.outputs.items()})
+    found = compensated_curves(result.lines, result.readings, lambda r: {s: y - 0.001 for s, y in r.outputs.items()})
     assert [one.axis for one in found] == ["x", "y", "z"]
     for one in found:
         reading = result.readings.outputs[one.axis]
-        np.testing.assert_allclose(one.applied + one.raw, reading, rtol=1e-12, atol=ROUNDING)
-        np.testing.assert_allclose(one.applied + one.compensated, reading - 0.001, rtol=1e-12, atol=ROUNDING)
+        columns = {name: np.asarray(column.values) for name, column in one.columns.items()}
+        applied, raw, left = (columns[name] for name in ("applied", "raw_error", "compensated_error"))
+        np.testing.assert_allclose(applied + raw, reading, rtol=1e-12, atol=ROUNDING)
+        np.testing.assert_allclose(applied + left, reading - 0.001, rtol=1e-12, atol=ROUNDING)
         assert result.readings.run is not None
-        assert one.run == tuple(result.readings.run)
+        assert list(columns["run"]) == list(result.readings.run)

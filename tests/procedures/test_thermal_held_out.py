@@ -7,10 +7,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inertialcal.campaign.thermal_loop import judged_loops, loop_rows
+from inertialcal.campaign.models.content import residual_row
+from inertialcal.campaign.models.judged import ResidualLoop
 from inertialcal.core.errors import DataError
-from inertialcal.procedures.thermal.closed_loop import Left, held_out, residual_rows
+from inertialcal.procedures.thermal.held_out.closed_loop import Left, held_out, loops, residual_rows
 from inertialcal.procedures.thermal.reduction import Attitude, Plan, Result, Truth, reduce, simulate
+from inertialcal.statistics.closed_loop import judged
 from inertialcal.statistics.intervals import contains, covers
 
 DEG = float(np.radians(1.0))
@@ -28,7 +30,7 @@ def left(seed: int, fit: Truth = FIT, held: Truth = HELD) -> Left:
 
 
 def verdict(one: Left) -> str:
-    return judged_loops({"check": ("air", (one,))}, 1.0)[0].loop.verdict
+    return judged(loops([one], "rad/s"))[0].verdict
 
 
 def test_the_residual_is_the_mean_offset_of_the_power_ups_held_out() -> None:
@@ -48,7 +50,7 @@ def test_the_residual_is_the_mean_offset_of_the_power_ups_held_out() -> None:
 def test_intervals_of_the_residual_hold_zero_and_a_right_polynomial_passes() -> None:
     n = 120
     found = [left(seed) for seed in range(1, n + 1)]
-    rows = [residual_rows({"x": one}, "rad/s", "air")[0] for one in found]
+    rows = [residual_rows([one], "rad/s", "air")[0] for one in found]
     hits = sum(contains(row.interval, 0.0) for row in rows if row.interval is not None)
     assert covers(hits, n), hits
     words = [verdict(one) for one in found]
@@ -71,7 +73,7 @@ def test_a_polynomial_of_the_other_sign_fails() -> None:
 
 def test_one_power_up_in_the_fit_tells_no_uncertainty() -> None:
     one = left(3, replace(FIT, runs=1))
-    row = residual_rows({"x": one}, "rad/s", "air")[0]
+    row = residual_rows([one], "rad/s", "air")[0]
     assert row.status == "not_estimated"
     assert "one power-up" in row.reason.text
     assert verdict(one) == "INCONCLUSIVE"
@@ -85,7 +87,7 @@ def test_ramps_elsewhere_are_refused() -> None:
 
 
 def test_rows_come_in_the_unit_of_the_sensor() -> None:
-    loops = judged_loops({"check": ("air", (left(1),))}, 1.0)
-    row = loop_rows(loops, 1.0 / DEG, "deg/s")[0]
+    one = judged(loops([left(1)], "rad/s"))[0]
+    row = residual_row(ResidualLoop("check", "air", one), "deg/s")
     assert (row["test"], row["against"], row["axis"], row["unit"], row["runs"]) == ("check", "air", "x", "deg/s", 2)
     assert 0.02 < row["raw_rms"] < 0.5

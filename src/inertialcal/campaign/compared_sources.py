@@ -17,8 +17,8 @@ from ..files.source import load
 from ..procedures.display import displayed
 from ..sensors.model.sensor_model import FIELD_UNIT
 from ..sensors.model.serial import FORMAT
-from .model_rows import model_rows
-from .models import RESULTS, find_model
+from .models.find import RESULTS, find_model
+from .models.rows import model_rows
 from .publish import OUT
 
 Kind = Literal["models", "results"]

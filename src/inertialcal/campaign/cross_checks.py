@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..core.errors import Problem
+from ..procedures import procedure_names, procedure_of
 from .ground_checks import ground_checks
 from .procedure_checks import after_checks, against_checks, overlap_checks, procedure_checks
 from .recording_checks import recording_checks, sensor_checks
@@ -14,7 +15,6 @@ from .schema import CampaignFile
 from .toml_lines import At
 
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
-MODELLED = ("rate_table", "positions")  # procedures whose results become a model
 
 
 def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
@@ -61,8 +61,12 @@ def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
             yield Problem(what, at("tests", number, "id"), "they could not be told apart", "Rename it", "duplicate_id")
 
 
+def _makes_model(procedure: str) -> bool:
+    return procedure in procedure_names() and procedure_of(procedure).makes_model
+
+
 def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
-    uses = {test.id: test.use for test in file.tests if test.procedure in MODELLED}
+    uses = {test.id: test.use for test in file.tests if _makes_model(test.procedure)}
     lists = {}
     for term, names in file.model.terms.items():
         where = at("model", "terms", term)

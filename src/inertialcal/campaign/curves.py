@@ -9,17 +9,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ..core.curve import Column, Curve
 from ..procedures.display import displayed_curve
-from ..procedures.rate_table.closed_loop import HeldOut
 from .load import Campaign
-from .modelling import Modelled
-from .overlays import overlays
-from .prepared import modelled_sensor, sensor_of
+from .models.content import named_models
+from .models.judged import JudgedModel
+from .prepared import sensor_of
 from .requirements import Tested
 
 
-def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Modelled | None) -> list[dict[str, Any]]:
+def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: JudgedModel | None) -> list[dict[str, Any]]:
     """Return the curves of all tests, and those of the closed loop, as ``results.json`` holds them.
 
     Parameters
@@ -28,30 +26,16 @@ def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: Model
         As read.
     tested : sequence of Tested
         Every test.
-    modelled : Modelled or None
+    modelled : JudgedModel or None
         Model and closed loop.
     """
     found = []
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
         found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.procedure.curves(one.result)]
-    units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
-    found += [displayed_curve(curve, units[test]).to_dict(test) for test, curve in overlays(campaign, tested)]
-    if modelled is not None:
-        unit = modelled_sensor(campaign).unit
-        found += [displayed_curve(compensated(one), unit).to_dict("model") for one in modelled.errors]
+    for one in tested:
+        unit = sensor_of(campaign, one.test).unit
+        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.curves]
+    for name, (unit, made) in named_models(campaign, modelled).items():
+        found += [displayed_curve(curve, unit).to_dict(name) for curve in made.curves]
     return found
-
-
-def compensated(one: HeldOut) -> Curve:
-    """Return the errors of the dwells held out of one axis, before and after compensation [rad/s]."""
-    return Curve(
-        "compensated",
-        one.axis,
-        {
-            "applied": Column(one.applied, "rad/s"),
-            "raw_error": Column(one.raw, "rad/s"),
-            "compensated_error": Column(one.compensated, "rad/s"),
-            "run": Column(one.run),
-        },
-    )

@@ -9,7 +9,7 @@ from typing import Any
 from ..core.errors import PlanError
 from ..core.influence import Standards
 from ..procedures import procedure_of
-from ..procedures.protocol import Correction, Facts, Procedure
+from ..procedures.protocol import Correction, Facts, Procedure, Tested
 from .channels import chain_of
 from .origins import Origin
 from .plans import plan_values
@@ -95,3 +95,22 @@ def reduce_test(prepared: Prepared) -> Any:
     """
     procedure = procedure_of(prepared.test.procedure)
     return procedure.of_sensor(procedure.reduce(prepared.plan, prepared.readings), prepared.facts)
+
+
+def all_tested(prepared: Sequence[Prepared], results: Mapping[str, Any]) -> dict[str, Tested[Any, Any, Any]]:
+    """Return the tests of a campaign as procedures see them, by name, each with the one that it is set beside."""
+    plain = {
+        one.test.id: Tested(
+            one.test.id,
+            one.test.condition,
+            one.test.use,
+            one.plan,
+            one.readings,
+            results[one.test.id],
+            tuple(one.test.recordings),
+            tuple(one.inputs),
+            one.facts,
+        )
+        for one in prepared
+    }
+    return {one.test.id: replace(plain[one.test.id], against=plain.get(one.test.against or "")) for one in prepared}

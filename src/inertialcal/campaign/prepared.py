@@ -9,7 +9,6 @@ from typing import Any
 from ..core.errors import InertialcalError, Problem
 from ..core.remarks import Remark
 from ..procedures import procedure_of
-from .cross_checks import MODELLED
 from .engine import Prepared, prepare_test
 from .load import Campaign
 from .schema import Test
@@ -60,5 +59,5 @@ def sensor_of(campaign: Campaign, test: Test) -> Sensor:
 
 def modelled_sensor(campaign: Campaign) -> Sensor:
     """Return the sensor that the model of a campaign is of: that of the first test for a fit."""
-    fitted = (test for test in campaign.file.tests if test.use == "fit" and test.procedure in MODELLED)
+    fitted = (test for test in campaign.file.tests if test.use == "fit" and procedure_of(test.procedure).makes_model)
     return sensor_of(campaign, next(fitted))

@@ -19,6 +19,7 @@ from typing import Any
 
 import numpy as np
 
+from ..core.curve import Curve
 from ..core.errors import DataError
 from ..core.judging import LEVEL, Asked, Verdict
 from ..core.results import Row
@@ -39,13 +40,14 @@ BELOW = "not found; its 95 % upper limit lies inside the limit"
 
 @dataclass(frozen=True, eq=False)
 class Tested:
-    """A test that was run: its entry, its result and its rows, SI; the plan and the readings behind them."""
+    """A test that was run: entry, result and rows, SI; the plan and readings behind; curves of what it holds out."""
 
     test: Test
     result: Any
     rows: Sequence[Row]
     plan: Any = None
     readings: Any = None
+    curves: Sequence[Curve] = ()
 
     @property
     def procedure(self) -> Procedure[Any, Any, Any]:

@@ -13,7 +13,7 @@ from typing import Any
 from ..core.errors import DataError
 from ..files.source import load
 from ..sensors.model.serial import FORMAT
-from .models import RESULTS
+from .models.find import RESULTS
 from .publish import OUT
 
 

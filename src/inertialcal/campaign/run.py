@@ -16,17 +16,16 @@ from ..core.show.tables import Grid, Part, html, text
 from ..procedures import procedure_of
 from ..report.page import report_html
 from .contents import results_content
-from .engine import Prepared, reduce_test
+from .engine import Prepared, all_tested, reduce_test
 from .load import Campaign, load
-from .modelling import Modelled
-from .models_made import model_files, models_of
+from .models.build import build_models, model_files
+from .models.judged import JudgedModel, Residual, hold_out_residuals
 from .outcome_tables import outcome_parts
 from .prepared import placed, prepare
 from .provenance import provenance
 from .publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from .requirements import Tested, worst
 from .side_by_side import beside_others
-from .thermal_left import left_over
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
@@ -181,10 +180,12 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     prepared, tested, remarks = _reduce_all(campaign, tell)
     inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
     tell(len(tested), len(tested), "model and requirements")
-    tested, left = left_over(campaign, tested)
+    reduced = all_tested(prepared, {one.test.id: one.result for one in tested})
+    residuals = hold_out_residuals(campaign, reduced)
+    tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
     made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
-    biases: dict[str, Any] = {name: one for name, one in made.items() if one is not None}
-    modelled = models_of(campaign, prepared, tested, biases, left)
+    corrections = {name: one for name, one in made.items() if one is not None}
+    modelled = build_models(campaign, reduced, corrections, residuals)
     if modelled is not None:
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
     results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
@@ -230,8 +231,15 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
     return [ready[number] for number in range(len(tests))], beside_others(campaign, tested), remarks
 
 
+def _with_residuals(one: Tested, residual: Residual | None) -> Tested:
+    """Return a test held out with the rows and curves of what is left on its readings."""
+    if residual is None:
+        return one
+    return replace(one, rows=[*one.rows, *residual.found.rows], curves=residual.found.curves)
+
+
 def _files(
-    campaign: Campaign, results: dict[str, Any], modelled: Modelled | None, inputs: dict[str, str], folder: str
+    campaign: Campaign, results: dict[str, Any], modelled: JudgedModel | None, inputs: dict[str, str], folder: str
 ) -> dict[str, str]:
     record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
     model = {} if modelled is None else model_files(modelled)

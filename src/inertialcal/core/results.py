@@ -7,7 +7,7 @@ are null; degrees of freedom null mean infinite.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -128,3 +128,9 @@ def not_estimated(
 def finite(number: float | None) -> float | None:
     """Return the number as a float, or None where it is absent, infinite or NaN."""
     return float(number) if number is not None and math.isfinite(number) else None
+
+
+def by_quantity(rows: Sequence[Row]) -> list[Row]:
+    """Return rows with those of one quantity side by side, in the order of their first."""
+    order = list(dict.fromkeys((row.test, row.quantity) for row in rows))
+    return sorted(rows, key=lambda row: order.index((row.test, row.quantity)))

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from ..core.remarks import Remark
     from ..core.results import Interval, Row
     from ..files.text.table import Table
+    from ..sensors.model.sensor_model import SensorModel
+    from .model_terms import HeldOut, ModelTerms
 
 T = TypeVar("T")
 
@@ -241,6 +243,10 @@ class Correction(Protocol):
         """Return named recordings with it taken off, and for each what is not known of it, by origin."""
         ...
 
+    def with_terms(self, terms: ModelTerms) -> ModelTerms:
+        """Return terms found after the correction with what was taken off: terms of the readings as they are."""
+        ...
+
 
 class Command(NamedTuple):
     """A noun of the command line, or of ``plan``: its word and one line of help."""
@@ -370,6 +376,12 @@ class Tested(Generic[P, R, S]):
         As the campaign says.
     plan, readings, result
         Of the procedure.
+    recordings, files : tuple of str
+        That it reads: names in the campaign, and paths of all files.
+    facts : Facts
+        Of its sensor.
+    against : Tested or None
+        The test that it is set beside.
     """
 
     id: str
@@ -378,6 +390,10 @@ class Tested(Generic[P, R, S]):
     plan: P
     readings: R
     result: S
+    recordings: tuple[str, ...] = ()
+    files: tuple[str, ...] = ()
+    facts: Facts = Facts(None, "", "")
+    against: Tested[Any, Any, Any] | None = None
 
 
 class Procedure(Generic[P, R, S]):
@@ -400,6 +416,9 @@ class Procedure(Generic[P, R, S]):
     uses: frozenset[str] = frozenset({"fit", "report_only"})
     counts_dwells: bool = True
     figures: Sequence[FigureSpec] = ()
+    makes_model: bool = False  # what is fitted becomes the model of the sensor
+    model_of_each: bool = False  # several sensors of a campaign may each have one
+    takes_corrections: bool = False  # readings may have taken off what another test found
 
     # ---- from what was said to readings -----------------------------------------------------------------------
 
@@ -502,6 +521,54 @@ class Procedure(Generic[P, R, S]):
         ------
         PlanError, DataError
             If the two cannot be.
+        """
+        return None
+
+    # ---- the model of a sensor --------------------------------------------------------------------------------
+
+    def joined(self, tests: Sequence[Tested[P, R, S]]) -> tuple[P, R] | None:
+        """Return plan and readings of tests that make one model, to be reduced together; None for the result of one.
+
+        Raises
+        ------
+        PlanError
+            ``plans_differ`` if they cannot be: by default where there are several.
+        """
+        if len(tests) > 1:
+            from ..core.errors import PlanError  # noqa: PLC0415
+
+            names = ", ".join(one.id for one in tests)
+            what = f"tests {names} are all for a fit of the {self.name.replace('_', ' ')} of one sensor"
+            do = 'Name all recordings in one test, or give the others use = "report_only"'
+            raise PlanError(what, why="what they share would be counted twice", do=do, code="plans_differ")
+        return None
+
+    def terms(self, result: S, tests: Sequence[Tested[P, R, S]]) -> ModelTerms | None:
+        """Return the terms of the model that a (joint) result of tests gives; None where there are none."""
+        return None
+
+    def check_alike(self, tests: Sequence[Tested[P, R, S]]) -> None:
+        """Refuse tests of one model, fitted or held out, whose terms mean different things.
+
+        Raises
+        ------
+        PlanError
+            ``plans_differ``.
+        """
+
+    def held_out(
+        self, result: S, fitted: Sequence[Tested[P, R, S]], held: Sequence[Tested[P, R, S]], model: SensorModel | None
+    ) -> HeldOut | None:
+        """Return what readings held out say, without verdicts; None where they cannot be judged.
+
+        Parameters
+        ----------
+        result
+            (Joint) of the tests that were fitted.
+        fitted, held : sequence of Tested
+            Behind the model, and held out. Where no model is made of the procedure: one test each, of one condition.
+        model : SensorModel or None
+            Of the tests that were fitted, for readings after the same corrections.
         """
         return None
 

@@ -49,8 +49,8 @@ def show(
 
 
 def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:
-    from ...campaign.model_rows import model_rows
-    from ...campaign.models import find_model
+    from ...campaign.models.find import find_model
+    from ...campaign.models.rows import model_rows
     from ...sensors.model.sensor_model import equation, lines
     from ...sensors.model.serial import to_dict
     from ..shown.model_text import model_text
@@ -102,9 +102,9 @@ def compensate(
     quiet: Quiet = False,
 ) -> int:
     """Apply a model to a recording: true inputs in place of readings; time, gaps and other channels stay."""
-    from ...campaign.compensation import compensate as apply
-    from ...campaign.model_inputs import taken
-    from ...campaign.models import find_model
+    from ...campaign.models.compensation import compensate as apply
+    from ...campaign.models.find import find_model
+    from ...campaign.models.inputs import taken
     from ...files import read
     from ...files.write.recording import write, writer_for
 
@@ -176,7 +176,7 @@ def export(
     quiet: Quiet = False,
 ) -> int:
     """Hand out a model in a format for others; one that was not judged only with --unjudged."""
-    from ...campaign.models import find_model
+    from ...campaign.models.find import find_model
     from ...files.models.export import export as export_model
 
     found = find_model(model)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 from ...core.axes import Kind
 from ...core.curve import Curve
 from ...core.estimate import Estimate
 from ...core.remarks import Remark
-from ...core.results import Row
+from ...core.results import Row, by_quantity
 from ...sensors.model.sensor_model import SensorModel
 from . import reduction as positions
 from .curves import curves
@@ -65,9 +64,3 @@ class OfSensor:
     def curves(self) -> list[Curve]:
         """Curves of ``results.json`` of the sensor, SI."""
         return [one for one in curves(self.whole) if one.name == OWN[self.kind]]
-
-
-def by_quantity(rows: Sequence[Row]) -> list[Row]:
-    """Return rows with those of one quantity side by side, in the order of their first."""
-    order = list(dict.fromkeys((row.test, row.quantity) for row in rows))
-    return sorted(rows, key=lambda row: order.index((row.test, row.quantity)))

@@ -5,11 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Source
+from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Source, Tested
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...sensors.model.sensor_model import SensorModel
+    from ..model_terms import HeldOut, ModelTerms
     from .of_sensor import OfSensor
     from .readings import Readings
     from .reduction import Result
@@ -43,6 +45,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
+    makes_model = model_of_each = True
     inputs = InputSpec(("accelerometer", "gyro"), several_sensors=True)
 
     def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:
@@ -84,6 +87,38 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .rows import missing
 
         return influence in missing(result.whole)
+
+    def terms(self, result: Any, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+        """Return what is told of the sensor that the test is about."""
+        from ...sensors.model.sensor_model import Provenance
+        from ..model_terms import ModelTerms
+
+        found: SensorModel | None = result.model
+        if result.estimate is None or found is None or found.estimate is None:
+            return None
+        keys, origin = found.estimate.keys, Provenance(tests[0].id, tests[0].recordings)
+        provenance = dict.fromkeys(keys, origin)
+        return ModelTerms(
+            found.estimate, keys, found.axes, provenance, found.not_estimated, found.scale_factor, found.input_range
+        )
+
+    def held_out(
+        self,
+        result: Any,
+        fitted: Sequence[Tested[Plan, Readings, Result]],
+        held: Sequence[Tested[Plan, Readings, Result]],
+        model: SensorModel | None,
+    ) -> HeldOut:
+        """Return what positions and rotations held out say of the sensor."""
+        from ...core.remarks import Remark
+        from ..model_terms import HeldOut
+        from .held_out.closed_loop import loops_of
+
+        loops = loops_of(result.whole, [one.result.readings for one in held], result.kind)
+        if loops:
+            return HeldOut(loops)
+        what = "what is held out has fewer than two positions: nothing is judged by them"
+        return HeldOut(remarks=(Remark("not_judged", "warning", what, do="Hold out a recording of more positions"),))
 
 
 PROCEDURE = Positions()

@@ -26,6 +26,8 @@ from .plan import INFLUENCES, Plan
 if TYPE_CHECKING:
     from ...core.judging import Asked, Verdict
     from ...core.results import Row
+    from ...sensors.model.sensor_model import SensorModel
+    from ..model_terms import HeldOut, ModelTerms
     from .readings import Readings
     from .reduction import Result
 
@@ -61,6 +63,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
+    makes_model = takes_corrections = True
     inputs = InputSpec(("gyro",), (Role("applied", "angular_rate", "rad/s", by_axis=False),), table="rows")
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
@@ -134,6 +137,36 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
             left = quantity == "bias" and result.plan.zero_reference
             found.append(replace(one, key=one.key._replace(quantity=RESIDUAL)) if left else one)
         return found
+
+    def joined(self, tests: Sequence[Tested[Plan, Readings, Result]]) -> tuple[Plan, Readings] | None:
+        """Return all dwells as one test; the axis alone may differ."""
+        from .model.terms import joined
+
+        return None if len(tests) == 1 and not tests[0].plan.axis else joined(tests)
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms:
+        """Return matrix, bias and asymmetry."""
+        from .model.terms import model_terms
+
+        return model_terms(result, tests)
+
+    def check_alike(self, tests: Sequence[Tested[Plan, Readings, Result]]) -> None:
+        """Refuse tests some of which have their bias against a reading at rest."""
+        from .model.terms import check_alike
+
+        check_alike(tests)
+
+    def held_out(
+        self,
+        result: Result,
+        fitted: Sequence[Tested[Plan, Readings, Result]],
+        held: Sequence[Tested[Plan, Readings, Result]],
+        model: SensorModel | None,
+    ) -> HeldOut | None:
+        """Return what the model does to dwells held out."""
+        from .model.held_out import judged_on
+
+        return None if model is None else judged_on(model, result, fitted, held)
 
 
 PROCEDURE = RateTable()

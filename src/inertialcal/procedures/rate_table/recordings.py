@@ -23,10 +23,10 @@ from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
 from ...signals.segmentation.dwells import Dwell, Tally, tally
 from ...signals.time.schedule import dwells_by_reference, dwells_by_windows
+from ...statistics.unknowns import Unknowns, joined
 from .fit.earth_input import earth_in_dwells, gathered
 from .plan import Plan
 from .readings import Readings
-from .taken_off import TakenOff, joined
 from .traces import Cut, Trace, trace
 
 APPLIED = "applied"
@@ -52,7 +52,7 @@ class Turned:
         Of the recording, for figures; its file where not given.
     file : str
         Its file, as people know it.
-    taken_off : mapping of str to TakenOff
+    taken_off : mapping of str to Unknowns
         What was taken off its readings before: patterns of one dwell, the same in all, by source.
     """
 
@@ -63,7 +63,7 @@ class Turned:
     rates: Array | None = None
     name: str = ""
     file: str = ""
-    taken_off: Mapping[str, TakenOff] = field(default_factory=dict[str, TakenOff])
+    taken_off: Mapping[str, Unknowns] = field(default_factory=dict[str, Unknowns])
 
 
 def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
@@ -111,7 +111,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     )  # fmt: skip
 
 
-def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[Turned]) -> dict[str, TakenOff]:
+def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[Turned]) -> dict[str, Unknowns]:
     """Return what was taken off each dwell; what is the same in a recording drops out with its reading at rest."""
     if plan.zero_reference:
         return {}

@@ -40,7 +40,6 @@ from .plan import INFLUENCES, Plan
 from .readings import Readings
 from .rows import applies, rows
 from .simulation import Truth, simulate
-from .taken_off import TakenOff
 
 __all__ = [
     "INFLUENCES",
@@ -50,7 +49,6 @@ __all__ = [
     "Readings",
     "Resolution",
     "Result",
-    "TakenOff",
     "Truth",
     "curves",
     "exclusions",

@@ -21,14 +21,16 @@ from ...core.influence import Influence
 from ...core.key import At, Key
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ...sensors.model.sensor_model import Provenance
 from ...sensors.thermal import powers_of
-from ..rate_table.taken_off import TakenOff
+from ...statistics.unknowns import Unknowns
 from .fit.earth import earth_along
 from .fit.law import Law
 from .fit.quantities import Asked, estimate, power_unit
 from .recordings import TEMPERATURE
 
 if TYPE_CHECKING:
+    from ..model_terms import ModelTerms
     from .reduction import Result
 
 CANCELLED = ("converter.reference",)  # in the readings and in what is taken off alike
@@ -60,7 +62,7 @@ class ThermalCorrection:
 
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
-    ) -> tuple[list[Recording], list[Mapping[str, TakenOff]]]:
+    ) -> tuple[list[Recording], list[Mapping[str, Unknowns]]]:
         """Return recordings with the bias over temperature taken off, and what is not known of it in each.
 
         Parameters
@@ -80,10 +82,46 @@ class ThermalCorrection:
             corrected.append(recording)
             levels.append(level)
         unknown = _unknowns(self, levels)
-        taken_off: list[Mapping[str, TakenOff]] = [
+        taken_off: list[Mapping[str, Unknowns]] = [
             {origin: one.take(np.array([i])) for origin, one in unknown.items()} for i in range(len(corrected))
         ]
         return corrected, taken_off
+
+    def with_terms(self, terms: ModelTerms) -> ModelTerms:
+        """Return terms of readings without the bias, with the bias: at the reference temperature, and over it.
+
+        The readings were corrected by the same polynomial, so its errors are in both with opposite signs: at the
+        temperature of those readings they cancel in the sum. They are carried as the unknowns of the thermal test.
+
+        Parameters
+        ----------
+        terms : ModelTerms
+            ``bias_x`` is what is left after the correction.
+        """
+        whole = replace(
+            terms,
+            reference_temperature=self.result.plan.reference_temperature,
+            temperature_range=self.range,
+            provenance={
+                key: self._before(one) if key.quantity == "bias" else one for key, one in terms.provenance.items()
+            },
+        )
+        if terms.estimate is None or terms.referenced:
+            return whole
+        found = law_of(self)
+        more = tuple(key for key in found if key.power and key.axis in terms.axes)
+        return replace(
+            whole,
+            estimate=_with_law(terms, terms.estimate, found, more),
+            parameters=(*terms.parameters, *more),
+            provenance={**whole.provenance, **dict.fromkeys(more, self._before(Provenance()))},
+        )
+
+    def _before(self, later: Provenance) -> Provenance:
+        """Return where a term comes from that this test found before a later one."""
+        own = tuple(sweep.name for sweep in self.result.readings.sweeps)
+        tests = [name for name in (self.test, later.test) if name]
+        return Provenance(", ".join(tests), (*own, *later.recordings))
 
 
 def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[Recording, dict[str, float]]:
@@ -136,7 +174,7 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
     return DataError(what, place, do="Leave out after, or ramp further", code="outside")
 
 
-def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[str, TakenOff]:
+def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[str, Unknowns]:
     """Return what is not known of the bias that was taken off, a dwell a recording, by source."""
     result, n = bias.result, len(levels)
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
@@ -175,7 +213,7 @@ def law_keys(axis: str, order: int) -> list[Key]:
     return [Key("bias", axis), *(Key("bias_temperature", axis, power=j) for j in range(1, order + 1))]
 
 
-def _taken_off(found: Estimate, component: Component, n: int) -> TakenOff:
+def _taken_off(found: Estimate, component: Component, n: int) -> Unknowns:
     """Return a source as independent unknowns."""
     sizes, vectors = np.linalg.eigh(_scaled(component))
     keep = sizes > TINY * sizes[-1]
@@ -190,10 +228,45 @@ def _taken_off(found: Estimate, component: Component, n: int) -> TakenOff:
     law = [i for i, key in enumerate(found.keys) if key.at is None]
     keys = tuple(found.keys[i] for i in law)
     kind, shape = component.kind, component.distribution
-    return TakenOff(patterns, keys, changes[:, law], kind, of_sensor, shape, component.stated)
+    return Unknowns(patterns, keys, changes[:, law], kind, of_sensor, shape, component.stated)
 
 
 def _scaled(component: Component) -> Array:
     """Return the correlations, whose entries are of one size: of powers of temperature the variances are not."""
     u = np.where(component.u > 0.0, component.u, 1.0)
     return np.asarray(component.covariance / np.outer(u, u))
+
+
+def _with_law(
+    terms: ModelTerms, estimate: Estimate, law: Mapping[Key, tuple[float, str]], more: tuple[Key, ...]
+) -> Estimate:
+    """Return the estimate with the law added to its bias, and with the coefficients that it lacks."""
+    keys = (*estimate.keys, *more)
+    at_reference = {key: value for key, (value, _) in law.items()}
+    values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
+    values += [at_reference[key] for key in more]
+    units = (*estimate.units, *(law[key][1] for key in more))
+    kept = [_wider(one, len(more)) for one in estimate.components if one.source not in terms.taken_off]
+    off = [_joint(source, one, keys, terms.changes[source]) for source, one in terms.taken_off.items()]
+    return Estimate(keys, np.array(values), units, (*kept, *off))
+
+
+def _wider(component: Component, more: int) -> Component:
+    k = len(component.covariance)
+    covariance = np.zeros((k + more, k + more))
+    covariance[:k, :k] = component.covariance
+    dof = np.full(k + more, np.inf)
+    dof[:k] = component.dof
+    return replace(component, covariance=covariance, dof=dof)
+
+
+def _joint(source: str, off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
+    size = len(off.law)
+    own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
+    rows = [
+        (changes[key] if key in changes and len(changes[key]) else np.zeros(size)) + own.get(key, np.zeros(size))
+        for key in keys
+    ]
+    covariance = np.array(rows) @ np.array(rows).T
+    dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
+    return Component(source, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated)

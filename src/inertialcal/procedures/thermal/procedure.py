@@ -25,6 +25,8 @@ if TYPE_CHECKING:
     from ...core.judging import Asked, Verdict
     from ...core.results import Row
     from ...core.show.sentence import Sentence, WrittenRow
+    from ...sensors.model.sensor_model import SensorModel
+    from ..model_terms import HeldOut
     from .readings import Readings
     from .reduction import Result
 
@@ -92,6 +94,24 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .correction import ThermalCorrection
 
         return ThermalCorrection(test, result)
+
+    def held_out(
+        self,
+        result: Result,
+        fitted: Sequence[Tested[Plan, Readings, Result]],
+        held: Sequence[Tested[Plan, Readings, Result]],
+        model: SensorModel | None,
+    ) -> HeldOut:
+        """Return what the polynomial of one test leaves of the bias on power-ups of another of the same condition."""
+        from ..model_terms import HeldOut
+        from .held_out.closed_loop import held_out, loops, residual_rows
+        from .held_out.overlay import overlays
+
+        (own,), (other,) = fitted, held
+        left = held_out(result, other.result)
+        first, second = (result, None) if own.against is None else (own.against.result, result)
+        rows = residual_rows(left, other.result.readings.unit, own.id)
+        return HeldOut(loops(left, other.result.readings.unit), tuple(rows), overlays(other.result, first, second))
 
     def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
         """Return the bias that one condition has more than the other."""

@@ -15,7 +15,7 @@ from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.remarks import Remark, gather
-from ....core.results import Row
+from ....core.results import Row, by_quantity
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import figures, told
 from ....core.show.tables import Part, html, text
@@ -27,7 +27,6 @@ from ....sensors.model.sensor_model import Provenance, SensorModel
 from ...display import displayed
 from .. import reduction as procedure
 from ..curves import curves
-from ..of_sensor import by_quantity
 from ..orientations.text import FACES, directions
 from ..readings import Readings
 from .channels import SENSORS

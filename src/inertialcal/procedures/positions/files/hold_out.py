@@ -15,8 +15,8 @@ from ....core.key import Key, Member, Reason
 from ....core.remarks import Remark
 from ....core.results import Row
 from ....statistics.intervals import chi_square_interval
-from ..held_out import HeldOut
-from ..held_out import held_out as fit_and_judge
+from ..held_out.first_positions import HeldOut
+from ..held_out.first_positions import held_out as fit_and_judge
 from ..plan import Plan
 from ..readings import Readings
 

@@ -6,13 +6,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.errors import DataError
-from ...core.estimate import Array
-from .fit.gyro import problem_of
-from .fit.rotation_errors import angles
-from .gravity import local_gravity
-from .plan import Plan
-from .readings import Readings
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ..fit.gyro import problem_of
+from ..fit.rotation_errors import angles
+from ..gravity import local_gravity
+from ..plan import Plan
+from ..readings import Readings
 
 
 @dataclass(frozen=True, eq=False)
@@ -61,7 +61,7 @@ def held_out(plan: Plan, readings: Readings, first: int) -> HeldOut:
     DataError
         ``too_few_positions`` if none is left; or as ``reduce``.
     """
-    from .reduction import reduce  # noqa: PLC0415 - judged is what reduce gives
+    from ..reduction import reduce  # noqa: PLC0415 - judged is what reduce gives
 
     m = len(readings)
     if not 0 < first < m:

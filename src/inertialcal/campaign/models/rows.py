@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 
-from ..core.key import Reason, key_of
-from ..core.results import Interval, Row, finite
-from ..sensors.model.sensor_model import SensorModel, lines
-from ..sensors.model.terms import values
-from ..statistics.intervals import t_interval
+from ...core.key import Reason, key_of
+from ...core.results import Interval, Row, finite
+from ...sensors.model.sensor_model import SensorModel, lines
+from ...sensors.model.terms import values
+from ...statistics.intervals import t_interval
 
 
 def model_rows(model: SensorModel) -> tuple[Row, ...]:

@@ -11,16 +11,16 @@ from dataclasses import replace
 
 import numpy as np
 
-from ..core.errors import DataError
-from ..core.estimate import Array
-from ..core.recording import Channel, Recording
-from ..core.remarks import Remark
-from ..core.units import convert, factor
-from ..sensors.model.equation import Conditions, needed
-from ..sensors.model.on_recordings import compensate_recording, to_input_unit
-from ..sensors.model.sensor_model import SensorModel, check_item
-from ..sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
-from .model_inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import Channel, Recording
+from ...core.remarks import Remark
+from ...core.units import convert, factor
+from ...sensors.model.equation import Conditions, needed
+from ...sensors.model.on_recordings import compensate_recording, to_input_unit
+from ...sensors.model.sensor_model import SensorModel, check_item
+from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
+from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
 
 
 def compensate(

@@ -14,14 +14,14 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.estimate import Array
-from ...core.key import Key
+from ..core.estimate import Array
+from ..core.key import Key
 
 Chosen = NDArray[np.bool_] | NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
-class TakenOff:
+class Unknowns:
     """Independent unknowns of one source, and what one standard uncertainty of each of them changes.
 
     Parameters
@@ -48,11 +48,11 @@ class TakenOff:
     distribution: str = "normal"
     stated: tuple[float, str] | None = None
 
-    def take(self, keep: Chosen) -> TakenOff:
+    def take(self, keep: Chosen) -> Unknowns:
         """Return the same of some of the dwells."""
         return replace(self, patterns=self.patterns[:, keep])
 
-    def over(self, dwells: int) -> TakenOff:
+    def over(self, dwells: int) -> Unknowns:
         """Return the same of so many dwells, where there is one so far."""
         return replace(self, patterns=np.repeat(self.patterns[:, :1], dwells, axis=1))
 
@@ -61,7 +61,7 @@ class TakenOff:
         return np.asarray(self.patterns[:, :, "xyz".index(sensor)])
 
 
-def joined(parts: Sequence[Mapping[str, TakenOff]], lengths: Sequence[int]) -> dict[str, TakenOff]:
+def joined(parts: Sequence[Mapping[str, Unknowns]], lengths: Sequence[int]) -> dict[str, Unknowns]:
     """Return what was taken off several sets of dwells as one; a source of the same name is the same unknowns."""
     found = {}
     for name in dict.fromkeys(name for part in parts for name in part):

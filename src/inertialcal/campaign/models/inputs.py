@@ -9,13 +9,13 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..core.errors import DataError
-from ..core.recording import Recording
-from ..core.units import parse_quantity, same_dimension
-from ..files.text.headers import bare_name
-from ..sensors.model.on_recordings import QUANTITY
-from ..sensors.model.sensor_model import SensorModel
-from ..sensors.model.terms import FORCE_AXES
+from ...core.errors import DataError
+from ...core.recording import Recording
+from ...core.units import parse_quantity, same_dimension
+from ...files.text.headers import bare_name
+from ...sensors.model.on_recordings import QUANTITY
+from ...sensors.model.sensor_model import SensorModel
+from ...sensors.model.terms import FORCE_AXES
 
 CONDITIONS = {"temperature": "degC", "temperature_rate": "degC/s", "pressure": "Pa", "time": "s"}
 FORCES = tuple(f"force_{axis}" for axis in FORCE_AXES)

@@ -14,15 +14,15 @@ from itertools import permutations
 
 import numpy as np
 
-from ..core.axes import AXES
-from ..core.constants import EARTH_ROTATION_RATE
-from ..core.estimate import Array
-from ..procedures.positions import reduction as positions
-from ..procedures.positions.fit.earth_rate import earth_in_g
-from ..procedures.positions.fit.gyro import FittedGyro, problem_of
-from ..procedures.positions.fit.linear_sensor import LinearSensor
-from ..procedures.positions.fit.rotation_errors import errors
-from ..procedures.positions.gravity import local_gravity
+from ....core.axes import AXES
+from ....core.constants import EARTH_ROTATION_RATE
+from ....core.estimate import Array
+from .. import reduction as positions
+from ..fit.earth_rate import earth_in_g
+from ..fit.gyro import FittedGyro, problem_of
+from ..fit.linear_sensor import LinearSensor
+from ..fit.rotation_errors import errors
+from ..gravity import local_gravity
 
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 

@@ -2,11 +2,9 @@
 
 Accelerometers: in every position held out the length of the specific force must be gravity, and where its direction is
 known each component too. Gyros: each axis at rest must read the earth rate that is known, and in every rotation held
-out gravity, carried by them, must arrive where the accelerometers find it. The rule is that of the rate table
-(``procedures.rate_table.closed_loop``): squares of errors are paired by position or rotation, the scatter of their
-differences says how well the mean is known, and Holm's rule holds the risk over all that is judged. Worse beyond the
-uncertainty of the model itself (Type A: what is common to fit and judgement cancels) is FAIL; so is a model that one of
-its own mixed-up forms is shown to beat; shown better is PASS.
+out gravity, carried by them, must arrive where the accelerometers find it. Squares of errors are paired by position or
+rotation; the scatter of their differences says how well the mean is known. The verdict is that of all models
+(``statistics.closed_loop``); what is common to fit and judgement cancels.
 
 Positions of one record count as independent, also where they share a power-up: what differs from power-up to power-up
 is judged by as many draws as there are records held out.
@@ -20,19 +18,16 @@ from dataclasses import replace
 import numpy as np
 from scipy import special
 
-from ..core.axes import Kind
-from ..core.estimate import Array
-from ..procedures.positions import reduction as positions
-from ..procedures.positions.fit.linear_sensor import LinearSensor
-from ..procedures.rate_table.closed_loop import RISK, AxisLoop, judged
-from ..statistics.decision import holm
-from .positions_mixed import Errors, Judge, as_read, mixed_up, of_accelerometers, of_gyros
+from ....core.axes import Kind
+from ....core.estimate import Array
+from ....statistics.closed_loop import AxisLoop
+from .. import reduction as positions
+from ..fit.linear_sensor import LinearSensor
+from .judges import Errors, Judge, as_read, mixed_up, of_accelerometers, of_gyros
 
 
-def loops_of(
-    fitted: positions.Result, held: Sequence[positions.Readings], kind: Kind, share: float = 1.0
-) -> tuple[tuple[AxisLoop, ...], dict[str, str]]:
-    """Return the verdicts on one sensor, and the unit of each by its name; none where nothing held out can judge it.
+def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind: Kind) -> tuple[AxisLoop, ...]:
+    """Return what readings held out say of one sensor, without verdicts; none where they cannot judge it.
 
     Parameters
     ----------
@@ -42,15 +37,13 @@ def loops_of(
         Held out, in the same units; one a record.
     kind : {"accelerometer", "gyro"}
         Which.
-    share : float
-        Of the risk of a wrong verdict that is left to this sensor.
     """
     sensor = fitted.acc.sensor if kind == "accelerometer" else _gyros(fitted)
     if sensor is None:
-        return (), {}
+        return ()
     own = {one.name: one for one in judges_of(fitted, fitted.readings, kind)}
     pooled = _pooled([judges_of(fitted, one, kind) for one in held])
-    return verdicts(sensor, sensor.values, pooled, own, len(held), share)
+    return before_and_after(sensor, sensor.values, pooled, own, len(held))
 
 
 def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) -> tuple[Judge, ...]:
@@ -60,15 +53,10 @@ def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) ->
     return () if fitted.gyro is None else of_gyros(fitted, fitted.gyro, held)
 
 
-def verdicts(
-    sensor: LinearSensor,
-    values: Array,
-    judges: Sequence[Judge],
-    own: Mapping[str, Judge],
-    runs: int,
-    share: float = 1.0,
-) -> tuple[tuple[AxisLoop, ...], dict[str, str]]:
-    """Judge the numbers of a model, with the uncertainty of the sensor that was fitted.
+def before_and_after(
+    sensor: LinearSensor, values: Array, judges: Sequence[Judge], own: Mapping[str, Judge], runs: int
+) -> tuple[AxisLoop, ...]:
+    """Return what the numbers of a model do to readings held out, with the uncertainty of the sensor that was fitted.
 
     Parameters
     ----------
@@ -82,15 +70,10 @@ def verdicts(
         The same of the readings of the fit, by name: they say how errors scatter.
     runs : int
         Records behind them.
-    share : float
-        As above.
     """
     views = [_View(one, values, sensor, own.get(one.name)) for one in judges]
-    views = [view for view in views if len(view.error) > 1]
     rivals = mixed_up(values, not set(range(9)) & set(sensor.reasons))
-    loops = [_before_after(view, as_read(sensor), runs) for view in views]
-    found = judged(loops, 0.5 * share, share, _beaten(views, rivals, share))
-    return found, {view.judge.name: view.judge.unit for view in views}
+    return tuple(_before_after(view, as_read(sensor), runs, rivals) for view in views if len(view.error) > 1)
 
 
 def _gyros(fitted: positions.Result) -> LinearSensor | None:
@@ -132,31 +115,31 @@ def _steps(sensor: LinearSensor) -> Array:
     return np.asarray((directions * np.sqrt(np.maximum(variance, 0.0))).T[variance > 0.0])
 
 
-def _before_after(view: _View, raw: Array, runs: int) -> AxisLoop:
+def _before_after(view: _View, raw: Array, runs: int, rivals: Mapping[str, Array]) -> AxisLoop:
     before, after = _squares(view.judge.errors(raw)), _squares(view.error)
     n, gain = len(after), before - after
     allowed = float(sum(np.mean(_squares(one)) for one in view.moved))
     u = float(np.std(gain, ddof=1) / np.sqrt(n))
     raw_rms, left_rms = (float(np.sqrt(np.mean(squares))) for squares in (before, after))
-    return AxisLoop(view.judge.name, n, runs, raw_rms, left_rms, float(np.mean(gain)), u, float(n - 1), allowed)
+    judge = view.judge
+    told = {name: rival for name, rival in rivals.items() if judge.tells(view.values, rival)}
+    return AxisLoop(
+        judge.name,
+        n,
+        runs,
+        raw_rms,
+        left_rms,
+        float(np.mean(gain)),
+        u,
+        float(n - 1),
+        allowed,
+        judge.unit,
+        {name: _p_rival(view, rival) for name, rival in told.items()},
+    )
 
 
 def _squares(errors: Array) -> Array:
     return np.asarray(np.sum(errors**2, axis=1))
-
-
-def _beaten(views: Sequence[_View], rivals: Mapping[str, Array], share: float) -> dict[str, str]:
-    """Return the mixed-up form that is shown to do better, by what judges, where there is one."""
-    pairs = [(view, name) for name, rival in rivals.items() for view in views if view.judge.tells(view.values, rival)]
-    tests = [(view.judge.name, name, _p_rival(view, rivals[name])) for view, name in pairs]
-    if not tests:
-        return {}
-    shown = holm([p for _, _, p in tests], RISK * share / 2.0)
-    best: dict[str, tuple[float, str]] = {}
-    for (axis, name, p), significant in zip(tests, shown, strict=True):
-        if significant and p <= best.get(axis, (1.0, ""))[0]:
-            best[axis] = (p, name)
-    return {axis: name for axis, (_, name) in best.items()}
 
 
 def _p_rival(view: _View, rival: Array) -> float:

@@ -14,21 +14,22 @@ to: cells beyond are left out.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.axes import AXES
-from ...core.errors import DataError
-from ...core.estimate import Array
-from ...core.key import Key, Reason
-from ...core.results import Row, not_estimated
-from ...statistics.intervals import t_interval
-from .fit.cells import Cells
-from .fit.earth import earth_along
-from .fit.law import Law
-from .reduction import Result
+from ....core.axes import AXES
+from ....core.errors import DataError
+from ....core.estimate import Array
+from ....core.key import Key, Reason
+from ....core.results import Row, not_estimated
+from ....statistics.closed_loop import AxisLoop
+from ....statistics.intervals import t_interval
+from ..fit.cells import Cells
+from ..fit.earth import earth_along
+from ..fit.law import Law
+from ..reduction import Result
 
 RESIDUAL = "residual_bias"
 ONE_RUN = Reason("one_run", "the fit rests on one power-up: how another one differs was not observed")
@@ -142,25 +143,44 @@ def _between_power_ups(law: Law, earth: float) -> tuple[float, float, float]:
     return float(np.var(means, ddof=1)), float(np.var(products, ddof=1)), float(len(labels) - 1)
 
 
-def residual_rows(left: Mapping[str, Left], unit: str, against: str) -> list[Row]:
+def loops(left: Sequence[Left], unit: str) -> tuple[AxisLoop, ...]:
+    """Return the same for the closed loop, without verdicts; a dwell is a cell."""
+    return tuple(
+        AxisLoop(
+            one.axis,
+            one.cells,
+            one.runs,
+            one.raw,
+            one.compensated,
+            one.gain,
+            one.u_gain if one.dof > 0.0 else float("inf"),
+            one.dof if one.dof > 0.0 else 1.0,
+            max(one.allowed, 0.0),
+            unit,
+        )
+        for one in left
+    )
+
+
+def residual_rows(left: Sequence[Left], unit: str, against: str) -> list[Row]:
     """Return the rows of what is left on power-ups held out, SI.
 
     Parameters
     ----------
-    left : mapping of str to Left
-        By axis.
+    left : sequence of Left
+        One an axis.
     unit : str
         Of the readings.
     against : str
         Test that the polynomial is of.
     """
     found = []
-    for axis, one in left.items():
+    for one in left:
         if not one.dof > 0.0:
-            found.append(not_estimated(Key(RESIDUAL, axis), unit, ONE_RUN))
+            found.append(not_estimated(Key(RESIDUAL, one.axis), unit, ONE_RUN))
             continue
         told = f"after the polynomial of {against}, mean over {one.runs} power-up(s) held out"
         interval = t_interval(one.residual, one.u, one.dof)
         reason = Reason("limits", told)
-        found.append(Row(Key(RESIDUAL, axis), one.residual, one.u, unit, one.dof, interval, reason=reason))
+        found.append(Row(Key(RESIDUAL, one.axis), one.residual, one.u, unit, one.dof, interval, reason=reason))
     return found

@@ -1,0 +1,220 @@
+"""The models that a campaign makes: tests with ``use = "fit"``, judged on those with ``use = "hold_out"``.
+
+A procedure says which terms its tests give, and what they do to readings held out; here they become a model a sensor,
+with what the campaign says of item and output, and with one verdict.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import InertialcalError, PlanError
+from ...files.models.model_json import dump_model
+from ...procedures import procedure_of
+from ...procedures.model_terms import ModelTerms
+from ...procedures.protocol import Correction, Procedure, Tested
+from ...sensors.model.assemble import model_from
+from ...sensors.model.sensor_model import Item, SensorModel
+from ...statistics.closed_loop import judged, overall
+from ..chains import body_scale_factors
+from ..load import Campaign
+from ..prepared import placed, sensor_of
+from ..schema import Test
+from ..schema_sensors import Sensor
+from .judged import NOT_RUN, JudgedModel, Residual, ResidualLoop
+
+FIRST = "model.json"
+MATRIX = ("scale_factor", "misalignment", "asymmetry")  # of [model] terms, all from one reduction
+
+Reduced = Mapping[str, Tested[Any, Any, Any]]
+
+
+def build_models(
+    campaign: Campaign,
+    reduced: Reduced,
+    corrections: Mapping[str, Correction],
+    residuals: Mapping[str, Residual],
+) -> JudgedModel | None:
+    """Return the model of the sensor that was fitted first, and with it those of others that may each have one.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    reduced : mapping of str to Tested
+        Every test, by name.
+    corrections : mapping of str to Correction
+        What tests found that others may take off, by name.
+    residuals : mapping of str to Residual
+        What is left on readings held out where no model is made, by test.
+
+    Raises
+    ------
+    PlanError
+        If tests are for a fit that make no model of their own, or tests that belong together differ in their plan;
+        problems get the place of the first test of each.
+    DataError
+        If they cannot be reduced together.
+    """
+    by_sensor: dict[str, list[Test]] = {}
+    for test in campaign.file.tests:
+        if test.use == "fit" and procedure_of(test.procedure).makes_model:
+            by_sensor.setdefault(_name(campaign, test), []).append(test)
+    if not by_sensor:
+        return None
+    _check(campaign, by_sensor)
+    found = {}
+    for name, tests in by_sensor.items():
+        number = campaign.file.tests.index(tests[0])
+        try:
+            made = _build(campaign, tests[0], reduced, corrections, residuals)
+        except InertialcalError as error:
+            raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+        if made is not None:
+            found[name] = made
+    first, *others = found or [""]
+    return replace(found[first], others={name: found[name] for name in others}) if found else None
+
+
+def _check(campaign: Campaign, by_sensor: Mapping[str, Sequence[Test]]) -> None:
+    """Refuse a second model where a campaign makes one, and two procedures that both fit one sensor."""
+    first, *others = by_sensor.values()
+    wrong = [test for tests in others for test in tests if not procedure_of(test.procedure).model_of_each]
+    if wrong:
+        names = ", ".join(sorted(test.id for test in wrong))
+        procedure = wrong[0].procedure.replace("_", " ")
+        what = f"tests {names} are for a fit of another sensor: a campaign makes one model of a {procedure}"
+        do = 'Give them use = "report_only", or their own campaign'
+        raise PlanError(what, campaign.at("tests", campaign.file.tests.index(wrong[0])), do=do)
+    for tests in (first, *others):
+        other = next((test for test in tests if test.procedure != tests[0].procedure), None)
+        if other is not None:
+            what = f"tests {tests[0].id!r} and {other.id!r} both fit the model of {_name(campaign, other)!r}"
+            do = 'Give one of them use = "report_only"'
+            where = campaign.at("tests", campaign.file.tests.index(other))
+            raise PlanError(what, where, "a sensor has one model", do, "plans_differ")
+
+
+def _name(campaign: Campaign, test: Test) -> str:
+    return campaign.file.recordings[test.recordings[0]].sensor
+
+
+def _build(
+    campaign: Campaign,
+    first: Test,
+    reduced: Reduced,
+    corrections: Mapping[str, Correction],
+    residuals: Mapping[str, Residual],
+) -> JudgedModel | None:
+    """Make and judge the model of the sensor of a test, of all tests of its procedure; None where there is none."""
+    sensor, procedure = sensor_of(campaign, first), procedure_of(first.procedure)
+    mine = [test for test in campaign.file.tests if test.procedure == first.procedure
+            and sensor_of(campaign, test) is sensor]  # fmt: skip
+    fitted = [test for test in mine if test.use == "fit"]
+    held = [test for test in mine if test.use == "hold_out"]
+    matrix, bias = (_chosen(campaign, fitted, terms) for terms in (MATRIX, ("bias",)))
+    result, terms = _joint(procedure, [reduced[test.id] for test in matrix])
+    if {test.id for test in bias} != {test.id for test in matrix} and terms is not None:
+        terms = terms.with_bias_of(_joint(procedure, [reduced[test.id] for test in bias])[1] if bias else None)
+    if terms is None or terms.estimate is None:
+        return None
+    correction = _correction([*matrix, *bias, *held], corrections)
+    model = whole = _model(campaign, sensor, terms)
+    if correction is not None and bias:
+        whole = _model(campaign, sensor, correction.with_terms(terms))
+    procedure.check_alike([reduced[test.id] for test in (*fitted, *held)])
+    if not held:
+        return JudgedModel(whole, terms.by_quantity)
+    behind, unseen = ([reduced[test.id] for test in tests] for tests in ([*matrix, *bias], held))
+    found = procedure.held_out(result, behind, unseen, model)
+    if found is None:
+        return JudgedModel(whole, terms.by_quantity)
+    left = residuals if procedure.takes_corrections else {}
+    of_residuals = [(test, one.against, loop) for test, one in left.items() for loop in one.found.loops]
+    share = _share(campaign, procedure) / (2.0 if of_residuals else 1.0)
+    loops = judged(found.loops, share)
+    words = judged([loop for *_, loop in of_residuals], share)
+    warm = tuple(
+        ResidualLoop(test, against, loop) for (test, against, _), loop in zip(of_residuals, words, strict=True)
+    )
+    verdict = overall((*loops, *words)) if loops or words else NOT_RUN
+    whole = replace(whole, judged=verdict == "PASS")
+    return JudgedModel(whole, terms.by_quantity, loops, verdict, found.remarks, found.curves, warm)
+
+
+def _chosen(campaign: Campaign, fitted: Sequence[Test], terms: Sequence[str]) -> list[Test]:
+    """Return the tests that terms come from: those that [model] names; all where it names none of them."""
+    named = campaign.file.model.terms
+    wanted = {test for term in terms for test in named.get(term, [])}  # type: ignore[call-overload]
+    own = [one for one in fitted if one.id in wanted]
+    says_nothing = not any(term in named for term in terms) or (wanted and not own)
+    return list(fitted) if says_nothing else own
+
+
+def _joint(
+    procedure: Procedure[Any, Any, Any], tests: Sequence[Tested[Any, Any, Any]]
+) -> tuple[Any, ModelTerms | None]:
+    """Return the result of tests reduced together, and the terms that it gives."""
+    if not tests:
+        return None, None
+    made = procedure.joined(tests)
+    result = tests[0].result if made is None else procedure.of_sensor(procedure.reduce(*made), tests[0].facts)
+    return result, procedure.terms(result, tests)
+
+
+def _correction(tests: Sequence[Test], corrections: Mapping[str, Correction]) -> Correction | None:
+    """Return what was taken off the readings of all of these tests; None where nothing was.
+
+    Raises
+    ------
+    PlanError
+        If it was not the same in all: their biases mean different things.
+    """
+    names = {"".join(one.after) for one in tests}
+    if len(names) > 1:
+        what = "tests that make one model, or judge it, differ in after: their biases mean different things"
+        raise PlanError(what, do="Give them the same after", code="plans_differ")
+    return corrections.get(names.pop()) if names else None
+
+
+def _model(campaign: Campaign, sensor: Sensor, terms: ModelTerms) -> SensorModel:
+    """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's."""
+    assert terms.estimate is not None  # noqa: S101 - the caller has looked
+    volts = None if sensor.mounting is not None else body_scale_factors(sensor)
+    item = campaign.file.item
+    of_temperature = {
+        "reference_temperature": terms.reference_temperature,
+        "temperature_range": terms.temperature_range,
+    }
+    return model_from(
+        terms.estimate.select(terms.parameters),
+        sensor.kind,
+        terms.axes,
+        scale_factor=terms.scale_factor if volts is None else np.array([volts[axis] for axis in terms.axes]),
+        output_unit=None if volts is None else "V",
+        source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
+        item=Item(item.maker, item.part, item.serial),
+        input_range=terms.input_range,
+        bias_run_to_run=terms.bias_run_to_run,
+        not_estimated=terms.not_estimated,
+        provenance={str(key): one for key, one in terms.provenance.items()},
+        **({} if terms.reference_temperature is None else of_temperature),
+    )
+
+
+def _share(campaign: Campaign, procedure: Procedure[Any, Any, Any]) -> float:
+    """Return the share of the risk of a wrong verdict that is left to one sensor."""
+    if not procedure.model_of_each:
+        return 1.0
+    held = {_name(campaign, test) for test in campaign.file.tests if test.use == "hold_out"}
+    return 1.0 / max(len(held), 1)
+
+
+def model_files(modelled: JudgedModel) -> dict[str, str]:
+    """Return the text of each model file, by its name; none of a model that is worse than none."""
+    named = {FIRST: modelled} | {f"model_{name}.json": one for name, one in modelled.others.items()}
+    return {name: dump_model(one.model) for name, one in named.items() if one.verdict != "FAIL"}

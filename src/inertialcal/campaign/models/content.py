@@ -1,0 +1,93 @@
+"""What ``results.json`` says of models: rows of their parameters, and the closed loop."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...core.key import Reason, key_of
+from ...core.results import Row, by_quantity, finite, not_estimated
+from ...core.units import factor, kind
+from ...procedures import procedure_of
+from ...statistics.closed_loop import AxisLoop
+from ...statistics.intervals import t_interval
+from ..cross_checks import RESERVED
+from ..load import Campaign
+from ..prepared import modelled_sensor
+from .judged import NOT_RUN, JudgedModel, ResidualLoop
+
+
+def named_models(campaign: Campaign, modelled: JudgedModel | None) -> dict[str, tuple[str, JudgedModel]]:
+    """Return unit and model of each sensor that has one, by what its rows are named: as its file is."""
+    if modelled is None:
+        return {}
+    others = {f"{RESERVED}_{name}": (campaign.file.sensors[name].unit, one) for name, one in modelled.others.items()}
+    return {RESERVED: (modelled_sensor(campaign).unit, modelled)} | others
+
+
+def parameter_rows(modelled: JudgedModel) -> list[Row]:
+    """Return rows of the parameters of a model: what goes into model.json."""
+    estimate = modelled.model.estimate
+    rows = []
+    if estimate is not None:
+        for i, key in enumerate(estimate.keys):
+            value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
+            rows.append(Row(key, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
+    units = {one.name: one.unit for one in modelled.model.parameters}
+    for name, reason in modelled.model.not_estimated.items():
+        rows.append(not_estimated(key_of(name), units.get(name, "1"), Reason("not_estimated", reason)))
+    return by_quantity(rows) if modelled.by_quantity else rows
+
+
+def closed_loop_content(campaign: Campaign, modelled: JudgedModel | None, unit: str) -> dict[str, Any]:
+    """Return what the closed loop gave, in the unit of the sensor."""
+    every = () if modelled is None else tuple(one for one in modelled.every if one.loops)
+    if modelled is None or not every:
+        reason = _not_run(campaign, modelled)
+        return {"verdict": NOT_RUN, "reason": reason, "axes": [], "over_temperature": []}
+    return {
+        "verdict": modelled.whole_verdict,
+        "reason": "",
+        "axes": [_loop_row(campaign, loop, unit) for one in every for loop in one.loops],
+        "over_temperature": [residual_row(one, unit) for one in modelled.residuals],
+    }
+
+
+def _not_run(campaign: Campaign, modelled: JudgedModel | None) -> str:
+    """Say why there is no closed loop."""
+    if modelled is not None:
+        return "no test is held out"
+    procedures = [procedure_of(name) for name in dict.fromkeys(test.procedure for test in campaign.file.tests)]
+    if any(one.makes_model for one in procedures):
+        return "no model"
+    return (
+        f"no model is made of a {' or a '.join(one.kind_of_test or one.name.replace('_', ' ') for one in procedures)}"
+    )
+
+
+def _loop_row(campaign: Campaign, one: AxisLoop, unit: str) -> dict[str, Any]:
+    shown = _loop_unit(campaign, one.unit, unit)
+    scale = factor(one.unit, shown)
+    return {
+        "axis": one.axis, "dwells": one.dwells, "runs": one.runs, "unit": shown,
+        "raw_rms": one.raw * scale, "compensated_rms": one.compensated * scale,
+        "mean_square_gain": one.gain * scale**2, "u": one.u * scale**2, "dof": finite(one.dof),
+        "allowed": one.allowed * scale**2, "verdict": one.verdict, "reason": one.reason,
+    }  # fmt: skip
+
+
+def _loop_unit(campaign: Campaign, own: str, unit: str) -> str:
+    """Return the unit that a closed loop is told in: that of its sensor, degrees for angles."""
+    if own == "rad":
+        return "deg"
+    units = [sensor.unit for sensor in campaign.file.sensors.values() if kind(sensor.unit) == kind(own)]
+    return unit if kind(unit) == kind(own) else units[0]
+
+
+def residual_row(one: ResidualLoop, unit: str) -> dict[str, Any]:
+    """Return a row of ``closed_loop.over_temperature``, in the unit of the sensor."""
+    loop, scale = one.loop, factor(one.loop.unit, unit)
+    return {
+        "test": one.test, "against": one.against, "axis": loop.axis, "cells": loop.dwells, "runs": loop.runs,
+        "unit": unit, "raw_rms": loop.raw * scale, "compensated_rms": loop.compensated * scale,
+        "verdict": loop.verdict, "reason": loop.reason,
+    }  # fmt: skip

@@ -1,0 +1,134 @@
+"""A model with the verdict on it, and what tests without a model say of readings held out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+from ...core.curve import Curve
+from ...core.errors import InertialcalError
+from ...core.remarks import Remark
+from ...procedures import procedure_of
+from ...procedures.model_terms import HeldOut
+from ...procedures.protocol import Tested
+from ...sensors.model.sensor_model import SensorModel
+from ...statistics.closed_loop import AxisLoop
+from ..load import Campaign
+from ..prepared import placed
+from ..schema import Test
+
+NOT_RUN = "not run"
+
+
+@dataclass(frozen=True)
+class ResidualLoop:
+    """One axis of a test held out of which no model is made.
+
+    Parameters
+    ----------
+    test, against : str
+        Held out, and fitted.
+    loop : AxisLoop
+        Before, after, verdict.
+    """
+
+    test: str
+    against: str
+    loop: AxisLoop
+
+
+@dataclass(frozen=True, eq=False)
+class JudgedModel:
+    """A model and its closed loop.
+
+    Parameters
+    ----------
+    model : SensorModel
+        ``judged`` where the closed loop PASSes.
+    by_quantity : bool
+        Rows of a quantity are shown side by side.
+    loops : tuple of AxisLoop
+        Empty where nothing was held out.
+    verdict : str
+        ``PASS``, ``FAIL``, ``INCONCLUSIVE``, or ``not run``.
+    remarks : tuple of Remark
+        Findings.
+    curves : tuple of Curve
+        Of readings held out, SI.
+    residuals : tuple of ResidualLoop
+        Of tests held out that found what was taken off before.
+    others : mapping of str to JudgedModel
+        Models of further sensors, by the name of the sensor.
+    """
+
+    model: SensorModel
+    by_quantity: bool = True
+    loops: tuple[AxisLoop, ...] = ()
+    verdict: str = NOT_RUN
+    remarks: tuple[Remark, ...] = ()
+    curves: tuple[Curve, ...] = ()
+    residuals: tuple[ResidualLoop, ...] = ()
+    others: Mapping[str, JudgedModel] = field(default_factory=dict[str, Any])
+
+    @property
+    def every(self) -> tuple[JudgedModel, ...]:
+        """The model itself and those of further sensors."""
+        return (self, *self.others.values())
+
+    @property
+    def whole_verdict(self) -> str:
+        """The worst verdict of all models that were judged; ``not run`` where none was."""
+        found = {one.verdict for one in self.every if one.loops}
+        return next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in found), NOT_RUN)
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """What the result of one test leaves of readings that another one of its procedure holds out.
+
+    Parameters
+    ----------
+    against : str
+        Test that was fitted.
+    found : HeldOut
+        Rows, curves and loops.
+    """
+
+    against: str
+    found: HeldOut
+
+
+def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any, Any]]) -> dict[str, Residual]:
+    """Return what is left on readings held out where no model is made, by test.
+
+    Each is set against the first test for a fit of its procedure in the same condition.
+
+    Raises
+    ------
+    DataError
+        As the procedure says.
+    """
+    found = {}
+    for number, test in enumerate(campaign.file.tests):
+        procedure = procedure_of(test.procedure)
+        if test.use != "hold_out" or procedure.makes_model:
+            continue
+        fitted = _fitted(campaign.file.tests, test)
+        if fitted is None:
+            continue
+        own = reduced[fitted.id]
+        try:
+            held = procedure.held_out(own.result, [own], [reduced[test.id]], None)
+        except InertialcalError as error:
+            raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+        if held is not None:
+            rows = tuple(replace(row, test=test.id) for row in held.rows)
+            found[test.id] = Residual(own.id, replace(held, rows=rows))
+    return found
+
+
+def _fitted(tests: Sequence[Test], held: Test) -> Test | None:
+    """Return the test for a fit that one held out is set against."""
+    same = (one for one in tests if one.procedure == held.procedure and one.condition == held.condition)
+    return next((one for one in same if one.use == "fit"), None)

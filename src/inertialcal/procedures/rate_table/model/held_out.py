@@ -1,0 +1,123 @@
+"""Dwells held out, and what a model finds from them: as it is, and mixed up."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from functools import partial
+from itertools import permutations
+from typing import Any
+
+import numpy as np
+
+from ....core.estimate import Array
+from ....core.key import key_of
+from ....core.remarks import Remark
+from ....sensors.model.compensate import compensate
+from ....sensors.model.sensor_model import SensorModel
+from ...model_terms import HeldOut
+from ..exclusions import exclusions
+from ..fit.earth_input import with_earth
+from ..readings import Readings
+from ..recordings import together
+from ..reduction import Result
+from .closed_loop import Find, closed_loop, compensated_curves
+from .terms import Turned
+
+
+def judged_on(model: SensorModel, result: Result, fitted: Sequence[Turned], held: Sequence[Turned]) -> HeldOut:
+    """Return what a model does to the dwells of tests held out.
+
+    Parameters
+    ----------
+    model : SensorModel
+        Without what was taken off the readings before.
+    result : Result
+        Joint, of the tests behind its matrix: it says how readings scatter.
+    fitted, held : sequence of Tested
+        Behind the model, and held out.
+    """
+    readings, find = dwells_held_out(held), partial(compensated_dwells, model)
+    remarks = []
+    shared = _runs(fitted) & _runs(held)
+    if shared:
+        what = "readings held out come from runs that the model was fitted on: run-to-run error is not judged"
+        remarks.append(Remark("shared_runs", "warning", what, count=len(shared), do="Hold out whole power-up runs"))
+    return HeldOut(
+        closed_loop(result.lines, readings, find, mixed_up(model)),
+        curves=compensated_curves(result.lines, readings, find),
+        remarks=tuple(remarks),
+    )
+
+
+def dwells_held_out(held: Sequence[Turned]) -> Readings:
+    """Return the dwells held out, those left out by rule left out here too."""
+    parts = []
+    for one in held:
+        readings = one.readings if one.readings.earth is not None else with_earth(one.plan, one.readings)
+        out = [exclusions(one.plan, readings, sensor).any for sensor in readings.outputs]
+        parts.append(readings.take(~np.any(out, axis=0)))
+    return together(parts)
+
+
+def _runs(tests: Sequence[Turned]) -> set[Any]:
+    """Return what tells power-ups apart: run labels, which hold in the whole campaign, and files."""
+    found: set[Any] = set()
+    for one in tests:
+        labels = [] if one.readings.run is None else [str(run) for run in np.unique(one.readings.run)]
+        found |= {("run", label) for label in labels if label} | {("file", path) for path in one.files}
+    return found
+
+
+def mixed_up(model: SensorModel) -> dict[str, Find]:
+    """Return what the model would find if it were mixed up, by the name of the mix-up.
+
+    The transposed form keeps its diagonal; "turned" has the errors (M - I) or the bias with the opposite sign;
+    with axes exchanged, row and column (or bias) of one axis stand at another.
+    """
+    matrix, bias, k = model.matrix[0], model.bias, len(model.axes)
+    whole = not any(key_of(name).quantity in ("misalignment", "scale_factor_error") for name in model.not_estimated)
+    forms = {"the matrix with its sign turned": (2.0 * np.eye(k) - matrix, bias)}
+    forms["the bias with its sign turned"] = (matrix, -bias)
+    if whole and k > 1:
+        forms["the transposed matrix"] = (matrix.T, bias)
+    for order in permutations(range(k)):
+        if order == tuple(range(k)):
+            continue
+        places = ", ".join(f"{model.axes[i]} for {model.axes[j]}" for j, i in enumerate(order) if i != j)
+        moved, shifted = matrix[np.ix_(order, order)], bias[list(order)]
+        forms[f"the bias with {places}"] = (matrix, shifted)
+        if whole:  # an entry that was not estimated is no error of the axes
+            forms[f"the matrix with {places}"] = (moved, bias)
+            forms[f"the model with {places}"] = (moved, shifted)
+    return {name: partial(_inverted, model, *terms) for name, terms in forms.items()}
+
+
+def _inverted(model: SensorModel, matrix: Array, bias: Array, readings: Readings) -> dict[str, Array]:
+    """Return the inputs found with another matrix and bias [rad/s], by axis; bias, asymmetry and matrix alone."""
+    columns = _columns(model, readings)
+    bend = np.zeros(len(model.axes)) if model.scale_factor_asymmetry is None else model.scale_factor_asymmetry
+    without = np.nan_to_num(columns) - bias
+    inverse: Array = np.linalg.inv(matrix).astype(np.float64)
+    x = (without / (1.0 + 0.5 * bend * np.sign(without))) @ inverse.T
+    return _known(model, x, columns, inverse)
+
+
+def compensated_dwells(model: SensorModel, readings: Readings) -> dict[str, Array]:
+    """Return the inputs that a model finds from the readings of dwells [rad/s], by axis.
+
+    Where a sensor was not read, only axes that do not need it are found; the others are NaN.
+    """
+    columns = _columns(model, readings)
+    return _known(model, compensate(model, np.nan_to_num(columns)), columns, np.linalg.inv(model.matrix[0]))
+
+
+def _columns(model: SensorModel, readings: Readings) -> Array:
+    return np.column_stack([readings.outputs.get(axis, np.full(len(readings), np.nan)) for axis in model.axes])
+
+
+def _known(model: SensorModel, x: Array, columns: Array, inverse: Array) -> dict[str, Array]:
+    """Give inputs by axis, NaN where a sensor that is needed was not read."""
+    missing = (~np.isfinite(columns)).astype(float)
+    needed = (np.abs(inverse) > 0.0).astype(float)  # row: axis found, column: sensor needed
+    found = np.where(missing @ needed.T > 0.0, np.nan, x)
+    return {axis: found[:, i] for i, axis in enumerate(model.axes)}
