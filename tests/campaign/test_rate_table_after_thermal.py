@@ -14,6 +14,7 @@ from inertialcal.campaign.cross_checks import cross_checks
 from inertialcal.campaign.in_memory import Fitted, fitted_tests
 from inertialcal.campaign.schema import CampaignFile
 from inertialcal.core.errors import DataError
+from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
@@ -67,7 +68,7 @@ def test_what_is_left_is_the_reading_less_the_polynomial_at_its_temperature(
     for axis in AXES:
         law = bias.result.sensors[axis].law
         off = float((law.basis([22.0 + 3.0]) @ law.coefficients)[0])  # the unit is warmer than its room
-        slope = abs(law_of(bias)[f"bias_temperature_1_{axis}"][0])
+        slope = abs(law_of(bias)[Key("bias_temperature", axis, power=1)][0])
         taken = whole.value(f"bias_{axis}") - left.value(f"bias_{axis}")
         assert taken == pytest.approx(off, abs=5.0 * slope + np.radians(0.0042))
         assert abs(taken) > 5.0 * abs(taken - off) or axis == "y"
