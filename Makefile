@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow check bench docs pins clean
+.PHONY: demo test slow mutants check bench docs pins clean
 
 demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -19,6 +19,9 @@ test: $(READY)  ## the default suite
 
 slow: $(READY)  ## long coverage runs
 	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
+
+mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
+	$(BIN)/python tests/mutants.py --jobs 2
 
 check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff format --check src tests docs

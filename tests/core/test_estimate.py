@@ -131,6 +131,18 @@ def test_components_that_are_none(covariance: Array, dof: Array | float, words: 
         estimate(Component("drift", "A", covariance, dof))
 
 
+def test_a_covariance_is_symmetric_but_for_rounding() -> None:
+    """Two orders of a sum of 1e6 numbers differ by less than 1e-10; a mistake of 1e-8 is none of rounding."""
+    size = np.diag([1e-3, 1e4])
+    for asymmetry, allowed in ((1e-10, True), (1e-8, False)):
+        part = Component("fit", "A", size @ np.array([[1.0, 0.5], [0.5 + asymmetry, 1.0]]) @ size)
+        if allowed:
+            assert estimate(part).u == pytest.approx([1e-3, 1e4])
+        else:
+            with pytest.raises(DataError, match="not symmetric"):
+                estimate(part)
+
+
 def test_the_sources_own_uncertainty_stays_with_a_selection() -> None:
     rate = replace(TABLE, stated=(5e-4, "1"))
     chosen = estimate(SCATTER, rate).select(NAMES[:1])

@@ -19,6 +19,7 @@ from inertialcal.core.units import factor
 from inertialcal.procedures import PROCEDURES
 from inertialcal.procedures.flip import reduction as flip
 from inertialcal.procedures.flip.reduction import MeanOf, Plan, Readings, Result, readings_of_means, reduce
+from inertialcal.procedures.flip.separation.equations import separate
 
 UG = factor("ug", "m/s^2")
 ROUNDING = 0.005  # ug, half of the last printed digit of Table 3
@@ -253,6 +254,16 @@ def test_a_missing_position_gives_bias_and_ambient_together_and_says_so() -> Non
     assert row(result, "ambient_acceleration", "z").status == "not_estimated"
     assert row(result, "control_error", "x").status == "not_estimated"
     assert "missing_position" in {one.code for one in result.remarks}
+
+
+def test_combinations_that_should_be_zero_are_as_many_as_readings_beyond_what_is_told() -> None:
+    """Four readings of y at 0 and 180 deg tell two unknowns, two of z at 0 deg the sum of two: 3 of 6 are left over."""
+    whole = turned(np.radians([0.0, 180.0, 0.0, 180.0]), labels="yz")
+    read = {"y": whole.outputs["y"], "z": np.where(np.cos(whole.angle) > 0.0, whole.outputs["z"], np.nan)}
+    found = separate(Plan(), replace(whole, outputs=read), "1")
+    lines = np.hstack([found.checks["y"], found.checks["z"]])
+    assert lines @ lines.T == pytest.approx(np.eye(3), abs=1e-12)
+    assert lines @ np.concatenate([read["y"], np.nan_to_num(read["z"])]) == pytest.approx(np.zeros(3), abs=1e-9)
 
 
 def test_an_incomplete_flip_is_not_pooled() -> None:

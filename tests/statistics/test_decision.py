@@ -11,11 +11,13 @@ from hypothesis import strategies as st
 from scipy import stats
 
 from inertialcal.core.errors import DataError, PlanError
+from inertialcal.core.results import Interval
 from inertialcal.statistics.decision import (
     Status,
     Verdict,
     conformance_probability,
     decide,
+    decide_by,
     holm,
     no_change,
     overall,
@@ -48,6 +50,23 @@ def test_two_limits(value: float, status: Status) -> None:
     assert found.interval.p == 0.95
     assert ends(found.interval) == pytest.approx((value - K2, value + K2), abs=EPS)
     assert (found.limit_lower, found.limit_upper) == (-9.0, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("lo", "hi", "status"),
+    [
+        (0.0, 1.0, "PASS"),
+        (-2.0, 0.0, "INCONCLUSIVE"),
+        (1.0, 2.0, "INCONCLUSIVE"),
+        (-2.0, -1e-9, "FAIL"),
+        (1.0 + 1e-9, 2.0, "FAIL"),
+        (-1e-9, 1.0, "INCONCLUSIVE"),
+        (0.0, 1.0 + 1e-9, "INCONCLUSIVE"),
+    ],
+)
+def test_a_limit_itself_conforms(lo: float, hi: float, status: Status) -> None:
+    """JCGM 106, 3.3.6: limits belong to what is permissible, so an interval that touches one is not outside."""
+    assert decide_by(Interval(lo, hi), 0.5, 0.1, lower=0.0, upper=1.0).status == status
 
 
 @pytest.mark.parametrize(

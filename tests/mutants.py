@@ -1,0 +1,1134 @@
+"""Mutants: small wrong changes to the numerics, each of which the tests of its folder must catch.
+
+::
+
+    python tests/mutants.py                       every mutant
+    python tests/mutants.py --only statistics     those of a folder, a file, or with a number
+    python tests/mutants.py --jobs 2              in two processes
+
+A mutant names a file by its basename and a text that stands there once, so that a file may move without the list
+being touched; the tests are named by their basenames too. Each is put into a copy of the tree, in which its tests are
+run until one fails: ``caught``. ``LIVES`` asks for a test, of the physics or a closed form, never of a past output;
+a mutant that changes nothing is taken out of the list. Tests that fail without a mutant are told and left out.
+"""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from pathlib import Path
+from typing import IO, Any
+
+ROOT = Path(__file__).resolve().parents[1]
+SOURCE = Path("src") / "inertialcal"
+AFTER = 2_000_000_000  # a time in the future [s]
+LONGEST = 300  # of the tests of a mutant: one that never ends is caught [s]
+THIRD_PARTY = (
+    "numpy", "scipy.fft", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.special",
+    "scipy.stats", "scipy.spatial.transform", "numba", "pint", "pyarrow", "pyarrow.parquet", "h5py", "pydantic",
+    "matplotlib.figure", "typer", "rich", "jinja2", "pandas",
+)  # fmt: skip  # imported once, before the process forks
+
+
+@dataclass(frozen=True)
+class Mutant:
+    """A text of a file, what takes its place, and the tests that must catch it."""
+
+    file: str
+    old: str
+    new: str
+    tests: str
+
+    @property
+    def words(self) -> str:
+        """File and change, on one line."""
+        return f"{self.file}: {' '.join(self.old.split())}  ->  {' '.join(self.new.split())}"
+
+    def place(self, root: Path = ROOT) -> Path:
+        """Return the file, relative to the root: the only one of its name in which the text stands, and once.
+
+        Raises
+        ------
+        LookupError
+            If there is none, or the text stands there or elsewhere again.
+        """
+        found = [(path, path.read_text(encoding="utf-8").count(self.old)) for path in (root / SOURCE).rglob(self.file)]
+        at = [(path, count) for path, count in found if count]
+        if len(at) != 1 or at[0][1] != 1:
+            where = ", ".join(f"{path.relative_to(root)} ({count} x)" for path, count in at) or "nowhere"
+            raise LookupError(f"{self.file}: {self.old!r} stands in {where}")
+        return at[0][0].relative_to(root)
+
+    def test_files(self, root: Path = ROOT) -> list[str]:
+        """Return the test files, relative to the root.
+
+        Raises
+        ------
+        LookupError
+            If one is missing, or two have its name.
+        """
+        files = []
+        for name in self.tests.split():
+            found = sorted((root / "tests").rglob(f"{name}.py"))
+            if len(found) != 1:
+                raise LookupError(f"{self.file}: {len(found)} files are called {name}.py")
+            files.append(str(found[0].relative_to(root)))
+        return files
+
+
+MUTANTS = (
+    Mutant(
+        "estimate.py", "total = total + component.covariance", "total = total - component.covariance", "test_estimate"
+    ),
+    Mutant(
+        "estimate.py",
+        "(np.diag(component.covariance) / known) ** 2 / np.asarray",
+        "(np.diag(component.covariance) / known) / np.asarray",
+        "test_estimate",
+    ),
+    Mutant(
+        "estimate.py",
+        "allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY",
+        "allowed = 1e3 * SYMMETRY * deviations[:, np.newaxis] * deviations + TINY",
+        "test_estimate",
+    ),
+    Mutant(
+        "units.py",
+        "points = _container(source, False), _container(target, False)",
+        "points = _container(source, True), _container(target, True)",
+        "test_units",
+    ),
+    Mutant(
+        "powers.py",
+        "return powers((*a, *((symbol, -exponent) for symbol, exponent in b)))",
+        "return powers((*a, *((symbol, exponent) for symbol, exponent in b)))",
+        "test_units",
+    ),
+    Mutant("powers.py", "own * exponent) for symbol, own in a)", "own + exponent) for symbol, own in a)", "test_units"),
+    Mutant("constants.py", "1.0 / 298.257223563", "1.0 / 298.257222101", "test_constants"),
+    Mutant(
+        "constants.py",
+        "math.sqrt(2.0 * math.log(2.0) / math.pi)",
+        "math.sqrt(math.log(2.0) / math.pi)",
+        "test_constants",
+    ),
+    Mutant(
+        "means.py",
+        "float(x.std(ddof=1) / np.sqrt(x.size)), float(x.size - 1)",
+        "float(x.std(ddof=0) / np.sqrt(x.size)), float(x.size - 1)",
+        "test_means",
+    ),
+    Mutant("means.py", "float(weights.sum() ** -0.5)", "float(weights.sum() ** -1.0)", "test_means"),
+    Mutant("means.py", "weights @ residuals**2 / (x.size - 1)", "weights @ residuals**2 / x.size", "test_means"),
+    Mutant("means.py", "dof = means.size - sizes.size", "dof = means.size - 1", "test_means"),
+    Mutant("means.py", "dof @ s**2 / dof.sum()", "s @ s / s.size", "test_means"),
+    Mutant("decision.py", "if hi < low or lo > high:", "if hi <= low or lo > high:", "test_decision"),
+    Mutant("decision.py", "if low <= lo and hi <= high:", "if low <= lo and hi < high:", "test_decision"),
+    Mutant("decision.py", "p if both else round(2.0 * p - 1.0, 12)", "p", "test_decision"),
+    Mutant("decision.py", "alpha / (p.size - np.arange(p.size))", "alpha / (1 + np.arange(p.size))", "test_decision"),
+    Mutant(
+        "decision.py",
+        "special.ndtr((lower + guard - true_value) / u)",
+        "special.ndtr((lower - guard - true_value) / u)",
+        "test_decision",
+    ),
+    Mutant(
+        "least_squares.py",
+        "dof = readings.size - len(labels)",
+        "dof = readings.size - len(labels) + 1",
+        "test_least_squares",
+    ),
+    Mutant(
+        "least_squares.py",
+        "lost = s <= s[0] * max(white.shape) * np.finfo(float).eps",
+        "lost = s < 0.0 * s[0]",
+        "test_least_squares",
+    ),
+    Mutant(
+        "least_squares.py",
+        "without = np.maximum(fit.dof * fit.mean_square - square, 0.0) / (fit.dof - 1.0)",
+        "without = np.maximum(fit.dof * fit.mean_square - square, 0.0) / fit.dof",
+        "test_least_squares",
+    ),
+    Mutant(
+        "least_squares.py",
+        "return basis, rows.T / s / scale[:, None], float(s[0] / s[-1])",
+        "return basis, rows.T / s / scale[None, :], float(s[0] / s[-1])",
+        "test_least_squares",
+    ),
+    Mutant(
+        "intervals.py",
+        "Interval(std * math.sqrt(dof / largest), std * math.sqrt(dof / smallest), p)",
+        "Interval(std * math.sqrt(largest / dof), std * math.sqrt(dof / smallest), p)",
+        "test_intervals",
+    ),
+    Mutant(
+        "intervals.py",
+        "low = special.betaincinv(hits, n - hits + 1, tail)",
+        "low = special.betaincinv(hits, n - hits, tail)",
+        "test_intervals",
+    ),
+    Mutant("intervals.py", "coverage_factor(dof, p ** (1.0 / k))", "coverage_factor(dof, p ** k)", "test_intervals"),
+    Mutant(
+        "polynomial.py",
+        "s = (2.0 * at - lo - hi) / (hi - lo)",
+        "s = (2.0 * at - lo - hi) / (hi + lo)",
+        "test_polynomial",
+    ),
+    Mutant(
+        "polynomial.py",
+        "covariance = None if self.covariance is None else change @ self.covariance @ change.T",
+        "covariance = None if self.covariance is None else change.T @ self.covariance @ change",
+        "test_polynomial",
+    ),
+    Mutant("propagate.py", "change / (above[i] - below[i])", "change / step", "test_propagate"),
+    Mutant(
+        "propagate.py",
+        "np.min(np.where(counts, dof, np.inf), axis=1)",
+        "np.max(np.where(counts, dof, 0.0), axis=1)",
+        "test_propagate",
+    ),
+    Mutant(
+        "propagate.py",
+        "held = min(round(p * ordered.size), ordered.size - 1)",
+        "held = min(round(0.5 * p * ordered.size), ordered.size - 1)",
+        "test_propagate",
+    ),
+    Mutant(
+        "two_levels.py",
+        "total = float(residuals @ residuals) / (n - p)",
+        "total = float(residuals @ residuals) / n",
+        "test_two_levels",
+    ),
+    Mutant(
+        "two_levels.py",
+        "np.sum(weight)) / np.sum(weight**2))",
+        "0.0 * np.sum(weight)) / np.sum(weight**2))",
+        "test_two_levels",
+    ),
+    Mutant(
+        "two_levels.py",
+        "return float(np.sqrt(2.0 / self.information))",
+        "return float(np.sqrt(1.0 / self.information))",
+        "test_two_levels",
+    ),
+    Mutant(
+        "two_levels.py",
+        "stats.chi2.ppf([0.975, 0.025], len(pull))",
+        "stats.chi2.ppf([0.975, 0.025], len(pull) + 3)",
+        "test_two_levels",
+    ),
+    Mutant(
+        "slow_noise.py",
+        "return (2.0 * _twice_integrated(lag) - ends) / length**2",
+        "return (_twice_integrated(lag) - ends) / length**2",
+        "test_slow_noise",
+    ),
+    Mutant(
+        "slow_noise.py",
+        "scale = np.array([2.0 * blocks.length, 1.0])",
+        "scale = np.array([blocks.length, 1.0])",
+        "test_slow_noise",
+    ),
+    Mutant(
+        "slow_noise.py",
+        "(2.0 * lag**3 - ends) / (12.0 * length**2)",
+        "(2.0 * lag**3 - ends) / (6.0 * length**2)",
+        "test_slow_noise test_drift",
+    ),
+    Mutant(
+        "random_offsets.py",
+        "part = 1.0 - 1.0 / np.sqrt(1.0 + ratio * total)",
+        "part = 1.0 - 1.0 / (1.0 + ratio * total)",
+        "test_random_offsets",
+    ),
+    Mutant(
+        "random_offsets.py",
+        "np.sum(np.log(grown)) + log_design",
+        "np.sum(np.log(grown)) - log_design",
+        "test_random_offsets",
+    ),
+    Mutant("clustered.py", "1.0 / np.sqrt(np.maximum(left, ALONE)), 0.0)", "1.0, 0.0)", "test_clustered"),
+    Mutant(
+        "clustered.py",
+        "dof[seen] = trace[seen] ** 2 / np.sum",
+        "dof[seen] = 2.0 * trace[seen] ** 2 / np.sum",
+        "test_clustered",
+    ),
+    Mutant(
+        "scatters.py", "return min(2.0 * min(below, above), 1.0)", "return min(min(below, above), 1.0)", "test_scatters"
+    ),
+    Mutant(
+        "scatters.py",
+        "math.hypot(second - low_2, high_1 - first)",
+        "math.hypot(second - low_2, first - low_1)",
+        "test_scatters",
+    ),
+    Mutant(
+        "quantiles.py",
+        "return np.asarray(b * (1.0 - part) / (a * part), dtype=np.float64)",
+        "return np.asarray(a * (1.0 - part) / (b * part), dtype=np.float64)",
+        "test_quantiles",
+    ),
+    Mutant("drift.py", "weights = curve[-1] - curve[0]", "weights = curve[0] - curve[-1]", "test_drift"),
+    Mutant("drift.py", "2.0 * float(special.stdtr(", "1.0 * float(special.stdtr(", "test_drift"),
+    Mutant(
+        "correlation.py",
+        "length = fft.next_fast_len(n + lags, real=True)",
+        "length = fft.next_fast_len(n, real=True)",
+        "test_correlation",
+    ),
+    Mutant("correlation.py", "[x[: n - lag] @ y[lag:] for lag", "[x[lag:] @ y[: n - lag] for lag", "test_correlation"),
+    Mutant(
+        "codes.py",
+        "log_chance = np.log(len(values)) + (longest - 1)",
+        "log_chance = np.log(len(values)) - (longest - 1)",
+        "test_codes",
+    ),
+    Mutant("codes.py", "before = read - step**2 / 12.0", "before = read - step**2 / 6.0", "test_codes"),
+    Mutant(
+        "_kernels.py",
+        "d = np.float64(e[i] - a[i] + 3 * (b[i] - c[i]))",
+        "d = np.float64(e[i] - a[i] + 3 * (c[i] - b[i]))",
+        "test_allan_published",
+    ),
+    Mutant(
+        "_kernels.py",
+        "for j in range(0, n - order * m, m):",
+        "for j in range(0, n - order * m - 1, m):",
+        "test_allan_published",
+    ),
+    Mutant(
+        "edf.py", "exponent = BLUEST - power + 2 * modified", "exponent = BLUEST - power + modified", "test_allan_edf"
+    ),
+    Mutant(
+        "edf.py",
+        "deviation * np.sqrt(edf / special.chdtri(edf, 1.0 - tail))",
+        "deviation * np.sqrt(special.chdtri(edf, 1.0 - tail) / edf)",
+        "test_allan_edf",
+    ),
+    Mutant(
+        "dead_time.py",
+        "factor = np.sqrt(interval / averaging)",
+        "factor = np.sqrt(averaging / interval)",
+        "test_allan_dead_time",
+    ),
+    Mutant("psd.py", "2.0 * interval / (count * sum(", "interval / (count * sum(", "test_spectrum"),
+    Mutant("density.py", "edf = self.edf * size**2 / np.array", "edf = self.edf * size / np.array", "test_spectrum"),
+    Mutant(
+        "tapers.py",
+        "return float(self.weights.shape[1] * len(sums) / sums.sum())",
+        "return float(len(sums) / sums.sum())",
+        "test_spectrum",
+    ),
+    Mutant(
+        "amplitude.py",
+        "chance = special.fdtrc(2.0, dof, 0.5 * ratio**2)",
+        "chance = special.fdtrc(2.0, dof, ratio**2)",
+        "test_sine",
+    ),
+    Mutant("amplitude.py", "np.where(ratio**2 > 2.0,", "np.where(ratio**2 > 4.0,", "test_sine"),
+    Mutant(
+        "fit.py",
+        "return 2.0 * self.noise**2 * self.design.drive.step",
+        "return self.noise**2 * self.design.drive.step",
+        "test_sine",
+    ),
+    Mutant(
+        "fit.py",
+        "np.sum(parts**2 / sizes[good, None], axis=0) / good.sum())",
+        "np.sum(parts**2 / sizes[good, None], axis=0) / (good.sum() - 1))",
+        "test_sine",
+    ),
+    Mutant(
+        "design.py",
+        "rows[k] = 2.0 * first * rows[k - 1] - rows[k - 2]",
+        "rows[k] = 2.0 * first * rows[k - 1] + rows[k - 2]",
+        "test_sine",
+    ),
+    Mutant("drive.py", "+ self.step\n", "\n", "test_sine"),
+    Mutant(
+        "drive.py", "a * unit.quadrature - b * unit.in_phase", "a * unit.quadrature + b * unit.in_phase", "test_sine"
+    ),
+    Mutant(
+        "reductions.py",
+        "sums = running[i + wide + 1] - running[i - wide] - 0.5 *",
+        "sums = running[i + wide + 1] - running[i - wide] - 1.0 *",
+        "test_reductions",
+    ),
+    Mutant(
+        "analysis.py",
+        "cosine[-1] *= 2.0\n    sine[-1] *= 2.0",
+        "cosine[-1] *= 1.0\n    sine[-1] *= 2.0",
+        "test_programme1969",
+    ),
+    Mutant(
+        "analysis.py",
+        "amplitude * np.sin(2.0 * np.pi / samples_per_cycle * at)",
+        "amplitude * np.cos(2.0 * np.pi / samples_per_cycle * at)",
+        "test_programme1969",
+    ),
+    Mutant("noise_scale.py", "float(kept * (BLOCK - 1)), step", "float(kept * BLOCK), step", "test_noise_scale"),
+    Mutant(
+        "_kernels_levels.py",
+        "variance[block], different[block] = squares / (size - 1), unequal",
+        "variance[block], different[block] = squares / size, unequal",
+        "test_noise_scale test_kernels_levels",
+    ),
+    Mutant(
+        "_kernels_levels.py",
+        "share * abs(end[i] - middle[i] - middle[i] + running[i])",
+        "share * abs(end[i] - middle[i] - running[i])",
+        "test_kernels_levels",
+    ),
+    Mutant(
+        "ramps.py",
+        "elif way != COOLING and level[highest] - value >= reversal:",
+        "elif way != COOLING and level[highest] - value >= 2.0 * reversal:",
+        "test_ramps",
+    ),
+    Mutant(
+        "decimation.py",
+        "hi[filled, column] = np.fmax.reduceat",
+        "hi[filled, column] = np.fmin.reduceat",
+        "test_decimation",
+    ),
+    Mutant(
+        "schedule.py",
+        "span = 2.0 * tolerance * (1.0 + ROUNDING)",
+        "span = tolerance * (1.0 + ROUNDING)",
+        "test_schedule",
+    ),
+    Mutant(
+        "earth.py",
+        "np.zeros_like(phi), -OMEGA * np.sin(phi)], axis=-1)",
+        "np.zeros_like(phi), OMEGA * np.sin(phi)], axis=-1)",
+        "test_earth",
+    ),
+    Mutant("earth.py", "[sa, -ca, 0.0]", "[-sa, ca, 0.0]", "test_earth"),
+    Mutant("earth.py", "0.5 * amplitude**2]", "amplitude**2]", "test_earth"),
+    Mutant("earth.py", "[c * x + s * y, c * y - s * x,", "[c * x - s * y, c * y + s * x,", "test_earth"),
+    Mutant("earth.py", "+ 3.0 * (h / A) ** 2))", "- 3.0 * (h / A) ** 2))", "test_earth"),
+    Mutant(
+        "attitude.py",
+        "C_reference_system: Array = R_z @ R_y @ R_x",
+        "C_reference_system: Array = R_x @ R_y @ R_z",
+        "test_attitude",
+    ),
+    Mutant("ring.py", "g_z = -2.0 * z * E / (p * q_2)", "g_z = 2.0 * z * E / (p * q_2)", "test_ring"),
+    Mutant(
+        "ring.py",
+        "tangential = 32.0 * a**2 * slope / p**5 - cube",
+        "tangential = 16.0 * a**2 * slope / p**5 - cube",
+        "test_ring",
+    ),
+    Mutant(
+        "_kernels.py",
+        "slope[4] += v * x * z",
+        "slope[4] += v * y * z",
+        "test_attraction_bodies test_attraction_lattice",
+    ),
+    Mutant(
+        "_kernels.py",
+        "return -_angle(x, y, z, r), -_angle(y, z, x, r), -_angle(z, x, y, r), lx, ly, lz",
+        "return -_angle(x, y, z, r), -_angle(y, z, x, r), -_angle(z, x, y, r), lx, lz, ly",
+        "test_attraction_bodies test_attraction_lattice",
+    ),
+    Mutant("tilt.py", "places - moved[:, None, :]", "places + moved[:, None, :]", "test_tilt"),
+    Mutant(
+        "bound.py",
+        '"sphere": (_sphere_volume, _sphere_field, 0.5)',
+        '"sphere": (_sphere_volume, _sphere_field, 1.5)',
+        "test_mass_shape",
+    ),
+    Mutant("bound.py", "0.8 * w**-0.5 + 0.2 * w**2 - 1.0", "0.8 * w**-0.5 + 0.4 * w**2 - 1.2", "test_mass_shape"),
+    Mutant("gain.py", "((1.0, start), (-1.0, end))", "((1.0, start), (1.0, end))", "test_mass_shape"),
+    Mutant("drive.py", "return float(np.ptp(self.fields) / 2.0)", "return float(np.ptp(self.fields))", "test_motion"),
+    Mutant(
+        "travel.py",
+        "points = np.ascontiguousarray(-positions[:, None] * way)",
+        "points = np.ascontiguousarray(positions[:, None] * way)",
+        "test_motion",
+    ),
+    Mutant(
+        "linear.py",
+        "np.cross(field, axis) + np.cross(shifts, rows)",
+        "np.cross(field, axis) - np.cross(shifts, rows)",
+        "test_source_budget",
+    ),
+    Mutant("linear.py", "half = np.array([0.5, -0.5])", "half = np.array([0.5, 0.5])", "test_source_budget"),
+    Mutant(
+        "_kernels.py",
+        "one = (0.5 - k) * mass[i] / (r_2 * math.sqrt(r_2))",
+        "one = (1.0 - k) * mass[i] / (r_2 * math.sqrt(r_2))",
+        "test_source_budget",
+    ),
+    Mutant("equation.py", "bent = (bent + coefficient) * away", "bent = bent * away + coefficient", "test_model"),
+    Mutant(
+        "equation.py",
+        'np.exp(-columns["time"] / model.warm_up_time)',
+        'np.exp(columns["time"] / model.warm_up_time)',
+        "test_model",
+    ),
+    Mutant("matrices.py", ".transpose(2, 1, 0))", ".transpose(2, 0, 1))", "test_matrices"),
+    Mutant(
+        "nonlinearity.py",
+        "2.0 * self.second + 3.0 * self.third * u",
+        "2.0 * self.second + 2.0 * self.third * u",
+        "test_nonlinearity",
+    ),
+    Mutant(
+        "nonlinearity.py",
+        "turn = 2.0 * bend * bend - curve.third / rate",
+        "turn = bend * bend - curve.third / rate",
+        "test_nonlinearity",
+    ),
+    Mutant(
+        "uncertainty.py",
+        "variance = variance + to_input**2 @ model.bias_run_to_run**2",
+        "variance = variance + to_input**2 @ model.bias_run_to_run",
+        "test_uncertainty",
+    ),
+    Mutant(
+        "sensitivity.py", "np.exp(-time / tau) * time / tau**2", "np.exp(-time / tau) * time / tau", "test_uncertainty"
+    ),
+    Mutant("warm_up.py", "clusters = numbers if many else", "clusters = numbers if not many else", "test_warm_up"),
+    Mutant(
+        "warm_up.py",
+        "self.time_constant * math.log(abs(self.change) / tolerance)\n\n",
+        "self.time_constant * math.log10(abs(self.change) / tolerance)\n\n",
+        "test_warm_up",
+    ),
+    Mutant(
+        "from_counts.py",
+        'output = (volts["counts"] - above - zero_at_gains',
+        'output = (volts["counts"] - above + zero_at_gains',
+        "test_chain",
+    ),
+    Mutant(
+        "to_counts.py",
+        "codes = np.rint((volts + above) / chain.step)",
+        "codes = np.floor((volts + above) / chain.step)",
+        "test_chain",
+    ),
+    Mutant(
+        "converter.py",
+        "return np.asarray((volts - self.voltage) / self.slope + self.temperature)",
+        "return np.asarray((volts - self.voltage) / self.slope - self.temperature)",
+        "test_chain",
+    ),
+    Mutant("model.py", "2.0 * np.eye(cross.shape[1]) - cross", "np.eye(cross.shape[1]) - cross", "test_ground_model"),
+    Mutant(
+        "allan_of_terms.py",
+        "10.0 * C(zero) - 15.0 * C(m) + 6.0 * C(2.0 * m) - C(3.0 * m)",
+        "10.0 * C(zero) - 15.0 * C(m) + 6.0 * C(2.0 * m) + C(3.0 * m)",
+        "test_noise_terms",
+    ),
+    Mutant(
+        "allan_of_terms.py",
+        "weights = np.where(d == 0.0, m, 2.0 * (m - d))",
+        "weights = np.where(d == 0.0, m, m - d)",
+        "test_noise_terms",
+    ),
+    Mutant(
+        "spectrum_of_terms.py",
+        "total = total + term.coefficient**2 / (np.pi * f)",
+        "total = total + term.coefficient**2 / (2.0 * np.pi * f)",
+        "test_noise_terms",
+    ),
+    Mutant(
+        "phase.py",
+        "np.cos(2.0 * np.pi * cycles * j) / (2.0 * np.sin(np.pi * cycles)) ** 2",
+        "np.cos(2.0 * np.pi * cycles * j) / (2.0 * np.sin(2.0 * np.pi * cycles)) ** 2",
+        "test_noise_terms",
+    ),
+    Mutant("phase.py", "duty**2 / (12.0 * far**2)", "duty**2 / (6.0 * far**2)", "test_noise_terms"),
+    Mutant(
+        "state_space.py",
+        "np.array([[2.0 * variance / time]])",
+        "np.array([[variance / time]])",
+        "test_noise_state_space",
+    ),
+    Mutant(
+        "state_space.py",
+        "phi, qd = phi @ phi, phi @ qd @ phi.T + qd",
+        "phi, qd = phi @ phi, phi.T @ qd @ phi + qd",
+        "test_noise_state_space",
+    ),
+    Mutant(
+        "to_filters.py",
+        "spread = float(np.sqrt(0.5 * time)) if time",
+        "spread = float(np.sqrt(time)) if time",
+        "test_noise_to_filters",
+    ),
+    Mutant(
+        "to_filters.py",
+        "tuple(v / float(np.sqrt(step)) for v",
+        "tuple(v * float(np.sqrt(step)) for v",
+        "test_noise_to_filters",
+    ),
+    Mutant("sandwich.py", "covariance = half @ sigma @ half.T", "covariance = half @ half.T", "test_noise_fit"),
+    Mutant(
+        "goodness.py", "(1.0 - 2.0 / (9.0 * edf))) / np.sqrt", "(1.0 - 1.0 / (9.0 * edf))) / np.sqrt", "test_noise_fit"
+    ),
+    Mutant(
+        "likelihood.py",
+        "fitted.powers[-1] * by / 0.1 * PER_E",
+        "fitted.powers[-1] * by / 0.05 * PER_E",
+        "test_noise_fit test_noise_covariance",
+    ),
+    Mutant(
+        "simulate.py",
+        "term.coefficient / np.sqrt(averaging), n)",
+        "term.coefficient / averaging, n)",
+        "test_noise_terms",
+    ),
+    Mutant(
+        "planner.py",
+        "return tau * (1.0 + 0.5 / relative_error**2)",
+        "return tau * (1.0 + 1.0 / relative_error**2)",
+        "test_noise_planner",
+    ),
+    Mutant(
+        "blackman_tukey.py",
+        "np.sqrt((2.0 if self.smoothed else 1.0) *",
+        "np.sqrt((1.0 if self.smoothed else 2.0) *",
+        "test_spectrum test_programme1969",
+    ),
+    Mutant("blackman_tukey.py", "twice[1:M] *= 2.0", "twice[1:] *= 2.0", "test_spectrum test_programme1969"),
+    Mutant(
+        "equations.py",
+        "rank = int(np.sum(s > RELATIVE * s.max(initial=0.0)))",
+        "rank = int(np.sum(s > -1.0))",
+        "test_flip",
+    ),
+    Mutant("equations.py", "C = rotation(plan.axis, rows.angle)", "C = rotation(plan.axis, -rows.angle)", "test_flip"),
+    Mutant(
+        "equations.py",
+        "return np.asarray(values - np.array([middle[axis] for axis in rows.axis]))",
+        "return np.asarray(values)",
+        "test_flip",
+    ),
+    Mutant(
+        "uncertainty.py",
+        "covariance = should_be_zero.T @ should_be_zero / count",
+        "covariance = should_be_zero.T @ should_be_zero / (count - 1)",
+        "test_flip_noise test_flip_coverage",
+    ),
+    Mutant(
+        "uncertainty.py",
+        "white = contrasts @ contrasts.T * (noise.white / (2.0 * record.length))",
+        "white = contrasts @ contrasts.T * (noise.white / record.length)",
+        "test_flip_noise test_flip_coverage",
+    ),
+    Mutant(
+        "pooling.py",
+        "scatter = np.atleast_2d(np.cov(values, rowvar=False)) / len(used)",
+        "scatter = np.atleast_2d(np.cov(values, rowvar=False))",
+        "test_flip test_flip_coverage",
+    ),
+    Mutant(
+        "pooling.py",
+        "special.fdtrc(free, behind, square / free)",
+        "special.fdtrc(free, behind, square)",
+        "test_flip test_flip_coverage",
+    ),
+    Mutant(
+        "orbit.py",
+        "predicted if plan.corrected else -predicted",
+        "-predicted if plan.corrected else predicted",
+        "test_flip_orbit",
+    ),
+    Mutant(
+        "control.py",
+        "2.0 * float(special.stdtr(min(dof, 1e9), -abs(t)))",
+        "float(special.stdtr(min(dof, 1e9), abs(t)))",
+        "test_flip test_flip_plausible",
+    ),
+    Mutant(
+        "regression.py",
+        "weight = readings.samples[given] - 1.0",
+        "weight = readings.samples[given] - 0.0",
+        "test_rate_table",
+    ),
+    Mutant(
+        "regression.py", "share = 1.0 - 1.0 / per_run if run.std is not None else 1.0", "share = 1.0", "test_rate_table"
+    ),
+    Mutant("regression.py", "columns.append(np.abs(x[sensor]))", "columns.append(x[sensor] ** 2)", "test_rate_table"),
+    Mutant(
+        "regression.py",
+        "return np.asarray(y - readings.earth @ row)",
+        "return np.asarray(y + readings.earth @ row)",
+        "test_rate_table",
+    ),
+    Mutant("regression.py", "dof_run = found.dof - dof\n", "dof_run = found.dof - dof + 1\n", "test_rate_table"),
+    Mutant(
+        "rate_error.py",
+        "read[np.isfinite(read)] / rate - 1.0",
+        "1.0 - rate / read[np.isfinite(read)]",
+        "test_rate_table",
+    ),
+    Mutant(
+        "rate_error.py",
+        "(_earth_variance(here, sensor) / rate**2, np.inf)",
+        "(_earth_variance(here, sensor) / abs(rate), np.inf)",
+        "test_rate_table",
+    ),
+    Mutant(
+        "earth_input.py",
+        "size = OMEGA * ROOT_THIRD\n        return",
+        "size = OMEGA * ROOT_HALF\n        return",
+        "test_rate_table",
+    ),
+    Mutant(
+        "linearity.py",
+        "variance[0] * max(1.0 / count - leverage, 0.0)",
+        "variance[0] * (1.0 / count)",
+        "test_rate_table",
+    ),
+    Mutant(
+        "closed_loop.py",
+        "np.mean(delta * (2.0 * error - delta))),\n        float(np.sqrt(variance)),",
+        "np.mean(delta * (error - delta))),\n        float(np.sqrt(variance)),",
+        "test_closed_loop test_rate_table",
+    ),
+    Mutant(
+        "closed_loop.py",
+        "return _p(one.gain + one.allowed, one)",
+        "return _p(one.gain - one.allowed, one)",
+        "test_closed_loop",
+    ),
+    Mutant(
+        "closed_loop.py",
+        "freedom = len(sums) / max(len(sums) - 1.0, 1.0)",
+        "freedom = 1.0 / max(len(sums) - 1.0, 1.0)",
+        "test_closed_loop",
+    ),
+    Mutant(
+        "law.py",
+        "paths = 0.5 * cells.path[:, None]",
+        "paths = cells.path[:, None]",
+        "test_thermal_law test_thermal_paths",
+    ),
+    Mutant("law.py", "rows + 0.5 * spread[:, None] * (", "rows + spread[:, None] * (", "test_thermal_law"),
+    Mutant(
+        "cells.py",
+        "free = np.maximum(count - 2.0, 1.0)",
+        "free = np.maximum(count - 1.0, 1.0)",
+        "test_thermal_test test_thermal_law",
+    ),
+    Mutant(
+        "cells.py",
+        "weight=1.0 / np.bincount(shared)[shared]",
+        "weight=1.0 * np.bincount(shared)[shared]",
+        "test_thermal_law test_thermal_test",
+    ),
+    Mutant(
+        "order.py",
+        "own[:, -1, -1] - 2.0 * cross + bent",
+        "own[:, -1, -1] - cross",
+        "test_thermal_law test_thermal_test",
+    ),
+    Mutant(
+        "order.py",
+        "scores <= NO_BETTER * scores.min())[0]",
+        "scores <= NO_BETTER * scores.min())[-1]",
+        "test_thermal_law test_thermal_test",
+    ),
+    Mutant(
+        "paths.py",
+        "columns = np.column_stack([own, -slope * cells.rate, drift, each[:, 1:]])",
+        "columns = np.column_stack([own, slope * cells.rate, drift, each[:, 1:]])",
+        "test_thermal_paths",
+    ),
+    Mutant(
+        "start_up.py",
+        "np.average(law.cells.scatter**2, weights=law.cells.samples)",
+        "np.average(law.cells.scatter, weights=law.cells.samples)",
+        "test_thermal_test",
+    ),
+    Mutant(
+        "accelerometer.py",
+        "across = u**2 * (f @ f * np.eye(3) - np.outer(f, f))",
+        "across = u**2 * (f @ f * np.eye(3) + np.outer(f, f))",
+        "test_positions_budget test_positions_propagation",
+    ),
+    Mutant(
+        "accelerometer.py",
+        "design[i::3, 3 * i : 3 * i + 3] = force",
+        "design[i::3, 3 * i : 3 * i + 3] = force[:, ::-1]",
+        "test_positions_from_twins test_positions_labels",
+    ),
+    Mutant(
+        "accelerometer.py",
+        "np.concatenate([-values[:9], np.zeros(3)]) * gravity.u",
+        "np.concatenate([-values[:9], values[9:]]) * gravity.u",
+        "test_positions_budget test_positions_propagation",
+    ),
+    Mutant(
+        "sphere.py",
+        "derivative[:9, column] = -np.outer(A[:, i], A[j]).ravel() / g",
+        "derivative[:9, column] = -np.outer(A[i], A[:, j]).ravel() / g",
+        "test_positions_sphere test_positions_propagation",
+    ),
+    Mutant(
+        "sphere.py",
+        "return np.asarray(np.sum((u @ T) ** 2 * inside, axis=1))",
+        "return np.asarray(np.sum((u @ T.T) ** 2 * inside, axis=1))",
+        "test_positions_sphere test_positions_propagation test_positions_simulated",
+    ),
+    Mutant("gyro.py", "-np.kron(A, A.T)", "-np.kron(A.T, A)", "test_positions_propagation test_positions_rotations"),
+    Mutant("gyro.py", "G = seen_g - earth if", "G = seen_g + earth if", "test_positions_earth_rate"),
+    Mutant(
+        "gyro.py",
+        "variance = (inside + (acc.between or 0.0) ** 2) / local_gravity(plan) ** 2",
+        "variance = inside / local_gravity(plan) ** 2",
+        "test_positions_propagation test_positions_simulated test_positions_budget",
+    ),
+    Mutant("_kernels.py", "v1 = y1 * scale - m21 * v2", "v1 = y1 * scale + m21 * v2", "test_positions_batch"),
+    Mutant("_kernels.py", "if not total > 1e-14 * normal[i, i]:", "if not total > -1.0:", "test_positions_batch"),
+    Mutant(
+        "earth_rate.py",
+        "mean_square = 1.0 / 3.0 if plan.latitude is None else 0.5 * np.cos(plan.latitude) ** 2",
+        "mean_square = 1.0 / 3.0 if plan.latitude is None else np.cos(plan.latitude) ** 2",
+        "test_positions_earth_rate",
+    ),
+    Mutant(
+        "at_rest.py",
+        "return fit.chi_square / fit.free if",
+        "return fit.chi_square / (fit.free + 3) if",
+        "test_positions_budget test_positions_levels test_positions_simulated",
+    ),
+    Mutant("design.py", "setup.pose**2 * (1.0 - u**2)", "setup.pose**2 * u**2", "test_positions_planning"),
+    Mutant(
+        "design.py",
+        "common[:3] = setup.gravity_u / setup.gravity",
+        "common[:3] = 0.5 * setup.gravity_u / setup.gravity",
+        "test_positions_planning",
+    ),
+    Mutant(
+        "rotations.py",
+        "by_ends = -np.tensordot(gain,",
+        "by_ends = np.tensordot(gain,",
+        "test_positions_propagation test_positions_rotations",
+    ),
+    Mutant(
+        "of_run.py",
+        "share = applied / (applied + G * tau)",
+        "share = applied / (applied - G * tau)",
+        "test_mass_attraction",
+    ),
+    Mutant(
+        "of_run.py",
+        "u = float(np.hypot(u, u_p * tau))",
+        "u = float(np.hypot(u, 2.0 * u_p * tau))",
+        "test_mass_attraction",
+    ),
+    Mutant(
+        "of_run.py",
+        "RAYLEIGH = float(np.sqrt(np.pi / 2.0))",
+        "RAYLEIGH = float(np.sqrt(np.pi))",
+        "test_mass_attraction test_reinel1969",
+    ),
+    Mutant(
+        "runs.py",
+        "variance = float(w @ (values - mean) ** 2 / ((m - 1.0) * w.sum()))",
+        "variance = float(w @ (values - mean) ** 2 / (m * w.sum()))",
+        "test_mass_attraction test_reinel1969",
+    ),
+    Mutant(
+        "line.py",
+        "return np.asarray((schedule.applied - middle) / schedule.amplitude)",
+        "return np.asarray((middle - schedule.applied) / schedule.amplitude)",
+        "test_mass_attraction",
+    ),
+    Mutant(
+        "scale.py",
+        "own[-1] = plan.high_g.u * found.value / plan.high_g.scale_factor**2",
+        "own[-1] = plan.high_g.u / plan.high_g.scale_factor**2",
+        "test_mass_attraction test_reinel1969",
+    ),
+    Mutant(
+        "scale.py",
+        'slopes, units = [*slopes, 1.0 / plan.nominal], [*units, "1"]',
+        'slopes, units = [*slopes, plan.nominal], [*units, "1"]',
+        "test_mass_attraction",
+    ),
+    Mutant(
+        "forecast.py",
+        "C[:-4] - 4.0 * C[1:-3] + 6.0 * C[2:-2] - 4.0 * C[3:-1] + C[4:]",
+        "C[:-4] - 4.0 * C[1:-3] + 6.0 * C[2:-2] - 4.0 * C[3:-1] - C[4:]",
+        "test_mass_forecast",
+    ),
+    Mutant(
+        "forecast.py",
+        "wanted = math.sqrt(target**2 - u_applied**2)",
+        "wanted = math.sqrt(target**2 + u_applied**2)",
+        "test_mass_forecast",
+    ),
+    Mutant(
+        "orbit.py",
+        "distance = (2.0 * G * mass / gradient) ** (1.0 / 3.0)",
+        "distance = (G * mass / gradient) ** (1.0 / 3.0)",
+        "test_plan_mass_attraction test_plan_proof_mass",
+    ),
+    Mutant(
+        "inputs.py",
+        "late = 2.0 * np.pi * float(times[there][0] - times[0]) / period",
+        "late = -2.0 * np.pi * float(times[there][0] - times[0]) / period",
+        "test_sine_command",
+    ),
+    Mutant(
+        "result.py",
+        "dof = self.fit.dof * (total / own) ** 4",
+        "dof = self.fit.dof * (own / total) ** 4",
+        "test_sine_command",
+    ),
+    Mutant(
+        "scale.py", "float(np.hypot(row.u, own * row.value))", "float(row.u + own * row.value)", "test_static_noise"
+    ),
+    Mutant(
+        "scale.py",
+        "covariance = influence.u**2 * np.outer(sized, sized)",
+        "covariance = influence.u**2 * np.diag(sized**2)",
+        "test_static_noise",
+    ),
+    Mutant("flicker.py", "power[1:half] *= 0.5", "power[1:half] *= 1.0", "test_flicker"),
+    Mutant(
+        "flicker.py",
+        "weights = ((-2, 1.0), (-1, -4.0), (0, 6.0)",
+        "weights = ((-2, 1.0), (-1, -4.0), (0, 5.0)",
+        "test_flicker",
+    ),
+    Mutant(
+        "noise.py",
+        "start = np.cumsum(inside + between, axis=0) - inside - between",
+        "start = np.cumsum(inside + between, axis=0) - inside",
+        "test_still_gyro_rig test_rate_table_rig test_flicker",
+    ),
+    Mutant(
+        "stepped_table.py",
+        "0.5 * (rates[1:] + rates[:-1]) * np.diff(knots)",
+        "rates[1:] * np.diff(knots)",
+        "test_rate_table_rig",
+    ),
+    Mutant(
+        "gyro_bench.py",
+        "turn[j], turn[k] = -angles[1], angles[0]",
+        "turn[j], turn[k] = angles[1], angles[0]",
+        "test_rate_table_rig",
+    ),
+    Mutant(
+        "head_turn.py",
+        "np.cos(angle)[:, None] * across + np.sin(angle)[:, None] * side",
+        "np.cos(angle)[:, None] * across - np.sin(angle)[:, None] * side",
+        "test_head_turn",
+    ),
+    Mutant(
+        "head_turn.py",
+        "np.multiply.outer(motion.rate**2, np.cross(along, np.cross(along, arm)))",
+        "np.multiply.outer(motion.rate, np.cross(along, np.cross(along, arm)))",
+        "test_head_turn",
+    ),
+    Mutant(
+        "motion.py",
+        "tilt = -np.arctan2(np.linalg.norm(cross), cosine)",
+        "tilt = np.arctan2(np.linalg.norm(cross), cosine)",
+        "test_hand_held_rig",
+    ),
+    Mutant(
+        "head.py", "white *= density * np.sqrt(0.5 * rate)", "white *= density * np.sqrt(rate)", "test_sams_tsh_rig"
+    ),
+)
+
+
+def main() -> int:
+    """Run the mutants, and tell those that live."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
+    parser.add_argument("--only", default="", help="folder, file, part of a text, or numbers with commas between")
+    parser.add_argument("--jobs", type=int, default=1, help="processes")
+    parser.add_argument("--unchecked", action="store_true", help="do not run the tests without a mutant first")
+    parser.add_argument("--work", type=Path, help=argparse.SUPPRESS)
+    given = parser.parse_args()
+    if given.work:
+        return work(given.work)
+    chosen = [number for number, mutant in enumerate(MUTANTS) if wanted(number, mutant, given.only)]
+    with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
+        return run(chosen, Path(folder), given.jobs, given.unchecked)
+
+
+def wanted(number: int, mutant: Mutant, only: str) -> bool:
+    """Return whether a mutant is asked for."""
+    if re.fullmatch(r"[\d,]+", only):
+        return str(number) in only.split(",")
+    return not only or only in mutant.words or only in mutant.place().parts
+
+
+def run(chosen: Sequence[int], folder: Path, jobs: int, unchecked: bool = False) -> int:
+    """Run mutants in copies of the tree; 0 if each is caught."""
+    workers = [Worker(folder / str(k)) for k in range(jobs)]
+    begin = time.monotonic()
+    broken: list[str] = []
+    if not unchecked:
+        broken = workers[0].broken(sorted({file for number in chosen for file in MUTANTS[number].test_files()}))
+        for name in broken:
+            print(f"FAILS WITHOUT A MUTANT, left out: {name}", flush=True)
+    found: dict[int, str] = {}
+    free = list(workers)
+
+    def one(number: int) -> None:
+        worker = free.pop()
+        found[number] = worker.verdict(number, broken)
+        free.append(worker)
+        print(f"{number:4d} {found[number]:60s} {MUTANTS[number].words}", flush=True)
+
+    with ThreadPoolExecutor(jobs) as pool:
+        list(pool.map(one, chosen))
+    for worker in workers:
+        worker.close()
+    alive = [number for number in chosen if not found[number].startswith("caught")]
+    print(f"{len(chosen)} mutants, {len(chosen) - len(alive)} caught, in {time.monotonic() - begin:.0f} s")
+    for number in alive:
+        print(f"{found[number]}: {number} {MUTANTS[number].words}")
+    return 1 if alive else 0
+
+
+class Worker:
+    """A copy of the tree and a process that runs tests in it."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        nothing = shutil.ignore_patterns(".hypothesis", "out")
+        for name in ("src", "tests"):
+            shutil.copytree(ROOT / name, folder / name, ignore=nothing)
+        shutil.copy(ROOT / "pyproject.toml", folder)
+        environment = os.environ | {
+            "PYTHONPATH": str(folder / "src"), "PYTHONDONTWRITEBYTECODE": "", "OMP_NUM_THREADS": "1",
+            "INERTIALCAL_SHARED": os.environ.get("INERTIALCAL_SHARED", str(ROOT.parent / "shared")),
+        }  # fmt: skip
+        command = [sys.executable, __file__, "--work", str(folder)]
+        self.process = subprocess.Popen(
+            command, cwd=folder, env=environment, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+        )
+
+    def ask(self, question: dict[str, Any]) -> dict[str, Any]:
+        """Return what the process answers."""
+        to, back = self.process.stdin, self.process.stdout
+        assert to is not None
+        assert back is not None
+        to.write(json.dumps(question) + "\n")
+        to.flush()
+        answer: dict[str, Any] = json.loads(back.readline())
+        return answer
+
+    def broken(self, files: list[str]) -> list[str]:
+        """Return the tests that fail as the tree is."""
+        failed: list[str] = self.ask({"files": files, "all": True, "longest": 100 * LONGEST, "without": []})["failed"]
+        return failed
+
+    def verdict(self, number: int, broken: Sequence[str] = ()) -> str:
+        """Put a mutant in, run its tests, and take it out."""
+        mutant = MUTANTS[number]
+        place = mutant.place()
+        target = self.folder / place
+        target.write_text((ROOT / place).read_text(encoding="utf-8").replace(mutant.old, mutant.new), encoding="utf-8")
+        os.utime(target, (AFTER + number, AFTER + number))  # no compiled file is of this one
+        cache = self.folder / "compiled" if place.name.startswith("_kernels") else None
+        answer = self.ask(
+            {
+                "files": mutant.test_files(),
+                "all": False,
+                "longest": LONGEST,
+                "compiled": str(cache or ""),
+                "without": broken,
+            }
+        )
+        shutil.copy2(ROOT / place, target)
+        if cache is not None:
+            shutil.rmtree(cache, ignore_errors=True)
+        failed = answer["failed"]
+        status = answer["status"]
+        if status == "late":
+            return "caught: never ends"
+        if status == 0:
+            return "LIVES"
+        if status == 1 and failed:
+            path, _, name = failed[0].partition("::")
+            return f"caught by {Path(path).name}::{name}"
+        return f"NO VERDICT (pytest {status})"
+
+    def close(self) -> None:
+        """Let the process end."""
+        for pipe in (self.process.stdin, self.process.stdout):
+            if pipe is not None:
+                pipe.close()
+        self.process.wait()
+
+
+# In the process of a worker
+
+
+def work(folder: Path) -> int:
+    """Answer questions: run test files in a fork, in which nothing of the package is imported yet."""
+    import importlib
+
+    for name in THIRD_PARTY:
+        importlib.import_module(name)
+    for line in sys.stdin:
+        question = json.loads(line)
+        told = folder / "told.txt"
+        with told.open("w", encoding="utf-8") as output:
+            status = forked(question, output)
+        text = told.read_text(encoding="utf-8", errors="replace")
+        failed = re.findall(r"^(?:FAILED|ERROR) (\S+)", text, re.MULTILINE)
+        print(json.dumps({"status": status, "failed": failed}), flush=True)
+    return 0
+
+
+def forked(question: dict[str, Any], output: IO[str]) -> int | str:
+    """Run pytest in a fork; return its exit status, or ``late``."""
+    child = os.fork()
+    if not child:
+        os.setpgid(0, 0)
+        os.dup2(output.fileno(), 1)
+        os.dup2(output.fileno(), 2)
+        os._exit(tested(question))
+    end = time.monotonic() + float(question["longest"])
+    while time.monotonic() < end:
+        done, status = os.waitpid(child, os.WNOHANG)
+        if done:
+            return os.waitstatus_to_exitcode(status)
+        time.sleep(0.05)
+    os.killpg(child, signal.SIGKILL)
+    os.waitpid(child, 0)
+    return "late"
+
+
+def tested(question: dict[str, Any]) -> int:
+    """Run pytest on the files of a question; hypothesis draws the same every time."""
+    import numba
+    import pytest
+
+    if question.get("compiled"):  # callers have what they call compiled in: nothing compiled before is good
+        numba.config.CACHE_DIR = str(question["compiled"])  # type: ignore[attr-defined]
+    options = ["-q", "-m", "not slow and not bench", "--hypothesis-seed=0", "--benchmark-disable", "--tb=no"]
+    options += [] if question["all"] else ["-x"]
+    options += [f"--deselect={name}" for name in question["without"]]
+    status = int(pytest.main([*options, *question["files"]]))
+    sys.stdout.flush()
+    return status
+
+
+if __name__ == "__main__":
+    sys.exit(main())
