@@ -440,7 +440,7 @@ def test_every_command_has_a_page_and_every_page_a_command() -> None:
 def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
     page = (DOCS / "commands" / f"{name}.md").read_text(encoding="utf-8")
     tests = {
-        word: ROOT.get_command(None, name).get_command(None, word) for word in getattr(COMMANDS[name], "names", list)()
+        word: TYPED.get_command(None, name).get_command(None, word) for word in getattr(COMMANDS[name], "names", list)()
     }  # of a command for several: plan mass-attraction
     for mark, command in {f"Options of {name} {test}": one for test, one in tests.items()}.items() or [
         ("Options", COMMANDS[name])
