@@ -6,12 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ..core.errors import InertialcalError, Problem
+from ..procedures import procedure_names, procedure_of
 from .ground import chain_model, has_model
 from .schema import CampaignFile
 from .schema_sensors import Sensor
 from .toml_lines import At
-
-WITH_MODEL = ("flip", "static_noise")  # procedures that take readings after a ground model
 
 
 def ground_checks(folder: Path, file: CampaignFile, at: At) -> Iterator[Problem]:
@@ -32,11 +31,15 @@ def ground_checks(folder: Path, file: CampaignFile, at: At) -> Iterator[Problem]
     for number, test in enumerate(file.tests):
         sensors = {file.recordings[one].sensor for one in test.recordings if one in file.recordings}
         modelled = [name for name in sorted(sensors) if name in file.sensors and has_model(file.sensors[name])]
-        if modelled and test.procedure not in WITH_MODEL:
+        if modelled and not _takes_model(test.procedure):
             what = f"test {test.id!r}: sensor {modelled[0]!r} has a ground model in its chain"
             why = f"a {test.procedure} is made of readings that no model has changed"
             do = "Give the recordings another sensor without it"
             yield Problem(what, at("tests", number, "recordings"), why, do, "wrong_value")
+
+
+def _takes_model(procedure: str) -> bool:
+    return procedure in procedure_names() and procedure_of(procedure).inputs.ground_model != "refused"
 
 
 def _model(folder: Path, name: str, sensor: Sensor, at: At) -> Iterator[Problem]:

@@ -8,11 +8,9 @@ from pathlib import Path
 from ..core.errors import DataError, InertialcalError, Problem
 from ..core.units import kind, parse_quantity
 from ..files.pad.pairs import pairs_of
-from ..procedures.rate_table.entry import Rows
 from .chains import build_chain, scale_factors
-from .mass_checks import line_units
 from .schema import CampaignFile
-from .schema_recordings import RecordingEntry
+from .schema_recordings import ROLES, CommonKeys, own_keys, procedures
 from .schema_sensors import Sensor
 from .toml_lines import At
 
@@ -36,19 +34,17 @@ def sensor_checks(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
         yield Problem(what, at("sensors", name, "chain"), do=error.problems[0].do, code="wrong_value")
 
 
-def recording_checks(folder: Path, file: CampaignFile, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:
+def recording_checks(folder: Path, file: CampaignFile, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
     """Find a recording without sensor or file, or in units that do not fit."""
     if entry.sensor not in file.sensors:
         do = f"There are: {', '.join(file.sensors)}"
         where = at("recordings", name, "sensor")
         yield Problem(f"recordings.{name}: no sensor {entry.sensor!r}", where, do=do, code="unknown_name")
     yield from _file(folder, name, entry.file, at("recordings", name, "file"))
-    yield from _schedules(folder, name, entry, at)
+    yield from _other_files(folder, name, entry, at)
     sensor = file.sensors.get(entry.sensor)
-    if sensor is not None and entry.rows is not None and sensor.mounting is not None:
-        what = f"recordings.{name}: the sensor has a mounting, which is for recordings of channels"
-        do = "Give the table in body axes, and another sensor without mounting for it"
-        yield Problem(what, at("recordings", name, "rows"), "the columns' axes would be ambiguous", do, "wrong_value")
+    if sensor is not None:
+        yield from (one for procedure in procedures() for one in procedure.check_entry(name, entry, sensor, at))
     clock = entry.clock
     if clock is not None and clock.stamp != "middle" and clock.averaging is None:
         what = f"recordings.{name}: stamp = {clock.stamp!r} needs averaging: by how much is the stamp off the middle?"
@@ -62,27 +58,13 @@ def recording_checks(folder: Path, file: CampaignFile, name: str, entry: Recordi
         what = f"recordings.{name}: averaging over {clock.averaging:g} s, but saved every {clock.interval:g} s"
         yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
     if sensor is not None:
-        yield from _units(name, entry, sensor, at)
-
-
-def _schedules(folder: Path, name: str, entry: RecordingEntry, at: At) -> Iterator[Problem]:
-    if entry.schedule is not None:
-        yield from _file(folder, name, entry.schedule.file, at("recordings", name, "schedule"))
-    if entry.mass is not None:
-        yield from _file(folder, name, entry.mass.schedule, at("recordings", name, "mass"))
-
-
-def _units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> Iterator[Problem]:
-    if entry.rows is not None:
-        yield from _row_units(name, entry.rows, sensor, at)
-    elif entry.means is not None:
-        if kind(entry.means.unit) != kind(sensor.unit):
-            what = f"recordings.{name}: means in {entry.means.unit!r}, need a unit of {kind(sensor.unit)}"
-            yield Problem(what, at("recordings", name, "means"), code="wrong_value")
-    elif entry.lines is not None:
-        yield from line_units(name, entry.lines, at)
-    else:
         yield from _channel_units(name, entry, sensor, at)
+
+
+def _other_files(folder: Path, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
+    for key, said in own_keys(entry):
+        if key.file is not None:
+            yield from _file(folder, name, key.file(said), at("recordings", name, key.name))
 
 
 def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
@@ -103,7 +85,7 @@ def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
         yield Problem(f"recordings.{name}: file {given!r} does not exist", where, code="missing_file")
 
 
-def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> Iterator[Problem]:
+def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iterator[Problem]:
     wanted = kind(sensor.unit)
     for channel, one in (entry.channels or {}).items():
         where = at("recordings", name, "channels", channel)
@@ -119,32 +101,12 @@ def _channel_units(name: str, entry: RecordingEntry, sensor: Sensor, at: At) -> 
 def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
     """Return the kinds of unit that a channel may have; none where it is not used."""
     counted = sensor.chain.kind != "none"
-    if channel in ("temperature", "pressure"):
-        return (channel,)
-    if channel == "tilt":
-        return ("angle",)
+    if channel in ROLES:
+        return (ROLES[channel].kind or wanted,)
     if channel.startswith("temperature"):
         return ("temperature", "count") if counted else ("temperature",)
     if channel.startswith("gain"):
         return ("dimensionless",)
     if "_" in channel and not counted:
         return ()
-    return (wanted,) if channel == "applied" or not counted else ("count",)
-
-
-def _row_units(name: str, rows: Rows, sensor: Sensor, at: At) -> Iterator[Problem]:
-    wanted = kind(sensor.unit)
-    where = at("recordings", name, "rows")
-    applied = rows.applied_unit or (sensor.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)
-    if kind(applied) != wanted:
-        yield Problem(f"recordings.{name}: applied in {applied!r}, need a unit of {wanted}", where, code="wrong_value")
-    if kind(rows.unit) == "count" and sensor.chain.kind != "adc":
-        yield Problem(f"recordings.{name}: counts, but the sensor's chain has no converter", where, code="wrong_value")
-    elif kind(rows.unit) == "voltage" and sensor.chain.scale_factor is None:
-        what = f"recordings.{name}: volts, but the sensor's chain has no scale_factor"
-        yield Problem(what, where, code="wrong_value")
-    elif kind(rows.unit) not in {"count", "voltage", wanted}:
-        yield Problem(f"recordings.{name}: unit {rows.unit!r}, need a unit of {wanted}", where, code="wrong_value")
-    for axis in [*(rows.reading if isinstance(rows.reading, dict) else ())]:
-        if axis not in sensor.axes:
-            yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
+    return ("count",) if counted else (wanted,)

@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from ..core.results import Interval, Row
     from ..files.text.table import Table
     from ..sensors.model.sensor_model import SensorModel
+    from .entries import Entry, EntryKey, SaidSensor, SaidTest
     from .model_terms import HeldOut, ModelTerms
 
 T = TypeVar("T")
@@ -40,7 +41,7 @@ class Role:
     Parameters
     ----------
     name, kind, unit : str
-        As entries call it; kind of unit; unit inside.
+        As entries call it; kind of unit, empty for that of the sensor; unit inside.
     required : bool
         Whether a recording must have it.
     by_axis : bool
@@ -179,8 +180,8 @@ class Source(Protocol):
         ...
 
     @property
-    def entry(self) -> Any:
-        """What is said of it besides channels: the procedure's own keys (``entry.py``)."""
+    def entry(self) -> Entry:
+        """What is said of it; a procedure casts it to the protocol of its own keys (``entry.py``)."""
         ...
 
     @property
@@ -401,7 +402,7 @@ class Procedure(Generic[P, R, S]):
 
     ``name`` is the word of campaign files, ``kind_of_test`` what a sentence calls it where that is not the name,
     ``title`` one sentence for the report; ``commands`` are its nouns on the command line (`cli.commands` says where
-    their functions stand), ``planner`` that of ``plan``.
+    their functions stand), ``planner`` that of ``plan``; ``uses`` are those of its tests.
     """
 
     name: str
@@ -414,6 +415,9 @@ class Procedure(Generic[P, R, S]):
     inputs: InputSpec
     influences: Mapping[str, str] = {}
     uses: frozenset[str] = frozenset({"fit", "report_only"})
+    corrects: bool = False  # finds what later tests take off their readings
+    set_against: bool = False  # two of its tests can be set beside each other
+    chosen_by: str = "Choose by windows"  # how a test takes a part of a recording
     counts_dwells: bool = True
     figures: Sequence[FigureSpec] = ()
     makes_model: bool = False  # what is fitted becomes the model of the sensor
@@ -592,6 +596,20 @@ class Procedure(Generic[P, R, S]):
         """Return rows that are held against the truth of a rig; None where the estimate says all."""
         return None
 
-    def check(self, file: Any, number: int, at: Any) -> Iterator[Problem]:
-        """Yield what is wrong with a test of a campaign file, before any recording is read."""
+    # ---- what a campaign says of it, before any recording is read ------------------------------------------------
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return its own keys of a recording's entry."""
+        return ()
+
+    def check(self, test: SaidTest) -> Iterator[Problem]:
+        """Yield what is wrong with a test."""
+        yield from ()
+
+    def check_recording(self, test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
+        """Yield what is wrong with a recording of a test."""
+        yield from ()
+
+    def check_entry(self, name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+        """Yield what is wrong with its keys of a recording's entry, whichever test reads it."""
         yield from ()

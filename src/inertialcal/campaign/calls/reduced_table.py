@@ -84,7 +84,7 @@ def table_readings(file: Path, columns: Mapping[str, Any], sensor: Sensor) -> tu
     """
     turned = turned_axis(columns)
     rows = Rows(**{name: value for name, value in columns.items() if name != "axis" or not turned})
-    entry = RecordingEntry(sensor="sensor", file=file.name, rows=rows)
+    entry = RecordingEntry.model_validate({"sensor": "sensor", "file": file.name, "rows": rows})
     test = Test(id="rate_table", procedure="rate_table", recordings=["file"])
     source = Ready(Folder(file.parent), "file", entry, sensor, facts_of(sensor, {}), PROCEDURE.inputs, test)
     readings = PROCEDURE.readings(Plan(axis=turned), [source])

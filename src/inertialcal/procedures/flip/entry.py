@@ -3,11 +3,16 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Callable, Iterator, Sequence
+from typing import Annotated, Protocol, cast
 
 from pydantic import Field, field_validator
 
+from ...core.errors import Problem
 from ...core.quantities import Angle, Unit
 from ...core.schema_words import Strict, Text
+from ...core.units import kind
+from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 
 
 class Means(Strict):
@@ -39,3 +44,47 @@ class Position(Strict):
     stop: str | int | float
     angle: Angle
     flip: Text = "1"
+
+
+class FlipEntry(Entry, Protocol):
+    """A recording of a turned head."""
+
+    @property
+    def means(self) -> Means | None:
+        """Columns of a table of reduced means."""
+        ...
+
+    @property
+    def positions(self) -> Sequence[Position] | None:
+        """How the head was turned, and when."""
+        ...
+
+
+KEYS = (
+    EntryKey("means", Means, table=True),
+    EntryKey("positions", Annotated[list[Position], Field(min_length=1)]),
+)
+
+
+def test_problems(test: SaidTest) -> Iterator[Problem]:
+    """Yield windows of a test: they would have no effect."""
+    if test.windows is not None:
+        what = f"test {test.id!r}: windows, but a flip is read where its recordings say (positions), or by groups"
+        where = test.at("tests", test.number, "windows")
+        yield Problem(what, where, "they would have no effect", "Leave them out", "wrong_value")
+
+
+def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
+    """Yield a recording that does not say how the head was turned, and when."""
+    if entry.channels is not None and cast("FlipEntry", entry).positions is None:
+        what = f"recordings.{name}: nothing says how the head was turned, and when"
+        do = 'Give positions = [{ start = ..., stop = ..., angle = "0 deg" }, ...]'
+        yield Problem(what, test.at("recordings", name), do=do, code="missing_key")
+
+
+def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+    """Yield means in a unit of another kind."""
+    means = cast("FlipEntry", entry).means
+    if means is not None and kind(means.unit) != kind(sensor.unit):
+        what = f"recordings.{name}: means in {means.unit!r}, need a unit of {kind(sensor.unit)}"
+        yield Problem(what, at("recordings", name, "means"), code="wrong_value")

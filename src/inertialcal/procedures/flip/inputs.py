@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 
@@ -20,7 +20,7 @@ from ..protocol import Source
 from .dwells.plausible import readable
 from .dwells.quiet import Window
 from .dwells.recordings import Turned
-from .entry import Means, Position
+from .entry import FlipEntry, Means, Position
 from .readings import Readings
 from .tables import MeanOf, readings_of_means
 
@@ -36,7 +36,8 @@ def readings_of_means_tables(sources: Sequence[Source]) -> Readings:
     found: list[MeanOf] = []
     remarks: list[Remark] = []
     for source in sources:
-        table, means = source.table(), source.entry.means
+        table, means = source.table(), cast("FlipEntry", source.entry).means
+        assert means is not None  # noqa: S101 - as the file was checked
         rows = means_of(table, means, source.file)
         chosen = [one for one in rows if source.groups is None or one.flip in source.groups]
         source.chose(len(chosen))
@@ -104,7 +105,7 @@ def turned_head(source: Source) -> Turned:
     DataError
         ``wrong_time`` if a time is not on the clock of the recording.
     """
-    name, entry = source.name, source.entry
+    name, entry = source.name, cast("FlipEntry", source.entry)
     recording = readable(source.recordings()[0][1])
     begin = None if entry.clock is None else entry.clock.mission_start
     origin = None if begin is None else read_instant(begin)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -11,9 +11,11 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.errors import Problem
     from ...core.key import Key
     from ...core.results import Row
     from ...core.show.sentence import Sentence, WrittenRow
+    from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from .readings import Readings
     from .reduction import Result
 
@@ -36,6 +38,8 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     )
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
+    set_against = True
+    chosen_by = "Choose by positions"
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
@@ -91,6 +95,30 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         from .finding import finding
 
         return finding(rows)
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return ``means`` and ``positions``."""
+        from .entry import KEYS
+
+        return KEYS
+
+    def check(self, test: SaidTest) -> Iterator[Problem]:
+        """Yield windows: they would have no effect."""
+        from .entry import test_problems
+
+        return test_problems(test)
+
+    def check_recording(self, test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
+        """Yield a recording that does not say how the head was turned, and when."""
+        from .entry import recording_problems
+
+        return recording_problems(test, name, entry)
+
+    def check_entry(self, name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+        """Yield columns of a reduced table that do not fit the sensor."""
+        from .entry import entry_problems
+
+        return entry_problems(name, entry, sensor, at)
 
 
 PROCEDURE = Flip()

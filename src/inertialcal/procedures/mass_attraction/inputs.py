@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import cast
 
 import numpy as np
 
@@ -13,7 +14,7 @@ from ...core.times import read_elapsed, read_instant
 from ...core.units import factor, parse_quantity
 from ...files.text.table import Table
 from ..protocol import Source
-from .entry import Lines
+from .entry import Lines, MassEntry
 from .readings import Line
 from .recordings import READING, TEMPERATURE, TILT, Moved
 from .schedule_csv import read_schedule
@@ -30,7 +31,8 @@ def moved_mass(source: Source) -> Moved:
     DataError
         ``gate_disagrees`` if gate and averaging time differ; if recording or schedule cannot be read.
     """
-    name, entry, facts = source.name, source.entry, source.facts
+    name, entry, facts = source.name, cast("MassEntry", source.entry), source.facts
+    assert entry.mass is not None  # noqa: S101 - as the file was checked
     schedule = source.read_file(entry.mass.schedule, read_schedule)
     gate = float(facts.gate or 0.0)
     averaging = None if entry.clock is None else entry.clock.averaging

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Role, Source
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.errors import Problem
     from ...core.show.sentence import Sentence, WrittenRow
+    from ..entries import Entry, EntryKey, SaidSensor, SaidTest
+    from .entry import MassEntry
     from .readings import Readings
     from .reduction import Result
 
@@ -61,7 +64,9 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
             if not source.is_table:
                 moved.append(moved_mass(source))
                 continue
-            found = lines_of(source.table(), source.entry.lines, source.file)
+            columns = cast("MassEntry", source.entry).lines
+            assert columns is not None  # noqa: S101 - as the file was checked
+            found = lines_of(source.table(), columns, source.file)
             chosen = [one for one in found if source.groups is None or one.name in source.groups]
             source.chose(len(chosen))
             lines += chosen
@@ -92,6 +97,24 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     def effects(self) -> Mapping[str, str]:
         """Return nothing: the table of standards does not say what they change, until results schema 2."""
         return {}
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return ``lines`` and ``mass``."""
+        from .entry import KEYS
+
+        return KEYS
+
+    def check_recording(self, test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
+        """Yield a recording without a schedule of the mass, or of a sensor that no pulses are counted of."""
+        from .entry import recording_problems
+
+        return recording_problems(test, name, entry)
+
+    def check_entry(self, name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+        """Yield columns of a reduced table that do not fit the sensor."""
+        from .entry import entry_problems
+
+        return entry_problems(name, entry, sensor, at)
 
 
 PROCEDURE = MassAttraction()

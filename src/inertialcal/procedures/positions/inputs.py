@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
 
@@ -15,6 +16,7 @@ from ...core.axes import AXES, Kind
 from ...core.errors import DataError
 from ...core.recording import Channel, Recording
 from ..protocol import Source
+from .entry import PositionsEntry
 from .files.channels import check_clock
 from .files.sources import named_section, section_of
 from .orientations.text import FACES, of_words, runs_of, sections_of
@@ -51,7 +53,7 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
     pairs = _paired(parts, sources[0].test)
     joined = [_joined(pair) for pair in pairs]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
-    faces = any(one.entry.orientations == [FACES] for one in sources)
+    faces = any(_said(one).orientations == [FACES] for one in sources)
     return _oriented(readings_from(plan, joined, sections, faces), parts)
 
 
@@ -91,16 +93,21 @@ def _joined(pair: Sequence[Part]) -> Recording:
     return replace(first, channels=tuple(made), remarks=remarks)
 
 
+def _said(source: Source) -> PositionsEntry:
+    return cast("PositionsEntry", source.entry)
+
+
 def _sections(pair: Sequence[Part], recording: Recording) -> tuple[Section, ...]:
     """Return the labelled parts that an entry of a pair names; none where none does."""
-    source = next((one.source for one in pair if one.source.entry.sections is not None), None)
+    source = next((one.source for one in pair if _said(one.source).sections is not None), None)
     if source is None:
         return ()
-    entry = source.entry
+    entry = _said(source)
+    named = str(entry.sections)
     turn = 2.0 * np.pi if entry.turn is None else entry.turn
-    if source.has(entry.sections):
-        return tuple(section_of(one, recording, turn) for one in source.read_file(entry.sections, sections_of))
-    said = runs_of(source.table().text(entry.sections))
+    if source.has(named):
+        return tuple(section_of(one, recording, turn) for one in source.read_file(named, sections_of))
+    said = runs_of(source.table().text(named))
     return tuple(named_section(one.label, round(one.start), round(one.stop), turn) for one in said)
 
 
@@ -112,7 +119,8 @@ def _oriented(readings: Readings, parts: Sequence[Part]) -> Readings:
     DataError
         ``wrong_value`` if there are not as many as positions.
     """
-    said = [one.source.entry.orientations for one in parts if one.source.entry.orientations not in (None, [FACES])]
+    each = (_said(one.source).orientations for one in parts)
+    said = [one for one in each if one not in (None, [FACES])]
     words = [word for one in said for word in one or ()]
     if not words:
         return readings

@@ -11,6 +11,7 @@ from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...sensors.model.sensor_model import SensorModel
+    from ..entries import EntryKey
     from ..model_terms import HeldOut, ModelTerms
     from .of_sensor import OfSensor
     from .readings import Readings
@@ -119,6 +120,12 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             return HeldOut(loops)
         what = "what is held out has fewer than two positions: nothing is judged by them"
         return HeldOut(remarks=(Remark("not_judged", "warning", what, do="Hold out a recording of more positions"),))
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return ``orientations``, ``sections`` and ``turn``."""
+        from .entry import KEYS
+
+        return KEYS
 
 
 PROCEDURE = Positions()

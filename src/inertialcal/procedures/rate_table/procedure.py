@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
+from ..entries import latitude_needed
 from ..protocol import (
     READING,
     RELATIVE,
@@ -24,9 +25,11 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
     from ...core.results import Row
     from ...sensors.model.sensor_model import SensorModel
+    from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..model_terms import HeldOut, ModelTerms
     from .readings import Readings
     from .reduction import Result
@@ -65,6 +68,8 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     uses = frozenset({"fit", "hold_out", "report_only"})
     makes_model = takes_corrections = True
     inputs = InputSpec(("gyro",), (Role("applied", "angular_rate", "rad/s", by_axis=False),), table="rows")
+    chosen_by = "Choose by windows, or give rows.group"
+    inputs = InputSpec(("gyro",), (Role("applied", "", "rad/s", by_axis=False),), table="rows")
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
         """Return what is taken: before a correction, temperatures by the body axis whose sensor feels them."""
@@ -167,6 +172,22 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .model.held_out import judged_on
 
         return None if model is None else judged_on(model, result, fitted, held)
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return ``rows`` and ``schedule``."""
+        from .entry import KEYS
+
+        return KEYS
+
+    def check(self, test: SaidTest) -> Iterator[Problem]:
+        """Yield an attitude without a latitude."""
+        yield from latitude_needed(test)
+
+    def check_entry(self, name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+        """Yield columns of a reduced table that do not fit the sensor."""
+        from .entry import entry_problems
+
+        return entry_problems(name, entry, sensor, at)
 
 
 PROCEDURE = RateTable()

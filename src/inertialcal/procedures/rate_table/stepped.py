@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import cast
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from ...core.times import read_instant
 from ...core.units import convert
 from ...files.text.table import read_table
 from ..protocol import Source
-from .entry import Schedule
+from .entry import RateTableEntry, Schedule
 from .plan import Plan
 from .recordings import APPLIED, Turned
 
@@ -29,7 +30,7 @@ def turned_recordings(plan: Plan, sources: Sequence[Source]) -> list[Turned]:
 
 
 def _turned(plan: Plan, source: Source) -> Turned:
-    entry, (_, recording) = source.entry, source.recordings()[0]
+    entry, (_, recording) = cast("RateTableEntry", source.entry), source.recordings()[0]
     axis = entry.axis or plan.axis
     if not axis:
         what = f"recordings.{source.name}: nothing says which axis was turned"

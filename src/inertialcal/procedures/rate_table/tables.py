@@ -7,7 +7,7 @@ reference); applied rates in ``rows.applied_unit``, or that same unit.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from ...core.times import read_instant
 from ...core.units import convert, kind, si_unit
 from ...files.text.table import Table
 from ..protocol import Source
-from .entry import Columns, Rows
+from .entry import Columns, RateTableEntry, Rows
 from .plan import Plan
 from .readings import Readings
 
@@ -59,7 +59,8 @@ def readings_of_table(plan: Plan, given: Source) -> Readings:
     DataError
         If a column is missing or holds what it must not, or no row is left.
     """
-    table, rows = given.table(), given.entry.rows
+    table, rows = given.table(), cast("RateTableEntry", given.entry).rows
+    assert rows is not None  # noqa: S101 - as the file was checked
     source = _Table(given, table, rows, plan)
     applied_unit = rows.applied_unit or (given.facts.unit if kind(rows.unit) in {"count", "voltage"} else rows.unit)
     applied = convert(table.numbers(rows.applied), applied_unit, si_unit(applied_unit))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 from ...core.axes import AXES
 from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
@@ -13,6 +13,8 @@ from .plan import INFLUENCES, Plan
 if TYPE_CHECKING:
     from ...core.results import Row
     from ...core.show.sentence import Sentence, WrittenRow
+    from ..entries import EntryKey
+    from .entry import SineEntry
     from .reduction import Readings, Result
 
 
@@ -53,7 +55,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
 
         found, remarks = [], []
         for source in sources:
-            drive = source.entry.drive
+            drive = cast("SineEntry", source.entry).drive
             if (drive is None) == (plan.period is None):
                 what = f"recordings.{source.name}: {'no drive' if drive is None else 'a period and a schedule'}"
                 do = 'Give plan = { period = "480 s" }, or drive = { schedule = "dwells.csv" } of the recording'
@@ -83,6 +85,12 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         from .finding import finding
 
         return finding(rows)
+
+    def entry_keys(self) -> Sequence[EntryKey]:
+        """Return ``drive``."""
+        from .entry import KEYS
+
+        return KEYS
 
 
 PROCEDURE = Sine()

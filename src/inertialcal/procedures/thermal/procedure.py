@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from ..entries import latitude_needed
 from ..protocol import (
     READING,
     Command,
@@ -22,10 +23,12 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan, Thermometer
 
 if TYPE_CHECKING:
+    from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
     from ...core.results import Row
     from ...core.show.sentence import Sentence, WrittenRow
     from ...sensors.model.sensor_model import SensorModel
+    from ..entries import SaidTest
     from ..model_terms import HeldOut
     from .readings import Readings
     from .reduction import Result
@@ -62,6 +65,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     plan_type, influences = Plan, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
+    corrects = set_against = True
     counts_dwells = False
     inputs = InputSpec(
         ("gyro",),
@@ -165,6 +169,10 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .finding import finding
 
         return finding(rows)
+
+    def check(self, test: SaidTest) -> Iterator[Problem]:
+        """Yield an attitude without a latitude."""
+        yield from latitude_needed(test)
 
 
 PROCEDURE = Thermal()
