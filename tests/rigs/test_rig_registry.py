@@ -16,64 +16,8 @@ from inertialcal.rigs import BUILT_IN, DEMONSTRATED, RIGS, titles
 from inertialcal.rigs.protocol import Rig, Twin
 
 HEAVY = ("numpy", "scipy", "numba", "pydantic", "matplotlib")
-TOY = '''
-"""A gyro of one axis that stands still."""
-
-from dataclasses import dataclass
-
-import numpy as np
-
-from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.rigs.protocol import SEAL, SEED, Fault, Rig, TrueValue, Twin, on_bench
-
-TEXT = f"""
-schema = 1
-
-[campaign]
-id = "toy-{SEED}"
-title = "A toy"
-source = "simulated: rig toy, seed {SEED}; truth sealed with SHA-256 {SEAL}"
-
-[item]
-part = "toy"
-
-[standards.sensor]
-scale_factor = {{ u = "0.1 %", certificate = "none" }}
-
-[sensors.gyro]
-kind = "gyro"
-axes = ["x"]
-unit = "rad/s"
-
-[recordings.still]
-sensor = "gyro"
-file = "still.csv"
-clock = {{ column = "unix_s", stamp = "end", interval = "1 s", averaging = "1 s" }}
-channels = {{ x = {{ column = "x", unit = "rad/s" }} }}
-
-[[tests]]
-id = "noise"
-procedure = "static_noise"
-recordings = ["still"]
-"""
-
-
-@dataclass(frozen=True)
-class Bench:
-    samples: int = 4000
-
-
-def build(bench: Bench, seed: int) -> Twin:
-    x = 1e-4 * np.random.default_rng(seed).standard_normal(bench.samples)
-    time = (1_000_000_000 + np.arange(bench.samples)) * SECOND
-    recording = Recording((Channel("x", x),), time, 1.0, 1.0, "utc")
-    truth = (TrueValue("angle_random_walk", "x", 1e-4, "rad/sqrt(s)"),)
-    return Twin(TEXT, {"still.csv": recording}, truth, {})
-
-
-FAULTS = {"short": Fault("a minute is no record of noise", "too_short", {"samples": 60})}
-RIG = Rig("toy", "a toy", on_bench(build, Bench()), FAULTS)
-'''
+MANUAL = (Path(__file__).parents[2] / "docs" / "python.md").read_text(encoding="utf-8")
+TOY = MANUAL.partition("## A rig of your own")[2].partition("```python\n")[2].partition("```")[0]
 SESSION = """
 import sys
 from inertialcal.cli.__main__ import main
