@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import ast
+from importlib.metadata import EntryPoint
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-from inertialcal.core.errors import UsageError
+from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.remarks import Remark
 from inertialcal.files.models import formats
 from inertialcal.files.models.export import export
@@ -72,3 +73,16 @@ def test_formats_import_nothing_of_each_other() -> None:
         tree = ast.parse((FOLDER / f"{module}.py").read_text())
         named = {node.module for node in ast.walk(tree) if isinstance(node, ast.ImportFrom) and node.level == 1}
         assert not named & set(BUILT_IN.values()), module
+
+
+def test_a_broken_format_of_a_package_is_named_where_nothing_else_knows_the_text(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    point = EntryPoint("bad", "a_module_that_nobody_has:FORMAT", FORMATS.group)
+    monkeypatch.setitem(FORMATS.installed, "bad", (point,))
+    write_model(tmp_path / "model.json", gyro())
+    assert load_model_file(tmp_path / "model.json").format == "inertialcal"
+    (tmp_path / "other.txt").write_text("something else")
+    with pytest.raises(DataError, match="'bad'") as caught:
+        load_model_file(tmp_path / "other.txt")
+    assert [one.code for one in caught.value.problems] == ["not_json", "broken_plugin"]

@@ -105,7 +105,7 @@ def _norm(channels: Sequence[Channel]) -> Hint | None:
 def _counts(target: str, surveys: Sequence[ChannelSurvey]) -> Hint | None:
     """Whole numbers that reach far."""
     whole = all(s.resolution is not None and s.resolution == round(s.resolution) for s in surveys)
-    integers = whole or all(s.dtype.startswith(("int", "uint")) for s in surveys)
+    integers = whole or all(np.dtype(s.dtype).kind in "iu" for s in surveys)
     reach = max((max(abs(s.minimum or 0.0), abs(s.maximum or 0.0)) for s in surveys), default=0.0)
     if not integers or reach < COUNTS_FROM:
         return None
