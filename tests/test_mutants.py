@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-import pytest
-
 from mutants import MUTANTS, ROOT, SOURCE, Worker
 
 NUMERICAL = {
@@ -31,10 +29,10 @@ def test_no_mutant_is_twice_in_the_list() -> None:
     assert len({(one.file, one.old, one.new) for one in MUTANTS}) == len(MUTANTS)
 
 
-@pytest.mark.parametrize("folder", NUMERICAL)
-def test_every_numerical_folder_has_mutants(folder: str) -> None:
+def test_every_numerical_folder_has_mutants() -> None:
     places = [mutant.place() for mutant in MUTANTS]
-    assert sum(place.is_relative_to(SOURCE / folder) for place in places) >= NUMERICAL[folder]
+    there = {folder: sum(place.is_relative_to(SOURCE / folder) for place in places) for folder in NUMERICAL}
+    assert not {folder: there[folder] for folder, least in NUMERICAL.items() if there[folder] < least}
 
 
 def test_the_runner_sees_a_mutant_caught_and_puts_the_file_back(tmp_path: Path) -> None:

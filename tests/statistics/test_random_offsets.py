@@ -11,7 +11,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.statistics.clustered import clustered_covariance
 from inertialcal.statistics.least_squares import fit, fit_correlated
-from inertialcal.statistics.random_offsets import fit_with_offsets, whitened
+from inertialcal.statistics.random_offsets import TOLERANCE, Grouped, fit_with_offsets, offset_ratio, whitened
 
 SMALL = 1e-9
 
@@ -71,3 +71,18 @@ def test_without_offsets_it_is_plain_least_squares() -> None:
 def test_weights_must_be_positive() -> None:
     with pytest.raises(DataError, match="need one above zero for each"):
         fit_with_offsets(np.ones((3, 1)), np.ones(3), np.array([1.0, 0.0, 1.0]), np.array([1, 1, 2]))
+
+
+@pytest.mark.parametrize("size", [0.5, 2.0, 20.0])
+def test_the_ratio_of_a_balanced_design_is_that_of_the_analysis_of_variance(size: float) -> None:
+    """One mean, g groups of n: restricted likelihood gives (MS between / MS within - 1) / n (Searle et al., 1992)."""
+    groups, n = 3, 8
+    rng = np.random.default_rng(5)
+    y = rng.normal(size=(groups, n))
+    y += size * np.array([[-1.0], [0.2], [0.8]])
+    within = float(np.sum((y - y.mean(axis=1, keepdims=True)) ** 2)) / (groups * (n - 1))
+    between = n * float(np.var(y.mean(axis=1), ddof=1))
+    columns = np.column_stack([np.ones(y.size), y.ravel()])
+    means = np.column_stack([np.ones(groups), y.mean(axis=1)])
+    found = offset_ratio(Grouped(columns.T @ columns, means, np.full(groups, float(n)), y.size))
+    assert np.log10(found * n / (between / within - 1.0)) == pytest.approx(0.0, abs=TOLERANCE)

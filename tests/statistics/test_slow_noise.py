@@ -13,7 +13,7 @@ from scipy import integrate, special
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.statistics.intervals import covers
-from inertialcal.statistics.slow_noise import SlowNoise, blocks_of, flicker_covariance, slow_noise
+from inertialcal.statistics.slow_noise import SlowNoise, blocks_of, flicker_covariance, slow_noise, walk_covariance
 
 BLOCK = 10.0  # [s]
 COUNT = 360  # an hour
@@ -122,3 +122,11 @@ def test_what_cannot_be_told_is_refused() -> None:
     noise = slow_noise(blocks(record(0.0, np.random.default_rng(1))), SHAPE)
     with pytest.raises(DataError, match="do not add up to 0"):
         noise.variance(np.full(COUNT, 1.0 / COUNT))
+
+
+@pytest.mark.parametrize("apart", [1, 2, 7])
+def test_means_of_a_random_walk_differ_as_a_wiener_process_does(apart: int) -> None:
+    """Var of the difference of means over L, d apart, of a walk of variance t in time t: d - L / 3 for d >= L."""
+    contrast = np.array([1.0, -1.0])
+    found = contrast @ walk_covariance(np.array([0.0, apart * BLOCK]), BLOCK) @ contrast
+    assert found == pytest.approx(apart * BLOCK - BLOCK / 3.0, rel=1e-12)  # next to each other: twice tau / 3 of Allan
