@@ -29,9 +29,10 @@ from .setup import RIG_NAMES, Bench, Unit
 __all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "held"]
 
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
-CHANNELS = tuple(f"{sensor}_{axis}" for sensor in ("acc", "gyro") for axis in AXES)
 APART = 3_600  # from record to record [s]
 UNITS = {"acc": "m/s^2", "gyro": "rad/s"}
+SENSOR_AXES = tuple((sensor, axis) for sensor in UNITS for axis in AXES)
+CHANNELS = tuple(f"{sensor}_{axis}" for sensor, axis in SENSOR_AXES)
 
 
 FAULTS: dict[str, Fault] = {
@@ -144,8 +145,8 @@ def held(
     stamps = BEGIN + number * APART + np.arange(1, len(readings) + 1) * pace / bench.sample_rate
     interval = pace / bench.sample_rate
     channels = tuple(
-        Channel(name, np.ascontiguousarray(readings[:, k]), UNITS[name[:-2]], "campaign", name[-1], name[:-2])
-        for k, name in enumerate(CHANNELS)
+        Channel(CHANNELS[k], np.ascontiguousarray(readings[:, k]), UNITS[sensor], "campaign", axis, sensor)
+        for k, (sensor, axis) in enumerate(SENSOR_AXES)
     )
     time = np.rint(stamps * 1e6).astype(np.int64) * (SECOND // 1_000_000)
     recording = Recording(channels, time, interval, interval, "utc", "column", time_column="unix_s")

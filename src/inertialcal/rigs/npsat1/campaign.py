@@ -8,6 +8,7 @@ from collections.abc import Iterable
 from ...core.axes import AXES
 from ...core.influence import Influence
 from ...sensors.catalogue import SLOPE, T_REFERENCE
+from ..parts.standards import standard_tables
 from ..protocol import SEAL, SEED
 from .logger import APPLIED, PRESSURE, column
 from .names import recording_file, recording_name
@@ -57,12 +58,7 @@ latitude = "{bench.latitude_deg:g} deg"  # geodetic
 
 def _standards(bench: Bench) -> str:
     """Return the tables of the standards; an error of each was drawn with this uncertainty."""
-    tables: dict[str, list[str]] = {}
-    for name, influence in bench.standards.items():
-        standard, _, quantity = name.partition(".")
-        tables.setdefault(standard, []).append(f"{quantity} = {_entry(influence)}")
-    blocks = ["\n".join([f"[standards.{name}]", *lines]) for name, lines in tables.items()]
-    return "# Each error is one unknown value for the whole campaign.\n" + "\n\n".join(blocks) + "\n"
+    return "# Each error is one unknown value for the whole campaign.\n" + standard_tables(bench.standards, _entry)
 
 
 def _entry(influence: Influence) -> str:

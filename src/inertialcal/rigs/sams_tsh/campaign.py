@@ -9,6 +9,7 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.influence import Influence
 from ...core.recording import SECOND
+from ..parts.standards import standard_tables
 from ..protocol import SEAL, SEED
 from ..sams_tsh_model.campaign import model_text
 from .setup import (
@@ -88,13 +89,8 @@ serial = "{SEED}"
 
 def _standards(bench: Bench) -> str:
     """Return the tables of the standards; an error of each was drawn with this uncertainty."""
-    tables: dict[str, list[str]] = {}
-    for name, influence in bench.standards.items():
-        standard, _, quantity = name.partition(".")
-        tables.setdefault(standard, []).append(f"{quantity} = {_entry(influence)}")
-    blocks = ["\n".join([f"[standards.{name}]", *lines]) for name, lines in tables.items()]
-    return (
-        "# Each error is one unknown value for the whole campaign, or one for each axis.\n" + "\n\n".join(blocks) + "\n"
+    return "# Each error is one unknown value for the whole campaign, or one for each axis.\n" + standard_tables(
+        bench.standards, _entry
     )
 
 
@@ -107,49 +103,46 @@ def _entry(influence: Influence) -> str:
 
 
 def _sensor(bench: Bench, head: Head) -> str:
-    axes = ", ".join(f'"{axis}"' for axis in AXES)
-    kind = f'[sensors.head]\nkind = "accelerometer"\naxes = [{axes}]\nunit = "ug"\n'
-    return kind + ('chain = { kind = "none" }\n' if bench.saved != "count" else _chain(bench, head))
+    return f"{_kind(bench)}chain = {{ {', '.join(_chain(bench, head))} }}\n"
 
 
 def _sensor_with_model(bench: Bench, head: Head, model: Drawing) -> str:
     """Return the sensor with its chain as tables: a table in one line cannot be gone on with."""
-    kind, _, chain = _sensor(bench, head).rpartition("chain = {")
-    settings = chain.strip().removesuffix("}")
+    settings = _chain(bench, head)
     if bench.saved != "count":
         factors = [f"{value:g} V/g" for value in SCALE_FACTOR_V_PER_G]
-        settings += f", gain = {{ {_gain_text(bench)} }}, scale_factor = {_each(factors)}"
-    lines = "\n".join(_split(settings))
-    return f'{kind}\n[sensors.head.chain]\n{lines}\norder = "{bench.ground}"\n\n{model_text(head, model)}'
+        settings += [f"gain = {{ {_gain_text(bench)} }}", f"scale_factor = {_each(factors)}"]
+    lines = "\n".join([*settings, f'order = "{bench.ground}"'])
+    return f"{_kind(bench)}\n[sensors.head.chain]\n{lines}\n\n{model_text(head, model)}"
 
 
-def _split(settings: str) -> list[str]:
-    """Return the settings of a table in one line, a line each."""
-    depth, found = 0, [""]
-    for letter in settings:
-        depth += {"{": 1, "[": 1, "}": -1, "]": -1}.get(letter, 0)
-        if letter == "," and not depth:
-            found.append("")
-        else:
-            found[-1] += letter
-    return [one.strip() for one in found if one.strip()]
+def _kind(bench: Bench) -> str:
+    axes = ", ".join(f'"{axis}"' for axis in AXES)
+    kind = f'[sensors.head]\nkind = "accelerometer"\naxes = [{axes}]\nunit = "ug"\n'
+    if bench.saved != "count":
+        return kind
+    hold = f"scale factors hold at {REFERENCE_TEMPERATURE:g} degC"
+    return f"{kind}# The zero of the electronics is that of a shorted input; {hold}.\n"
 
 
 def _gain_text(bench: Bench) -> str:
     return ", ".join(f"{axis} = {gain:g}" for axis, gain in zip(AXES, bench.gains, strict=True))
 
 
-def _chain(bench: Bench, head: Head) -> str:
+def _chain(bench: Bench, head: Head) -> list[str]:
+    """Return the settings of the chain."""
+    if bench.saved != "count":
+        return ['kind = "none"']
     known = chain(bench, head)
-    thermometer = f'{{ slope = "{THERMOMETER_V_PER_DEGC:g} V/degC", voltage = "0 V", temperature = "0 degC" }}'
-    factors = [f"{value:g} V/g" for value in SCALE_FACTOR_V_PER_G]
-    zeros = [f"{1e6 * value:.6g} uV" for value in np.asarray(known.zero)]
-    gains = _gain_text(bench)
-    return f"""\
-# The zero of the electronics is that of a shorted input; scale factors hold at {REFERENCE_TEMPERATURE:g} degC.
-chain = {{ kind = "adc", lsb = "10 V / 65536", counts = {list(CODES)}, gain = {{ {gains} }}, \
-zero = {_each(zeros)}, scale_factor = {_each(factors)}, thermometer = {thermometer} }}
-"""
+    return [
+        'kind = "adc"',
+        'lsb = "10 V / 65536"',
+        f"counts = {list(CODES)}",
+        f"gain = {{ {_gain_text(bench)} }}",
+        f"zero = {_each([f'{1e6 * value:.6g} uV' for value in np.asarray(known.zero)])}",
+        f"scale_factor = {_each([f'{value:g} V/g' for value in SCALE_FACTOR_V_PER_G])}",
+        f'thermometer = {{ slope = "{THERMOMETER_V_PER_DEGC:g} V/degC", voltage = "0 V", temperature = "0 degC" }}',
+    ]
 
 
 def _each(texts: list[str]) -> str:
