@@ -980,15 +980,16 @@ def main() -> int:
     given = parser.parse_args()
     if given.work:
         return work(given.work)
-    chosen = [number for number, mutant in enumerate(MUTANTS) if wanted(number, mutant, given.only)]
+    if re.fullmatch(r"[\d,]+", given.only):
+        chosen = [int(number) for number in given.only.split(",")]
+    else:
+        chosen = [number for number, mutant in enumerate(MUTANTS) if wanted(mutant, given.only)]
     with tempfile.TemporaryDirectory(prefix="mutants-") as folder:
         return run(chosen, Path(folder), given.jobs, given.unchecked)
 
 
-def wanted(number: int, mutant: Mutant, only: str) -> bool:
-    """Return whether a mutant is asked for."""
-    if re.fullmatch(r"[\d,]+", only):
-        return str(number) in only.split(",")
+def wanted(mutant: Mutant, only: str) -> bool:
+    """Return whether a mutant is asked for by a folder, a file or a text."""
     return not only or only in mutant.words or only in mutant.place().parts
 
 
