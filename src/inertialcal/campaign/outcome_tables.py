@@ -48,8 +48,8 @@ def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Part, ...]:
     rows = [
         (axis, figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), figure(pair.get(REDUCTION)),
          pair[CHANGE]["unit"], verdict_of(pair))
-        for (axis, flip), pair in pairs.items()
-        if not flip
+        for (axis, member), pair in pairs.items()
+        if not member
     ]  # fmt: skip
     other = next((step["against"] for step in results["sequence"] if step["test"] == test), None)
     heads = ("axis", test, str(other), "difference", "nearer to zero by", "unit", "to zero")

@@ -26,10 +26,13 @@ class Column:
         In ``unit``; absent numbers are None or NaN.
     unit : str
         As ``core.units`` prints it; empty for what has none.
+    shown : str
+        Unit that people speak it in; empty for that of the campaign.
     """
 
     values: Sequence[Any] | NDArray[Any]
     unit: str = ""
+    shown: str = ""
 
     def plain(self) -> list[Any]:
         """Return the values as ``results.json`` holds them: plain Python, not finite numbers null."""
@@ -53,6 +56,8 @@ class Curve:
         What of it: ``"dwell_mean"``; empty where there is one only.
     recording : str
         Where it belongs to one recording: the name of it.
+    picture : bool
+        Only a picture shows it: ten digits are enough.
 
     Raises
     ------
@@ -65,6 +70,7 @@ class Curve:
     columns: Mapping[str, Column]
     of: str = ""
     recording: str = ""
+    picture: bool = False
 
     def __post_init__(self) -> None:
         lengths = {name: len(column.values) for name, column in self.columns.items()}

@@ -109,9 +109,6 @@ def scaled_interval(interval: Interval | None, scale: float) -> Interval | None:
     return Interval(scaled(interval.lo, scale), scaled(interval.hi, scale), interval.p)
 
 
-IN_HOURS = ("record_length", "mass_series", "mass_correlation")  # as people plan and read them
-
-
 TEN_DIGITS = ("applied", "rate", "time", "start", "stop")
 
 
@@ -126,9 +123,7 @@ def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
         As the campaign has it: ``"deg/s"``.
     """
     columns = {name: _displayed(column, sensor_unit) for name, column in curve.columns.items()}
-    if curve.name in IN_HOURS:
-        columns |= {name: _in_hours(column) for name, column in columns.items() if column.unit == "s"}
-    short = [name for name in columns if name in TEN_DIGITS or curve.name == "trace"]
+    short = [name for name in columns if name in TEN_DIGITS or curve.picture]
     return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
 
 
@@ -158,13 +153,11 @@ def _content_in_unit(curve: dict[str, Any], unit: str | None) -> dict[str, Any]:
     return curve
 
 
-def _in_hours(column: Column) -> Column:
-    """Return lengths of records as people plan them."""
-    return Column([None if value is None else value * factor("s", "h") for value in column.values], "h")
-
-
 def _displayed(column: Column, sensor_unit: str) -> Column:
     unit = column.unit
+    if column.shown:
+        scale = factor(unit, column.shown)
+        return Column([scaled(value, scale) for value in column.values], column.shown)
     shown = "%" if unit == "1" else sensor_unit if unit and kind(unit) == kind(sensor_unit) else unit
     density = divide(power(sensor_unit, 2), "Hz")
     shown = density if unit and same_dimension(unit, density) else shown

@@ -48,7 +48,7 @@ def _without(one: Response) -> Array:
 def _series(axis: str, run: Run, one: Response) -> Curve:
     assert one.fitted is not None  # noqa: S101 - asked before
     columns = {
-        "time": Column(run.schedule.middle, "s"),
+        "time": Column(run.schedule.middle, "s", shown="h"),
         "reading": Column(run.reading, "count/s"),
         "drift": Column(one.fitted.drift, "count/s"),
         "reduced": Column(_without(one), "count/s"),
@@ -65,7 +65,7 @@ def _correlation(axis: str, run: Run, one: Response) -> Curve:
     lags = int(LAGS * len(reduced))
     both = [autocorrelation(np.nan_to_num(part), lags).values for part in (reduced, left)]
     columns = {
-        "lag": Column(np.arange(lags + 1) * run.schedule.step, "s"),
+        "lag": Column(np.arange(lags + 1) * run.schedule.step, "s", shown="h"),
         "reduced": Column(both[0] / both[0][0], "1"),
         "noise": Column(both[1] / both[0][0], "1"),
     }

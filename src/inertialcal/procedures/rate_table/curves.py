@@ -100,6 +100,7 @@ def channels(one: Trace) -> list[Curve]:
             name,
             {"time": Column(one.time, "s"), "lo": Column(one.lo[:, i], RATE), "hi": Column(one.hi[:, i], RATE)},
             recording=one.recording,
+            picture=True,
         )
         for i, name in enumerate(one.names)
     ]

@@ -167,7 +167,7 @@ def _record_length(result: Result, one: AxisNoise) -> Curve:
         "term": Column([reach.quantity for reach in found]),
         "relative_error": Column([reach.relative_error for reach in found], "1"),
         "wanted": Column([result.plan.relative_error if r.relative_error is not None else None for r in found], "1"),
-        "record": Column([reach.record for reach in found], "s"),
-        "needed": Column([reach.needed for reach in found], "s"),
+        "record": Column([reach.record for reach in found], "s", shown="h"),
+        "needed": Column([reach.needed for reach in found], "s", shown="h"),
     }
     return Curve("record_length", one.axis, columns)
