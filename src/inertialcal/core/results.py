@@ -125,12 +125,6 @@ def not_estimated(
     return Row(key, None, None, unit, status="not_estimated", reason=reason, method=method, member=member)
 
 
-def by_quantity(rows: Sequence[Row]) -> list[Row]:
-    """Return rows with those of one quantity side by side, in the order of their first."""
-    order = list(dict.fromkeys((row.test, row.quantity) for row in rows))
-    return sorted(rows, key=lambda row: order.index((row.test, row.quantity)))
-
-
 def finite(number: float | None) -> float | None:
     """Return the number as a float, or None where it is absent, infinite or NaN."""
     return float(number) if number is not None and math.isfinite(number) else None
