@@ -9,8 +9,8 @@ from pathlib import Path
 
 from playwright.sync_api import sync_playwright
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
 
 HERE = Path(__file__).resolve().parent
 SIZE = {"width": 1180, "height": 900}  # [px]

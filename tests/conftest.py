@@ -14,9 +14,9 @@ import pytest
 from hypothesis import settings
 
 from figures_kept import keeping
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.cli.__main__ import SELDOM
 from inertialcal.report import drawings
 from inertialcal.report.drawings import of_campaign

@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from inertialcal.campaign.engine import Prepared
-from inertialcal.campaign.load import load
-from inertialcal.campaign.prepared import prepare
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.engine.engine import Prepared
+from inertialcal.campaign.engine.prepared import prepare
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.load import load
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.protocol import SEED
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench

@@ -25,10 +25,12 @@ from pydantic_core import PydanticUndefined
 from typer.main import get_command
 
 import inertialcal as ic
-from inertialcal.campaign import schema, schema_recordings, schema_sensors
-from inertialcal.campaign.example import build
-from inertialcal.campaign.publish import ROW_COLUMNS
-from inertialcal.campaign.run import VERDICT_COLUMNS
+from inertialcal.campaign.engine.run import VERDICT_COLUMNS
+from inertialcal.campaign.file import recordings as schema_recordings
+from inertialcal.campaign.file import schema
+from inertialcal.campaign.file import sensors as schema_sensors
+from inertialcal.campaign.file.example import build
+from inertialcal.campaign.outcome.publish import ROW_COLUMNS
 from inertialcal.cli.__main__ import main
 from inertialcal.cli.app import app
 from inertialcal.core import schema_words

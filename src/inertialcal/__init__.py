@@ -15,12 +15,12 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from .campaign.calls.rate_table import rate_table
-    from .campaign.compare import compare
+    from .campaign.compare.compare import compare
+    from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
     from .campaign.models.find import load_model
-    from .campaign.run import check, run
-    from .campaign.score import score
-    from .campaign.twin import simulate
+    from .campaign.twins.score import score
+    from .campaign.twins.twin import simulate
     from .files import read
     from .files.info.survey import survey as info
     from .files.text.table import read_table
@@ -67,8 +67,8 @@ _HOMES = {
     "allan": ("procedures.static_noise.files.allan", "allan"),
     "psd": ("procedures.static_noise.files.psd", "psd"),
     "sine": ("procedures.sine.files", "sine"),
-    "check": ("campaign.run", "check"),
-    "compare": ("campaign.compare", "compare"),
+    "check": ("campaign.engine.run", "check"),
+    "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
     "flip": ("procedures.flip.files.call", "flip"),
     "thermal": ("procedures.thermal.files", "thermal"),
@@ -79,14 +79,14 @@ _HOMES = {
     "plot": ("report.plot", "plot"),
     "positions": ("procedures.positions.files.call", "positions"),
     "positions_batch": ("procedures.positions.lot.batch", "positions_batch"),
-    "score": ("campaign.score", "score"),
-    "simulate": ("campaign.twin", "simulate"),
+    "score": ("campaign.twins.score", "score"),
+    "simulate": ("campaign.twins.twin", "simulate"),
     "write": ("files.write.recording", "write"),
     "info": ("files.info.survey", "survey"),
     "rate_table": ("campaign.calls.rate_table", "rate_table"),
     "read": ("files", "read"),
     "read_table": ("files.text.table", "read_table"),
-    "run": ("campaign.run", "run"),
+    "run": ("campaign.engine.run", "run"),
 }
 
 

@@ -13,8 +13,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertialcal.campaign.budgets import budget_rows
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.outcome.budgets import budget_rows
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension

@@ -15,10 +15,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy import stats
 
-from inertialcal.campaign.allowed import allowed_for, is_named, parse_allowed
-from inertialcal.campaign.compare import compare, judged
-from inertialcal.campaign.differences import Difference, differences
-from inertialcal.campaign.matched_rows import matched
+from inertialcal.campaign.compare.allowed_change import allowed_for, is_named, parse_allowed
+from inertialcal.campaign.compare.compare import compare, judged
+from inertialcal.campaign.compare.differences import Difference, differences
+from inertialcal.campaign.compare.matched_rows import matched
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key, Method, Reason, key_of

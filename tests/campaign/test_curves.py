@@ -11,10 +11,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.load import load
-from inertialcal.campaign.prepared import prepare
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.prepared import prepare
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.load import load
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.curve import Column, Curve
 from inertialcal.procedures.display import displayed_curve, ten_digits
 from inertialcal.procedures.rate_table.traces import BINS

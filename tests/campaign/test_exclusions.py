@@ -8,9 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.campaign.exclusions import SAMPLES
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.outcome.exclusions import SAMPLES
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError
 from inertialcal.procedures.rate_table import reduction as rate_table
 from inertialcal.procedures.rate_table.left_out import RULES

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
 from inertialcal.core.errors import InertialcalError
 
 TABLE = "axis,orientation,mean_ug,predicted_mg\ny,0,{0},1.0\ny,180,{1},1.002\nz,0,{2},\nz,180,{3},\n"

@@ -8,11 +8,11 @@ from pathlib import Path
 import pytest
 
 import inertialcal as ic
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.load import load
 from inertialcal.campaign.flip_campaign import new_campaign, write_flip_campaign
-from inertialcal.campaign.load import load
-from inertialcal.campaign.run import run
 from inertialcal.campaign.starter import start
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.results import Row

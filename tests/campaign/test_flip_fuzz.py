@@ -14,10 +14,10 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.publish import json_text
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
+from inertialcal.campaign.outcome.publish import json_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import InertialcalError
 from inertialcal.procedures.flip.files.call import flip
 from inertialcal.rigs.protocol import SEED

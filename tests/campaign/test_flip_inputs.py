@@ -10,12 +10,12 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.in_memory import fit_results
-from inertialcal.campaign.load import load
-from inertialcal.campaign.run import check, run
-from inertialcal.campaign.score import coverage, score
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.in_memory import fit_results
+from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.file.example import copy_example
+from inertialcal.campaign.file.load import load
+from inertialcal.campaign.twins.score import coverage, score
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS

@@ -10,8 +10,8 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from inertialcal.campaign.publish import json_text
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.core.errors import InertialcalError
 
 Write = Callable[..., Path]

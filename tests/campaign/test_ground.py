@@ -10,14 +10,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.chains import build_chain
-from inertialcal.campaign.ground import after_model, chain_model
-from inertialcal.campaign.load import load
-from inertialcal.campaign.run import run
-from inertialcal.campaign.schema_recordings import RecordingEntry
-from inertialcal.campaign.schema_sensors import Sensor
-from inertialcal.campaign.score import score
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.load import load
+from inertialcal.campaign.file.recordings import RecordingEntry
+from inertialcal.campaign.file.sensors import Sensor
+from inertialcal.campaign.inputs.chains import build_chain
+from inertialcal.campaign.inputs.ground import after_model, chain_model
+from inertialcal.campaign.twins.score import score
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.files.models.model_json import dump_model

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.campaign.load import load
+from inertialcal.campaign.file.load import load
 from inertialcal.core.errors import PlanError, Problem
 
 Write = Callable[..., Path]

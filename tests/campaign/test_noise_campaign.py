@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.run import Outcome, check, run
+from inertialcal.campaign.engine.run import Outcome, check, run
 from inertialcal.campaign.starter import start
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.errors import DataError, PlanError

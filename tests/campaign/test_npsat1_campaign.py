@@ -11,11 +11,11 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.in_memory import fitted_tests
+from inertialcal.campaign.engine.in_memory import fitted_tests
+from inertialcal.campaign.engine.run import Outcome, run
 from inertialcal.campaign.models.find import load_model
-from inertialcal.campaign.run import Outcome, run
-from inertialcal.campaign.score import Coverage, coverage, score
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.twins.score import Coverage, coverage, score
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1

@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.compare import Comparison, compare
-from inertialcal.campaign.load import MARK
-from inertialcal.campaign.run import Outcome, run
+from inertialcal.campaign.compare.compare import Comparison, compare
+from inertialcal.campaign.engine.run import Outcome, run
+from inertialcal.campaign.file.load import MARK
 from inertialcal.campaign.starter import start
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.recording import Recording
 from inertialcal.files.models.model_file import load_model_file

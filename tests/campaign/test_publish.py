@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.campaign.publish import csv_text
+from inertialcal.campaign.outcome.publish import csv_text
 from inertialcal.report.embedded import rows_csv
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")

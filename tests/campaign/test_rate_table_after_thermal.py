@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.cross_checks import cross_checks
-from inertialcal.campaign.in_memory import Fitted, fitted_tests
-from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.engine.in_memory import Fitted, fitted_tests
+from inertialcal.campaign.file.cross_checks import cross_checks
+from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.core.errors import DataError
 from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording

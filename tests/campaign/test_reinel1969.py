@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
 from inertialcal.core.errors import InertialcalError
 
 Rows = Mapping[tuple[str, str, str], Mapping[str, Any]]

@@ -7,10 +7,10 @@ from functools import cache
 import numpy as np
 import pytest
 
-from inertialcal.campaign.requirements import Tested as Reduced
-from inertialcal.campaign.requirements import judge, worst
-from inertialcal.campaign.schema import Requirement
-from inertialcal.campaign.schema import Test as Entry
+from inertialcal.campaign.file.schema import Requirement
+from inertialcal.campaign.file.schema import Test as Entry
+from inertialcal.campaign.outcome.requirements import Tested as Reduced
+from inertialcal.campaign.outcome.requirements import judge, worst
 from inertialcal.core.judging import Verdict
 from inertialcal.core.key import Key, Reason
 from inertialcal.core.results import Row

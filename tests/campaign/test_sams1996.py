@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
 
 ROUNDING = 0.005  # ug: Table 3 has two decimals, Tables 4 to 6 three
 LAST = 0.0011  # ug: Tables 20 to 22 have three decimals, half sums one more

@@ -12,9 +12,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.run import run
-from inertialcal.campaign.score import Coverage, coverage, score, score_rig
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.twins.score import Coverage, coverage, score, score_rig
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
 from inertialcal.rigs import RIGS

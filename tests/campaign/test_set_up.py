@@ -8,10 +8,10 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.campaign.load import load
-from inertialcal.campaign.schema import Site
-from inertialcal.campaign.schema_sensors import Sensor
-from inertialcal.campaign.set_up import sensors_content, site_content
+from inertialcal.campaign.file.load import load
+from inertialcal.campaign.file.schema import Site
+from inertialcal.campaign.file.sensors import Sensor
+from inertialcal.campaign.outcome.set_up import sensors_content, site_content
 from ran_campaigns import Ran
 
 

@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
-from inertialcal.campaign.score import Score
-from inertialcal.campaign.twin import read_truth
+from inertialcal.campaign.twins.score import Score
+from inertialcal.campaign.twins.twin import read_truth
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.show.rounding import with_uncertainty

@@ -9,7 +9,7 @@ from typing import Any
 import pytest
 
 import inertialcal as ic
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.results import Row
 from inertialcal.procedures.flip.files.call import FlipFile

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
 from ran_campaigns import Ran
 
 

@@ -12,14 +12,14 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine import plan_of
-from inertialcal.campaign.in_memory import fitted_tests
-from inertialcal.campaign.run import Outcome, check, run
-from inertialcal.campaign.schema import CampaignFile
-from inertialcal.campaign.schema_sensors import Sensor
-from inertialcal.campaign.score import coverage, score
-from inertialcal.campaign.sources import facts_of
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.engine import plan_of
+from inertialcal.campaign.engine.in_memory import fitted_tests
+from inertialcal.campaign.engine.run import Outcome, check, run
+from inertialcal.campaign.file.schema import CampaignFile
+from inertialcal.campaign.file.sensors import Sensor
+from inertialcal.campaign.inputs.sources import facts_of
+from inertialcal.campaign.twins.score import coverage, score
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.thermal import reduction as thermal

@@ -10,10 +10,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.in_memory import fit_results
-from inertialcal.campaign.load import load
-from inertialcal.campaign.run import check, run
-from inertialcal.campaign.twin import TRUTH, read_truth, simulate
+from inertialcal.campaign.engine.in_memory import fit_results
+from inertialcal.campaign.engine.run import check, run
+from inertialcal.campaign.file.load import load
+from inertialcal.campaign.twins.twin import TRUTH, read_truth, simulate
 from inertialcal.core.errors import DataError, StoreError, UsageError
 from inertialcal.core.units import convert
 from inertialcal.files import read

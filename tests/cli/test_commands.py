@@ -284,7 +284,7 @@ def refuse(monkeypatch: pytest.MonkeyPatch, error: BaseException) -> None:
     def load(*words: object) -> NoReturn:
         raise error
 
-    monkeypatch.setattr("inertialcal.campaign.run.load", load)
+    monkeypatch.setattr("inertialcal.campaign.engine.run.load", load)
 
 
 def test_interrupt_ends_with_130(

@@ -9,8 +9,8 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
 from inertialcal.cli.__main__ import main
 from inertialcal.report.figures import figures
 

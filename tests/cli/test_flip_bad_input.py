@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, on_bench

@@ -12,8 +12,8 @@ import pytest
 from typed_commands import call
 
 import inertialcal as ic
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.rigs import RIGS

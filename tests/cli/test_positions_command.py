@@ -14,8 +14,8 @@ import pytest
 from typed_commands import call, call_json
 
 from inertialcal import load_model
-from inertialcal.campaign.compare import compare
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.compare.compare import compare
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording

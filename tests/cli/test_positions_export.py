@@ -14,7 +14,7 @@ import pytest
 from typed_commands import call, call_json
 
 from inertialcal import load_model, read
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.estimate import Array
 from inertialcal.files.models.formats import FORMATS

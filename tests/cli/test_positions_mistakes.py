@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from typed_commands import call, call_json
 
-from inertialcal.campaign.twin import csv_text
+from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
 

@@ -13,9 +13,9 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.example import copy_example
-from inertialcal.campaign.run import run
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.example import copy_example
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.report.page import LARGEST, environment, report_html
 
 LIMIT = 2_000_000  # bytes, from the issue

@@ -8,10 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.in_memory import fit_results
-from inertialcal.campaign.run import run
-from inertialcal.campaign.score import coverage
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.in_memory import fit_results
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.twins.score import coverage
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.physics.motion.schedule import Schedule
 from inertialcal.procedures.mass_attraction.reduction import Result

@@ -13,9 +13,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from inertialcal.campaign.cross_checks import cross_checks
-from inertialcal.campaign.in_memory import fit_results
-from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.engine.in_memory import fit_results
+from inertialcal.campaign.file.cross_checks import cross_checks
+from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.core.axes import AXES
 from inertialcal.core.constants import EARTH_ROTATION_RATE
 from inertialcal.core.errors import DataError, UsageError

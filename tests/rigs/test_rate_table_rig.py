@@ -10,8 +10,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertialcal.campaign.in_memory import fit_results
-from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.engine.in_memory import fit_results
+from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.core.constants import EARTH_ROTATION_RATE
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.influence import Influence

@@ -7,8 +7,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inertialcal.campaign.in_memory import fit_results
-from inertialcal.campaign.score import coverage
+from inertialcal.campaign.engine.in_memory import fit_results
+from inertialcal.campaign.twins.score import coverage
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
 from inertialcal.procedures.flip import reduction as flip

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 from scipy import signal
 
-from inertialcal.campaign.chains import build_chain
-from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.file.schema import CampaignFile
+from inertialcal.campaign.inputs.chains import build_chain
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND

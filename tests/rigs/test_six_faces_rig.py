@@ -9,10 +9,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.in_memory import fitted_tests
-from inertialcal.campaign.run import run
-from inertialcal.campaign.score import score, score_rig
-from inertialcal.campaign.twin import simulate
+from inertialcal.campaign.engine.in_memory import fitted_tests
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.twins.score import score, score_rig
+from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence

@@ -9,7 +9,7 @@ from pathlib import Path
 from ..core.errors import PlanError, StoreError, UsageError
 from ..procedures.flip import reduction as flip
 from ..procedures.flip.files.source import FlipSource, entry_text, quoted
-from .load import FILE
+from .file.load import FILE
 from .starter_flip import flip_text, sensor_text
 
 TEST = "flip"

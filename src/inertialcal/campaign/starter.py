@@ -16,7 +16,7 @@ from ..files import read
 from ..files.text.table import Table, read_table
 from ..procedures.flip.files.source import FlipSource
 from .calls.table_columns import Guess, guess
-from .load import FILE, MARK
+from .file.load import FILE, MARK
 from .starter_flip import accelerometers, archive_sources, flip_parts, head_source, means_of_table
 from .starter_positions import REQUIREMENT as POSITIONS_REQUIREMENT
 from .starter_positions import is_laid, positions_parts

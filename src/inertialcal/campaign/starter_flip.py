@@ -19,7 +19,7 @@ from ..procedures.flip import reduction as flip
 from ..procedures.flip.files.record import found_windows, head_recording
 from ..procedures.flip.files.source import FlipSource, entry_text, quoted, source_of
 from ..procedures.flip.files.table import is_table_of_means, means_columns
-from .load import MARK
+from .file.load import MARK
 
 
 def means_of_table(table: Table) -> FlipSource | None:

@@ -11,7 +11,7 @@ from ..core.recording import Channel, Recording
 from ..core.units import kind
 from ..procedures.flip.files.source import quoted
 from ..signals.segmentation.segments import detect, static_intervals
-from .load import MARK
+from .file.load import MARK
 from .starter_flip import accelerometers
 from .starter_still import gyros
 

@@ -14,7 +14,7 @@ from ..files.info.channel_survey import survey_channel
 from ..files.info.hints import unit_hints
 from ..procedures.flip.files.source import quoted
 from ..signals.segmentation.stillness import judge
-from .load import MARK
+from .file.load import MARK
 from .starter_flip import accelerometers
 
 SHORT = 1_000  # samples: a shorter record says little about noise, and may be a dwell

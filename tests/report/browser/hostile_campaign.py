@@ -16,7 +16,7 @@ import pyarrow as pa
 import pyarrow.parquet as pq
 from pydantic import BaseModel
 
-from inertialcal.campaign.schema import CampaignFile
+from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.core.schema_words import Text
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule

@@ -17,8 +17,8 @@ from hostile_page import bidi_leaks, elements, letters, reactions
 from injections import INJECTIONS, batches, rotated
 from playwright.sync_api import Browser
 
-from inertialcal.campaign.load import load
-from inertialcal.campaign.run import run
+from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.file.load import load
 from inertialcal.core.errors import InertialcalError
 from inertialcal.core.schema_words import Text
 

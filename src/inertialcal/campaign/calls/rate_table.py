@@ -20,7 +20,7 @@ from ...files import read
 from ...files.text.table import read_table
 from ...procedures.display import curve_contents, displayed
 from ...procedures.rate_table import reduction as procedure
-from ..schema_sensors import Chain, Sensor
+from ..file.sensors import Chain, Sensor
 from .reduced_table import table_columns, table_readings, turned_axis
 from .stepped_recording import is_stepped, stepped_columns, stepped_readings
 from .table_columns import guess

@@ -12,10 +12,10 @@ from ...procedures.rate_table.entry import Rows
 from ...procedures.rate_table.plan import Plan
 from ...procedures.rate_table.procedure import PROCEDURE
 from ...procedures.rate_table.reduction import Readings
-from ..schema import Test
-from ..schema_recordings import RecordingEntry
-from ..schema_sensors import Sensor
-from ..sources import Folder, Ready, facts_of
+from ..file.recordings import RecordingEntry
+from ..file.schema import Test
+from ..file.sensors import Sensor
+from ..inputs.sources import Folder, Ready, facts_of
 from .table_columns import Guess
 
 

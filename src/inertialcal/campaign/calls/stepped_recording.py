@@ -19,10 +19,10 @@ from ...core.units import convert, kind, normalise
 from ...procedures.rate_table.procedure import PROCEDURE
 from ...procedures.rate_table.recordings import APPLIED
 from ...procedures.rate_table.reduction import Plan, Readings
-from ..schema import Test
-from ..schema_recordings import ChannelEntry, RecordingEntry
-from ..schema_sensors import Sensor
-from ..sources import Folder, Ready, facts_of
+from ..file.recordings import ChannelEntry, RecordingEntry
+from ..file.schema import Test
+from ..file.sensors import Sensor
+from ..inputs.sources import Folder, Ready, facts_of
 
 SAMPLES_A_STEP = 3.0  # fewer samples between changes of the table's rate: no recording of steps
 FOLLOWS = 0.9  # correlation with the table above which an axis is named as the one that follows

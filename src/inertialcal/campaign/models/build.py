@@ -20,11 +20,11 @@ from ...procedures.protocol import Correction, Procedure, Tested
 from ...sensors.model.assemble import model_from
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import judged, overall
-from ..chains import body_scale_factors
-from ..load import Campaign
-from ..prepared import placed, sensor_of
-from ..schema import Test
-from ..schema_sensors import Sensor
+from ..engine.prepared import placed, sensor_of
+from ..file.load import Campaign
+from ..file.schema import Test
+from ..file.sensors import Sensor
+from ..inputs.chains import body_scale_factors
 from .judged import NOT_RUN, JudgedModel, Residual, ResidualLoop
 
 FIRST = "model.json"

@@ -10,9 +10,9 @@ from ...core.units import factor, kind
 from ...procedures import procedure_of
 from ...statistics.closed_loop import AxisLoop
 from ...statistics.intervals import t_interval
-from ..cross_checks import RESERVED
-from ..load import Campaign
-from ..prepared import modelled_sensor
+from ..engine.prepared import modelled_sensor
+from ..file.cross_checks import RESERVED
+from ..file.load import Campaign
 from .judged import NOT_RUN, JudgedModel, ResidualLoop
 
 

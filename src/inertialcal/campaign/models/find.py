@@ -8,7 +8,7 @@ from pathlib import Path
 from ...core.errors import DataError
 from ...files.models.model_file import ModelFile, load_model_file
 from ...sensors.model.sensor_model import SensorModel
-from ..publish import OUT
+from ..outcome.publish import OUT
 
 MODEL = "model.json"
 RESULTS = "results.json"

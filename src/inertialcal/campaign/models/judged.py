@@ -14,9 +14,9 @@ from ...procedures.model_terms import HeldOut
 from ...procedures.protocol import Tested
 from ...sensors.model.sensor_model import SensorModel
 from ...statistics.closed_loop import AxisLoop
-from ..load import Campaign
-from ..prepared import placed
-from ..schema import Test
+from ..engine.prepared import placed
+from ..file.load import Campaign
+from ..file.schema import Test
 
 NOT_RUN = "not run"
 

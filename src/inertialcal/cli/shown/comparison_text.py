@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ...campaign.compare import Comparison
-from ...campaign.comparison_tables import HEADS, JUDGED, is_beside, is_shown, line, not_compared
+from ...campaign.compare.compare import Comparison
+from ...campaign.compare.tables import HEADS, JUDGED, is_beside, is_shown, line, not_compared
 from ...core.show.alternatives import names_of
 from .output import table, wrapped
 from .summary import remarks_text

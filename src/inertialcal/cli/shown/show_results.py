@@ -9,7 +9,7 @@ from .. import figures
 from .output import json_out
 
 if TYPE_CHECKING:
-    from ...campaign.results_file import ResultsFile
+    from ...campaign.outcome.results_file import ResultsFile
 
 
 def show_results(
@@ -22,7 +22,7 @@ def show_results(
     DataError
         If the file does not hold what a run writes, or has no data for the figure.
     """
-    from ...campaign.results_file import as_results
+    from ...campaign.outcome.results_file import as_results
 
     with as_results(found.path):
         line = "" if output is None else figures.write(output, found.content, [found.path], chosen)

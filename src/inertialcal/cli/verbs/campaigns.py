@@ -20,7 +20,7 @@ def run(
     quiet: Quiet = False,
 ) -> int:
     """Run a campaign: every test, every requirement, results and report into DIR/out/."""
-    from ...campaign.run import run as run_campaign
+    from ...campaign.engine.run import run as run_campaign
     from ..opening import open_page
 
     with progress(quiet or as_json) as tell:
@@ -75,7 +75,7 @@ def print_outcome(outcome: Any) -> None:
 
 def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
     """Judge the inputs of a campaign: the campaign file and every recording it names."""
-    from ...campaign.run import check as check_campaign
+    from ...campaign.engine.run import check as check_campaign
 
     campaign, inputs, remarks = check_campaign(folder)
     if as_json:

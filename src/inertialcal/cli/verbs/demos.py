@@ -34,7 +34,7 @@ def demo(
     quiet: Quiet = False,
 ) -> int:
     """Build an example, run it, and set what was found beside the truth that was simulated."""
-    from ...campaign.example import demonstrations
+    from ...campaign.file.example import demonstrations
 
     content: dict[str, Any] = {}
     for name, folder in demonstrations(rig, output):
@@ -47,9 +47,9 @@ def demo(
 
 def _one(name: str, folder: Path, as_json: bool, quiet: bool) -> dict[str, Any]:
     """Build, run and score one example; return what ``--json`` says of it."""
-    from ...campaign.example import build, has_truth, title
-    from ...campaign.run import run as run_campaign
-    from ...campaign.score import score
+    from ...campaign.engine.run import run as run_campaign
+    from ...campaign.file.example import build, has_truth, title
+    from ...campaign.twins.score import score
 
     built = build(name, folder)
     if not as_json and not quiet:

@@ -37,7 +37,7 @@ def show(
     quiet: Quiet = False,
 ) -> int:
     """Show a model in words, or results as a table; with -o, a figure of either."""
-    from ...campaign.results_file import find_results
+    from ...campaign.outcome.results_file import find_results
     from ..shown.show_results import show_results
 
     figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
@@ -208,7 +208,7 @@ def compare(
     quiet: Quiet = False,
 ) -> int:
     """Compare two models or two results, figure by figure, with the uncertainty of each difference."""
-    from ...campaign.compare import compare as compare_both
+    from ...campaign.compare.compare import compare as compare_both
     from ..shown.comparison_text import comparison_text
 
     found = compare_both(first, second, allowed)

@@ -35,7 +35,7 @@ def simulate(
     quiet: Quiet = False,
 ) -> int:
     """Write the campaign of a simulated rig: recordings, campaign.toml, and the truth for `score`."""
-    from ...campaign.twin import simulate as write
+    from ...campaign.twins.twin import simulate as write
 
     written = write(rig, output, seed, fault)
     if as_json:
@@ -75,7 +75,7 @@ def score(
 
 
 def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
-    from ...campaign.score import score as score_campaign
+    from ...campaign.twins.score import score as score_campaign
 
     found = score_campaign(folder)
     if as_json:
@@ -91,7 +91,7 @@ def _campaign(folder: Path, as_json: bool, quiet: bool) -> int:
 
 def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return estimates beside the truth, a line each."""
-    from ...campaign.score import truth_grid
+    from ...campaign.twins.score import truth_grid
 
     grid = truth_grid(rows)
     return table(grid.rows, grid.heads)
@@ -105,7 +105,7 @@ def held_text(found: Any) -> str:
 
 
 def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
-    from ...campaign.score import RULE, score_rig
+    from ...campaign.twins.score import RULE, score_rig
 
     with progress(quiet or as_json) as tell:
         found = score_rig(rig, n, first, tell)

@@ -1,0 +1,1 @@
+"""Two models or results set beside each other."""

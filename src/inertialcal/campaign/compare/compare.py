@@ -1,0 +1,181 @@
+"""Two models, or the results of two campaigns, figure by figure: the difference with its uncertainty.
+
+``not shown different`` is not "unchanged": for that, state what change is allowed, and ``no_change`` judges each
+figure.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...core.errors import DataError
+from ...core.remarks import Remark
+from ...core.results import Interval, finite
+from ...core.show.tables import Part, html, text
+from ...statistics.decision import Status, Verdict, no_change, overall
+from ...statistics.intervals import ends
+from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
+from .differences import Difference, P, differences, is_scatter
+from .matched_rows import matched, rows_remark
+from .sources import Kind, load_both, shared_remarks
+from .tables import comparison_parts
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """All figures that two models or results share.
+
+    Parameters
+    ----------
+    kind : {"models", "results"}
+        What was compared.
+    differences : tuple of Difference
+        In the order of the first.
+    remarks : tuple of Remark
+        The assumption made, and what it may miss.
+    inputs : mapping of str to str
+        SHA-256 of each file.
+    """
+
+    kind: Kind
+    differences: tuple[Difference, ...]
+    remarks: tuple[Remark, ...]
+    inputs: Mapping[str, str]
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: a row a figure, test by test, why others were not compared, how many remarks."""
+        return comparison_parts(self.kind, self.differences, self.remarks, self.verdict)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+    @property
+    def verdict(self) -> str:
+        """PASS, FAIL or INCONCLUSIVE over all allowed changes; empty where none is stated."""
+        found = [one.no_change for one in self.differences if one.no_change is not None]
+        return overall(found) if found else ""
+
+    @property
+    def verdicts(self) -> list[dict[str, Any]]:
+        """Each judged figure as ``--json`` prints it."""
+        return [_verdict(one, one.no_change) for one in self.differences if one.no_change is not None]
+
+    @property
+    def exit_status(self) -> int:
+        """0 PASS or nothing stated, 1 FAIL, 4 INCONCLUSIVE."""
+        return {"": 0, "PASS": 0, "FAIL": 1}.get(self.verdict, 4)
+
+
+def compare(first: str | os.PathLike[str], second: str | os.PathLike[str], allowed: Sequence[str] = ()) -> Comparison:
+    """Compare two models, or the results of two campaigns.
+
+    Parameters
+    ----------
+    first, second : path
+        ``model.json``, ``results.json``, or the folder of a campaign: its results, or its model if the other is
+        a model.
+    allowed : sequence of str
+        Changes that do not matter: ``"0.1 %"``, ``"bias=0.01 deg/s"``; see ``campaign.compare.allowed_change``.
+
+    Raises
+    ------
+    DataError
+        As ``load_both``; ``no_shared_quantity`` if no figure stands in both, or none that a change is allowed for.
+    UsageError
+        ``allowed``.
+    """
+    stated = parse_allowed(allowed)
+    kind, one, other = load_both(first, second)
+    pairs, remarks = matched(one.rows, other.rows, by_test=kind == "results")
+    if not pairs:
+        raise DataError(
+            "no figure stands in both",
+            where=f"{one.path}, {other.path}",
+            do="Compare campaigns of one kind of sensor and test",
+            code="no_shared_quantity",
+        )
+    found, judging = judged(differences(pairs), stated)
+    assumed = Remark(
+        "taken_as_independent",
+        "info",
+        "first and second are taken as independent: u of a difference is the root of the sum of squares",
+    )
+    everything = (assumed, *shared_remarks(one, other), *remarks, *judging)
+    return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
+
+
+def judged(found: Sequence[Difference], stated: Sequence[Allowed]) -> tuple[tuple[Difference, ...], tuple[Remark, ...]]:
+    """Return the differences with a verdict where a change is allowed, and a remark on those without one.
+
+    A change stated for all judges the figures that could be compared, without other ways of reduction beside them
+    (``as_published``, ``all_readings``); one stated for a quantity judges every figure of it that has an
+    uncertainty, and is INCONCLUSIVE of a result that has none.
+
+    Raises
+    ------
+    DataError
+        ``no_shared_quantity``, if no figure is judged though a change is stated; ``unit_mismatch``.
+    """
+    if not stated:
+        return tuple(found), ()
+    done = [replace(one, no_change=_judge(one, stated)) for one in found]
+    open_ones = [one.row for one in done if one.no_change is None]
+    if len(open_ones) == len(done):
+        raise DataError(
+            "no figure in both that the allowed change can judge",
+            do='State it for a quantity, like --allowed bias="0.01 deg/s"',
+            code="no_shared_quantity",
+        )
+    return tuple(done), tuple(rows_remark("not_judged", "no allowed change is stated for", open_ones))
+
+
+def _judge(one: Difference, stated: Sequence[Allowed]) -> Verdict | None:
+    compared, beside = one.word != "not compared", one.row.case.beside
+    named = is_named(one.row, stated) and (compared or not beside)  # a figure without u beside the result is none
+    if not (named or (compared and not beside)):
+        return None
+    limit = allowed_for(one.first, stated)
+    if limit is None:
+        return None
+    verdict = no_change(one.row.value, one.row.u, one.row.dof, limit, P)
+    interval = one.row.interval
+    return verdict if interval is None or not is_scatter(one.row) else _by_interval(verdict, interval, limit)
+
+
+def _by_interval(verdict: Verdict, interval: Interval, limit: float) -> Verdict:
+    """Return the verdict by an interval that is not Student's."""
+    lo, hi = ends(interval)
+    status: Status = "PASS" if max(-lo, hi) <= limit else "FAIL" if lo > limit or hi < -limit else "INCONCLUSIVE"
+    return replace(verdict, status=status, interval=interval, reason=f"{lo:.6g} to {hi:.6g} against ±{limit:g}")
+
+
+def _verdict(one: Difference, verdict: Verdict) -> dict[str, Any]:
+    row, interval = one.row, verdict.interval
+    return {
+        "requirement": "no_change",
+        "quantity": row.quantity,
+        "test": row.test,
+        "condition": str(row.case),
+        "axis": row.axis,
+        "at": None,
+        "at_unit": "",
+        "of": "difference",
+        "value": finite(row.value),
+        "u": finite(row.u),
+        "unit": row.unit,
+        "interval": None if interval is None else {"lo": interval.lo, "hi": interval.hi, "p": interval.p},
+        "lower": verdict.limit_lower,
+        "upper": verdict.limit_upper,
+        "verdict": verdict.status,
+        "reason": verdict.reason,
+    }

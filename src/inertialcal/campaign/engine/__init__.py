@@ -1,0 +1,1 @@
+"""The engine: tests made ready, reduced, run."""

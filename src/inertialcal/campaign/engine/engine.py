@@ -1,0 +1,116 @@
+"""The engine: a test, from whatever side it comes, is a procedure, a plan and sources. Names no procedure."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+from ...core.errors import PlanError
+from ...core.influence import Standards
+from ...procedures import procedure_of
+from ...procedures.protocol import Correction, Facts, Procedure, Tested
+from ..file.plans import plan_values
+from ..file.schema import CampaignFile, Test
+from ..inputs.channels import chain_of
+from ..inputs.origins import Origin
+from ..inputs.sources import Ready, Store, facts_of
+
+
+@dataclass(frozen=True, eq=False)
+class Prepared:
+    """A test ready to be reduced: entry, plan, facts, readings, SHA-256 of its files by path, and its recordings."""
+
+    test: Test
+    facts: Facts
+    plan: Any
+    readings: Any
+    inputs: Mapping[str, str]
+    origins: tuple[Origin, ...] = ()
+
+
+def plan_of(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any], facts: Facts) -> Any:
+    """Return the plan of a test: what was set, as text with units or as parsed, and what sensor and site say.
+
+    Raises
+    ------
+    PlanError
+        If a setting is wrong.
+    """
+    values, problems = plan_values(procedure.name, dict(given), "")
+    if problems:
+        raise PlanError(problems)
+    return procedure.plan(values, facts)
+
+
+def prepare_test(
+    file: CampaignFile, test: Test, standards: Standards, store: Store, corrections: Sequence[Correction] = ()
+) -> Prepared:
+    """Return a test of a campaign, ready to be reduced.
+
+    Parameters
+    ----------
+    file : CampaignFile
+        Its sensors, recordings and site.
+    test : Test
+        One of its tests.
+    standards : mapping of Influence
+        Of the campaign.
+    store : Store
+        That holds its files.
+    corrections : sequence of Correction
+        What tests before it found, to be taken off.
+
+    Raises
+    ------
+    PlanError, DataError
+        If a setting is wrong, or a recording cannot be read.
+    """
+    procedure = procedure_of(test.procedure)
+    entries = {name: file.recordings[name] for name in test.recordings}
+    sensors = {name: file.sensors[entry.sensor] for name, entry in entries.items()}
+    facts = {entry.sensor: facts_of(sensors[name], standards, file.site) for name, entry in entries.items()}
+    first = facts[entries[test.recordings[0]].sensor]
+    plan = plan_of(procedure, test.plan, first)
+    spec = procedure.inputs_for(plan, corrections)
+    sources = [
+        Ready(store, name, one, sensors[name], facts[one.sensor], spec, test, chain_of(one, sensors[name]))
+        for name, one in entries.items()
+    ]
+    readings = procedure.readings(plan, sources, corrections)
+    more = procedure.remarks(first)
+    if more:
+        readings = replace(readings, remarks=(*readings.remarks, *more))
+    inputs = {path: digest for one in sources for path, digest in one.inputs.items()}
+    return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources))
+
+
+def reduce_test(prepared: Prepared) -> Any:
+    """Return the result of a test, as it is about its sensor.
+
+    Raises
+    ------
+    DataError
+        As the procedure says.
+    """
+    procedure = procedure_of(prepared.test.procedure)
+    return procedure.of_sensor(procedure.reduce(prepared.plan, prepared.readings), prepared.facts)
+
+
+def all_tested(prepared: Sequence[Prepared], results: Mapping[str, Any]) -> dict[str, Tested[Any, Any, Any]]:
+    """Return the tests of a campaign as procedures see them, by name, each with the one that it is set beside."""
+    plain = {
+        one.test.id: Tested(
+            one.test.id,
+            one.test.condition,
+            one.test.use,
+            one.plan,
+            one.readings,
+            results[one.test.id],
+            tuple(one.test.recordings),
+            tuple(one.inputs),
+            one.facts,
+        )
+        for one in prepared
+    }
+    return {one.test.id: replace(plain[one.test.id], against=plain.get(one.test.against or "")) for one in prepared}

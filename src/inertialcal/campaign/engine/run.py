@@ -1,0 +1,256 @@
+"""Run a campaign: every test, every requirement, one ``out/``."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from ...core.errors import DataError, InertialcalError, Problem
+from ...core.remarks import Remark, gather
+from ...core.show.frames import frame
+from ...core.show.result_tables import told
+from ...core.show.tables import Grid, Part, html, text
+from ...procedures import procedure_of
+from ...report.page import report_html
+from ..file.load import Campaign, load
+from ..models.build import build_models, model_files
+from ..models.judged import JudgedModel, Residual, hold_out_residuals
+from ..outcome.contents import results_content
+from ..outcome.provenance import provenance
+from ..outcome.publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
+from ..outcome.requirements import Tested, worst
+from ..outcome.tables import outcome_parts
+from .engine import Prepared, all_tested, reduce_test
+from .prepared import placed, prepare
+from .side_by_side import beside_others
+
+EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
+VERDICT_COLUMNS = (
+    "requirement", "test", "axis", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower", "upper",
+    "margin", "verdict", "reason",
+)  # fmt: skip
+Progress = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Outcome:
+    """What a run gave.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    results : dict
+        Content of ``results.json``.
+    inputs : dict of str to str
+        SHA-256 of each input, by path in the campaign folder.
+    verdict : {"PASS", "FAIL", "INCONCLUSIVE", ""}
+        Over all requirements; empty where none is stated.
+    changed : list of str
+        What differs from the last run.
+    """
+
+    campaign: Campaign
+    results: dict[str, Any]
+    inputs: dict[str, str]
+    verdict: str
+    changed: list[str]
+
+    @property
+    def remarks(self) -> tuple[Remark, ...]:
+        """What the campaign brought up."""
+        return tuple(Remark(**one) for one in self.results["remarks"])
+
+    def to_frame(self) -> Any:
+        """Return a pandas DataFrame, a row a figure, as ``results.csv`` has them."""
+        rows = [flat(row) for row in self.results["results"]]
+        return frame({name: [row[name] for row in rows] for name in ROW_COLUMNS})
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: figures test by test, requirements, closed loop, how many remarks."""
+        return outcome_parts(self.results, self.verdict, self.remarks)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+    @property
+    def exit_status(self) -> int:
+        """0 PASS or no requirement, 1 FAIL, 4 INCONCLUSIVE."""
+        return EXIT[self.verdict] if self.verdict else 0
+
+
+class Checked(NamedTuple):
+    """A campaign whose inputs were judged.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    inputs : dict of str to str
+        SHA-256 of each input by its path.
+    remarks : tuple of Remark
+        What reading the inputs brought up.
+    """
+
+    campaign: Campaign
+    inputs: dict[str, str]
+    remarks: tuple[Remark, ...]
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: the inputs that can be read, how many remarks."""
+        file = self.campaign.file
+        caption = f"campaign {file.campaign.id}: {len(file.tests)} test(s), every input can be read"
+        return (Grid(("input", "SHA-256"), list(self.inputs.items()), caption, (1,)), *told(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    def __repr__(self) -> str:
+        return text(self.parts())
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+def check(folder: str | Path) -> Checked:
+    """Judge the inputs of a campaign without reducing them.
+
+    Returns
+    -------
+    Checked
+        A tuple of the campaign, the SHA-256 of each input by its path, and what reading the inputs brought up.
+
+    Raises
+    ------
+    PlanError, DataError
+        With every problem of the campaign file, or of the recordings.
+    """
+    campaign = load(folder)
+    inputs = {"campaign.toml": campaign.sha256}
+    remarks: list[Remark] = []
+    problems: list[Problem] = []
+    for number in range(len(campaign.file.tests)):
+        try:
+            prepared = prepare(campaign, number)
+        except InertialcalError as error:
+            problems += error.problems
+            continue
+        inputs |= prepared.inputs
+        remarks += prepared.readings.remarks
+    if problems:
+        raise DataError(list(dict.fromkeys(problems)))
+    return Checked(campaign, inputs, gather(remarks))
+
+
+def run(folder: str | Path, progress: Progress | None = None, write: bool = True) -> Outcome:
+    """Reduce every test of a campaign, judge its requirements, write ``out/``.
+
+    Parameters
+    ----------
+    folder : path
+        With campaign.toml.
+    progress : callable, optional
+        Called with (tests done, tests in all, what comes next).
+    write : bool
+        Write ``out/``.
+
+    Raises
+    ------
+    PlanError, DataError
+        If the campaign or a recording is refused; ``out/`` stays as it was.
+    StoreError
+        If ``out/`` cannot be written.
+    """
+    campaign = load(folder)
+    if write:
+        check_writable(campaign.folder)
+    tell = progress or (lambda done, total, what: None)
+    prepared, tested, remarks = _reduce_all(campaign, tell)
+    inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
+    tell(len(tested), len(tested), "model and requirements")
+    reduced = all_tested(prepared, {one.test.id: one.result for one in tested})
+    residuals = hold_out_residuals(campaign, reduced)
+    tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
+    made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
+    corrections = {name: one for name, one in made.items() if one is not None}
+    modelled = build_models(campaign, reduced, corrections, residuals)
+    if modelled is not None:
+        remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
+    results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
+    stated = [worst(verdicts)] if campaign.file.requirements else []
+    if modelled is not None and any(one.loops for one in modelled.every):
+        stated.append(modelled.whole_verdict)
+    verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
+    results["verdict"] = verdict or None
+    before = previous(campaign.folder)
+    if write:
+        swap_in(campaign.folder, _files(campaign, results, modelled, inputs, str(folder)))
+    return Outcome(campaign, results, inputs, verdict, changes(before, results))
+
+
+def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[Tested], list[Remark]]:
+    tests = campaign.file.tests
+    ready: dict[int, Prepared] = {}
+    results: dict[str, Any] = {}
+    problems: dict[int, tuple[Problem, ...]] = {}
+    for done, number in enumerate(sorted(range(len(tests)), key=lambda at: bool(tests[at].after))):
+        test = tests[number]
+        tell(done, len(tests), test.id)
+        if any(name not in results for name in test.after):
+            continue  # what it comes after was refused, which says why
+        try:
+            ready[number] = prepare(campaign, number, results)
+            results[test.id] = reduce_test(ready[number])
+        except InertialcalError as error:
+            problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
+    if problems:
+        raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
+    tested = [
+        Tested(
+            test,
+            results[test.id],
+            [replace(row, test=test.id) for row in procedure_of(test.procedure).rows(results[test.id])],
+            ready[number].plan,
+            ready[number].readings,
+        )
+        for number, test in enumerate(tests)
+    ]
+    remarks = [remark.at(test.id) for test in tests for remark in results[test.id].remarks]
+    return [ready[number] for number in range(len(tests))], beside_others(campaign, tested), remarks
+
+
+def _with_residuals(one: Tested, residual: Residual | None) -> Tested:
+    """Return a test held out with the rows and curves of what is left on its readings."""
+    if residual is None:
+        return one
+    return replace(one, rows=[*one.rows, *residual.found.rows], curves=residual.found.curves)
+
+
+def _files(
+    campaign: Campaign, results: dict[str, Any], modelled: JudgedModel | None, inputs: dict[str, str], folder: str
+) -> dict[str, str]:
+    record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
+    model = {} if modelled is None else model_files(modelled)
+    content = json.loads(model["model.json"]) if "model.json" in model else None
+    return model | {
+        "results.json": json_text(results),
+        "results.csv": csv_text([flat(row) for row in results["results"]], ROW_COLUMNS),
+        "verdicts.csv": csv_text([flat(row) for row in results["verdicts"]], VERDICT_COLUMNS),
+        "report.html": report_html(results, content, record),
+        "provenance.json": json_text(record),
+    }
+
+
+__all__ = ["EXIT", "Outcome", "check", "run"]

@@ -1,0 +1,1 @@
+"""campaign.toml: what may stand in it, read and checked."""

@@ -1,0 +1,99 @@
+"""The examples: published campaigns that ship with the package, and simulated ones that are made."""
+
+from __future__ import annotations
+
+import shutil
+from importlib.resources import as_file, files
+from pathlib import Path
+
+from ...core.errors import StoreError, UsageError
+from ...rigs import DEMONSTRATED, RIGS
+from ..outcome.publish import OUT
+from ..twins.twin import TRUTH, simulate
+from .load import FILE, load
+
+
+def examples() -> list[str]:
+    """Return the names of the examples."""
+    root = files("inertialcal") / "examples"
+    return sorted(entry.name for entry in root.iterdir() if (entry / FILE).is_file())
+
+
+PLAIN = "npsat2011"  # goes to the folder that is named; the others get their name behind it
+
+
+def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
+    """Return which examples to show, each with the folder it goes to: `target` and its name, or `target` alone.
+
+    Parameters
+    ----------
+    name : str
+        Of an example or a rig; empty for the rate-sensor suite.
+    target : path
+        Folder of the published rate table.
+
+    Raises
+    ------
+    UsageError
+        If there is none of that name.
+    """
+    known = [*examples(), *RIGS]
+    if name and name not in known:
+        raise UsageError(f"no example {name!r}", do=f"There are: {', '.join(known)}. A folder is given by -o")
+    one = name or DEMONSTRATED
+    return [(one, target if one == PLAIN else target.with_name(f"{target.name}-{one}"))]
+
+
+def build(name: str, target: Path) -> Path:
+    """Copy a published example, or simulate a rig, into a folder; return the folder.
+
+    Raises
+    ------
+    UsageError, StoreError
+        As `copy_example`.
+    """
+    if name in examples():
+        return copy_example(name, target)
+    if (target / FILE).is_file():
+        return target
+    return simulate(name, target, RIGS.named(name).demonstration_seed).folder
+
+
+def has_truth(folder: Path) -> bool:
+    """Tell whether the truth of a campaign lies beside it."""
+    return (folder / TRUTH).is_file()
+
+
+def title(name: str) -> str:
+    """Return one line on an example, as its campaign file has it."""
+    if name not in examples():
+        return f"a simulated campaign of the rig {name}, seed {RIGS.named(name).demonstration_seed}"
+    with as_file(files("inertialcal") / "examples" / name) as source:
+        campaign = load(source).file.campaign
+    return f"{campaign.title} ({campaign.source})"
+
+
+def copy_example(name: str, target: Path) -> Path:
+    """Copy an example into a folder of the user's, and return that folder.
+
+    A folder that already holds the same campaign is used as it is, with its changes.
+
+    Raises
+    ------
+    UsageError
+        If there is no example of that name, or something else stands where it should go.
+    StoreError
+        If the folder cannot be written.
+    """
+    if name not in examples():
+        raise UsageError(f"no example {name!r}", do=f"There are: {', '.join(examples())}")
+    if (target / FILE).is_file():
+        return target
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo -o FOLDER")
+    try:
+        with as_file(files("inertialcal") / "examples" / name) as source:
+            shutil.copytree(source, target, ignore=shutil.ignore_patterns(OUT, ".out*"), dirs_exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
+    return target

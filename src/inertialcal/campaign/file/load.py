@@ -1,0 +1,183 @@
+"""Read campaign.toml: all that is wrong with it at once, each with the line of its key."""
+
+from __future__ import annotations
+
+import hashlib
+import tomllib
+from collections.abc import Iterator
+from dataclasses import dataclass
+from difflib import get_close_matches
+from pathlib import Path
+from typing import Any
+
+from pydantic import BaseModel, ValidationError
+
+from ...core.errors import DataError, PlanError, Problem
+from ...core.influence import Influence, Standards
+from ...core.standards import STANDARDS
+from .cross_checks import cross_checks
+from .schema import CampaignFile
+from .toml_lines import Path as KeyPath
+from .toml_lines import key_lines, nearest_line
+
+FILE = "campaign.toml"
+MARK = "# FILL IN"  # at the end of a line that `init` could not fill in
+LARGEST = 1_000_000  # bytes; a campaign file is written by hand
+
+
+@dataclass(frozen=True)
+class Campaign:
+    """A campaign that was read and judged.
+
+    Parameters
+    ----------
+    folder : Path
+        Holds campaign.toml and the recordings.
+    file : CampaignFile
+        What it says, SI.
+    standards : mapping of Influence
+        By ``"standard.quantity"``.
+    lines : dict
+        Line of each key.
+    sha256 : str
+        Of campaign.toml.
+    """
+
+    folder: Path
+    file: CampaignFile
+    standards: Standards
+    lines: dict[KeyPath, int]
+    sha256: str
+
+    def at(self, *path: str | int) -> str:
+        """Place of a key, for messages: ``"campaign.toml:12"``."""
+        return place(self.lines, path)
+
+
+def place(lines: dict[KeyPath, int], path: KeyPath) -> str:
+    """Return file and line of a key, or of the nearest table around it."""
+    line = nearest_line(lines, path)
+    return f"{FILE}:{line}" if line else FILE
+
+
+def load(folder: str | Path) -> Campaign:
+    """Read the campaign of a folder.
+
+    Raises
+    ------
+    PlanError
+        With every problem: no campaign there, text that is not TOML, unknown keys, wrong kinds of values,
+        names that lead nowhere, files outside the folder or missing.
+    """
+    root = Path(folder)
+    path = root / FILE
+    if not root.is_dir() or not path.is_file():
+        what = f"No campaign here: {path} does not exist"
+        raise PlanError(what, do="Try: inertialcal demo", code="no_campaign")
+    raw = path.read_bytes()
+    text = _decode(raw)
+    document = _parse(text)
+    lines = key_lines(text)
+    marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
+    if marked:
+        do = f"Fill the line in, then delete its mark ({MARK})"
+        raise PlanError([Problem("not filled in", f"{FILE}:{number}", do=do, code="fill_in") for number in marked])
+    try:
+        file = CampaignFile.model_validate(document)
+    except ValidationError as error:
+        raise PlanError(list(_problems(error, document, lines))) from None
+    standards, problems = _standards(file, lines)
+    problems += cross_checks(root, file, lambda *key: place(lines, key))
+    if problems:
+        raise PlanError(problems)
+    return Campaign(root, file, standards, lines, hashlib.sha256(raw).hexdigest())
+
+
+def _decode(raw: bytes) -> str:
+    if len(raw) > LARGEST:
+        raise PlanError(f"{len(raw)} bytes: larger than a campaign file can be ({LARGEST})", where=FILE)
+    try:
+        return raw.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        line = raw[: error.start].count(b"\n") + 1
+        raise PlanError("not UTF-8 text", where=f"{FILE}:{line}", do="Save the file as UTF-8") from None
+
+
+def _parse(text: str) -> dict[str, Any]:
+    try:
+        return tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        what, _, position = str(error).partition(" (at ")
+        line = position.split()[1].rstrip(",") if position.startswith("line") else ""
+        raise PlanError(
+            f"not TOML: {what[:1].lower()}{what[1:]}", where=f"{FILE}:{line}" if line else FILE, code="not_toml"
+        ) from None
+    except (RecursionError, ValueError, OverflowError):
+        raise PlanError("not TOML: nested too deeply, or a number too large", where=FILE, code="not_toml") from None
+
+
+def _problems(error: ValidationError, document: dict[str, Any], lines: dict[KeyPath, int]) -> Iterator[Problem]:
+    for entry in error.errors(include_url=False, include_context=False, include_input=False):
+        path = tuple(part for part in entry["loc"] if part != "[key]")
+        key = ".".join(str(part) for part in path)
+        where = place(lines, path)
+        if entry["type"] == "extra_forbidden":
+            yield _unknown_key(path, key, where)
+        elif entry["type"] == "missing":
+            yield Problem(f"{key} is missing", where, code="missing_key")
+        else:
+            what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
+            yield Problem(f"{key}: {what}", where, code="wrong_value")
+
+
+def _unknown_key(path: KeyPath, key: str, where: str) -> Problem:
+    known = _known_keys(CampaignFile, path[:-1])
+    near = get_close_matches(str(path[-1]), known, n=1)
+    do = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}" if known else ""
+    return Problem(f"unknown key {key}", where, "it would have no effect", do, "unknown_key")
+
+
+def _known_keys(model: Any, path: KeyPath) -> list[str]:
+    """Names that may stand in the table at a path of the schema."""
+    for part in path:
+        if isinstance(model, type) and issubclass(model, BaseModel):
+            fields = {field.alias or name: field.annotation for name, field in model.model_fields.items()}
+            model = fields.get(str(part))
+        else:
+            model = _element(model)
+        while not _is_model(model) and _element(model) is not None and not _is_container(model):
+            model = _element(model)
+    model = model if _is_model(model) else None
+    return [field.alias or name for name, field in model.model_fields.items()] if model else []
+
+
+def _is_model(annotation: Any) -> bool:
+    return isinstance(annotation, type) and issubclass(annotation, BaseModel)
+
+
+def _is_container(annotation: Any) -> bool:
+    return getattr(annotation, "__origin__", None) in (list, dict)
+
+
+def _element(annotation: Any) -> Any:
+    arguments = [one for one in getattr(annotation, "__args__", ()) if one is not type(None)]
+    return arguments[-1] if arguments else None
+
+
+def _standards(file: CampaignFile, lines: dict[KeyPath, int]) -> tuple[dict[str, Influence], list[Problem]]:
+    found, problems = {}, []
+    for standard, quantities in file.standards.items():
+        known = STANDARDS.get(standard, {})
+        for name, entry in quantities.items():
+            where = place(lines, ("standards", standard, name))
+            if name not in known:
+                have = ", ".join(f"{one}.{two}" for one, inner in STANDARDS.items() for two in inner)
+                what = f"unknown key standards.{standard}.{name}"
+                problems.append(Problem(what, where, "it would have no effect", f"There are: {have}", "unknown_key"))
+                continue
+            try:
+                found[f"{standard}.{name}"] = entry.influence(known[name])
+            except (DataError, ValueError) as error:
+                what = error.problems[0].what if isinstance(error, DataError) else str(error)
+                problems.append(Problem(f"standards.{standard}.{name}: {what}", where, code="wrong_value"))
+    return found, problems

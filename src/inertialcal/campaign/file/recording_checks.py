@@ -1,0 +1,112 @@
+"""Sensors and recordings of a campaign: files that are there, units that fit, what the chain needs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from pathlib import Path
+
+from ...core.errors import DataError, InertialcalError, Problem
+from ...core.units import kind, parse_quantity
+from ...files.pad.pairs import pairs_of
+from ..inputs.chains import build_chain, scale_factors
+from .recordings import ROLES, CommonKeys, own_keys, procedures
+from .schema import CampaignFile
+from .sensors import Sensor
+from .toml_lines import At
+
+
+def sensor_checks(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
+    """Find a range or a chain of a sensor that cannot be read."""
+    for text in sensor.range or []:
+        try:
+            parse_quantity(text).to(sensor.unit)
+        except DataError as error:
+            what = f"sensors.{name}.range: {error.problems[0].what}"
+            yield Problem(what, at("sensors", name, "range"), code="wrong_value")
+    if sensor.chain.kind != "none" and sensor.chain.scale_factor is None:
+        what = f"sensors.{name}.chain: kind = {sensor.chain.kind!r} needs scale_factor"
+        yield Problem(what, at("sensors", name, "chain"), code="missing_key")
+        return
+    try:
+        build_chain(sensor) if sensor.chain.kind != "none" else scale_factors(sensor, tuple(sensor.axes))
+    except InertialcalError as error:
+        what = f"sensors.{name}.chain: {error.problems[0].what}"
+        yield Problem(what, at("sensors", name, "chain"), do=error.problems[0].do, code="wrong_value")
+
+
+def recording_checks(folder: Path, file: CampaignFile, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
+    """Find a recording without sensor or file, or in units that do not fit."""
+    if entry.sensor not in file.sensors:
+        do = f"There are: {', '.join(file.sensors)}"
+        where = at("recordings", name, "sensor")
+        yield Problem(f"recordings.{name}: no sensor {entry.sensor!r}", where, do=do, code="unknown_name")
+    yield from _file(folder, name, entry.file, at("recordings", name, "file"))
+    yield from _other_files(folder, name, entry, at)
+    sensor = file.sensors.get(entry.sensor)
+    if sensor is not None:
+        yield from (one for procedure in procedures() for one in procedure.check_entry(name, entry, sensor, at))
+    clock = entry.clock
+    if clock is not None and clock.stamp != "middle" and clock.averaging is None:
+        what = f"recordings.{name}: stamp = {clock.stamp!r} needs averaging: by how much is the stamp off the middle?"
+        yield Problem(what, at("recordings", name, "clock"), code="missing_key")
+    if (
+        clock is not None
+        and clock.averaging is not None
+        and clock.interval is not None
+        and clock.averaging > clock.interval * 1.001
+    ):
+        what = f"recordings.{name}: averaging over {clock.averaging:g} s, but saved every {clock.interval:g} s"
+        yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
+    if sensor is not None:
+        yield from _channel_units(name, entry, sensor, at)
+
+
+def _other_files(folder: Path, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
+    for key, said in own_keys(entry):
+        if key.file is not None:
+            yield from _file(folder, name, key.file(said), at("recordings", name, key.name))
+
+
+def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
+    try:
+        root = folder.resolve()
+        path = (root / given).resolve()
+        exists = path.is_file() or (path.is_dir() and bool(pairs_of(path)))  # a folder of archive records
+    except DataError:  # one member of a pair is not there, which its reader tells
+        return
+    except (OSError, ValueError, RuntimeError):
+        yield Problem(f"recordings.{name}: {given!r} is no file name", where, code="missing_file")
+        return
+    if not path.is_relative_to(root):
+        why = "a campaign must be complete in its folder"
+        do = "Copy the file into the campaign folder"
+        yield Problem(f"recordings.{name}: {given!r} lies outside the campaign folder", where, why, do, "outside")
+    elif not exists:
+        yield Problem(f"recordings.{name}: file {given!r} does not exist", where, code="missing_file")
+
+
+def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iterator[Problem]:
+    wanted = kind(sensor.unit)
+    for channel, one in (entry.channels or {}).items():
+        where = at("recordings", name, "channels", channel)
+        axis = channel.rpartition("_")[2]
+        if axis in {"x", "y", "z"} and axis not in sensor.axes:
+            yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
+        need = _kinds(channel, sensor, wanted)
+        if need and kind(one.unit) not in need:
+            what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {' or '.join(need)}"
+            yield Problem(what, where, code="wrong_value")
+
+
+def _kinds(channel: str, sensor: Sensor, wanted: str) -> tuple[str, ...]:
+    """Return the kinds of unit that a channel may have; none where it is not used."""
+    counted = sensor.chain.kind != "none"
+    if channel in ROLES:
+        return (ROLES[channel].kind or wanted,)
+    if channel.startswith("temperature"):
+        return ("temperature", "count") if counted else ("temperature",)
+    if channel.startswith("gain"):
+        return ("dimensionless",)
+    if "_" in channel and not counted:
+        return ()
+    return ("count",) if counted else (wanted,)

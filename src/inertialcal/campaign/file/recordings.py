@@ -1,0 +1,152 @@
+"""[recordings] of campaign.toml: reduced tables, recordings of channels, and how the unit was moved meanwhile.
+
+What is said of every recording stands here; the keys of reduced tables, and of how the unit was moved, are those that
+the procedures declare (`procedures.entries`).
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+
+from pydantic import Field, create_model, field_validator, model_validator
+
+from ...core.errors import InertialcalError
+from ...core.quantities import Duration, Unit
+from ...core.schema_words import Axis, Name, Strict, Text
+from ...core.times import read_instant
+from ...procedures import procedure_names, procedure_of
+from ...procedures.entries import EntryKey
+from ...procedures.protocol import Procedure, Role
+
+
+class Clock(Strict):
+    """clock = {...}: which column is time, and which part of its averaging window a stamp means."""
+
+    column: Text | None = None
+    stamp: Literal["start", "middle", "end"] = "middle"
+    interval: Duration | None = None
+    averaging: Duration | None = None
+    mission_start: str | None = None
+
+    @field_validator("mission_start")
+    @classmethod
+    def _instant(cls, given: str | None) -> str | None:
+        if given is not None:
+            read_instant(given)
+        return given
+
+
+class ChannelEntry(Strict):
+    """NAME = { column, unit } in ``channels``."""
+
+    column: Text
+    unit: Unit
+
+
+OF_CHAIN = ("reference", "temperature", "temperature_reference", "gain")  # channels that readings are made with
+OF_AXES = ("reference", "temperature", "temperature_reference", "validity", "gain")  # the same, of one axis each
+
+
+def procedures() -> list[Procedure[Any, Any, Any]]:
+    """Return all that can be loaded; one that cannot is refused when a test names it."""
+    found = []
+    for name in procedure_names():
+        try:
+            found.append(procedure_of(name))
+        except InertialcalError:
+            continue
+    return found
+
+
+def _own_keys() -> dict[str, EntryKey]:
+    """Return the keys that procedures declare, by name; the first that declares one has it."""
+    found: dict[str, EntryKey] = {}
+    for procedure in procedures():
+        for key in procedure.entry_keys():
+            found.setdefault(key.name, key)
+    return found
+
+
+def _roles() -> dict[str, Role]:
+    """Return the channels that procedures read beside the axes, by name."""
+    return {role.name: role for procedure in procedures() for role in procedure.inputs.roles}
+
+
+OWN_KEYS, ROLES = _own_keys(), _roles()
+TABLE_KEYS = tuple(name for name, key in OWN_KEYS.items() if key.table)
+
+
+def _channel_names() -> str:
+    added = [role for role in ROLES.values() if role.name not in OF_CHAIN]
+    by_axis = "|".join([*OF_AXES, *(role.name for role in added if role.by_axis)])
+    return f"^({'|'.join([*(role.name for role in added), *OF_CHAIN])}|(({by_axis})_)?[xyz])$"
+
+
+ChannelName = Annotated[str, Field(pattern=_channel_names())]
+Step = Literal["bias", "scale_factor", "misalignment"]  # of a ground model
+
+
+class CommonKeys(Strict):
+    """What is said of every recording, whichever procedure reads it."""
+
+    sensor: Name
+    file: Text
+    channels: dict[ChannelName, ChannelEntry] | None = None
+    clock: Clock | None = None
+    frame: Literal["data", "sensor"] | None = None
+    axis: Axis | None = None
+    run: Text | None = None
+    applied: list[Step] | None = None
+    source: Text = ""
+
+
+class _Checked(Strict):
+    if TYPE_CHECKING:
+        channels: object
+
+    @model_validator(mode="after")
+    def _one_kind(self) -> _Checked:
+        if [getattr(self, name) for name in (*TABLE_KEYS, "channels")].count(None) != len(TABLE_KEYS):
+            tables = f"{', '.join(TABLE_KEYS[:-1])} or {TABLE_KEYS[-1]}"
+            raise ValueError(f"needs {tables} (a reduced table) or channels (a recording), one of them")
+        extra = [name for name in _ONLY_WITH_CHANNELS if getattr(self, name) is not None]
+        if self.channels is None and extra:
+            raise ValueError(f"{', '.join(extra)}: only with channels; a reduced table names its columns")
+        for name, key in OWN_KEYS.items():
+            value = getattr(self, name)
+            if key.wrong is not None and value is not None and (what := key.wrong(value)):
+                raise ValueError(what)
+        return self
+
+
+_MOVED = [name for name in OWN_KEYS if name not in TABLE_KEYS]
+_ONLY_WITH_CHANNELS = ("clock", "frame", *_MOVED, "axis", "run", "applied")
+_ORDER = ("sensor", "file", *TABLE_KEYS, "channels", "clock", "frame", *_MOVED, "axis", "run", "applied", "source")
+
+
+def _recording_entry() -> type[CommonKeys]:
+    """Return the schema of an entry: the common keys, and those of all procedures."""
+    fields: dict[str, Any] = {name: (cast("Any", key.kind) | None, None) for name, key in OWN_KEYS.items()}
+    fields |= {name: (one.annotation, one) for name, one in CommonKeys.model_fields.items()}
+    described = "[recordings.NAME]: a reduced table or a recording of channels."
+    made: Any = create_model(
+        "RecordingEntry", __base__=_Checked, __doc__=described, **{name: fields[name] for name in _ORDER}
+    )
+    found: type[CommonKeys] = made
+    return found
+
+
+if TYPE_CHECKING:
+    RecordingEntry = CommonKeys
+else:
+    RecordingEntry = _recording_entry()
+
+
+def table_of(entry: CommonKeys) -> tuple[EntryKey, Any] | None:
+    """Return which key of an entry says the columns of a reduced table, and what it says; None for a recording."""
+    return next(((OWN_KEYS[name], said) for name in TABLE_KEYS if (said := getattr(entry, name)) is not None), None)
+
+
+def own_keys(entry: CommonKeys) -> list[tuple[EntryKey, Any]]:
+    """Return the keys of procedures that an entry has, and what they say."""
+    return [(key, said) for name, key in OWN_KEYS.items() if (said := getattr(entry, name)) is not None]

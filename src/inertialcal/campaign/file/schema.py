@@ -1,0 +1,135 @@
+"""campaign.toml: what may stand in it, and in which unit it is read.
+
+All quantities are text "number unit" and are SI here. Sensors, recordings and standards have their own modules.
+"""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Annotated, Any, Literal
+
+from pydantic import Field, field_validator, model_validator
+
+from ...core.quantities import Acceleration, Angle, Length
+from ...core.schema_words import Name, Strict, Text
+from ...core.standards import StandardEntry
+from ...core.times import read_instant
+from .recordings import RecordingEntry
+from .sensors import Sensor
+
+
+class CampaignHead(Strict):
+    """[campaign]."""
+
+    id: Name
+    title: Text = ""
+    source: Text = ""
+
+
+class Item(Strict):
+    """[item]: what is tested."""
+
+    maker: Text = ""
+    part: Text = ""
+    serial: Text = ""
+
+
+class Site(Strict):
+    """[site]: where."""
+
+    latitude: Angle | None = None
+    height: Length | None = None
+    gravity: Acceleration | None = None
+
+
+Window = tuple[int, int]
+
+
+class Test(Strict):
+    """[[tests]]."""
+
+    __test__ = False  # not a test class of pytest
+
+    id: Name
+    procedure: Name
+    recordings: list[Name] = Field(min_length=1)
+    use: Literal["fit", "hold_out", "report_only"] = "fit"
+    groups: list[Text] | None = Field(default=None, min_length=1)
+    windows: list[Window] | None = Field(default=None, min_length=1)
+    condition: Text = ""
+    source: Text = ""
+    against: Name | None = None
+    after: list[Name] = Field(default=[], max_length=1)
+    plan: dict[str, Any] = Field(default={})
+
+    @field_validator("windows", mode="before")
+    @classmethod
+    def _instants(cls, given: object) -> object:
+        if not isinstance(given, list):
+            return given
+        return [_window(pair) for pair in given]
+
+    @model_validator(mode="after")
+    def _apart(self) -> Test:
+        windows = sorted(self.windows or [])
+        for one, other in pairwise(windows):
+            if other[0] < one[1]:
+                raise ValueError("two windows overlap: a reading would count twice")
+        return self
+
+
+def _window(pair: object) -> Window:
+    if not isinstance(pair, list) or len(pair) != 2:
+        raise ValueError(f"window {pair!r}: needs a start and a stop")
+    start, stop = read_instant(pair[0]), read_instant(pair[1])
+    if stop <= start:
+        raise ValueError(f"window {pair!r}: stop is not after start")
+    return start, stop
+
+
+class Model(Strict):
+    """[model]: which tests each kind of term comes from; without it, all tests with use = "fit"."""
+
+    terms: dict[Literal["scale_factor", "misalignment", "bias", "asymmetry", "g_sensitivity"], list[Name]] = Field(
+        default={}
+    )
+
+
+class Requirement(Strict):
+    """[[requirements]]: what is asked of which quantity, under which conditions."""
+
+    id: Name
+    text: Text = ""
+    quantity: Name
+    axis: Annotated[str, Field(pattern="^[xyz]{1,2}$")] | None = None
+    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"
+    limit: str | None = None
+    lower: str | None = None
+    upper: str | None = None
+    where: Text = ""
+    zero_reference: bool | None = None
+    condition: Text | None = None
+    tests: list[Name] | None = Field(default=None, min_length=1)
+
+    @model_validator(mode="after")
+    def _limits(self) -> Requirement:
+        if self.limit is not None and (self.lower is not None or self.upper is not None):
+            raise ValueError("limit stands for both sides: give limit, or lower and upper")
+        if self.limit is None and self.lower is None and self.upper is None:
+            raise ValueError("needs limit, lower or upper")
+        return self
+
+
+class CampaignFile(Strict):
+    """The whole campaign.toml."""
+
+    schema_version: Literal[1] = Field(alias="schema")
+    campaign: CampaignHead
+    item: Item = Item()
+    site: Site = Site()
+    standards: dict[str, dict[str, StandardEntry]] = Field(default={})
+    sensors: dict[Name, Sensor] = Field(min_length=1)
+    recordings: dict[Name, RecordingEntry] = Field(min_length=1)
+    tests: list[Test] = Field(min_length=1)
+    model: Model = Model()
+    requirements: list[Requirement] = Field(default=[])

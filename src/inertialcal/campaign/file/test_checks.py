@@ -1,0 +1,182 @@
+"""Tests of a campaign: whether the procedure can do with its recordings what the test asks, and beside which others."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from typing import Any
+
+from ...core.errors import Problem
+from ...procedures import procedure_names, procedure_of
+from ...procedures.entries import SaidTest
+from ...procedures.protocol import Procedure
+from .plans import plan_values
+from .recordings import OWN_KEYS, TABLE_KEYS, CommonKeys, table_of
+from .schema import CampaignFile, Test
+from .toml_lines import At
+
+
+def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a test that its procedure cannot carry out."""
+    where = at("tests", number, "procedure")
+    if test.procedure not in procedure_names():
+        do = f"There are: {', '.join(procedure_names())}"
+        yield Problem(f"test {test.id!r}: no procedure {test.procedure!r}", where, do=do, code="unknown_name")
+        return
+    procedure = procedure_of(test.procedure)
+    if test.use not in procedure.uses:
+        what = f'test {test.id!r}: use = "{test.use}", but no model is made of a {test.procedure} and none judged on it'
+        do = 'Give it use = "report_only", or leave use out'
+        yield Problem(what, at("tests", number, "use"), "it would have no effect", do, "wrong_value")
+    for name in test.recordings:
+        if name not in file.recordings:
+            do = f"There are: {', '.join(file.recordings)}"
+            what = f"test {test.id!r}: no recording {name!r}"
+            yield Problem(what, at("tests", number, "recordings"), do=do, code="unknown_name")
+    yield from _test_sensor(file, number, test, at)
+    yield from _test_recordings(file, number, test, at)
+    several = len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1
+    if several and not procedure.inputs.several_sensors:
+        yield Problem(f"test {test.id!r}: recordings of different sensors", at("tests", number, "recordings"))
+    values, problems = plan_values(test.procedure, test.plan, at("tests", number, "plan"))
+    yield from problems
+    axis = values.get("axis")
+    sensors = [file.sensors[file.recordings[n].sensor] for n in test.recordings if n in file.recordings
+               and file.recordings[n].sensor in file.sensors]  # fmt: skip
+    if axis and sensors and axis not in sensors[0].axes:
+        what = f"test {test.id!r}: plan.axis = {axis!r}, the sensor has {', '.join(sensors[0].axes)}"
+        yield Problem(what, at("tests", number, "plan", "axis"), code="unknown_name")
+
+
+def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a kind of sensor that the procedure does not test."""
+    where, tested = at("tests", number, "procedure"), procedure_of(test.procedure).inputs.kinds
+    kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
+             and file.recordings[n].sensor in file.sensors}  # fmt: skip
+    others = kinds - {*tested}
+    if others:
+        what = f"test {test.id!r}: {test.procedure} tests {tested[0]}s, the sensor is of kind {others.pop()!r}"
+        yield Problem(what, where, code="wrong_value")
+
+
+def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find recordings that a test names twice, cannot choose groups from, or that turn another axis."""
+    procedure = procedure_of(test.procedure)
+    named = [file.recordings[n] for n in test.recordings if n in file.recordings]
+    files = [(one.file, _columns(one), one.sensor if procedure.inputs.several_sensors else "") for one in named]
+    if len(set(files)) < len(files):
+        what = f"test {test.id!r}: a recording appears twice"
+        yield Problem(what, at("tests", number, "recordings"), "its readings would count twice", code="duplicate_id")
+    said = SaidTest(test.id, test.windows, test.plan, file.sensors, file.site.latitude, at, number)
+    yield from procedure.check(said)
+    for name in test.recordings:
+        entry = file.recordings.get(name)
+        if entry is None:
+            continue
+        own_key = procedure.inputs.table
+        needs = f"{own_key} or channels" if own_key else "channels"
+        for key in TABLE_KEYS:
+            if key != own_key and getattr(entry, key) is not None:
+                what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {needs}"
+                yield Problem(what, at("recordings", name, key), code="wrong_value")
+        yield from procedure.check_recording(said, name, entry)
+        if test.groups is not None and not _by_row(entry):
+            what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
+            yield Problem(what, at("tests", number, "groups"), do=procedure.chosen_by, code="wrong_value")
+        own = test.plan.get("axis")
+        if own and entry.axis not in (None, own):
+            what = f"test {test.id!r}: plan.axis = {own!r}, but recording {name!r} says axis = {entry.axis!r}"
+            yield Problem(what, at("tests", number, "plan", "axis"), do="Say it in one place", code="wrong_value")
+
+
+def _columns(entry: CommonKeys) -> str:
+    """Return what tells a table from another one of the same file; empty where nothing does."""
+    return repr([getattr(entry, name) for name, key in OWN_KEYS.items() if key.apart])
+
+
+def _by_row(entry: CommonKeys) -> bool:
+    """Tell whether rows of a table can be chosen by their group, flip or run."""
+    table = table_of(entry)
+    return table is not None and (table[0].grouped is None or table[0].grouped(table[1]))
+
+
+def _with(able: Callable[[Procedure[Any, Any, Any]], bool]) -> list[str]:
+    """Return the names of the procedures that can do something."""
+    return [name for name in procedure_names() if able(procedure_of(name))]
+
+
+def against_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a test that is set beside none, beside itself, or beside one of another procedure."""
+    if test.against is None:
+        return
+    where = at("tests", number, "against")
+    others = {one.id: one for one in file.tests if one.id != test.id and one.procedure == test.procedure}
+    able = _with(lambda procedure: procedure.set_against)
+    if test.procedure not in able:
+        what = f"test {test.id!r}: against, but only {' and '.join(able)} tests are set side by side"
+        yield Problem(what, where, do="Leave it out, or compare two campaigns: compare A B", code="wrong_value")
+    elif test.against not in others:
+        what = f"test {test.id!r}: against = {test.against!r} is no other {test.procedure} test of this campaign"
+        yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+
+
+def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
+    """Find a test that comes after none, after itself, or after one that finds no bias over temperature."""
+    if not test.after:
+        return
+    where = at("tests", number, "after")
+    corrects = _with(lambda procedure: procedure.corrects)
+    corrected = _with(lambda procedure: procedure.takes_corrections)
+    tables = [procedure_of(name).inputs.table for name in corrected]
+    others = [one.id for one in file.tests if one.id != test.id and one.procedure in corrects and one.use == "fit"]
+    for name in test.after:
+        if test.procedure not in corrected:
+            what = f"test {test.id!r}: after, but only a {' or '.join(corrected)} has a bias taken off its readings"
+            yield Problem(what, where, "it would have no effect", "Leave it out", "wrong_value")
+        elif name not in others:
+            what = f"test {test.id!r}: after = {name!r} is no {' or '.join(corrects)} test of this campaign"
+            what = f'{what} with use = "fit"'
+            yield Problem(what, where, do=f"There are: {', '.join(others) or 'none'}", code="unknown_name")
+        for recording in test.recordings:
+            entry = file.recordings.get(recording)
+            table = None if entry is None else table_of(entry)
+            if table is not None and table[0].name in tables:
+                what = f"test {test.id!r}: after = {name!r}, but recording {recording!r} is a table without temperature"
+                yield Problem(what, where, do="Leave after out, or give the recording itself", code="wrong_value")
+
+
+def overlap_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find readings that the model is fitted on twice, or fitted on and judged by."""
+    do = "Give them different recordings, groups or windows"
+    held_out = _with(lambda procedure: "hold_out" in procedure.uses)
+    modelled = [test for test in file.tests if test.procedure in held_out]
+    for one in modelled:
+        number, several = file.tests.index(one), procedure_of(one.procedure).inputs.several_sensors
+        for other in (test for test in modelled[: modelled.index(one)] if test.procedure == one.procedure):
+            uses = {one.use, other.use}
+            if "report_only" in uses or uses == {"hold_out"} or not _same_readings(file, one, other):
+                continue
+            if several and _sensor_of(file, one) != _sensor_of(file, other):
+                continue
+            what = f"tests {other.id!r} ({other.use}) and {one.id!r} ({one.use}) use the same readings"
+            why = "a model must be judged on data held out" if "hold_out" in uses else "they would count twice"
+            yield Problem(what, at("tests", number), why, do, "overlap")
+
+
+def _sensor_of(file: CampaignFile, test: Test) -> str:
+    """Return the name of the sensor that a test is about: that of its first recording."""
+    entry = file.recordings.get(test.recordings[0])
+    return "" if entry is None else entry.sensor
+
+
+def _same_readings(file: CampaignFile, one: Test, other: Test) -> bool:
+    """Tell by the files, not by the names of recordings, whether two tests share readings."""
+    files = [{file.recordings[n].file for n in test.recordings if n in file.recordings} for test in (one, other)]
+    return bool(files[0] & files[1]) and _share(one, other)
+
+
+def _share(one: Test, other: Test) -> bool:
+    if one.groups and other.groups and not set(one.groups) & set(other.groups):
+        return False
+    if one.windows and other.windows:
+        return any(a < d and c < b for a, b in one.windows for c, d in other.windows)
+    return True

@@ -1,0 +1,1 @@
+"""Recordings as a campaign describes them: channels, chains, ground models, sources."""

@@ -1,0 +1,149 @@
+"""The signal chain that a campaign describes, as ``sensors.chain`` wants it."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.units import parse_quantity, si_unit
+from ...sensors.chain.converter import Chain, Thermometer, pulse_counter
+from ..file.sensors import Chain as Chain_
+from ..file.sensors import Sensor
+
+TEMPERATURE = ("temperature",)
+
+
+def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
+    """Return the chain of a sensor with a converter.
+
+    Parameters
+    ----------
+    sensor : Sensor
+        As the campaign has it; its chain is ``adc`` or ``pulse_rate``.
+    axes : tuple of str, optional
+        Of those channels that are there; all by default.
+
+    Raises
+    ------
+    DataError
+        If a quantity cannot be read.
+    PlanError
+        If a number cannot be, as `sensors.chain.Chain` says.
+    """
+    given, axes = sensor.chain, axes or tuple(sensor.axes)
+    si = si_unit(sensor.unit)
+    if given.kind == "pulse_rate":
+        factor = None if given.scale_factor is None else per_axis(given.scale_factor, f"count/s/({si})", axes)
+        return pulse_counter(axes, float(given.gate or 0.0), si, factor)
+    thermometer = given.thermometer
+    return Chain(
+        axes=axes,
+        step=float(given.lsb or 0.0),
+        codes=given.counts,
+        unit=si,
+        scale_factor=scale_factors(sensor, axes),
+        reference=given.reference if given.reference is not None else 0.0,
+        zero=_zeros(given, axes),
+        gain=gains(given.gain, axes),
+        zero_at=_zeros_by_gain(given, axes),
+        thermometer=None
+        if thermometer is None
+        else Thermometer(
+            slope=per_axis(thermometer.slope, "V/degC", axes),
+            voltage=per_axis(thermometer.voltage, "V", axes),
+            temperature=per_axis(thermometer.temperature, "degC", axes),
+        ),
+        validity_minimum=given.validity_minimum,
+    )
+
+
+def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Any:
+    """Return the ideal scale factor of each axis [V/SI unit], shape (k,); None where there is none."""
+    given = sensor.chain.scale_factor
+    return None if given is None else per_axis(given, f"V/({si_unit(sensor.unit)})", axes)
+
+
+def body_scale_factors(sensor: Sensor) -> dict[str, float] | None:
+    """Return the ideal scale factor behind each body axis [V/SI unit].
+
+    With a mounting that only exchanges or turns axes, that of the sensor that feels the body axis; None where there
+    is none, or where the mounting mixes sensors.
+    """
+    factors = scale_factors(sensor, tuple(sensor.axes))
+    if factors is None:
+        return None
+    own = dict(zip(sensor.axes, factors.tolist(), strict=True))
+    if sensor.mounting is None:
+        return own
+    mounting = np.abs(np.array(sensor.mounting))
+    if not np.all(np.isclose(mounting, 0.0) | np.isclose(mounting, 1.0)):
+        return None
+    letters = ("x", "y", "z")
+    felt = {letters[body]: letters[int(np.argmax(mounting[:, body]))] for body in range(3)}
+    return {body: own[sensed] for body, sensed in felt.items() if sensed in own}
+
+
+def per_axis(given: Any, unit: str, axes: tuple[str, ...]) -> Any:
+    """Return a quantity of each axis in a unit, shape (k,).
+
+    Raises
+    ------
+    DataError
+        If it is no quantity of that kind, or an axis is missing.
+    """
+    texts = given if isinstance(given, dict) else dict.fromkeys(axes, given)
+    missing = [axis for axis in axes if axis not in texts]
+    if missing:
+        raise DataError(f"no value for axis {', '.join(missing)}", do="Give one for each axis, or one for all")
+    return np.array([_quantity(texts[axis], unit) for axis in axes])
+
+
+def _quantity(text: Any, unit: str) -> float:
+    return float(parse_quantity(str(text)).to(unit))
+
+
+def _zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
+    """Return the zero of each axis at its gain [V]: that of its gain, else that of the chain."""
+    found = np.array(np.broadcast_to(_own_zeros(given, axes), len(axes)))
+    stated = np.broadcast_to(gains(given.gain, axes), len(axes))
+    for gain, zeros in (_zeros_by_gain(given, axes) or {}).items():
+        found = np.where(stated == gain, zeros, found)
+    return found
+
+
+def _own_zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
+    return 0.0 if given.zero is None else per_axis(given.zero, "V", axes)
+
+
+def _zeros_by_gain(given: Chain_, axes: tuple[str, ...]) -> dict[float, Array] | None:
+    """Return the zero of each axis at each gain of the ground model [V]; None where none says one."""
+    if given.ground is None or all(one.zero is None for one in given.ground.gains.values()):
+        return None
+    found = {}
+    for gain, one in given.ground.gains.items():
+        zeros = np.array(np.broadcast_to(_own_zeros(given, axes), len(axes)))
+        texts = one.zero if isinstance(one.zero, dict) else dict.fromkeys(axes, one.zero)
+        for axis, text in texts.items():
+            if axis in axes and text is not None:
+                zeros[axes.index(axis)] = _quantity(text, "V")
+        found[float(gain)] = zeros
+    return found
+
+
+def gains(given: Any, axes: tuple[str, ...]) -> Any:
+    """Return the gain of the amplifier of each axis, shape (k,), or of all.
+
+    Raises
+    ------
+    DataError
+        If there is one for some axes only.
+    """
+    if not isinstance(given, dict):
+        return float(given)
+    missing = [axis for axis in axes if axis not in given]
+    if missing:
+        raise DataError(f"no gain for axis {', '.join(missing)}", do="Give one for each axis, or one for all")
+    return np.array([float(given[axis]) for axis in axes])

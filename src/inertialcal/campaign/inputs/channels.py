@@ -1,0 +1,239 @@
+"""A recording of channels, as a campaign describes it: read, timed, through the chain, into body axes."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from ...core.axes import AXES
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import SECOND, Channel, Recording
+from ...core.units import convert, kind, si_unit
+from ...files import read
+from ...procedures.rate_table.recordings import APPLIED
+from ...sensors.chain.converter import Chain
+from ...sensors.ground.recordings import PREDICTED
+from ...sensors.model.on_recordings import apply_chain
+from ..file.recordings import Clock, RecordingEntry
+from ..file.schema import Test
+from ..file.sensors import Sensor
+from .chains import build_chain
+from .ground import ChainModel, after_model, chain_model
+
+TEMPERATURE, GAIN, PRESSURE, TILT = "temperature", "gain", "pressure", "tilt"
+NO_CHAIN = (APPLIED, PRESSURE, TILT)  # channels that are in units already
+SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
+
+
+def prepare_recording(
+    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False, complete: bool = True
+) -> Recording:
+    """Return the readings of a recording in body axes, SI, time in the middle of each average.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the campaign.
+    name, entry : str, RecordingEntry
+        The recording, with ``channels``.
+    sensor : Sensor
+        Whose chain, ground model and mounting apply.
+    keep_bias : bool
+        Whether the bias that a ground model predicts stays in.
+    complete : bool
+        Whether a literal NaN in a channel of an axis is refused; else it is a missing sample.
+
+    Returns
+    -------
+    Recording
+        Channels ``x``, ``y``, ``z`` [SI] as far as they are there, ``applied`` [SI], then the others as they are; with
+        a ground model ``predicted_x``, ... [SI].
+
+    Raises
+    ------
+    DataError
+        If the file or a column cannot be read, or as the chain says.
+    """
+    recording = raw_recording(folder, entry, complete)
+    model = chain_model(sensor, folder)
+    if model is not None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
+        what, why = f"recordings.{name}: its axes are not those of the sensor", "the ground model is for those"
+        raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
+    return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor), model, keep_bias)
+
+
+def raw_recording(folder: Path, entry: RecordingEntry, complete: bool = True) -> Recording:
+    """Return the recording of an entry as its file has it; `complete` as `prepare_recording` has it.
+
+    Raises
+    ------
+    DataError
+        If the file or a column of an axis cannot be read.
+    """
+    channels = entry.channels or {}
+    return read(
+        folder / entry.file,
+        time_column=(entry.clock or Clock()).column,
+        frame=entry.frame,
+        required=[channels[axis].column for axis in channels if axis in AXES and complete],
+    )
+
+
+def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
+    """Return the chain of the axes that a recording has; None where they are in units already, or there is none."""
+    axes = tuple(axis for axis in sensor.axes if axis in (entry.channels or {}))
+    return build_chain(sensor, axes) if axes and sensor.chain.kind != "none" else None
+
+
+def in_body_axes(
+    recording: Recording,
+    name: str,
+    entry: RecordingEntry,
+    sensor: Sensor,
+    chain: Chain | None,
+    model: ChainModel | None = None,
+    keep_bias: bool = False,
+) -> Recording:
+    """Return the readings of a recording that was read, as `prepare_recording` does; `chain` as `chain_of` has it.
+
+    Raises
+    ------
+    DataError
+        If a column is missing, the stamps are not as far apart as stated, or as the chain says.
+    """
+    channels = entry.channels or {}
+    recording = _timed(recording, entry.clock or Clock())
+    recording = _with_units(recording, {one.column: one.unit for one in channels.values()})
+    axes = tuple(axis for axis in sensor.axes if axis in channels)
+    if not axes:
+        raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
+    columns = {what: one.column for what, one in channels.items()}
+    recording = _declared(recording, columns)
+    warm = {what: columns[what] for what, one in channels.items() if kind(one.unit) == TEMPERATURE}
+    amplified = _gain_columns(columns, axes)
+    recording = _in_si(recording, amplified, "1") if amplified else recording
+    if chain is None:
+        recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
+    else:
+        used = {k: v for k, v in columns.items() if k not in NO_CHAIN and k not in warm and not k.startswith(GAIN)}
+        recording = apply_chain(chain, recording, used, _gains(recording, chain))
+    if APPLIED in columns:
+        recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
+    if PRESSURE in columns:
+        recording = _in_si(recording, {PRESSURE: columns[PRESSURE]}, "Pa")
+    if TILT in columns:
+        recording = _in_si(recording, {TILT: columns[TILT]}, "rad")
+    if warm:
+        recording = _in_si(recording, warm, "degC")
+    if model is not None:
+        recording = after_model(recording, entry, model, keep_bias, name)
+    return _in_body(recording, sensor, axes)
+
+
+def _with_units(recording: Recording, units: dict[str, str]) -> Recording:
+    """Return the recording with the units that the campaign states, by column."""
+    stated = {recording.channel(column).name: unit for column, unit in units.items()}
+    channels = tuple(
+        replace(c, unit=stated[c.name], unit_from="campaign") if c.name in stated else c for c in recording.channels
+    )
+    return replace(recording, channels=channels)
+
+
+def _declared(recording: Recording, columns: dict[str, str]) -> Recording:
+    """Leave out columns that the campaign does not name but whose names would be taken for temperature or gain."""
+    taken = {name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))}
+    taken |= {PREDICTED + axis for axis in AXES} | {PRESSURE, TILT}
+    unsaid = taken - set(columns.values())
+    return replace(recording, channels=tuple(c for c in recording.channels if c.name not in unsaid))
+
+
+def _gain_columns(columns: dict[str, str], axes: tuple[str, ...]) -> dict[str, str]:
+    """Return the columns of recorded gains by axis: one for all axes stands for each."""
+    found = {f"{GAIN}_{axis}": columns.get(f"{GAIN}_{axis}", columns.get(GAIN, "")) for axis in axes}
+    return {name: column for name, column in found.items() if column}
+
+
+def _gains(recording: Recording, chain: Chain) -> Array | None:
+    """Return the gain of each axis over time, shape (n, k), where one was recorded; None where none was."""
+    names = [f"{GAIN}_{axis}" for axis in chain.axes]
+    if not any(name in recording.names for name in names):
+        return None
+    found = np.array(np.broadcast_to(chain.gain, (len(recording), len(names))), dtype=float)
+    for i, name in enumerate(names):
+        if name in recording.names:
+            found[:, i] = recording.channel(name).data
+    return found
+
+
+def _timed(recording: Recording, clock: Clock) -> Recording:
+    """Move the stamps to the middle of their averaging windows."""
+    seen = recording.sample_interval
+    if clock.interval and seen and abs(clock.interval / seen - 1.0) > SAME_INTERVAL:
+        what = f"clock.interval is {clock.interval:g} s, but the stamps are {seen:g} s apart"
+        raise DataError(what, recording.source.path, do="Mend the one that is wrong", code="clock_disagrees")
+    interval = clock.interval or seen
+    recording = replace(recording, sample_interval=interval, averaging_time=clock.averaging)
+    shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (clock.averaging or 0.0)
+    if recording.time_ns is None or shift == 0.0:
+        return recording
+    return replace(recording, time_ns=recording.time_ns + round(shift * SECOND))
+
+
+def _in_si(recording: Recording, columns: dict[str, str], unit: str) -> Recording:
+    """Rename the columns, in SI; the others stay as they are."""
+    made = []
+    for name, column in columns.items():
+        channel = recording.channel(column)
+        values = convert(channel.data, channel.unit or unit, unit)
+        made.append(Channel(name, values, unit, channel.unit_from, name if name in AXES else ""))
+    others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
+    return replace(recording, channels=(*made, *others))
+
+
+def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Recording:
+    """Turn the readings from sensor axes into body axes: ``mounting`` is sensor from body, so its transpose."""
+    if sensor.mounting is None:
+        return recording
+    mounting = np.array(sensor.mounting)
+    wanted = [i for i, axis in enumerate(AXES) if axis not in axes]
+    if np.any(np.abs(mounting[wanted]) @ np.abs(mounting.T)[:, [AXES.index(a) for a in axes]] > 1e-9):
+        raise DataError("mounting mixes axes that were not recorded", recording.source.path, code="wrong_column")
+    made = _turned(recording, mounting, axes, "")
+    if all(PREDICTED + axis in recording.names for axis in axes):
+        made |= _turned(recording, mounting, axes, PREDICTED)
+    channels = tuple(replace(c, data=made[c.name]) if c.name in made else c for c in recording.channels)
+    return replace(recording, channels=channels)
+
+
+def _turned(recording: Recording, mounting: Array, axes: tuple[str, ...], prefix: str) -> dict[str, Array]:
+    """Return channels of the sensor axes along those of the body, by name."""
+    sensed = np.zeros((len(recording), 3))
+    for axis in axes:
+        sensed[:, AXES.index(axis)] = recording.channel(prefix + axis).data
+    body = sensed @ mounting
+    return {prefix + axis: body[:, AXES.index(axis)].copy() for axis in axes}
+
+
+def windowed(recording: Recording, test: Test) -> Recording:
+    """Return the samples inside the windows of a test; all where it has none.
+
+    Raises
+    ------
+    DataError
+        If the recording has no time in UTC (``no_time``), or no sample lies in them (``nothing_left``).
+    """
+    if not test.windows:
+        return recording
+    if recording.time_ns is None or recording.epoch != "utc":
+        what = f"test {test.id!r}: windows are asked for, but the recording has no time in UTC"
+        raise DataError(what, recording.source.path, code="no_time")
+    keep = np.zeros(len(recording), dtype=bool)
+    for start, stop in test.windows:
+        keep |= (recording.time_ns >= start) & (recording.time_ns < stop)
+    if not keep.any():
+        raise DataError(f"test {test.id!r}: no sample is in its windows", recording.source.path, code="nothing_left")
+    channels = tuple(replace(channel, data=channel.data[keep]) for channel in recording.channels)
+    return replace(recording, channels=channels, time_ns=recording.time_ns[keep])

@@ -1,0 +1,378 @@
+"""Sources: recordings and tables made ready for a procedure, the same way from a folder or from memory.
+
+A ``Store`` gives what a file holds. A ``Ready`` source is a recording of it with its entry and its sensor; after that
+nothing knows where a recording came from.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any, Protocol, TypeVar
+
+import numpy as np
+
+from ...core.axes import AXES
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.influence import Standards
+from ...core.recording import Channel, Recording
+from ...core.units import convert, factor, kind, parse_quantity, si_unit
+from ...files import read, read_table
+from ...files.source import load as load_file
+from ...files.text.table import Table
+from ...procedures.protocol import Facts, InputSpec
+from ...sensors.chain.converter import Chain
+from ...sensors.chain.from_counts import convert as convert_counts
+from ..file.recordings import Clock, RecordingEntry
+from ..file.schema import Site, Test
+from ..file.sensors import Sensor
+from .chains import body_scale_factors, build_chain, scale_factors
+from .channels import TEMPERATURE, chain_of, in_body_axes, windowed
+from .ground import ChainModel, chain_model
+from .origins import Origin
+
+REFERENCES = {"reference": "reference_voltage", "temperature_reference": "temperature_reference_voltage"}
+MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
+T = TypeVar("T")
+
+
+class Store(Protocol):
+    """What files hold: a folder, or recordings in memory."""
+
+    @property
+    def folder(self) -> Path | None:
+        """In which a ground model lies; None in memory."""
+        ...
+
+    def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
+        """Return a recording as its file has it."""
+        ...
+
+    def table(self, file: str) -> Table:
+        """Return a reduced table."""
+        ...
+
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        ...
+
+    def read_file(self, file: str, read_it: Callable[[Any], T]) -> tuple[T, str]:
+        """Return what another file says, and its SHA-256; empty in memory."""
+        ...
+
+
+@dataclass(frozen=True)
+class Folder:
+    """A campaign folder."""
+
+    folder: Path
+
+    def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
+        """Return a recording as its file has it."""
+        clock = entry.clock or Clock()
+        return read(self.folder / entry.file, time_column=clock.column, frame=entry.frame, required=required)
+
+    def table(self, file: str) -> Table:
+        """Return a reduced table."""
+        return read_table(self.folder / file)
+
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        return (self.folder / file).is_file()
+
+    def read_file(self, file: str, read_it: Callable[[Any], T]) -> tuple[T, str]:
+        """Return what another file says, and its SHA-256."""
+        path = self.folder / file
+        return read_it(path), load_file(path).sha256
+
+
+@dataclass(frozen=True, eq=False)
+class Memory:
+    """Recordings by file, of a rig or read before; what else belongs to them by its file, too."""
+
+    held: Mapping[str, Recording]
+    extras: Mapping[str, Any] = field(default_factory=dict[str, Any])
+    folder: Path | None = None
+
+    def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
+        """Return a recording as given."""
+        return self.held[entry.file]
+
+    def table(self, file: str) -> Table:
+        """Return a reduced table."""
+        found = self.extras[file]
+        assert isinstance(found, Table)  # noqa: S101 - whoever filled the store
+        return found
+
+    def has(self, file: str) -> bool:
+        """Return whether something was given under the name of a file."""
+        return file in self.extras
+
+    def read_file(self, file: str, read_it: Callable[[Any], T]) -> tuple[T, str]:
+        """Return what was given under the name of a file."""
+        found: T = self.extras[file]
+        return found, ""
+
+
+@dataclass(frozen=True, eq=False)
+class Ready:
+    """A source: an entry of a store with its sensor, as ``procedures.protocol.Source`` has it."""
+
+    store: Store
+    name: str
+    entry: RecordingEntry
+    sensor: Sensor
+    facts: Facts
+    spec: InputSpec
+    of_test: Test
+    chain: Chain | None = None
+    _chosen: list[int] = field(default_factory=list[int])
+    _hashes: dict[str, str] = field(default_factory=dict[str, str])
+
+    @property
+    def file(self) -> str:
+        """Its file, as the campaign names it."""
+        return self.entry.file
+
+    @property
+    def run(self) -> str:
+        """Power-up."""
+        return self.entry.run or ""
+
+    @property
+    def test(self) -> str:
+        """Name of the test that reads it."""
+        return self.of_test.id
+
+    @property
+    def alone(self) -> bool:
+        """Whether the test reads no other."""
+        return len(self.of_test.recordings) == 1
+
+    @property
+    def groups(self) -> Sequence[str] | None:
+        """Rows of a table that are chosen, by their group."""
+        return self.of_test.groups
+
+    @property
+    def windows(self) -> Sequence[tuple[int, int]] | None:
+        """Instants between which readings are chosen."""
+        return self.of_test.windows
+
+    @property
+    def is_table(self) -> bool:
+        """Whether it is a reduced table."""
+        return self.entry.channels is None
+
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        return self.store.has(file)
+
+    def read_file(self, file: str, read_it: Callable[[Any], T]) -> T:
+        """Return what another file says of it."""
+        found, digest = self.store.read_file(file, read_it)
+        if digest:
+            self._hashes[file] = digest
+        return found
+
+    # ---- tables -----------------------------------------------------------------------------------------------
+
+    @cached_property
+    def _table(self) -> Table:
+        return self.store.table(self.entry.file)
+
+    def table(self) -> Table:
+        """Return the reduced table."""
+        return self._table
+
+    def chose(self, rows: int, without_rate: int = 0) -> None:
+        """Note how many rows of a table the test uses."""
+        self._chosen[:] = [rows, without_rate]
+
+    def in_si(self, values: Array, unit: str, axis: str) -> Array:
+        """Return readings of a table in SI: counts through the chain, volts over the scale factor."""
+        if kind(unit) == "count":
+            if self.sensor.chain.reference == "channel":
+                what = f"recordings.{self.name}: counts, and the reference voltage is a channel that the table lacks"
+                raise DataError(what, self._table.source.path, do="Give readings in volts", code="missing_reference")
+            made = convert_counts(build_chain(self.sensor, (axis,)), values[:, None], place=self._table.where)
+            return np.asarray(made.readings)[:, 0]
+        if kind(unit) == "voltage":
+            return values * self.factor(unit, axis)
+        return convert(values, unit, si_unit(unit))
+
+    def factor(self, unit: str, axis: str) -> float:
+        """Return SI units a unit of the table, for differences."""
+        if kind(unit) not in {"count", "voltage"}:
+            return factor(unit, si_unit(unit))
+        volts_per_si = float(scale_factors(self.sensor, (axis,))[0])
+        if kind(unit) == "voltage":
+            return factor(unit, "V") / volts_per_si
+        built = build_chain(self.sensor, (axis,))
+        return built.step / float(np.ravel(built.gain)[0]) / volts_per_si
+
+    # ---- recordings -------------------------------------------------------------------------------------------
+
+    @cached_property
+    def model(self) -> ChainModel | None:
+        """Ground model of the sensor, where the procedure takes readings after one."""
+        return None if self.spec.ground_model == "refused" else chain_model(self.sensor, self.store.folder)
+
+    @cached_property
+    def raw(self) -> Recording:
+        """As the store has it."""
+        channels = self.entry.channels or {}
+        axes = [channels[axis].column for axis in channels if axis in AXES]
+        return self.store.recording(self.entry, [] if self.spec.missing else axes)
+
+    @cached_property
+    def whole(self) -> Recording:
+        """In body axes, SI, named by role."""
+        entry, sensor, spec = self.entry, self.sensor, self.spec
+        if self.model is not None and any(remark.code == "not_sensor_axes" for remark in self.raw.remarks):
+            what, why = f"recordings.{self.name}: its axes are not those of the sensor", "the ground model is for those"
+            raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
+        chain = self.chain if self.chain is not None else chain_of(entry, sensor)
+        body = in_body_axes(self.raw, self.name, entry, sensor, chain, self.model, spec.ground_model == "bias_kept")
+        if spec.voltages:
+            body = replace(body, channels=(*body.channels, *_reference_voltages(self.raw, entry, chain)))
+        return in_body_names(body, entry, sensor) if spec.by_body else body
+
+    @cached_property
+    def _parts(self) -> list[Recording]:
+        return [replace(one, source=replace(one.source, path=self.entry.file)) for one in self._in_windows()]
+
+    def _in_windows(self) -> Iterator[Recording]:
+        test = self.of_test
+        if not test.windows or self.spec.windows == "refused":
+            yield self.whole
+        elif self.spec.windows == "mask":
+            yield windowed(self.whole, test)
+        else:
+            for window in test.windows:
+                try:
+                    yield windowed(self.whole, test.model_copy(update={"windows": [window]}))
+                except DataError as error:
+                    if error.problems[0].code != "nothing_left" or self.alone:
+                        raise
+
+    def recordings(self) -> list[tuple[str, Recording]]:
+        """Return each part with its label."""
+        several = len(self._parts) > 1
+        labels = [f"{self.name}, window {i}" for i in range(1, len(self._parts) + 1)] if several else [self.name]
+        return list(zip(labels, self._parts, strict=True))
+
+    # ---- what the test draws on -------------------------------------------------------------------------------
+
+    @property
+    def inputs(self) -> dict[str, str]:
+        """SHA-256 of its files, by path in the campaign."""
+        if self.is_table:
+            return {self.entry.file: self._table.source.sha256} | self._hashes
+        model = self.model
+        of_model = {model.file: model.sha256} if model is not None and model.file else {}
+        return {self.entry.file: self.raw.source.sha256} | self._hashes | of_model
+
+    @property
+    def origin(self) -> Origin:
+        """How much of it the test takes."""
+        file = self.entry.file
+        if self.is_table:
+            chosen, without = self._chosen
+            return Origin(self.name, file, self._table.source.sha256, "table", len(self._table), chosen, without)
+        chosen = sum(len(one) for one in self._parts)
+        return Origin(self.name, file, self.raw.source.sha256, "recording", len(self.raw), chosen)
+
+
+def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> Facts:
+    """Return what is known of a sensor, the site and the standards before any reading."""
+    site = site or Site()
+    si = si_unit(sensor.unit)
+    ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
+    counted = sensor.chain.kind == "pulse_rate"
+    pulses = build_chain(sensor).scale_factor if counted else None
+    return Facts(
+        kind=sensor.kind,
+        unit=sensor.unit,
+        si=si,
+        axes=tuple(sensor.axes),
+        latitude=site.latitude,
+        gravity=site.gravity,
+        height=site.height,
+        standards=standards,
+        scale_factor=None if counted else body_scale_factors(sensor),
+        thermometers=_thermometers(sensor),
+        input_range=None if ends is None else (min(ends), max(ends)),
+        gate=sensor.chain.gate,
+        pulse_scale_factor=None if pulses is None else float(np.ravel(pulses)[0]),
+        oblique=_is_oblique(sensor),
+    )
+
+
+def in_body_names(recording: Recording, entry: RecordingEntry, sensor: Sensor) -> Recording:
+    """Return a recording with temperatures and reference voltages named by the body axis of their sensor.
+
+    Raises
+    ------
+    DataError
+        If the mounting mixes sensors, so that no temperature is that of a body axis.
+    """
+    sensed_by = _sensed_by(sensor)
+    if sensed_by is None and any(name.startswith(f"{TEMPERATURE}_") for name in recording.names):
+        what = "the mounting mixes sensors: no thermometer is that of one body axis"
+        raise DataError(what, entry.file, do="Give one channel temperature, or a mounting without mixing")
+    stems = (TEMPERATURE, *REFERENCES.values())
+    names = {f"{stem}_{sensed}": f"{stem}_{body}" for stem in stems for body, sensed in (sensed_by or {}).items()}
+    channels = tuple(replace(one, name=names.get(one.name, one.name)) for one in recording.channels)
+    return replace(recording, channels=channels)
+
+
+def _sensed_by(sensor: Sensor) -> dict[str, str] | None:
+    """Return the sensor that feels each body axis; None where the mounting mixes them."""
+    if sensor.mounting is None:
+        return {axis: axis for axis in sensor.axes}
+    size = np.abs(np.array(sensor.mounting))
+    if not np.all(np.isclose(size, 0.0) | np.isclose(size, 1.0)):
+        return None
+    return {AXES[body]: AXES[int(np.argmax(size[:, body]))] for body in range(3)}
+
+
+def _is_oblique(sensor: Sensor) -> bool:
+    if sensor.mounting is None:
+        return False
+    cosines = np.abs(np.array(sensor.mounting))
+    return not bool(np.all((cosines < MIXED) | (cosines > 1.0 - MIXED)))
+
+
+def _reference_voltages(raw: Recording, entry: RecordingEntry, chain: Chain | None) -> list[Channel]:
+    """Return the reference voltages of the sensors [V], NaN at the ends of the converter."""
+    found: list[Channel] = []
+    if chain is None or chain.output_unit != "V":
+        return found
+    for counted, voltage in REFERENCES.items():
+        for axis in chain.axes:
+            named = (entry.channels or {}).get(f"{counted}_{axis}")
+            if named is not None:
+                codes = np.asarray(raw.channel(named.column).data, dtype=np.float64)
+                volts = chain.step * codes
+                if chain.codes is not None:
+                    volts = np.where((codes > chain.codes[0]) & (codes < chain.codes[1]), volts, np.nan)
+                found.append(Channel(f"{voltage}_{axis}", volts, "V", "chain", axis))
+    return found
+
+
+def _thermometers(sensor: Sensor) -> dict[str, tuple[float, float, float]] | None:
+    """Return the temperature channels by body axis; None where there is none, or the mounting mixes sensors."""
+    sensed_by = _sensed_by(sensor)
+    if sensor.chain.kind != "adc" or sensor.chain.thermometer is None or sensed_by is None:
+        return None
+    chain = build_chain(sensor)
+    given = chain.thermometer
+    if given is None:
+        return None
+    columns = (np.broadcast_to(one, len(chain.axes)) for one in (given.slope, given.voltage, given.temperature))
+    own = {axis: (float(a), float(b), float(c)) for axis, a, b, c in zip(chain.axes, *columns, strict=True)}
+    return {body: own[sensed] for body, sensed in sensed_by.items() if sensed in own}

@@ -1,0 +1,181 @@
+"""Write ``out/``: built aside, then swapped in, so that a reader never sees half a result.
+
+``results.json`` holds no clock time and no path outside the campaign: the same inputs give the same bytes.
+``provenance.json`` alone knows when and where.
+"""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import math
+import os
+import shutil
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from ...core.errors import StoreError
+
+OUT = "out"
+ROUNDING = 1e-9  # relative difference that is no change
+ROW_COLUMNS = (
+    "quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "lo", "hi", "p", "status", "reason",
+)  # fmt: skip
+
+
+def json_text(content: Any) -> str:
+    """Return canonical JSON: full digits, no NaN, one trailing newline."""
+    return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def csv_text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
+    """Return the rows as CSV with full digits; absent numbers are empty cells."""
+    buffer = io.StringIO()
+    writer = csv.DictWriter(buffer, list(columns), extrasaction="ignore", lineterminator="\n")
+    writer.writeheader()
+    for row in rows:
+        writer.writerow({name: _cell(row.get(name)) for name in columns})
+    return buffer.getvalue()
+
+
+def flat(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of ``results.json`` with its interval spread over columns, for CSV."""
+    interval = row.get("interval") or {"lo": None, "hi": None, "p": None}
+    return {**{name: value for name, value in row.items() if name != "interval"}, **interval}
+
+
+def _cell(value: Any) -> Any:
+    if value is None:
+        return ""
+    text = repr(value) if isinstance(value, float) else str(value).replace("\r", "\n")  # csv quotes the latter alone
+    # A spreadsheet would run a text cell that starts like a formula.
+    return f"'{text}" if isinstance(value, str) and text[:1] in "=+-@\t\n" and text[1:2] != "" else text
+
+
+def check_writable(folder: Path) -> None:
+    """Refuse before the work what could not be written after it.
+
+    Raises
+    ------
+    StoreError
+        If the folder cannot be written, or something of the user's stands where ``out/`` goes.
+    """
+    target = folder / OUT
+    if target.is_symlink() or (target.exists() and not target.is_dir()):
+        raise StoreError(f"{target} is not a folder of ours", do="Move it away", code="not_writable")
+    if not os.access(folder, os.W_OK):
+        raise StoreError(f"cannot write into {folder}", do="Make the folder writable, or copy it", code="not_writable")
+
+
+def swap_in(folder: Path, files: Mapping[str, str]) -> None:
+    """Replace ``folder/out`` by the files, all or nothing.
+
+    Parameters
+    ----------
+    folder : Path
+        Of the campaign.
+    files : mapping of str to str
+        Name and text of each file.
+
+    Raises
+    ------
+    StoreError
+        If the folder cannot be written; the old ``out/`` stays as it was.
+    """
+    try:
+        aside = Path(tempfile.mkdtemp(prefix=".out-", dir=folder))
+    except OSError as error:
+        raise StoreError(f"cannot write into {folder}: {error.strerror}", code="not_writable") from None
+    try:
+        for name, text in files.items():
+            path = aside / name
+            path.write_text(text, encoding="utf-8")
+            with path.open("rb") as handle:
+                os.fsync(handle.fileno())
+        aside.chmod(0o755)
+        _swap(aside, folder / OUT)
+    except OSError as error:
+        raise StoreError(f"cannot write {folder / OUT}: {error.strerror}", code="not_writable") from None
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
+
+
+def _swap(new: Path, target: Path) -> None:
+    old = target.with_name(f".{target.name}-old-{os.getpid()}")
+    if target.exists():
+        target.rename(old)
+    try:
+        new.rename(target)
+    except OSError:
+        if old.exists():
+            old.rename(target)
+        raise
+    shutil.rmtree(old, ignore_errors=True)
+
+
+def previous(folder: Path) -> dict[str, Any] | None:
+    """Return the results of the last run, or None where there are none that can be read."""
+    try:
+        content = json.loads((folder / OUT / "results.json").read_text(encoding="utf-8"))
+    except (OSError, ValueError, RecursionError):
+        return None
+    return content if isinstance(content, dict) else None
+
+
+def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[str]:
+    """Return one line for each figure or verdict that differs from the last run.
+
+    Parameters
+    ----------
+    before : mapping or None
+        ``results.json`` of the last run; None where there was none.
+    after : mapping
+        Of this run.
+    """
+    if before is None:
+        return []
+    lines = []
+    for table, keys, shown in (
+        ("results", ("test", "quantity", "axis", "condition"), "value"),
+        ("verdicts", ("requirement", "test", "axis", "at"), "verdict"),
+    ):
+        old, new = _keyed(before.get(table), keys), _keyed(after.get(table), keys)
+        for key in [*old, *(key for key in new if key not in old)]:
+            if _differs(old.get(key), new.get(key), shown):
+                name = " ".join(str(part) for part in key if part not in ("", None))
+                lines.append(f"{name}: {_shown(old.get(key), shown)} -> {_shown(new.get(key), shown)}")
+    return lines
+
+
+def _keyed(rows: Any, keys: Sequence[str]) -> dict[tuple[Any, ...], Any]:
+    if not isinstance(rows, list):
+        return {}
+    return {tuple(str(row.get(key, "")) for key in keys): row for row in rows if isinstance(row, dict)}
+
+
+def _differs(old: Any, new: Any, shown: str) -> bool:
+    """Tell whether a row changed in what it says, rounding aside."""
+    if old is None or new is None:
+        return True
+    if any(old.get(name) != new.get(name) for name in ("status", "verdict", "unit")):
+        return True
+    pairs = [(old.get(name), new.get(name)) for name in (shown, "u")]
+    return any(not _same(a, b) for a, b in pairs)
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, float) and isinstance(b, float):
+        return math.isclose(a, b, rel_tol=ROUNDING, abs_tol=0.0)
+    return bool(a == b)
+
+
+def _shown(row: Any, name: str) -> str:
+    if row is None:
+        return "(none)"
+    value = row.get(name)
+    u = row.get("u") if name == "value" else None
+    text = f"{value:.9g}" if isinstance(value, float) else str(value)
+    return f"{text} ± {u:.2g} {row.get('unit', '')}".strip() if isinstance(u, float) else text

@@ -1,0 +1,155 @@
+"""Requirements: which result each one asks about, and what the decision rule says.
+
+The rule (JCGM 106, and DESIGN): PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else
+INCONCLUSIVE. A procedure may judge its own figures, such as those over a range, where a band has to hold for all places
+together; every other figure is judged here by its interval. A requirement that no test speaks to is OPEN and counts as
+INCONCLUSIVE.
+
+References
+----------
+.. [1] JCGM 106:2012, Evaluation of measurement data - The role of measurement uncertainty in conformity
+   assessment, clauses 7 and 8.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from ...core.curve import Curve
+from ...core.errors import DataError
+from ...core.judging import LEVEL, Asked, Verdict
+from ...core.results import Row
+from ...procedures import all_quantities, procedure_of
+from ...procedures.protocol import Procedure, Quantity
+from ...procedures.protocol import Tested as Reduced
+from ...statistics.decision import Verdict as Decision
+from ...statistics.decision import decide, decide_by
+from ..file.schema import Requirement, Test
+
+RULE = (
+    "PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else INCONCLUSIVE;"
+    " over several rates the 95 % hold for all together"
+)
+OPEN = "OPEN"
+BELOW = "not found; its 95 % upper limit lies inside the limit"
+
+
+@dataclass(frozen=True, eq=False)
+class Tested:
+    """A test that was run: entry, result and rows, SI; the plan and readings behind; curves of what it holds out."""
+
+    test: Test
+    result: Any
+    rows: Sequence[Row]
+    plan: Any = None
+    readings: Any = None
+    curves: Sequence[Curve] = ()
+
+    @property
+    def procedure(self) -> Procedure[Any, Any, Any]:
+        """Of the test."""
+        return procedure_of(self.test.procedure)
+
+    @property
+    def reduced(self) -> Reduced[Any, Any, Any]:
+        """The test as procedures see it."""
+        return Reduced(self.test.id, self.test.condition, self.test.use, self.plan, self.readings, self.result)
+
+
+def judge(requirement: Requirement, tested: Sequence[Tested]) -> tuple[list[Verdict], list[Row]]:
+    """Return the verdicts of a requirement, and rows that follow from it (the resolution).
+
+    Parameters
+    ----------
+    requirement : Requirement
+        As the campaign states it.
+    tested : sequence of Tested
+        All tests that were run; those that the requirement is about are chosen here.
+    """
+    asked = Asked(
+        requirement.id, requirement.quantity, requirement.axis, requirement.of, requirement.limit, requirement.lower,
+        requirement.upper, requirement.where,
+    )  # fmt: skip
+    about = [one for one in tested if _is_about(requirement, one)]
+    verdicts: list[Verdict] = []
+    rows: list[Row] = []
+    others: set[str] = set()
+    for name in dict.fromkeys(one.test.procedure for one in about):
+        found = procedure_of(name).judge(asked, [one.reduced for one in about if one.test.procedure == name])
+        if found is None:
+            others.add(name)
+        else:
+            verdicts, rows = verdicts + found[0], rows + found[1]
+    if not asked.where:
+        verdicts += _figures(asked, [one for one in about if one.test.procedure in others])
+    return (verdicts or [_open(asked)]), rows
+
+
+def worst(verdicts: Sequence[Verdict]) -> str:
+    """Return FAIL before INCONCLUSIVE before PASS; OPEN counts as INCONCLUSIVE."""
+    found = {one.verdict for one in verdicts}
+    if "FAIL" in found:
+        return "FAIL"
+    return "PASS" if found == {"PASS"} else "INCONCLUSIVE"
+
+
+def _is_about(requirement: Requirement, one: Tested) -> bool:
+    if requirement.tests is not None and one.test.id not in requirement.tests:
+        return False
+    if requirement.condition is not None and one.test.condition != requirement.condition:
+        return False
+    plan = getattr(one.result, "plan", None)
+    wanted = requirement.zero_reference
+    return wanted is None or getattr(plan, "zero_reference", None) == wanted
+
+
+def _open(asked: Asked) -> Verdict:
+    unit = all_quantities().get(asked.quantity, Quantity()).unit
+    limits = asked.limits(unit) if unit else (None, None)
+    return Verdict(asked.id, "", asked.axis or "", None, "", None, None, "", None, *limits, OPEN,
+                   "no test speaks to it")  # fmt: skip
+
+
+def _figures(asked: Asked, about: Sequence[Tested]) -> Iterator[Verdict]:
+    for one in about:
+        for row in one.rows:
+            if row.quantity == asked.quantity and row.case.plain and asked.axis in (None, row.axis):
+                yield _figure(asked, one, row)
+
+
+def _decided(one: Tested, row: Row, size: bool, lower: float | None, upper: float | None) -> Decision:
+    """Compare a size, as of a term of noise, by its own interval: that is no t-interval about the value."""
+    if size:
+        p = LEVEL if lower is not None and upper is not None else round(2.0 * LEVEL - 1.0, 12)
+        return decide_by(one.procedure.interval_at(one.result, row, p), row.value, row.u, lower, upper)
+    value, u = (np.nan if number is None else number for number in (row.value, row.u))
+    return decide(value, u, np.inf if row.dof is None else row.dof, lower, upper)
+
+
+def _figure(asked: Asked, one: Tested, row: Row) -> Verdict:
+    head = (asked.id, one.test.id, row.axis, None, "", row.value, row.u, row.unit)
+    size = one.procedure.quantities().get(row.quantity, Quantity()).size
+    try:
+        lower, upper = asked.limits(row.unit, size)
+    except DataError as error:
+        return Verdict(*head, row.interval, None, None, "INCONCLUSIVE", error.problems[0].what)
+    doubt = one.procedure.doubt(one.result, row.axis)
+    below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
+    if below and (lower is None or lower <= 0.0):
+        return Verdict(*head, row.interval, lower, upper, *_doubted("PASS", BELOW if size else row.reason.text, doubt))
+    if row.status != "estimated":
+        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", row.reason.text)
+    found = _decided(one, row, size, lower, upper)
+    return Verdict(*head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt))
+
+
+def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:
+    """Return verdict and reason: no PASS by a figure that may not hold."""
+    if not doubt:
+        return status, reason
+    said = f"in doubt: {doubt}"
+    return ("INCONCLUSIVE", said) if status == "PASS" else (status, f"{reason}; {said}" if reason else said)

@@ -1,0 +1,84 @@
+"""A ``results.json`` read back: by its own name, by the ``out/`` that it lies in, or by the folder of its campaign."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from ...core.errors import DataError
+from ...files.source import load
+from ...sensors.model.serial import FORMAT
+from ..models.find import RESULTS
+from .publish import OUT
+
+
+@dataclass(frozen=True, eq=False)
+class ResultsFile:
+    """What was read.
+
+    Parameters
+    ----------
+    path, sha256 : str
+        The file.
+    content : dict
+        Of ``results.json``.
+    """
+
+    path: str
+    sha256: str
+    content: dict[str, Any]
+
+
+def find_results(path: str | os.PathLike[str], of_campaign: bool = False) -> ResultsFile | None:
+    """Return the results at a place; None where something else lies there, or nothing.
+
+    Parameters
+    ----------
+    path : path
+        ``results.json``, or the ``out/`` of a campaign.
+    of_campaign : bool
+        Take the folder of a campaign for its results too; else it stands for its model.
+
+    Raises
+    ------
+    DataError
+        If the file cannot be read.
+    """
+    given = Path(path)
+    places = [given / RESULTS, *([given / OUT / RESULTS] if of_campaign else [])] if given.is_dir() else [given]
+    found = next((place for place in places if place.is_file()), None)
+    if found is None:
+        return None
+    loaded = load(found)
+    try:
+        content = json.loads(loaded.data)
+    except (ValueError, RecursionError):
+        return None
+    if not isinstance(content, dict) or content.get("format") == FORMAT or "results" not in content:
+        return None
+    return ResultsFile(str(found), loaded.sha256, content)
+
+
+@contextmanager
+def as_results(path: str) -> Iterator[None]:
+    """Refuse a file whose content turns out to be no results while it is used.
+
+    Raises
+    ------
+    DataError
+        ``schema``, with what was missing or of another type.
+    """
+    try:
+        yield
+    except (KeyError, TypeError, ValueError, AttributeError, IndexError) as error:
+        raise DataError(
+            f"not the content of a {RESULTS}: {type(error).__name__} {error}",
+            where=path,
+            do="Type: inertialcal run DIR",
+            code="schema",
+        ) from None

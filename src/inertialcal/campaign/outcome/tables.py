@@ -1,0 +1,84 @@
+"""The outcome of a campaign as tables: figures test by test, a row a requirement, the closed loop, the verdict."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from ...core.key import case_of
+from ...core.remarks import Remark
+from ...core.show.alternatives import names_of
+from ...core.show.result_tables import estimated, figure, folded, not_estimated, told
+from ...core.show.rounding import number
+from ...core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
+from ...core.show.tables import Grid, Part
+
+VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
+
+
+def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Remark]) -> tuple[Part, ...]:
+    """Return what is shown of a run; other ways of reducing the same readings are left out, and counted.
+
+    Parameters
+    ----------
+    results : mapping
+        Content of ``results.json``.
+    verdict : str
+        Over all requirements.
+    remarks : sequence of Remark
+        Of the campaign.
+    """
+    shown = [row for row in results["results"] if not case_of(row["condition"]).beside]
+    parts: list[Part] = []
+    for test in dict.fromkeys(row["test"] for row in shown):
+        parts += estimated(own_rows([row for row in shown if row["test"] == test]), str(test))
+        parts += _side_by_side(results, str(test))
+    parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
+    left_out = [row["condition"] for row in results["results"] if case_of(row["condition"]).beside]
+    if left_out:
+        names = names_of(list(dict.fromkeys(left_out)))
+        parts.append(f"left out here: {len(left_out)} figures beside the result ({names})")
+    parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
+    return (*parts, *told(remarks), f"verdict: {verdict or 'no requirement stated'}")
+
+
+def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Part, ...]:
+    """Return what two ground models leave of the bias, a row an axis."""
+    pairs = pairs_of(row for row in results["results"] if row["test"] == test)
+    rows = [
+        (axis, figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), figure(pair.get(REDUCTION)),
+         pair[CHANGE]["unit"], verdict_of(pair))
+        for (axis, member), pair in pairs.items()
+        if not member
+    ]  # fmt: skip
+    other = next((step["against"] for step in results["sequence"] if step["test"] == test), None)
+    heads = ("axis", test, str(other), "difference", "nearer to zero by", "unit", "to zero")
+    return (Grid(heads, rows, f"{test} against {other}: model bias error", (1, 2, 3, 4)),) if rows else ()
+
+
+def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:
+    """How many places of each requirement passed, failed and were left open, by test and axis."""
+    groups: dict[tuple[str, ...], list[str]] = {}
+    for one in verdicts:
+        groups.setdefault((one["requirement"], one["test"], one["axis"]), []).append(one["verdict"])
+    rows = [(*key, *(str(found.count(word)) for word in VERDICTS)) for key, found in groups.items()]
+    heads = ("requirement", "test", "axis", *VERDICTS)
+    return (Grid(heads, rows, "requirements: places judged", (3, 4, 5, 6)),) if rows else ()
+
+
+def _closed_loop(loop: Mapping[str, Any]) -> tuple[Part, ...]:
+    said = f"closed loop, on readings held out: {loop['verdict']}"
+    if not loop["axes"]:
+        return (f"{said} ({loop['reason']})",)
+    rows = [
+        (one["axis"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"], one["verdict"])
+        for one in loop["axes"]
+    ]
+    heads = ("rms error", "compensated", "unit", "verdict")
+    warm = [
+        (one["test"], one["axis"], number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
+         one["verdict"])
+        for one in loop.get("over_temperature", ())
+    ]  # fmt: skip
+    over = Grid(("test", "axis", *heads), warm, "bias over temperature, on power-ups held out", (2, 3))
+    return (Grid(("axis", *heads), rows, said, (1, 2)), *((over,) if warm else ()))

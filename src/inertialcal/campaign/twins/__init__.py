@@ -1,0 +1,1 @@
+"""Simulated campaigns, and estimates against their truth."""

@@ -1,0 +1,208 @@
+"""Write a simulated campaign as a folder, with its truth beside it, sealed.
+
+``.truth/truth.json`` is read by ``score`` alone. Its SHA-256 stands in ``campaign.source`` of campaign.toml, and so in
+every result made from it: a truth that was changed, or belongs to another campaign, is told from the right one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import shutil
+import tempfile
+from collections.abc import Iterable, Mapping
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+
+from ...core.errors import DataError, StoreError, UsageError
+from ...core.recording import SECOND, Recording
+from ...core.show.tables import Grid, Part, html, text
+from ...rigs import RIGS
+from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
+from ..file.load import FILE, load
+from ..outcome.publish import json_text
+
+TRUTH = ".truth/truth.json"
+Key = tuple[str, str, str, str]  # quantity, axis, test, condition
+
+
+@dataclass(frozen=True)
+class Written:
+    """A simulated campaign on disk: its folder, the recordings in it, SHA-256 of the truth, the mistake in it."""
+
+    folder: Path
+    recordings: tuple[str, ...]
+    seal: str
+    fault: str
+
+    def parts(self) -> tuple[Part, ...]:
+        """Return what is shown: the recordings, the seal of the truth, what to type next."""
+        rows = [(name,) for name in self.recordings]
+        mistake = f"mistake put in: {self.fault}\n" if self.fault else ""
+        said = f"{mistake}truth sealed, SHA-256 {self.seal}\nnext: ic.run({str(self.folder)!r}), then ic.score(...)"
+        return (Grid(("recording",), rows, f"simulated campaign in {self.folder}"), said)
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+
+@dataclass(frozen=True)
+class Truth:
+    """The truth behind a campaign, SI, and where it comes from."""
+
+    values: tuple[TrueValue, ...]
+    rig: str
+    seed: int
+    fault: str
+    seal: str
+
+    @cached_property
+    def _by_key(self) -> dict[Key, TrueValue]:
+        return truth_by_key(self.values)
+
+    def of(self, key: Key) -> TrueValue | None:
+        """Return the true value of a figure: of its test, else of all tests; None where it is not known."""
+        return known_truth(self._by_key, key)
+
+
+def truth_by_key(values: Iterable[TrueValue]) -> dict[Key, TrueValue]:
+    """Return true values by what they are: quantity, axis, test, condition."""
+    return {(one.quantity, one.axis, one.test, one.condition): one for one in values}
+
+
+def known_truth(values: Mapping[Key, TrueValue], key: Key) -> TrueValue | None:
+    """Return the true value of a figure: of its test, else of all tests; None where it is not known."""
+    quantity, axis, _, condition = key
+    return values.get(key) or values.get((quantity, axis, "", condition))
+
+
+def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Written:
+    """Write the recordings, the campaign file and the truth of a rig.
+
+    Parameters
+    ----------
+    rig : str
+        Name in the registry of rigs.
+    folder : path
+        New, or empty.
+    seed : int
+        All draws follow from it; 0 or more.
+    fault : str
+        Name of a mistake to put in.
+
+    Raises
+    ------
+    UsageError
+        If there is no such rig or fault, the package that adds the rig is broken, the seed is negative, or something
+        is in the folder.
+    StoreError
+        If the folder cannot be written; nothing is left behind.
+    """
+    made, target = RIGS.named(rig), Path(folder)
+    if seed < 0:
+        raise UsageError(f"seed {seed}: need 0 or more")
+    if target.exists() and (not target.is_dir() or any(target.iterdir())):
+        raise UsageError(f"{target} exists and is not empty", do="Name a new folder: -o DIR", code="exists")
+    twin = made.twin(seed, fault)
+    truth = truth_text(twin)
+    seal = hashlib.sha256(truth.encode()).hexdigest()
+    texts = {
+        FILE: twin.campaign.replace(SEED, str(seed)).replace(SEAL, seal),
+        TRUTH: truth,
+        **{file: csv_text(recording, file) for file, recording in twin.recordings.items()},
+        **{file: extra.text for file, extra in twin.extras.items()},
+    }
+    _write(target, texts)
+    return Written(target, tuple(twin.recordings), seal, fault)
+
+
+def truth_text(twin: Twin) -> str:
+    """Return the content of ``truth.json``."""
+    head = {"schema": 1, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault}
+    return json_text(head | {"values": [asdict(value) for value in twin.truth], "drawn": dict(twin.drawn)})
+
+
+def csv_text(recording: Recording, file: str = "") -> str:
+    """Return a recording as CSV, the stamps first in UNIX seconds; reading it back gives the same numbers.
+
+    Parameters
+    ----------
+    recording : Recording
+        Of a rig.
+    file : str
+        Where it is going to stand, for the message.
+
+    Raises
+    ------
+    DataError
+        ``no_clock`` if its samples have no time.
+    """
+    if recording.time_ns is None:
+        raise DataError("a simulated recording without a clock", file, do="Give it time_ns", code="no_clock")
+    seconds, rest = divmod(recording.time_ns, SECOND)
+    whole = not rest.any()
+    stamps = [str(s) if whole else f"{s}.{r:09d}" for s, r in zip(seconds.tolist(), rest.tolist(), strict=True)]
+    columns = [stamps, *(list(map(repr, channel.data.tolist())) for channel in recording.channels)]
+    rows = map(",".join, zip(*columns, strict=True))
+    return "\n".join([",".join(["unix_s", *recording.names]), *rows, ""])
+
+
+def read_truth(folder: str | Path) -> Truth:
+    """Return the truth behind a campaign, its seal checked against campaign.toml.
+
+    Raises
+    ------
+    PlanError
+        If there is no campaign in the folder.
+    DataError
+        ``no_truth`` if it is no simulated campaign, ``damaged_truth`` if the truth cannot be read,
+        ``seal_broken`` if it is not the one that the campaign was written with.
+    """
+    source, path = load(folder).file.campaign.source, Path(folder) / TRUTH
+    try:
+        raw = path.read_bytes()
+    except OSError:
+        what, why = f"no truth: {path} does not exist", "only a simulated campaign can be scored"
+        do = f"Try: inertialcal simulate {next(iter(RIGS))} -o DIR"
+        raise DataError(what, why=why, do=do, code="no_truth") from None
+    seal = hashlib.sha256(raw).hexdigest()
+    if seal not in source:
+        what = f"the truth has SHA-256 {seal[:12]}..., campaign.source names another"
+        why = "it was changed, or belongs to another campaign"
+        raise DataError(what, TRUTH, why, "Simulate the campaign again from its seed", "seal_broken")
+    try:
+        content = json.loads(raw)
+        values = [TrueValue(**one) for one in content["values"]]
+        return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
+    except (ValueError, KeyError, TypeError) as error:
+        raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
+
+
+def _write(target: Path, texts: Mapping[str, str]) -> None:
+    """Write the files into a folder aside, then move it to its place."""
+    try:
+        target.parent.mkdir(parents=True, exist_ok=True)
+        aside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
+    except OSError as error:
+        raise StoreError(f"cannot write into {target.parent}: {error.strerror}", code="not_writable") from None
+    try:
+        for name, text in texts.items():
+            path = aside / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text, encoding="utf-8")
+        aside.chmod(0o755)
+        if target.is_dir():
+            target.rmdir()
+        aside.rename(target)
+    except OSError as error:
+        raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
+    finally:
+        shutil.rmtree(aside, ignore_errors=True)
