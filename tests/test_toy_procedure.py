@@ -27,7 +27,7 @@ RECORDING = """\
 [recordings.r%d]
 sensor = "suite"
 file = "r%d.csv"
-channels = { x = { column = "gyro_x", unit = "deg/s" }, y = { column = "gyro_y", unit = "deg/s" } }
+channels = { x = { column = "gyro_x [deg/s]", unit = "deg/s" }, y = { column = "gyro_y [deg/s]", unit = "deg/s" } }
 """
 TEST = """\
 [[tests]]
