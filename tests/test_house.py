@@ -79,6 +79,61 @@ def test_imports_go_upwards_only(path: Path) -> None:
             assert ORDER.index(parts[1]) <= own, f"{path.name}:{line} imports {name} from a lower folder"
 
 
+def modules() -> dict[str, Path]:
+    """Return the file of each module by its dotted name."""
+    named = {".".join(("inertialcal", *path.relative_to(PACKAGE).with_suffix("").parts)): path for path in FILES}
+    return {name.removesuffix(".__init__"): path for name, path in named.items()}
+
+
+def run_imports(path: Path, package: tuple[str, ...]) -> Iterator[str]:
+    """Yield what a file imports when it runs, inside functions too; what only types need is left out."""
+    left = [*ast.parse(path.read_text(encoding="utf-8")).body]
+    while left:
+        node = left.pop()
+        if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
+            left += node.orelse
+            continue
+        yield from (name for _, name in imports(node, package))
+        left += ast.iter_child_nodes(node)
+
+
+def rings(graph: dict[str, set[str]]) -> list[str]:
+    """Return the modules that import themselves, by way of others."""
+    reached = {name: set(graph[name]) for name in graph}
+    for name, imported in graph.items():
+        left = [*imported]
+        while left:
+            more = graph[left.pop()] - reached[name]
+            reached[name] |= more
+            left += more
+    return sorted(name for name in graph if name in reached[name])
+
+
+def test_no_import_goes_round() -> None:
+    """An import inside a function hides a ring from Python, not from a reader."""
+    known = modules()
+    packages = {name: tuple(name.split(".")) if path.name == "__init__.py" else tuple(name.split(".")[:-1])
+                for name, path in known.items()}  # fmt: skip
+    graph = {name: {one for one in run_imports(path, packages[name]) if one in known} for name, path in known.items()}
+    # "from a import b" where b is a module: what is meant is the module, not its package
+    graph = {name: {one for one in found if not any(other.startswith(f"{one}.") for other in found)}
+             for name, found in graph.items()}  # fmt: skip
+    assert rings(graph) == []
+
+
+def test_rings_are_found() -> None:
+    assert rings({"a": {"b"}, "b": {"c"}, "c": {"a"}, "d": {"a"}}) == ["a", "b", "c"]
+
+
+MOST_FILES = 20  # in a folder: beyond that it lacks a level, or holds pieces too small
+
+
+@pytest.mark.parametrize("root", [PACKAGE, Path(__file__).parent], ids=["src", "tests"])
+def test_a_folder_holds_what_a_reader_can_survey(root: Path) -> None:
+    counts = {path: len([*path.glob("*.py")]) for path in [root, *root.rglob("*")] if path.is_dir()}
+    assert {str(path.relative_to(root)): count for path, count in counts.items() if count > MOST_FILES} == {}
+
+
 def test_the_walk_sees_relative_imports(tmp_path: Path) -> None:
     path = PACKAGE / "core" / "estimate.py"
     assert "inertialcal.core.errors" in {name for _, name in names(path).imported}
@@ -111,7 +166,7 @@ STILL_NAME_PROCEDURES: frozenset[str] = frozenset(
         "campaign/calls/rate_table.py",
         "campaign/calls/reduced_table.py",
         "campaign/calls/stepped_recording.py",
-        "campaign/channels.py",
+        "campaign/inputs/channels.py",
         "campaign/flip_campaign.py",
         "campaign/starter.py",
         "campaign/starter_flip.py",

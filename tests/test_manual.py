@@ -33,9 +33,9 @@ from inertialcal.campaign.file.example import build
 from inertialcal.campaign.outcome.publish import ROW_COLUMNS
 from inertialcal.cli.__main__ import main
 from inertialcal.cli.app import app
-from inertialcal.core import schema_words
-from inertialcal.core import standards as schema_standards
 from inertialcal.core.remarks import Remark
+from inertialcal.core.schema import standards as schema_standards
+from inertialcal.core.schema import words as schema_words
 from inertialcal.core.settings import settings_of
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip

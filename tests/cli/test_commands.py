@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
+
 from typed_commands import call
 
 Write = Callable[..., Path]

@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typed_commands import call, call_json
 
 from inertialcal import load_model
 from inertialcal.campaign.compare.compare import compare
@@ -22,6 +21,7 @@ from inertialcal.core.recording import Recording
 from inertialcal.files import read
 from inertialcal.rigs.hand_held.rig import FAULTS, Bench, build
 from positions_truths import protocol
+from typed_commands import call, call_json
 
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.0, first=2.0)

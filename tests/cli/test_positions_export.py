@@ -11,7 +11,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typed_commands import call, call_json
 
 from inertialcal import load_model, read
 from inertialcal.campaign.twins.twin import csv_text
@@ -21,6 +20,7 @@ from inertialcal.files.models.formats import FORMATS
 from inertialcal.rigs.hand_held.rig import Bench, build
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.sensor_model import SensorModel
+from typed_commands import call, call_json
 
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 SENSORS = {"acc": "accelerometer", "gyro": "gyro"}

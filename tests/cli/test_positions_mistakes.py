@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typed_commands import call, call_json
 
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
+from typed_commands import call, call_json
 
 ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.0, first=2.0)
 SI = ("--unit", "acc=m/s2", "--unit", "gyro=rad/s")

@@ -12,7 +12,7 @@ from typing import Any
 
 from ...core.influence import Standards
 from ...core.results import Row
-from ...core.standards import STANDARDS
+from ...core.schema.standards import STANDARDS
 from ...procedures import procedure_of
 from ...procedures.protocol import Tested
 from ...rigs.protocol import SEED, Twin

@@ -14,7 +14,7 @@ from pydantic import BaseModel, ValidationError
 
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
-from ...core.standards import STANDARDS
+from ...core.schema.standards import STANDARDS
 from .cross_checks import cross_checks
 from .schema import CampaignFile
 from .toml_lines import Path as KeyPath

@@ -13,7 +13,7 @@ from typing import Any, get_args
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
 
 from ...core.errors import Problem
-from ...core.quantities import quantity
+from ...core.schema.quantities import quantity
 from ...core.settings import Setting, settings_of
 from ...procedures import procedure_of
 

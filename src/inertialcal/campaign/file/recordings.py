@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 from pydantic import Field, create_model, field_validator, model_validator
 
 from ...core.errors import InertialcalError
-from ...core.quantities import Duration, Unit
-from ...core.schema_words import Axis, Name, Strict, Text
+from ...core.schema.quantities import Duration, Unit
+from ...core.schema.words import Axis, Name, Strict, Text
 from ...core.times import read_instant
 from ...procedures import procedure_names, procedure_of
 from ...procedures.entries import EntryKey

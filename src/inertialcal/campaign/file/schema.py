@@ -10,9 +10,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.quantities import Acceleration, Angle, Length
-from ...core.schema_words import Name, Strict, Text
-from ...core.standards import StandardEntry
+from ...core.schema.quantities import Acceleration, Angle, Length
+from ...core.schema.standards import StandardEntry
+from ...core.schema.words import Name, Strict, Text
 from ...core.times import read_instant
 from .recordings import RecordingEntry
 from .sensors import Sensor

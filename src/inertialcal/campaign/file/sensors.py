@@ -6,8 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.quantities import Duration, Unit, Voltage
-from ...core.schema_words import Axis, PerAxis, Strict, Text
+from ...core.schema.quantities import Duration, Unit, Voltage
+from ...core.schema.words import Axis, PerAxis, Strict, Text
 from ...core.units import kind
 
 

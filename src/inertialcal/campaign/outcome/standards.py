@@ -7,7 +7,7 @@ from typing import Any
 
 from ...core.influence import Influence
 from ...core.results import finite
-from ...core.standards import STANDARDS
+from ...core.schema.standards import STANDARDS
 from ...procedures import loaded_procedures
 from ..file.load import Campaign
 from .requirements import Tested

@@ -9,8 +9,8 @@ from typing import Annotated, Protocol, cast
 from pydantic import Field, field_validator
 
 from ...core.errors import Problem
-from ...core.quantities import Angle, Unit
-from ...core.schema_words import Strict, Text
+from ...core.schema.quantities import Angle, Unit
+from ...core.schema.words import Strict, Text
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 

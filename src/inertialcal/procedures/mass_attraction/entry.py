@@ -8,8 +8,8 @@ from typing import Protocol, cast
 from pydantic import Field
 
 from ...core.errors import DataError, Problem
-from ...core.quantities import Unit
-from ...core.schema_words import Strict, Text
+from ...core.schema.quantities import Unit
+from ...core.schema.words import Strict, Text
 from ...core.units import kind, parse_quantity, same_dimension
 from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 

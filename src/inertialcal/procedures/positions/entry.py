@@ -7,8 +7,8 @@ from typing import Annotated, Protocol
 
 from pydantic import AfterValidator, Field
 
-from ...core.quantities import Angle
-from ...core.schema_words import Text
+from ...core.schema.quantities import Angle
+from ...core.schema.words import Text
 from ..entries import Entry, EntryKey
 from .orientations.text import FACES, LIKE, direction_of
 

@@ -38,7 +38,6 @@ from .fit.earth_rate import apart, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import LinearSensor, rounded_scale, with_ideal
 from .gravity import by_axis, local_gravity
-from .held_out.first_positions import HeldOut, held_out
 from .orientations.labels import check_names, missing_faces
 from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
@@ -55,7 +54,6 @@ __all__ = [
     "Ferraris",
     "Fitted",
     "FittedGyro",
-    "HeldOut",
     "Plan",
     "Readings",
     "Result",
@@ -64,7 +62,6 @@ __all__ = [
     "Triad",
     "Truth",
     "ferraris",
-    "held_out",
     "local_gravity",
     "on_faces",
     "readings_from",

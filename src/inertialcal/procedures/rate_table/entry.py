@@ -6,8 +6,8 @@ from collections.abc import Callable, Iterator
 from typing import Protocol, cast
 
 from ...core.errors import Problem
-from ...core.quantities import Unit
-from ...core.schema_words import Axis, Strict, Text
+from ...core.schema.quantities import Unit
+from ...core.schema.words import Axis, Strict, Text
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor
 

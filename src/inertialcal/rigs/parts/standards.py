@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping
 import numpy as np
 
 from ...core.influence import Influence
-from ...core.standards import STANDARDS
+from ...core.schema.standards import STANDARDS
 
 PLACES = {f"{standard}.{name}": (standard, name) for standard, names in STANDARDS.items() for name in names}
 

@@ -16,10 +16,10 @@ from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.remarks import Remark, gather
 from ....core.results import Row, by_quantity
+from ....core.schema.standards import STANDARDS, StandardEntry
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import figures, told
 from ....core.show.tables import Part, html, text
-from ....core.standards import STANDARDS, StandardEntry
 from ....core.units import factor, kind, parse_quantity
 from ....files.models.model_json import dump_model
 from ....files.write.atomic import atomic_write

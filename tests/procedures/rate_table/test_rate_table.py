@@ -27,7 +27,7 @@ from inertialcal.procedures.rate_table.reduction import (
 from inertialcal.statistics.intervals import covers, t_interval
 
 IDEAL = dict.fromkeys("xyz", 0.5 * 180.0 / np.pi)  # V/(rad/s), thesis: 0.5 V/(deg/s)
-EXAMPLE = Path(__file__).resolve().parents[2] / "src/inertialcal/examples/npsat2011"
+EXAMPLE = Path(__file__).resolve().parents[3] / "src/inertialcal/examples/npsat2011"
 
 # Badescu, NPS thesis 2011, Appendices E to J: appendix, table, axis, column, slope [V/(deg/s)], intercept [V], points.
 # J1 prints 0.46747, a misprint: its own sums of squares give 0.49747 (errata).

@@ -17,6 +17,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.files import read
+from inertialcal.procedures.positions.held_out.first_positions import held_out
 from inertialcal.procedures.positions.recordings import ACC, GYRO
 from inertialcal.procedures.positions.reduction import (
     Plan,
@@ -24,7 +25,6 @@ from inertialcal.procedures.positions.reduction import (
     Result,
     Section,
     ferraris,
-    held_out,
     readings_from,
     reduce,
 )

@@ -6,9 +6,9 @@ import math
 
 from pydantic import Field, model_validator
 
-from .influence import Influence
-from .schema_words import Strict, Text
-from .units import parse_quantity
+from ..influence import Influence
+from ..units import parse_quantity
+from .words import Strict, Text
 
 LARGEST = 1e9  # uncertainty of a standard, SI: beyond it a digit or a unit is wrong
 # Influences that may stand under [standards.NAME], with the unit that they are read into.

@@ -151,7 +151,7 @@ def test_results_of_a_copy_elsewhere_are_the_same_bytes_and_not_large(twin: Path
 
 
 def test_every_curve_and_column_is_in_the_manual(results: dict[str, Any]) -> None:
-    page = (Path(__file__).resolve().parents[2] / "docs" / "results.md").read_text(encoding="utf-8")
+    page = (Path(__file__).resolve().parents[3] / "docs" / "results.md").read_text(encoding="utf-8")
     columns = {(curve["name"], column) for curve in results["curves"] for column in curve["columns"]}
     assert {name for name, _ in columns} == {"input_output", "rate_error", "trace", "dwells", "compensated"}
     for name, column in columns:

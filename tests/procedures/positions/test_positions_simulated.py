@@ -10,7 +10,8 @@ import pytest
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.procedures.positions.gravity import local_gravity
-from inertialcal.procedures.positions.reduction import Plan, Readings, Truth, held_out, on_faces, reduce, simulate
+from inertialcal.procedures.positions.held_out.first_positions import held_out
+from inertialcal.procedures.positions.reduction import Plan, Readings, Truth, on_faces, reduce, simulate
 from inertialcal.procedures.positions.simulation import FACES
 from positions_truths import BODY, BY_HAND, BY_HAND_PLAN, CUBE, FIXTURE_PLAN, PLAN, TURNED, G, changed, true_values
 

@@ -6,8 +6,8 @@ from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
-from .errors import DataError
-from .units import normalise, parse_quantity
+from ..errors import DataError
+from ..units import normalise, parse_quantity
 
 
 def quantity(si_unit: str, difference: bool = False) -> Any:

@@ -1,0 +1,1 @@
+"""What campaign files are made of: words, quantities, standards; for pydantic."""
