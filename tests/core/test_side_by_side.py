@@ -7,6 +7,7 @@ from typing import Any
 import pytest
 
 from inertialcal.core.show.side_by_side import own_rows, pairs_of, verdict_of
+from inertialcal.procedures.flip.figures import COMPARED
 
 
 def row(quantity: str, value: float | None, condition: str = "", axis: str = "y", half: float = 0.0) -> dict[str, Any]:
@@ -24,19 +25,19 @@ ROWS = [
 
 
 def test_an_axis_has_both_errors_and_what_they_differ_by_by_flip() -> None:
-    found = pairs_of(ROWS)
+    found = pairs_of(ROWS, COMPARED)
     assert list(found) == [("y", ""), ("y", "flip 2")]
-    assert found["y", ""]["other_model_bias_error"]["value"] == 3.0
-    assert found["y", "flip 2"]["model_bias_error_change"]["value"] == -4.1
+    assert found["y", ""]["other"]["value"] == 3.0
+    assert found["y", "flip 2"]["change"]["value"] == -4.1
 
 
 def test_a_condition_of_the_test_is_the_result() -> None:
-    assert list(pairs_of([one | {"condition": "cold"} for one in ROWS[:5]])) == [("y", "")]
+    assert list(pairs_of([one | {"condition": "cold"} for one in ROWS[:5]], COMPARED)) == [("y", "")]
 
 
 def test_rows_of_the_other_stand_in_their_own_table_alone() -> None:
-    assert [one["quantity"] for one in own_rows(ROWS)] == ["bias", *["model_bias_error"] * 3]
-    assert own_rows(ROWS[:2]) == ROWS[:2]
+    assert [one["quantity"] for one in own_rows(ROWS, COMPARED)] == ["bias", *["model_bias_error"] * 3]
+    assert own_rows(ROWS[:2], COMPARED) == ROWS[:2]
 
 
 @pytest.mark.parametrize(
@@ -44,5 +45,5 @@ def test_rows_of_the_other_stand_in_their_own_table_alone() -> None:
     [(2.0, 1.0, "nearer"), (-2.0, 1.0, "farther"), (0.5, 1.0, "not shown"), (2.0, 0.0, "not shown")],
 )
 def test_nearer_is_what_the_interval_shows(value: float, half: float, word: str) -> None:
-    assert verdict_of({"model_bias_error_reduction": row("model_bias_error_reduction", value, half=half)}) == word
+    assert verdict_of({"reduction": row("model_bias_error_reduction", value, half=half)}) == word
     assert verdict_of({}) == "not shown"

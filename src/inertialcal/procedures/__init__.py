@@ -6,13 +6,15 @@ Installed packages add theirs by the entry point ``inertialcal.procedures``.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from functools import lru_cache
 from types import MappingProxyType
 from typing import Any
 
 from ..core.errors import UsageError
 from ..core.registry import Registry
+from ..core.show.sentence import WrittenRow
+from ..core.show.side_by_side import Compared
 from .protocol import Procedure, Quantity
 
 BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions")
@@ -60,6 +62,13 @@ def loaded_procedures() -> tuple[Procedure[Any, Any, Any], ...]:
         except UsageError:
             continue
     return tuple(found)
+
+
+def compared_in(rows: Iterable[WrittenRow]) -> Compared | None:
+    """Return what the rows of a test compare with another test; None where they compare nothing."""
+    quantities = {row["quantity"] for row in rows}
+    declared = (procedure.compared for procedure in loaded_procedures())
+    return next((one for one in declared if one is not None and one.change in quantities), None)
 
 
 def all_quantities() -> Mapping[str, Quantity]:

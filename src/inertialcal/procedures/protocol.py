@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, T
 from ..core.axes import AXES, Kind
 from ..core.figure import FigureSpec
 from ..core.show.sentence import Sentence, WrittenRow, error_sentence
+from ..core.show.side_by_side import Compared
 
 if TYPE_CHECKING:
     from ..core.curve import Curve
@@ -420,6 +421,7 @@ class Procedure(Generic[P, R, S]):
     chosen_by: str = "Choose by windows"  # how a test takes a part of a recording
     counts_dwells: bool = True
     figures: Sequence[FigureSpec] = ()
+    compared: Compared | None = None
     makes_model: bool = False  # what is fitted becomes the model of the sensor
     model_of_each: bool = False  # several sensors of a campaign may each have one
     takes_corrections: bool = False  # readings may have taken off what another test found

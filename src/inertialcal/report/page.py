@@ -146,7 +146,11 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for section in page["sections"]:
         yield from _quantities(section, page)
         if section.pairs:
-            names = {"test": section.test, "other": section.step["against"] if section.step else ""}
+            names = {
+                "test": section.test,
+                "caption": section.pairs_caption,
+                "other": section.step["against"] if section.step else "",
+            }
             pairs = _block("pairs", page, pairs=section.pairs, verdict_of=verdict_of, **names)
             yield f"pairs-{section.anchor}", pairs
     yield from _of_all_tests(page)

@@ -12,6 +12,7 @@ from ..core.remarks import is_placed
 from ..core.show.alternatives import columns_of, lines_of, missing_of
 from ..core.show.side_by_side import own_rows, pairs_of
 from ..core.show.wording import SEVERITIES
+from ..procedures import compared_in
 from .findings import Finding, of_test
 from .numbers import Branch, Text
 
@@ -56,7 +57,9 @@ class Section:
     remarks : list
         Those placed in this test.
     pairs : dict
-        Where it is set beside another test: both errors and what they differ by, by axis and flip.
+        Where it is set beside another test: both errors and what they differ by, by axis and part of the readings.
+    pairs_caption : str
+        What their table is called.
     """
 
     test: str
@@ -69,6 +72,7 @@ class Section:
     missing: list[tuple[str, list[Any]]]
     remarks: list[Any]
     pairs: dict[tuple[str, str], dict[str, Any]]
+    pairs_caption: str
 
     @property
     def together(self) -> list[Line]:
@@ -100,7 +104,8 @@ def sections(
     for number, test in enumerate(tests):
         mine = [row for row in rows if row["test"] == test]
         judged = [one for one in verdicts if one["test"] == test]
-        lines, every = table(own_rows(mine))
+        compared = compared_in(mine)
+        lines, every = table(own_rows(mine, compared))
         runs = {way: part for way in every if (part := case_of(way).member) is not None and part.kind == "run"}
         alone = [(way, Text(part.label)) for way, part in runs.items()]
         ways = [way for way in every if way not in runs]
@@ -109,7 +114,8 @@ def sections(
         found.append(
             Section(
                 test, anchor("test", test, number), step, finding, lines, ways, alone,
-                missing(mine), placed(remarks, test), pairs_of(mine),
+                missing(mine), placed(remarks, test), pairs_of(mine, compared),
+                "" if compared is None else compared.caption,
             )
         )  # fmt: skip
     return found

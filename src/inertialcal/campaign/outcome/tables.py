@@ -10,8 +10,9 @@ from ...core.remarks import Remark
 from ...core.show.alternatives import names_of
 from ...core.show.result_tables import estimated, figure, folded, not_estimated, told
 from ...core.show.rounding import number
-from ...core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
+from ...core.show.side_by_side import own_rows, pairs_of, verdict_of
 from ...core.show.tables import Grid, Part
+from ...procedures import compared_in
 
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
 
@@ -31,7 +32,8 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
     shown = [row for row in results["results"] if not case_of(row["condition"]).beside]
     parts: list[Part] = []
     for test in dict.fromkeys(row["test"] for row in shown):
-        parts += estimated(own_rows([row for row in shown if row["test"] == test]), str(test))
+        mine = [row for row in shown if row["test"] == test]
+        parts += estimated(own_rows(mine, compared_in(mine)), str(test))
         parts += _side_by_side(results, str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
     left_out = [row["condition"] for row in results["results"] if case_of(row["condition"]).beside]
@@ -43,17 +45,20 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
 
 
 def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Part, ...]:
-    """Return what two ground models leave of the bias, a row an axis."""
-    pairs = pairs_of(row for row in results["results"] if row["test"] == test)
+    """Return the errors of a test and of the one that it is set beside, a row an axis."""
+    mine = [row for row in results["results"] if row["test"] == test]
+    compared = compared_in(mine)
+    if compared is None:
+        return ()
     rows = [
-        (axis, figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), figure(pair.get(REDUCTION)),
-         pair[CHANGE]["unit"], verdict_of(pair))
-        for (axis, member), pair in pairs.items()
-        if not member
+        (axis, *(figure(pair.get(role)) for role in compared.roles.values()), pair["change"]["unit"], verdict_of(pair))
+        for (axis, part), pair in pairs_of(mine, compared).items()
+        if not part
     ]  # fmt: skip
     other = next((step["against"] for step in results["sequence"] if step["test"] == test), None)
     heads = ("axis", test, str(other), "difference", "nearer to zero by", "unit", "to zero")
-    return (Grid(heads, rows, f"{test} against {other}: model bias error", (1, 2, 3, 4)),) if rows else ()
+    title = f"{test} against {other}: {compared.error.replace('_', ' ')}"
+    return (Grid(heads, rows, title, (1, 2, 3, 4)),) if rows else ()
 
 
 def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:

@@ -10,7 +10,8 @@ from ...core.remarks import Remark
 from ...core.show.alternatives import columns_of, lines_of, names_of
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ...core.show.rounding import number
-from ...core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, own_rows, pairs_of, verdict_of
+from ...core.show.side_by_side import Compared, own_rows, pairs_of, verdict_of
+from ...procedures import compared_in
 from .output import clean, table, wrapped
 
 
@@ -21,13 +22,14 @@ def results_text(results: Mapping[str, Any]) -> str:
     against = {step["test"]: step.get("against") for step in results.get("sequence", [])}
     for test in tests:
         rows = [row for row in results["results"] if row["test"] == test]
-        blocks.append(f"{test}\n{_estimated(own_rows(rows))}")
-        missing = "\n".join(part for part in (_in_doubt(rows), _not_estimated(rows)) if part)
+        compared = compared_in(rows)
+        own = own_rows(rows, compared)
+        blocks.append(f"{test}\n{_estimated(own)}")
+        missing = "\n".join(part for part in (_in_doubt(own), _not_estimated(rows)) if part)
         if missing:
             blocks[-1] += f"\n{missing}"
-        beside = _side_by_side(rows, test, str(against.get(test) or "the other"))
-        if beside:
-            blocks[-1] += f"\n{beside}"
+        if compared is not None:
+            blocks[-1] += _side_by_side(rows, compared, test, str(against.get(test) or "the other"))
     return "\n\n".join(blocks)
 
 
@@ -56,7 +58,7 @@ def _name(quantity: str, condition: str) -> str:
 def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return a line a reason why figures of axes may not hold."""
     axes: dict[str, dict[str, None]] = {}
-    for row in own_rows(rows):
+    for row in rows:
         if row["status"] == "estimated" and reason_of(row["reason"]).code == "in_doubt":
             axes.setdefault(row["reason"], {})[row["axis"]] = None
     return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
@@ -66,16 +68,17 @@ def _not_estimated(rows: Sequence[Mapping[str, Any]]) -> str:
     return "\n".join(f"  {line}" for line in not_estimated(rows))
 
 
-def _side_by_side(rows: Sequence[Mapping[str, Any]], test: str, other: str) -> str:
-    """One line an axis: what both ground models leave of the bias, and which of them is nearer to zero."""
+def _side_by_side(rows: Sequence[Mapping[str, Any]], compared: Compared, test: str, other: str) -> str:
+    """One line an axis: both errors, and which of them is nearer to zero."""
     cells = [
-        [f"  {axis}", figure(pair.get(ERROR)), figure(pair.get(OTHER)), figure(pair[CHANGE]), interval(pair[CHANGE]),
-         figure(pair.get(REDUCTION)), interval(pair.get(REDUCTION)), pair[CHANGE]["unit"], verdict_of(pair)]
-        for (axis, flip), pair in pairs_of(rows).items()
-        if not flip
+        [f"  {axis}", figure(pair.get("error")), figure(pair.get("other")), figure(pair["change"]),
+         interval(pair["change"]), figure(pair.get("reduction")), interval(pair.get("reduction")),
+         pair["change"]["unit"], verdict_of(pair)]
+        for (axis, part), pair in pairs_of(rows, compared).items()
+        if not part
     ]  # fmt: skip
     heads = ["  axis", test, other, "difference", "95 % interval", "nearer to 0 by", "95 % interval", "unit", "to 0"]
-    return f"  side by side: what both ground models leave of the bias\n{table(cells, heads)}" if cells else ""
+    return f"\n  side by side: {compared.title}\n{table(cells, heads)}" if cells else ""
 
 
 def verdicts_text(results: Mapping[str, Any]) -> str:

@@ -1,11 +1,20 @@
-"""Figures of the flip: what each is drawn from, where it stands in a report."""
+"""Figures and tables of the flip: what each is made of, where it stands in a report."""
 
 from __future__ import annotations
 
 from ...core.figure import FigureSpec
+from ...core.show.side_by_side import Compared
 
 DRAWN = "inertialcal.report.figures.flip."
 
+COMPARED = Compared(
+    "model_bias_error",
+    "other_model_bias_error",
+    "model_bias_error_change",
+    "model_bias_error_reduction",
+    "what both ground models leave of the bias",
+    "Two ground models side by side, in the same dwells: what each leaves of the bias, and what they differ by",
+)
 FIGURES = (
     FigureSpec(
         "side_by_side",

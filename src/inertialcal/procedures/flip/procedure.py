@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from ..protocol import READING, Command, Correction, Exclusion, InputSpec, Procedure, Quantity, Source, Tested
-from .figures import FIGURES
+from .figures import COMPARED, FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         Command("flip", "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."),
     )
     plan_type, influences = Plan, INFLUENCES
-    figures = FIGURES
+    figures, compared = FIGURES, COMPARED
     set_against = True
     chosen_by = "Choose by positions"
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")

@@ -29,6 +29,7 @@ from ...core.estimate import Array, Component, Estimate
 from ...core.key import Key, Member, Reason
 from ...core.results import Row
 from ...statistics.intervals import ends, t_interval
+from .figures import COMPARED
 from .plan import Plan
 from .readings import Quiet, Readings
 from .separation.equations import BIAS
@@ -37,8 +38,7 @@ from .separation.pooling import Flip, flips_of, pooled
 if TYPE_CHECKING:
     from .reduction import Result
 
-OTHER = "other_model_bias_error"
-CHANGE, REDUCTION = "model_bias_error_change", "model_bias_error_reduction"
+OTHER, CHANGE, REDUCTION = COMPARED.other, COMPARED.change, COMPARED.reduction
 DIGITS = 6  # of an angle [rad], and of a time [s], by which dwells are told to be the same
 UNIT = "m/s^2"
 SIGN = Reason("sign_unknown", "the sign of an error is not known: its 95 % interval reaches over zero")

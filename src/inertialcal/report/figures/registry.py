@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib import import_module
 from typing import Any
 
-from ...core.errors import PlanError, UsageError
+from ...core.errors import PlanError
 from ...core.figure import FigureSpec
-from ...procedures import PROCEDURES
+from ...procedures import loaded_procedures
 from .campaign.specs import FIGURES as OF_A_CAMPAIGN
 from .drawing.picture import Picture
 from .drawing.svg import to_svg
@@ -80,18 +80,10 @@ def figures() -> dict[str, Figure]:
         ``broken_plugin`` if a procedure of others declares a figure under a name that is taken.
     """
     found: dict[str, FigureSpec] = {one.name: one for one in OF_A_CAMPAIGN}
-    for name in PROCEDURES:
-        for spec in _declared(name):
+    for procedure in loaded_procedures():
+        for spec in procedure.figures:
             if spec.name in found:
-                what = f"procedure {name!r}: there is a figure {spec.name!r} already"
+                what = f"procedure {procedure.name!r}: there is a figure {spec.name!r} already"
                 raise PlanError(what, do="Give it another name", code="broken_plugin")
             found[spec.name] = spec
     return {one.name: Figure(one) for one in sorted(found.values(), key=lambda one: one.order)}
-
-
-def _declared(name: str) -> Iterable[FigureSpec]:
-    """Return the figures of a procedure; none of one that cannot be loaded, which a campaign that needs it says."""
-    try:
-        return PROCEDURES[name].figures
-    except UsageError:
-        return ()

@@ -13,16 +13,17 @@ from matplotlib.axes import Axes
 
 from ....core.results import finite
 from ....core.show.rounding import with_uncertainty
-from ....core.show.side_by_side import CHANGE, ERROR, OTHER, REDUCTION, pairs_of, verdict_of
+from ....core.show.side_by_side import pairs_of, verdict_of
+from ....procedures.flip.figures import COMPARED
 from ..drawing.data import distinct
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_title, with_unit
 
 NAME = "side_by_side"
 MARKS: dict[str, dict[str, Any]] = {
-    ERROR: {"marker": "o", "color": COLOURS["blue"]},
-    OTHER: {"marker": "o", "color": COLOURS["vermilion"], "markerfacecolor": "none"},
-    CHANGE: {"marker": "s", "color": COLOURS["quiet"]},
+    "error": {"marker": "o", "color": COLOURS["blue"]},
+    "other": {"marker": "o", "color": COLOURS["vermilion"], "markerfacecolor": "none"},
+    "change": {"marker": "s", "color": COLOURS["quiet"]},
 }
 SHOWS = (
     "A panel an axis: what both ground models leave of the bias, and their difference, with 95 % intervals; strokes are"
@@ -39,11 +40,11 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
     against = {step["test"]: step.get("against") for step in results.get("sequence", [])}
     rows = results.get("results", [])
     found = []
-    for test in distinct(str(row["test"]) for row in rows if row["quantity"] == CHANGE):
+    for test in distinct(str(row["test"]) for row in rows if row["quantity"] == COMPARED.change):
         mine = [row for row in rows if row["test"] == test]
-        pairs = pairs_of(mine)
+        pairs = pairs_of(mine, COMPARED)
         if _results(pairs):
-            errors = [row for row in mine if row["quantity"] in (ERROR, OTHER, CHANGE, REDUCTION)]
+            errors = [row for row in mine if row["quantity"] in COMPARED.roles]
             found.append(_picture(pairs, (test, str(against.get(test) or "the other")), errors))
     return found
 
@@ -64,7 +65,7 @@ def finding(pairs: Pairs, tests: tuple[str, str]) -> str:
         if word == "not shown":
             said.append(f"{plain(axis, 12)} not shown nearer")
         else:
-            row = pair[REDUCTION]
+            row = pair["reduction"]
             said.append(
                 f"{plain(axis, 12)} {with_uncertainty(abs(row['value']), row['u'])} {plain(row['unit'])} {word}"
             )
@@ -103,7 +104,7 @@ def draw(axes: Sequence[Axes], pairs: Pairs, tests: tuple[str, str], title: str 
         ax.tick_params(axis="y", length=0)
         set_labels(ax, y=plain(axis, 12))
     set_title(axes[0], title)
-    set_labels(axes[-1], with_unit("error", plain(next(iter(shown.values()))[CHANGE]["unit"], 12)))
+    set_labels(axes[-1], with_unit("error", plain(next(iter(shown.values()))["change"]["unit"], 12)))
 
 
 def _mark(ax: Axes, place: int, row: Mapping[str, Any] | None, look: Mapping[str, Any]) -> None:
