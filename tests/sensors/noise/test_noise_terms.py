@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from decimal import Decimal, getcontext
+from decimal import Decimal, getcontext, localcontext
 
 import numpy as np
 import pytest
@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.noise.allan_of_terms import expected_variance
-from inertialcal.sensors.noise.phase import Phase
+from inertialcal.sensors.noise.phase import Phase, flicker_covariance
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.spectrum_of_terms import continuous_spectrum, sampled_spectrum
 from inertialcal.sensors.noise.terms import (
@@ -186,3 +186,17 @@ def test_what_cannot_be_is_refused() -> None:
         simulate(RandomWalk(1.0), 1, 1.0, rng)
     with pytest.raises(DataError, match=r"outside 0 to 0\.5 Hz"):
         sampled_spectrum(RandomWalk(1.0), [0.7], 1.0)
+
+
+@pytest.mark.parametrize("duty", [0.1, 0.5, 1.0])
+@pytest.mark.parametrize("lag", [2, 29, 30, 45, 1000])
+def test_covariance_of_flicker_near_and_far_is_the_second_difference_of_its_integral(lag: int, duty: float) -> None:
+    """Twice integrated -ln t over windows of a share of the interval, in 50 digits: no digit is lost far away."""
+    with localcontext(prec=50):
+        d = Decimal(duty)
+
+        def twice(t: Decimal) -> Decimal:
+            return t * t * t.ln() / 2
+
+        exact = Decimal("1.5") - (twice(lag + d) - 2 * twice(Decimal(lag)) + twice(lag - d)) / d**2
+    assert flicker_covariance(np.array([float(lag)]), duty)[0] == pytest.approx(float(exact), abs=1e-10)
