@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
+from inertialcal.procedures.rate_table.fit.regression import Level, dwell_variance
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
     Readings,
@@ -335,3 +336,14 @@ def test_dwell_mean_interval_holds_a_new_dwell_in_a_new_run() -> None:
         assert interval.hi is not None
         held += interval.lo <= there <= interval.hi
     assert covers(held, n)
+
+
+def test_a_new_dwell_in_a_new_run_scatters_by_both_levels() -> None:
+    """Means of runs of 4 dwells scatter by run^2 + dwell^2 / 4; a single dwell of a new run by run^2 + dwell^2."""
+    run, dwell, per_run = 2.0, 1.0, 4
+    of_means = Level("run", float(np.hypot(run, dwell / np.sqrt(per_run))), 5.0)
+    found = dwell_variance((Level("sample", None), Level("dwell", dwell, 20.0), of_means), per_run)
+    assert found is not None
+    variance, dof = found
+    assert variance == pytest.approx(run**2 + dwell**2)
+    assert dof == pytest.approx(5.0**2 / (4.25**2 / 5.0 + 0.75**2 / 20.0))  # Satterthwaite

@@ -11,6 +11,9 @@ from noise_records import GMWM, WALK, curve, exact_run, fitted, names, record, v
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.sensors.noise.fitting.estimator import fit
+from inertialcal.sensors.noise.fitting.goodness import residual_test
+from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, mean_of
+from inertialcal.sensors.noise.fitting.problem import problem_of
 from inertialcal.sensors.noise.planner import plan_record
 from inertialcal.sensors.noise.runs import Run
 from inertialcal.sensors.noise.terms import (
@@ -136,6 +139,17 @@ def test_terms_that_do_not_explain_are_told_by_the_residual_test() -> None:
     assert f"{100.0 * wrong.misfit:.2g} %" in wrong.remarks[0].what
     right = fitted(WALK, 40_000, 0.01, 1)
     assert (right.misfit, right.remarks) == (0.0, ())
+
+
+def test_variances_at_the_centre_of_their_distribution_leave_nothing_to_the_residual_test() -> None:
+    """Wilson and Hilferty: the cube root of chi-square over nu, its degrees of freedom, has its mean at 1 - 2 / (9 nu)."""
+    problem = problem_of([exact_run((RandomWalk(1.0),), 300, 1.0)])
+    found = estimate(problem, ["random_walk"])
+    mu, sigma = mean_of(problem, found), covariance_of_runs(problem, found)
+    centre = mu * (1.0 - np.diag(sigma) / (9.0 * mu**2)) ** 3  # nu = 2 mu^2 / variance of the variance
+    test = residual_test(replace(problem, variance=centre), found, sigma)
+    assert test is not None
+    assert test.statistic == pytest.approx(0.0, abs=1e-12)
 
 
 def test_a_misfit_at_short_times_does_not_outweigh_long_ones() -> None:
