@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
-from inertialcal.procedures.rate_table.fit.regression import Level, dwell_variance
+from inertialcal.procedures.rate_table.fit.regression import Level, dwell_variance, line, reading_of_line
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
     Readings,
@@ -347,3 +347,29 @@ def test_a_new_dwell_in_a_new_run_scatters_by_both_levels() -> None:
     variance, dof = found
     assert variance == pytest.approx(run**2 + dwell**2)
     assert dof == pytest.approx(5.0**2 / (4.25**2 / 5.0 + 0.75**2 / 20.0))  # Satterthwaite
+
+
+def test_earth_rate_is_part_of_the_input() -> None:
+    """Readings without noise of table and earth rate together give offset and matrix back."""
+    rng = np.random.default_rng(4)
+    axis = np.repeat(["x", "y", "z"], 6)
+    applied = np.tile(np.radians([-5.0, -2.0, -1.0, 1.0, 2.0, 5.0]), 3)
+    earth = np.radians(rng.uniform(-0.02, 0.02, (len(axis), 3)))
+    matrix, offset = np.array([1.01, 0.004, -0.006]), np.radians(0.05)
+    true_rate = applied[:, None] * (axis[:, None] == np.array(["x", "y", "z"])) + earth
+    readings = Readings(applied, axis, {"x": offset + true_rate @ matrix}, sensors=("x", "y", "z"), earth=earth)
+    found = line(Plan(), readings, "x", asymmetry=False)
+    assert [found.coefficient(name) for name in ("M_xx", "M_xy", "M_xz")] == pytest.approx(list(matrix), abs=1e-7)
+    assert found.coefficient("K0") == pytest.approx(offset, abs=1e-9)
+    assert reading_of_line(found, readings) == pytest.approx(readings.outputs["x"], abs=1e-9)
+
+
+def test_the_largest_error_at_a_rate_is_relative_to_the_rate() -> None:
+    """Thesis: (applied - reading) / applied. 0.9 of the rate is an error of 10 %, not of a ninth."""
+    applied = np.radians([-2.0, -2.0, 2.0, 2.0, 4.0, 4.0])
+    reading = applied * np.array([1.0, 1.0, 1.0, 0.9, 1.0, 1.0])
+    readings = Readings(applied, np.full(6, "x"), {"x": reading}, sensors=("x", "y", "z"))
+    result = reduce(Plan(axis="x"), readings)
+    errors = {round(float(np.degrees(one.applied))): one for one in rate_errors(Plan(), readings, result.lines["x"])}
+    assert errors[2].largest == pytest.approx(0.1)
+    assert errors[4].largest == pytest.approx(0.0, abs=1e-12)

@@ -142,7 +142,7 @@ def test_terms_that_do_not_explain_are_told_by_the_residual_test() -> None:
 
 
 def test_variances_at_the_centre_of_their_distribution_leave_nothing_to_the_residual_test() -> None:
-    """Wilson and Hilferty: the cube root of chi-square over nu, its degrees of freedom, has its mean at 1 - 2 / (9 nu)."""
+    """Wilson and Hilferty: the cube root of chi-square over its nu degrees of freedom is 1 - 2 / (9 nu) in the mean."""
     problem = problem_of([exact_run((RandomWalk(1.0),), 300, 1.0)])
     found = estimate(problem, ["random_walk"])
     mu, sigma = mean_of(problem, found), covariance_of_runs(problem, found)
