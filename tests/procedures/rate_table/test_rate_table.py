@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from inertialcal.core.errors import DataError
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
+from inertialcal.procedures.rate_table.fit.earth_input import OMEGA, earth_in_dwells
 from inertialcal.procedures.rate_table.fit.regression import Level, dwell_variance, line, reading_of_line
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
@@ -373,3 +374,11 @@ def test_the_largest_error_at_a_rate_is_relative_to_the_rate() -> None:
     errors = {round(float(np.degrees(one.applied))): one for one in rate_errors(Plan(), readings, result.lines["x"])}
     assert errors[2].largest == pytest.approx(0.1)
     assert errors[4].largest == pytest.approx(0.0, abs=1e-12)
+
+
+@pytest.mark.parametrize("axis", ["x", "y", "z"])
+def test_earth_rate_in_an_unknown_direction_has_a_third_of_its_square_along_each_axis(axis: str) -> None:
+    earth, sources = earth_in_dwells(Plan(), axis, np.zeros(2), np.zeros(2))
+    (patterns,) = sources.values()
+    assert earth == pytest.approx(np.zeros((2, 3)))
+    assert np.sum(patterns**2, axis=0) == pytest.approx(np.full((2, 3), OMEGA**2 / 3.0))

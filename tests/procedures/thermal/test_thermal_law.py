@@ -43,6 +43,14 @@ def test_bins_so_wide_that_the_curve_bends_inside_them_do_no_harm() -> None:
     assert found == pytest.approx(CUBIC, rel=0.02, abs=1e-9)
 
 
+def test_the_mean_of_a_parabola_over_a_wide_bin_is_taken_exactly() -> None:
+    """Mean of a parabola over a cell: its value at the mean temperature and half its curvature times the spread."""
+    wide, parabola = plan(bins=8), (0.03, -3e-3, 1.6e-5)
+    sweeps = readings(lambda T: np.asarray(polynomial.polyval(T - 20.0, parabola)))
+    law = law_of(cells_of(wide, series_of(wide, sweeps, "x")), 2)
+    assert powers_of(2, law.domain, 20.0) @ law.coefficients == pytest.approx(parabola, rel=1e-9)
+
+
 def test_a_slow_end_does_not_outweigh_the_rest() -> None:
     """Ten hours at the cold end change nothing: the bin there has the weight of every other."""
     t, T = path(20.0, -20.0, 60.0, 20.0)
