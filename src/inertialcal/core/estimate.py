@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import DataError
-from .key import Key, key_of
+from .key import Key, Origin, key_of
 from .show.frames import frame
 from .show.result_tables import dof
 from .show.rounding import with_uncertainty
@@ -44,8 +44,8 @@ class Component:
 
     Parameters
     ----------
-    source : str
-        What it is: ``"scatter between power-up runs"``, ``"table rate"``.
+    given : Origin or str
+        Where it comes from, or that in words: ``"scatter between power-up runs"``, ``"table rate"``.
     kind : {"A", "B"}
         Observed scatter (A) or other knowledge (B).
     covariance : ndarray, shape (k, k)
@@ -60,12 +60,22 @@ class Component:
         angles), the root sum of squares over them. Absent for scatter, which is observed in the values.
     """
 
-    source: str
+    given: Origin | str
     kind: Literal["A", "B"]
     covariance: Array
     dof: Array | float = np.inf
     distribution: str = "normal"
     stated: tuple[float, str] | None = None
+
+    @property
+    def origin(self) -> Origin:
+        """Where it comes from."""
+        return self.given if isinstance(self.given, Origin) else Origin(self.given)
+
+    @property
+    def source(self) -> str:
+        """The same in words, as budgets show it."""
+        return str(self.given)
 
     @property
     def u(self) -> Array:

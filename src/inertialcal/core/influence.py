@@ -14,6 +14,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Literal
+
+from .key import Origin
+
+Redrawn = Literal["", "never", "certificate", "day", "mounting", "power_up", "dwell"]
 
 
 @dataclass(frozen=True)
@@ -34,6 +39,10 @@ class Influence:
         Where ``u`` comes from.
     as_stated : (float, str), optional
         ``u`` in the unit in which the certificate gives it; by default in ``unit``.
+    standard, quantity : str
+        Which quantity of which standard: the same in two tests is the same unknown.
+    redrawn_by : {"", "never", "certificate", "day", "mounting", "power_up", "dwell"}
+        What draws its error anew; empty where nobody said.
     """
 
     u: float
@@ -42,11 +51,24 @@ class Influence:
     distribution: str = "normal"
     certificate: str = ""
     as_stated: tuple[float, str] | None = None
+    standard: str = ""
+    quantity: str = ""
+    redrawn_by: Redrawn = ""
 
     @property
     def stated(self) -> tuple[float, str]:
         """Standard uncertainty and its unit, as the certificate gives them."""
         return self.as_stated or (self.u, self.unit)
 
+    def origin(self, what: str) -> Origin:
+        """Return it as where an uncertainty comes from, with what budgets call it."""
+        return Origin(what, standard=self.standard, quantity=self.quantity)
+
 
 Standards = Mapping[str, Influence]
+
+
+def standard_of(name: str) -> tuple[str, str]:
+    """Return standard and quantity of the name of an influence: ``"rate_table.rate"``."""
+    standard, _, quantity = name.partition(".")
+    return standard, quantity

@@ -136,6 +136,32 @@ class Reason(NamedTuple):
 NO_REASON = Reason()
 
 
+class Origin(NamedTuple):
+    """Where an uncertainty comes from; equal origins are the same unknowns.
+
+    Parameters
+    ----------
+    what : str
+        As budgets name it: ``"table rate"``, ``"scatter between runs"``.
+    test : str
+        In which it was found, where it is another one.
+    standard, quantity : str
+        Of Type B: whose certificate, and which quantity: ``"rate_table"``, ``"rate"``.
+    level : str
+        Of Type A: what was repeated: ``"run"``, ``"dwell"``, ``"sample"``; ``"hidden"`` is a bound where nothing was.
+    """
+
+    what: str
+    test: str = ""
+    standard: str = ""
+    quantity: str = ""
+    level: str = ""
+
+    def __str__(self) -> str:
+        """Return the text that budgets show."""
+        return f"{self.test}: {self.what}" if self.test else self.what
+
+
 class Case(NamedTuple):
     """Which of several figures of one quantity and axis a row is; its text is the ``condition`` of ``results.json``.
 

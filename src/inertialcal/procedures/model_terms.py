@@ -14,12 +14,12 @@ import numpy as np
 
 from ..core.curve import Curve
 from ..core.estimate import Array, Component, Estimate
-from ..core.key import Key
+from ..core.key import Key, Origin
 from ..core.remarks import Remark
 from ..core.results import Row
+from ..core.unknowns import Unknowns
 from ..sensors.model.sensor_model import Provenance
 from ..statistics.closed_loop import AxisLoop
-from ..statistics.unknowns import Unknowns
 
 T = TypeVar("T")
 BIASES = ("bias", "bias_temperature")  # the other terms are entries of the matrix
@@ -55,9 +55,9 @@ class ModelTerms:
         That terms over temperature refer to [degC].
     temperature_range : (float, float) or None
         That they hold for [degC].
-    taken_off : mapping of str to Unknowns
+    taken_off : mapping of Origin to Unknowns
         Unknowns of corrections that the readings had before, by origin.
-    changes : mapping of str to mapping of Key to ndarray, shape (s,)
+    changes : mapping of Origin to mapping of Key to ndarray, shape (s,)
         By origin: what one standard uncertainty of each of those unknowns changes in a value of the estimate.
     """
 
@@ -73,8 +73,8 @@ class ModelTerms:
     by_quantity: bool = True
     reference_temperature: float | None = None
     temperature_range: tuple[float, float] | None = None
-    taken_off: Mapping[str, Unknowns] = field(default_factory=dict[str, Unknowns])
-    changes: Mapping[str, Mapping[Key, Array]] = field(default_factory=dict[str, Mapping[Key, Array]])
+    taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
+    changes: Mapping[Origin, Mapping[Key, Array]] = field(default_factory=dict[Origin, Mapping[Key, Array]])
 
     def with_bias_of(self, other: ModelTerms | None) -> ModelTerms:
         """Return these with the bias of another reduction, taken as independent; without bias where there is none."""

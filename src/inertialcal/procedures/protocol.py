@@ -23,10 +23,11 @@ if TYPE_CHECKING:
     from ..core.estimate import Array, Estimate
     from ..core.influence import Influence, Standards
     from ..core.judging import Asked, Verdict
-    from ..core.key import Key
+    from ..core.key import Key, Origin
     from ..core.recording import Recording
     from ..core.remarks import Remark
     from ..core.results import Interval, Row
+    from ..core.unknowns import Unknowns
     from ..files.text.table import Table
     from ..sensors.model.sensor_model import SensorModel
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
@@ -241,7 +242,9 @@ class Correction(Protocol):
         """That found it."""
         ...
 
-    def apply(self, recordings: Sequence[tuple[str, Recording]]) -> tuple[list[Recording], list[Mapping[str, Any]]]:
+    def apply(
+        self, recordings: Sequence[tuple[str, Recording]]
+    ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
         """Return named recordings with it taken off, and for each what is not known of it, by origin."""
         ...
 

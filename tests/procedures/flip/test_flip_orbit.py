@@ -161,4 +161,4 @@ def test_along_the_turn_there_is_a_prediction_and_the_reason_why_no_more() -> No
     assert value(result, "predicted_bias", "x") / UG == pytest.approx(900.0)
     shift = row(result, "bias_shift", "x")
     assert (shift.value, shift.status) == (None, "not_estimated")
-    assert "along the turn are one" in shift.reason.text
+    assert shift.reason.code == "along_turn"

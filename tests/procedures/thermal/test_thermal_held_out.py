@@ -75,7 +75,7 @@ def test_one_power_up_in_the_fit_tells_no_uncertainty() -> None:
     one = left(3, replace(FIT, runs=1))
     row = residual_rows([one], "rad/s", "air")[0]
     assert row.status == "not_estimated"
-    assert "one power-up" in row.reason.text
+    assert row.reason.code == "one_run"
     assert verdict(one) == "INCONCLUSIVE"
 
 

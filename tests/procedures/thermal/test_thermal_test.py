@@ -84,7 +84,7 @@ def test_a_temperature_beyond_the_ramps_is_not_told() -> None:
     found = reduce(plan(at=[90.0]), readings(cubic, noise=1e-3))
     one = row(found, "bias", "90 degC")
     assert one.status == "not_estimated"
-    assert "outside the range of the ramps" in one.reason.text
+    assert one.reason.code == "outside"
 
 
 # Type B
@@ -165,7 +165,7 @@ def test_only_cooling_ramps_give_no_bias_midway_but_that_on_the_path(cooling: Re
     found = reduce(plan(at=AT), cooling)
     bias = row(found, "bias")
     assert bias.status == "not_estimated"
-    assert "only cooling was seen" in bias.reason.text
+    assert bias.reason.code == "one_path"
     on_path = row(found, "bias", "cooling")
     assert on_path.value == pytest.approx(CUBIC[0] - 0.002, abs=2e-4)
     assert row(found, "bias_temperature_1").value == pytest.approx(CUBIC[1], rel=1e-2)  # the shape needs no other path
@@ -314,7 +314,7 @@ def test_of_an_accelerometer_the_constant_is_gravity_too() -> None:
     given = replace(readings(cubic, gap=0.004, noise=1e-3), unit="m/s^2")
     found = reduce(Plan(), given)
     assert row(found, "bias").status == "not_estimated"
-    assert "gravity" in row(found, "bias").reason.text
+    assert row(found, "bias").reason.code == "gravity"
     assert row(found, "bias_temperature_1").unit == "m/s^2/degC"
     assert row(found, "path_difference").value == pytest.approx(0.004, abs=3e-4)
     assert "attitude_unknown" not in {remark.code for remark in found.remarks}

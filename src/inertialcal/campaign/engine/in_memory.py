@@ -90,7 +90,7 @@ def _campaign(text: str) -> tuple[CampaignFile, Standards]:
     """Read the campaign file, which all seeds of a rig may share."""
     file = CampaignFile.model_validate(tomllib.loads(text.replace(SEED, "0")))
     standards = {
-        f"{standard}.{name}": entry.influence(STANDARDS[standard][name])
+        f"{standard}.{name}": entry.influence(STANDARDS[standard][name], standard, name)
         for standard, quantities in file.standards.items()
         for name, entry in quantities.items()
     }

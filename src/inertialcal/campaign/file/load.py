@@ -176,7 +176,7 @@ def _standards(file: CampaignFile, lines: dict[KeyPath, int]) -> tuple[dict[str,
                 problems.append(Problem(what, where, "it would have no effect", f"There are: {have}", "unknown_key"))
                 continue
             try:
-                found[f"{standard}.{name}"] = entry.influence(known[name])
+                found[f"{standard}.{name}"] = entry.influence(known[name], standard, name)
             except (DataError, ValueError) as error:
                 what = error.problems[0].what if isinstance(error, DataError) else str(error)
                 problems.append(Problem(f"standards.{standard}.{name}: {what}", where, code="wrong_value"))

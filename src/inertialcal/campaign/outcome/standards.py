@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from ...core.influence import Influence
+from ...core.influence import Influence, standard_of
 from ...core.results import finite
 from ...core.schema.standards import STANDARDS
 from ...procedures import loaded_procedures
@@ -40,7 +40,7 @@ def _effect(name: str, tested: Sequence[Tested]) -> str:
 
 
 def _row(name: str, influence: Influence | None, effect: str) -> dict[str, Any]:
-    standard, _, quantity = name.partition(".")
+    standard, quantity = standard_of(name)
     head = {"standard": standard, "influence": quantity, "effect": effect}
     if influence is None:
         return head | {

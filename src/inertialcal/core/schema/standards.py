@@ -47,8 +47,8 @@ class StandardEntry(Strict):
             raise ValueError("expanded and k go together: U = k u")
         return self
 
-    def influence(self, unit: str) -> Influence:
-        """Return the standard uncertainty in ``unit``.
+    def influence(self, unit: str, standard: str = "", name: str = "") -> Influence:
+        """Return the standard uncertainty in ``unit``, of a quantity of that name of a standard.
 
         Raises
         ------
@@ -64,4 +64,5 @@ class StandardEntry(Strict):
             raise ValueError(f"{text!r}: an uncertainty is positive and finite, and no larger than {LARGEST:g} {unit}")
         shape = "rectangular" if self.half_width is not None else "normal"
         dof = math.inf if self.dof is None else self.dof
-        return Influence(u, unit, dof, shape, self.certificate, (quantity.value / divisor, quantity.unit))
+        stated = (quantity.value / divisor, quantity.unit)
+        return Influence(u, unit, dof, shape, self.certificate, stated, standard, name)

@@ -101,7 +101,7 @@ def _components(sensor: LinearSensor, derivative: Array) -> list[Component]:
         distribution = "t" if one.influence is None else one.influence.distribution
         kind = "B" if one.kind == "B" else "A"
         own: Array | float = dof if dof.ndim else float(dof)
-        found.append(Component(one.name, kind, whole, own, distribution, stated))  # type: ignore[arg-type]
+        found.append(Component(one.origin, kind, whole, own, distribution, stated))  # type: ignore[arg-type]
     return found
 
 

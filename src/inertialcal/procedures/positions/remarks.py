@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...core.remarks import Remark
-from .fit.levels import NOT_JUDGED
+from .fit.levels import HIDDEN as JUDGED_BY_NOTHING
 from .plan import INFLUENCES
 from .rows import missing
 
@@ -53,7 +53,7 @@ def _not_judged(result: Result) -> list[Remark]:
     found = []
     for kind, one in result.estimates.items():
         unseen = sum(
-            (np.diag(part.covariance) for part in one.components if part.source.endswith(NOT_JUDGED)),
+            (np.diag(part.covariance) for part in one.components if part.origin.level == JUDGED_BY_NOTHING),
             np.zeros(len(one.names)),
         )
         names = [name for name, part, u in zip(one.names, unseen, one.u, strict=True) if part > HIDDEN * u**2]

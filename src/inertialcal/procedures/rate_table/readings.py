@@ -11,9 +11,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.key import Origin
 from ...core.remarks import Remark
+from ...core.unknowns import Unknowns
 from ...signals.segmentation.dwells import Tally
-from ...statistics.unknowns import Unknowns
 from .traces import Trace
 
 Labels = NDArray[Any]
@@ -45,7 +46,7 @@ class Readings:
         Earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the table's rate.
     earth_sources : mapping of str to ndarray, shape (s, n, 3)
         What is not known of it: per source, s independent patterns, each one standard uncertainty [rad/s].
-    taken_off : mapping of str to Unknowns
+    taken_off : mapping of Origin to Unknowns
         What was taken off the readings before, and what is not known of it, by source.
     remarks : tuple of Remark
         What reading them brought up.
@@ -70,7 +71,7 @@ class Readings:
     sensors: tuple[str, ...] = ()
     earth: Array | None = None
     earth_sources: Mapping[str, Array] = field(default_factory=dict[str, Array])
-    taken_off: Mapping[str, Unknowns] = field(default_factory=dict[str, Unknowns])
+    taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
     remarks: tuple[Remark, ...] = ()
     incomplete: NDArray[np.bool_] | None = None
     tallies: tuple[Tally, ...] = ()

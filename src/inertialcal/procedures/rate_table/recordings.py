@@ -19,11 +19,12 @@ from numpy.typing import ArrayLike, NDArray
 from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Origin
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
+from ...core.unknowns import Unknowns, joined
 from ...signals.segmentation.dwells import Dwell, Tally, tally
 from ...signals.time.schedule import dwells_by_reference, dwells_by_windows
-from ...statistics.unknowns import Unknowns, joined
 from .fit.earth_input import earth_in_dwells, gathered
 from .plan import Plan
 from .readings import Readings
@@ -52,8 +53,8 @@ class Turned:
         Of the recording, for figures; its file where not given.
     file : str
         Its file, as people know it.
-    taken_off : mapping of str to Unknowns
-        What was taken off its readings before: patterns of one dwell, the same in all, by source.
+    taken_off : mapping of Origin to Unknowns
+        What was taken off its readings before: changes of one dwell, the same in all, by origin.
     """
 
     recording: Recording
@@ -63,7 +64,7 @@ class Turned:
     rates: Array | None = None
     name: str = ""
     file: str = ""
-    taken_off: Mapping[str, Unknowns] = field(default_factory=dict[str, Unknowns])
+    taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
 
 
 def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
@@ -111,7 +112,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     )  # fmt: skip
 
 
-def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[Turned]) -> dict[str, Unknowns]:
+def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[Turned]) -> dict[Origin, Unknowns]:
     """Return what was taken off each dwell; what is the same in a recording drops out with its reading at rest."""
     if plan.zero_reference:
         return {}

@@ -82,5 +82,7 @@ def with_scale(estimate: Estimate, standards: Standards) -> Estimate:
         return estimate
     sized = np.array([0.0 if key.quantity == TIME else 1.0 for key in estimate.keys]) * estimate.values
     covariance = influence.u**2 * np.outer(sized, sized)
-    component = Component(SOURCE, "B", covariance, influence.dof, influence.distribution, influence.stated)
+    component = Component(
+        influence.origin(SOURCE), "B", covariance, influence.dof, influence.distribution, influence.stated
+    )
     return replace(estimate, components=(*estimate.components, component))

@@ -24,7 +24,7 @@ from scipy import linalg
 
 from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
-from ...core.key import Key, Reason
+from ...core.key import Key, Origin, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
 from ...statistics.intervals import chi_square_interval
@@ -116,15 +116,16 @@ def _scatter(
     result: Result, other: Result, laws: list[Law], rows: list[Array]
 ) -> tuple[list[Component], NDArray[np.bool_]]:
     """Type A parts: of each test by its own power-ups, or of both together where they share some."""
-    names = [f"{SOURCES[law.level]}, {which}" for law, which in zip(laws, ("this test", "the other"), strict=True)]
+    pairs = zip(laws, ("this test", "the other"), strict=True)
+    origins = [Origin(f"{SOURCES[law.level]}, {which}", level=law.level) for law, which in pairs]
     shared = set(result.readings.labels) & set(other.readings.labels)
     if shared and all(law.level == "run" for law in laws):
-        found = [(SOURCES["run"], *_joint(result, other, laws, rows))]
+        found = [(Origin(SOURCES["run"], level="run"), *_joint(result, other, laws, rows))]
     else:
-        found = [(name, *law.contrasts(row)) for name, law, row in zip(names, laws, rows, strict=True)]
+        found = [(origin, *law.contrasts(row)) for origin, law, row in zip(origins, laws, rows, strict=True)]
     known = np.all([dof > 0.0 for _, _, dof in found], axis=0)
     grid = np.ix_(known, known)
-    return [Component(name, "A", _symmetric(c[grid]), dof[known], "t") for name, c, dof in found if known.any()], known
+    return [Component(one, "A", _symmetric(c[grid]), dof[known], "t") for one, c, dof in found if known.any()], known
 
 
 def _joint(result: Result, other: Result, laws: list[Law], rows: list[Array]) -> tuple[Array, Array]:
@@ -155,7 +156,7 @@ def _type_b(plan: Plan, laws: list[Law], rows: list[Array], values: Array, known
     if reference is not None:
         found.append(("converter reference", reference, (reference.u * values)[known]))
     return [
-        Component(source, "B", np.outer(change, change), one.dof, one.distribution, one.stated)
+        Component(one.origin(source), "B", np.outer(change, change), one.dof, one.distribution, one.stated)
         for source, one, change in found
     ]
 

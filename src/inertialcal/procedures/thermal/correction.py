@@ -18,12 +18,12 @@ from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.influence import Influence
-from ...core.key import At, Key
+from ...core.key import At, Key, Origin
 from ...core.recording import Recording
 from ...core.remarks import Remark
+from ...core.unknowns import Unknowns
 from ...sensors.model.sensor_model import Provenance
 from ...sensors.thermal import powers_of
-from ...statistics.unknowns import Unknowns
 from .fit.earth import earth_along
 from .fit.law import Law
 from .fit.quantities import Asked, estimate, power_unit
@@ -62,7 +62,7 @@ class ThermalCorrection:
 
     def apply(
         self, recordings: Sequence[tuple[str, Recording]]
-    ) -> tuple[list[Recording], list[Mapping[str, Unknowns]]]:
+    ) -> tuple[list[Recording], list[Mapping[Origin, Unknowns]]]:
         """Return recordings with the bias over temperature taken off, and what is not known of it in each.
 
         Parameters
@@ -82,7 +82,7 @@ class ThermalCorrection:
             corrected.append(recording)
             levels.append(level)
         unknown = _unknowns(self, levels)
-        taken_off: list[Mapping[str, Unknowns]] = [
+        taken_off: list[Mapping[Origin, Unknowns]] = [
             {origin: one.take(np.array([i])) for origin, one in unknown.items()} for i in range(len(corrected))
         ]
         return corrected, taken_off
@@ -174,8 +174,8 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
     return DataError(what, place, do="Leave out after, or ramp further", code="outside")
 
 
-def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[str, Unknowns]:
-    """Return what is not known of the bias that was taken off, a dwell a recording, by source."""
+def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[Origin, Unknowns]:
+    """Return what is not known of the bias that was taken off, a dwell a recording, by origin."""
     result, n = bias.result, len(levels)
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
     standards.setdefault(PATH, Influence(0.0, "rad/s"))  # one path alone was seen: the thermal test remarks it
@@ -191,8 +191,8 @@ def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) ->
     found = estimate(plan, laws, asked, "rad/s")
     if found is None:
         return {}
-    named = {f"{bias.test}: {one.source}": _taken_off(found, one, n) for one in found.components if np.any(one.u)}
-    return named
+    every = [_taken_off(found, one, n, bias.test) for one in found.components if np.any(one.u)]
+    return {one.origin: one for one in every}
 
 
 def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
@@ -213,7 +213,7 @@ def law_keys(axis: str, order: int) -> list[Key]:
     return [Key("bias", axis), *(Key("bias_temperature", axis, power=j) for j in range(1, order + 1))]
 
 
-def _taken_off(found: Estimate, component: Component, n: int) -> Unknowns:
+def _taken_off(found: Estimate, component: Component, n: int, test: str) -> Unknowns:
     """Return a source as independent unknowns."""
     sizes, vectors = np.linalg.eigh(_scaled(component))
     keep = sizes > TINY * sizes[-1]
@@ -228,7 +228,8 @@ def _taken_off(found: Estimate, component: Component, n: int) -> Unknowns:
     law = [i for i, key in enumerate(found.keys) if key.at is None]
     keys = tuple(found.keys[i] for i in law)
     kind, shape = component.kind, component.distribution
-    return Unknowns(patterns, keys, changes[:, law], kind, of_sensor, shape, component.stated)
+    origin = component.origin._replace(test=test)
+    return Unknowns(origin, kind, patterns, keys, changes[:, law], of_sensor, shape, component.stated)
 
 
 def _scaled(component: Component) -> Array:
@@ -246,8 +247,8 @@ def _with_law(
     values = [v + at_reference.get(key, 0.0) for key, v in zip(estimate.keys, estimate.values, strict=True)]
     values += [at_reference[key] for key in more]
     units = (*estimate.units, *(law[key][1] for key in more))
-    kept = [_wider(one, len(more)) for one in estimate.components if one.source not in terms.taken_off]
-    off = [_joint(source, one, keys, terms.changes[source]) for source, one in terms.taken_off.items()]
+    kept = [_wider(one, len(more)) for one in estimate.components if one.origin not in terms.taken_off]
+    off = [_joint(one, keys, terms.changes[origin]) for origin, one in terms.taken_off.items()]
     return Estimate(keys, np.array(values), units, (*kept, *off))
 
 
@@ -260,7 +261,7 @@ def _wider(component: Component, more: int) -> Component:
     return replace(component, covariance=covariance, dof=dof)
 
 
-def _joint(source: str, off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
+def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:
     size = len(off.law)
     own = {key: off.law[:, i] for i, key in enumerate(off.keys)}
     rows = [
@@ -269,4 +270,4 @@ def _joint(source: str, off: Unknowns, keys: tuple[Key, ...], changes: Mapping[K
     ]
     covariance = np.array(rows) @ np.array(rows).T
     dof = np.array([off.dof["xyz".index(key.axis[0])] for key in keys])
-    return Component(source, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated)
+    return Component(off.origin, off.kind, 0.5 * (covariance + covariance.T), dof, off.distribution, off.stated)

@@ -21,7 +21,7 @@ import numpy as np
 from scipy import special
 
 from ....core.estimate import Array, Component, Estimate
-from ....core.key import Key, Reason
+from ....core.key import Key, Origin, Reason
 from ....core.remarks import Remark
 from ....statistics.decision import holm
 from ..plan import Plan
@@ -98,7 +98,7 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
         return Flip("", one.keys, one.values, one.estimate, one.reason, one.separated)
     values = np.array([one.values for one in used])
     scatter = np.atleast_2d(np.cov(values, rowvar=False)) / len(used)
-    between = Component("scatter between flips", "A", scatter, float(len(used) - 1), "t")
+    between = Component(Origin("scatter between flips", level="flip"), "A", scatter, float(len(used) - 1), "t")
     separated = tuple(part for one in used for part in one.separated)
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
@@ -137,7 +137,7 @@ def _in_common(plan: Plan, readings: Readings, used: Sequence[Flip]) -> list[Com
     dof = np.min([np.broadcast_to(one.dof, len(more)) for one in found], axis=0)
     small = np.diagonal(more) < 0.5 * np.diagonal(whole)  # the scatter decides how well the sum is known
     dof = np.where(small, np.minimum(dof, len(used) - 1.0), dof)
-    return [Component("noise that flips of one record have in common", "A", more, dof, "t")]
+    return [Component(Origin("noise that flips of one record have in common", level="record"), "A", more, dof, "t")]
 
 
 def _positive(covariance: Array, beside: Array) -> Array:

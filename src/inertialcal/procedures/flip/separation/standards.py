@@ -69,7 +69,7 @@ def components(plan: Plan, parts: Patterns) -> list[Component]:
     for name, pattern in parts.items():
         one = plan.standards[name]
         covariance = pattern.T @ pattern
-        made.append(Component(NAMES[name], "B", covariance, one.dof, one.distribution, one.stated))
+        made.append(Component(one.origin(NAMES[name]), "B", covariance, one.dof, one.distribution, one.stated))
     return made
 
 

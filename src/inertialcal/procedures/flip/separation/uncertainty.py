@@ -31,7 +31,7 @@ import numpy as np
 
 from ....core.errors import DataError
 from ....core.estimate import Array, Component
-from ....core.key import Reason
+from ....core.key import Origin, Reason
 from ....statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
 from ..plan import Plan
 from ..readings import Quiet, Readings
@@ -71,7 +71,7 @@ def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[
             covariance, dof, how = _of_axis(plan, record, axis, weights)
         except DataError as error:
             return [], Reason(error.problems[0].code, f"{axis}: {error.problems[0].what}")
-        components.append(Component(f"noise of {axis}: {how}", "A", covariance, dof, "t"))
+        components.append(Component(Origin(f"noise of {axis}: {how}", level="record"), "A", covariance, dof, "t"))
     return components, Reason()
 
 

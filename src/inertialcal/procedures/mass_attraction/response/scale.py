@@ -13,6 +13,7 @@ import numpy as np
 
 from ....core.estimate import Array, Component, Estimate
 from ....core.influence import Influence
+from ....core.key import Key, Origin
 from ..plan import APPLIED, Plan
 from ..readings import Readings
 from .of_run import G, Response, tilt_left
@@ -52,13 +53,13 @@ def estimate_of(
         names, values = [*names, DIFFERENCE], [*values, found.value / plan.high_g.scale_factor - 1.0]
         slopes, units = [*slopes, 1.0 / plan.high_g.scale_factor], [*units, "1"]
     way = np.array(slopes)
-    type_a = Component(SOURCES[scatter], "A", _outer(way * found.u), found.dof, "t")
+    type_a = Component(Origin(SOURCES[scatter], level=scatter), "A", _outer(way * found.u), found.dof, "t")
     parts = [type_a, *_type_b(plan, readings, responses, found.value, way)]
     if plan.high_g is not None and plan.high_g.u > 0.0:
         own = np.zeros(len(way))
         own[-1] = plan.high_g.u * found.value / plan.high_g.scale_factor**2
         parts.append(Component("high-g scale factor", "B", _outer(own), stated=(plan.high_g.u, UNIT)))
-    return Estimate(tuple(f"{name}_{plan.axis}" for name in names), np.array(values), tuple(units), tuple(parts))
+    return Estimate(tuple(Key(name, plan.axis) for name in names), np.array(values), tuple(units), tuple(parts))
 
 
 def applied_known(plan: Plan, readings: Readings) -> dict[str, Influence]:
@@ -76,13 +77,13 @@ def _type_b(
     plan: Plan, readings: Readings, responses: Sequence[Response], scale: float, way: Array
 ) -> Iterator[Component]:
     for name, one in applied_known(plan, readings).items():
-        yield Component(name, "B", _outer(way * scale * one.u), one.dof, one.distribution, one.stated)
+        yield Component(one.origin(name), "B", _outer(way * scale * one.u), one.dof, one.distribution, one.stated)
     for name, slope in _slopes(plan, responses, scale).items():
         stated = plan.standards.get(name)
         if stated is not None and slope:
             said = "mercury of the tilt meter" if name == "tilt_meter.mercury" else "tilt of the pad, not taken off"
             u = way * slope * stated.u
-            yield Component(said, "B", _outer(u), stated.dof, stated.distribution, stated.stated)
+            yield Component(stated.origin(said), "B", _outer(u), stated.dof, stated.distribution, stated.stated)
     yield from _left(responses, scale, way)
 
 

@@ -13,7 +13,7 @@ from ....core.axes import AXES
 from ....core.curve import Curve
 from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
-from ....core.influence import Influence
+from ....core.influence import Influence, standard_of
 from ....core.remarks import Remark, gather
 from ....core.results import Row, by_quantity
 from ....core.schema.standards import STANDARDS, StandardEntry
@@ -261,10 +261,10 @@ def _standards(given: Mapping[str, str]) -> dict[str, Influence]:
         if name not in procedure.INFLUENCES:
             do = f"There are: {', '.join(procedure.INFLUENCES)}"
             raise UsageError(f"standard {name!r}", do=do, code="unknown_name")
-        standard, _, influence = name.partition(".")
+        standard, influence = standard_of(name)
         unit = STANDARDS[standard][influence]
         try:
-            found[name] = StandardEntry(u=said).influence(unit)
+            found[name] = StandardEntry(u=said).influence(unit, standard, influence)
         except (DataError, ValueError):
             like = {"rad": "0.5 deg", "m/s^2": "0.001 m/s2", "1": "0.01 %"}[unit]
             do = f"Write a standard uncertainty with its unit, like {name}={like}"

@@ -220,7 +220,7 @@ def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: boo
 def _widened(one: Source, name: str) -> Source:
     covariance = np.zeros((21, 21))
     covariance[9:, 9:] = one.covariance
-    return Source(name, one.kind, covariance, one.dof, one.influence)
+    return Source(name, one.kind, covariance, one.dof, one.influence, one.level)
 
 
 def _moved(back: Array, covariance: Array) -> Array:

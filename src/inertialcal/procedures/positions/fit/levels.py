@@ -24,7 +24,7 @@ from ....statistics.two_levels import TwoLevels
 from .linear_sensor import Source
 
 FEWEST = 1.0  # degrees of freedom by which something is judged at all
-NOT_JUDGED = ", as much as may be hidden"
+HIDDEN = "hidden"  # level of a bound on a scatter that nothing shows
 
 
 def level_sources(
@@ -58,7 +58,10 @@ def level_sources(
     with np.errstate(invalid="ignore"):
         each = dof * _ratio(squares, (whole - judged + share * judged) ** 2)
     each[hidden | np.isnan(each)] = np.inf
-    found = [Source(between, "A", seen, each), Source(between + NOT_JUDGED, "A", unseen)]
+    found = [
+        Source(between, "A", seen, each),
+        Source(f"{between}, as much as may be hidden", "A", unseen, level=HIDDEN),
+    ]
     for name, part in parts.items():
         if name in stated:
             found.append(Source(name, "B", part, np.inf, stated[name]))

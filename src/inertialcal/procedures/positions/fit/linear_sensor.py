@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ....core.axes import AXES
 from ....core.estimate import Array
 from ....core.influence import Influence
-from ....core.key import Key, Reason
+from ....core.key import Key, Origin, Reason
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
@@ -32,6 +32,12 @@ class Source:
     covariance: Array
     dof: Array | float = np.inf
     influence: Influence | None = None
+    level: str = ""
+
+    @property
+    def origin(self) -> Origin:
+        """Where it comes from."""
+        return Origin(self.name, level=self.level) if self.influence is None else self.influence.origin(self.name)
 
 
 @dataclass(frozen=True, eq=False)

@@ -26,7 +26,7 @@ import numpy as np
 
 from ....core.axes import AXES
 from ....core.estimate import Array, Component, Estimate
-from ....core.key import Key
+from ....core.key import Key, Origin
 from ..plan import Plan
 from .earth_input import earth_influences
 from .regression import Line
@@ -118,8 +118,9 @@ SOURCES = {
     "run": "scatter between runs",
     "dwell": "scatter between dwells",
     "sample": "scatter between samples",
+    "recording": "scatter between recordings",  # where a run is a recording, and no power-up is known
+    "highest": "scatter at the highest level repeated",
 }
-RECORDINGS = "scatter between recordings"  # where a run is a recording, and no power-up is known
 
 
 def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Component:
@@ -132,10 +133,9 @@ def _type_a(plan: Plan, parts: list[Part], lines: list[Line], k: int) -> Compone
         dof[block] = one.dof[about]
         start += len(keys)
     levels = {one.level for one in lines}
-    source = SOURCES[levels.pop()] if len(levels) == 1 else "scatter at the highest level repeated"
-    if source == SOURCES["run"] and plan.run_level == "recording":
-        source = RECORDINGS
-    return Component(source, "A", covariance, dof, "t")
+    level = levels.pop() if len(levels) == 1 else "highest"
+    level = plan.run_level if level == "run" and plan.run_level == "recording" else level
+    return Component(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")
 
 
 def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part], lines: list[Line]) -> list[Component]:
@@ -144,12 +144,14 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
         covariance = rate.u**2 * np.outer(proportional, proportional)
-        found.append(Component("table rate", "B", covariance, rate.dof, rate.distribution, rate.stated))
+        found.append(Component(rate.origin("table rate"), "B", covariance, rate.dof, rate.distribution, rate.stated))
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
         covariance = _mounting(parts, lines, mounting.u)
         shape = mounting.distribution
-        found.append(Component("mounting on the table", "B", covariance, mounting.dof, shape, mounting.stated))
+        found.append(
+            Component(mounting.origin("mounting on the table"), "B", covariance, mounting.dof, shape, mounting.stated)
+        )
     reference = plan.standards.get("converter.reference")
     if reference is not None:
         gain = proportional + np.array(
@@ -157,7 +159,9 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
         )
         covariance = reference.u**2 * np.outer(gain, gain)
         shape = reference.distribution
-        found.append(Component("converter reference", "B", covariance, reference.dof, shape, reference.stated))
+        found.append(
+            Component(reference.origin("converter reference"), "B", covariance, reference.dof, shape, reference.stated)
+        )
     return found
 
 
@@ -219,27 +223,27 @@ def _earth_change(part: Part, one: Line, source: str) -> Array:
 def _taken_off(keys: tuple[Key, ...], parts: list[Part], lines: list[Line]) -> list[Component]:
     """Components of what is not known of a bias that was taken off before."""
     found = []
-    known = {source: off for one in lines for source, off in one.readings.taken_off.items()}
-    for source, off in known.items():
-        changes = np.vstack([taken_off_change(part[2], one, source) for part, one in zip(parts, lines, strict=True)])
+    known = {origin: off for one in lines for origin, off in one.readings.taken_off.items()}
+    for origin, off in known.items():
+        changes = np.vstack([taken_off_change(part[2], one, origin) for part, one in zip(parts, lines, strict=True)])
         covariance = changes @ changes.T
         dof = np.array([off.dof[AXES.index(key.axis[0])] for key in keys])
         covariance = 0.5 * (covariance + covariance.T)
-        found.append(Component(source, off.kind, covariance, dof, off.distribution, off.stated))
+        found.append(Component(origin, off.kind, covariance, dof, off.distribution, off.stated))
     return found
 
 
-def taken_off_changes(lines: Mapping[str, Line], source: str) -> dict[Key, Array]:
+def taken_off_changes(lines: Mapping[str, Line], origin: Origin) -> dict[Key, Array]:
     """Return the change of every quantity for each unknown of what was taken off before, by key, shape (s,)."""
     found: dict[Key, Array] = {}
     for one in lines.values():
         if one.covariance is not None:
             keys, _, jacobian, _ = _quantities(one)
-            found |= dict(zip(keys, taken_off_change(jacobian, one, source), strict=True))
+            found |= dict(zip(keys, taken_off_change(jacobian, one, origin), strict=True))
     return found
 
 
-def taken_off_change(jacobian: Array, one: Line, source: str) -> Array:
+def taken_off_change(jacobian: Array, one: Line, origin: Origin) -> Array:
     """Change of quantities of a sensor for each unknown of what was taken off before, shape (names, s).
 
     Parameters
@@ -248,10 +252,10 @@ def taken_off_change(jacobian: Array, one: Line, source: str) -> Array:
         Of the quantities with the coefficients of the line.
     one : Line
         Of the sensor.
-    source : str
+    origin : Origin
         Of what was taken off.
     """
-    off = one.readings.taken_off.get(source)
+    off = one.readings.taken_off.get(origin)
     if off is None:
         return np.zeros((len(jacobian), 0))
     changes: Array = -jacobian @ (np.linalg.pinv(one.fit.design) @ off.of_sensor(one.sensor).T)

@@ -28,7 +28,7 @@ from numpy.polynomial import chebyshev
 
 from ....core.axes import AXES
 from ....core.estimate import Array, Component, Estimate
-from ....core.key import At, Key
+from ....core.key import At, Key, Origin
 from ....core.units import normalise
 from ....sensors.thermal import over_voltage, powers_of
 from ....statistics.polynomial import Polynomial
@@ -40,8 +40,9 @@ SOURCES = {
     "run": "scatter between runs",
     "ramp": "scatter between ramps",
     "block": "scatter between stretches of ramps",
+    "recording": "scatter between recordings",  # where a run is a recording, and no power-up is known
+    "highest": "scatter at the highest level repeated",
 }
-RECORDINGS = "scatter between recordings"  # where a run is a recording, and no power-up is known
 
 
 @dataclass(frozen=True, eq=False)
@@ -128,7 +129,7 @@ class _Part:
     covariance: Array
     dof: Array
     changes: Mapping[str, Array]
-    source: str
+    level: str
 
 
 def estimate(plan: Plan, laws: Mapping[str, Law], asked: Mapping[str, list[Asked]], unit: str) -> Estimate | None:
@@ -185,7 +186,7 @@ def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: st
         covariance[np.ix_(known, known)],
         dof[known],
         {name: change[:, known] for name, change in changes.items()},
-        _source(plan, law),
+        _level(plan, law),
     )
 
 
@@ -194,8 +195,8 @@ def _is_level(key: Key) -> bool:
     return key.quantity in ("bias", "bias_voltage") and key.power == 0
 
 
-def _source(plan: Plan, law: Law) -> str:
-    return RECORDINGS if law.level == "run" and plan.run_level == "recording" else SOURCES[law.level]
+def _level(plan: Plan, law: Law) -> str:
+    return plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level
 
 
 def _own_changes(plan: Plan, law: Law, rows: Array, over: Array, raw: Array, unit: str) -> dict[str, Array]:
@@ -221,9 +222,9 @@ def _type_a(plan: Plan, parts: list[_Part], size: int) -> Component:
         covariance[block, block] = 0.5 * (part.covariance + part.covariance.T)
         dof[block] = part.dof
         start += len(part.keys)
-    sources = {part.source for part in parts}
-    return Component(sources.pop() if len(sources) == 1 else "scatter at the highest level repeated", "A", covariance,
-                     dof, "t")  # fmt: skip
+    levels = {part.level for part in parts}
+    level = levels.pop() if len(levels) == 1 else "highest"
+    return Component(Origin(SOURCES[level], level=level), "A", covariance, dof, "t")
 
 
 def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
@@ -244,5 +245,7 @@ def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
         covariance = whole.T @ whole
         one = influences[source]
         assert one is not None  # noqa: S101 - a change has its influence
-        found.append(Component(source, "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated))
+        found.append(
+            Component(one.origin(source), "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated)
+        )
     return found
