@@ -282,3 +282,58 @@ def test_who_asks_the_procedure_names_none(path: Path) -> None:
     named = [(line, word) for line, word in words_of(path) for name in BUILT_IN
              if re.fullmatch(rf"(.*_)?{name}(_.*)?", word)]  # fmt: skip
     assert not named, f"{path.name} names procedures: {named}"
+
+
+# Fields that programs read are typed: a name, condition, reason or remark is text for people, taken apart nowhere.
+TEXTS = frozenset(
+    {"name", "names", "condition", "conditions", "reason", "reasons", "what", "remark", "quantity", "source"}
+)
+SINGLE = TEXTS - {"names", "conditions", "reasons", "source"}  # of which ``in`` and an index look inside the text
+PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split", "rsplit", "removeprefix",
+                     "removesuffix", "find", "fullmatch", "match", "search", "sub"})  # fmt: skip
+# The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
+SERIALISER = ("core/key.py", "core/remarks.py", "core/influence.py")
+INPUT = ("files/", "cli/rig_names.py", "campaign/starter.py", "campaign/starter_flip.py", "campaign/model_inputs.py",
+         "procedures/positions/files/", "report/sections.py")  # fmt: skip
+
+
+def told(node: ast.AST) -> str:
+    """Return the word by which an expression ends: ``row.reason``, ``row["reason"]``, ``str(reason)``: reason."""
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Name) and node.func.id == "str" and node.args:
+        return told(node.args[0])
+    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Constant):
+        return str(node.slice.value)
+    if isinstance(node, ast.Attribute) and node.attr == "text":  # of a Reason
+        return told(node.value)
+    return node.attr if isinstance(node, ast.Attribute) else node.id if isinstance(node, ast.Name) else ""
+
+
+def takes_apart(node: ast.AST) -> bool:
+    if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute) and node.func.attr in PARTING:
+        return any(told(one) in TEXTS for one in (node.func.value, *node.args))
+    if isinstance(node, ast.Compare) and isinstance(node.ops[0], ast.In | ast.NotIn):
+        return told(node.comparators[0]) in SINGLE
+    if isinstance(node, ast.Subscript) and isinstance(node.slice, ast.Slice | ast.UnaryOp | ast.Constant):
+        inside = not isinstance(node.slice, ast.Constant) or isinstance(node.slice.value, int)
+        return inside and told(node.value) in SINGLE
+    return False
+
+
+@pytest.mark.parametrize(
+    "code",
+    ['name.rpartition("_")', 'row["reason"].startswith("yes")', 'str(row["condition"])[4:]', '" alone" in row.condition',
+     'remark.what.endswith("is not read")', "FLIP.fullmatch(condition)", "name[-1]", 're.sub("a", "b", one.reason.text)'],
+)  # fmt: skip
+def test_the_walk_sees_what_takes_a_text_apart(code: str) -> None:
+    assert any(takes_apart(node) for node in ast.walk(ast.parse(code)))
+
+
+def test_no_code_takes_a_name_condition_reason_or_remark_apart() -> None:
+    found = [
+        f"{path.relative_to(PACKAGE)}:{getattr(node, 'lineno', '')}: {ast.unparse(node)}"
+        for path in FILES
+        if not str(path.relative_to(PACKAGE)).startswith((*SERIALISER, *INPUT))
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8")))
+        if takes_apart(node)
+    ]
+    assert not found
