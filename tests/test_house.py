@@ -293,7 +293,7 @@ PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split
                      "removesuffix", "find", "fullmatch", "match", "search", "sub"})  # fmt: skip
 # The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
 SERIALISER = ("core/key.py", "core/remarks.py", "core/influence.py")
-INPUT = ("files/", "cli/rig_names.py", "campaign/starter.py", "campaign/starter_flip.py", "campaign/model_inputs.py",
+INPUT = ("files/", "cli/rig_names.py", "campaign/starter.py", "campaign/starter_flip.py", "campaign/models/inputs.py",
          "procedures/positions/files/", "report/sections.py")  # fmt: skip
 
 
@@ -321,8 +321,9 @@ def takes_apart(node: ast.AST) -> bool:
 
 @pytest.mark.parametrize(
     "code",
-    ['name.rpartition("_")', 'row["reason"].startswith("yes")', 'str(row["condition"])[4:]', '" alone" in row.condition',
-     'remark.what.endswith("is not read")', "FLIP.fullmatch(condition)", "name[-1]", 're.sub("a", "b", one.reason.text)'],
+    ['name.rpartition("_")', 'row["reason"].startswith("yes")', 'str(row["condition"])[4:]', "name[-1]",
+     '" alone" in row.condition', 'remark.what.endswith("is not read")', "FLIP.fullmatch(condition)",
+     're.sub("a", "b", one.reason.text)'],
 )  # fmt: skip
 def test_the_walk_sees_what_takes_a_text_apart(code: str) -> None:
     assert any(takes_apart(node) for node in ast.walk(ast.parse(code)))

@@ -107,10 +107,10 @@ def _parse(text: str) -> dict[str, Any]:
     try:
         return tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
-        what, _, position = str(error).partition(" (at ")
+        said, _, position = str(error).partition(" (at ")
         line = position.split()[1].rstrip(",") if position.startswith("line") else ""
         raise PlanError(
-            f"not TOML: {what[:1].lower()}{what[1:]}", where=f"{FILE}:{line}" if line else FILE, code="not_toml"
+            f"not TOML: {said[:1].lower()}{said[1:]}", where=f"{FILE}:{line}" if line else FILE, code="not_toml"
         ) from None
     except (RecursionError, ValueError, OverflowError):
         raise PlanError("not TOML: nested too deeply, or a number too large", where=FILE, code="not_toml") from None

@@ -321,7 +321,7 @@ def in_body_names(recording: Recording, entry: RecordingEntry, sensor: Sensor) -
         If the mounting mixes sensors, so that no temperature is that of a body axis.
     """
     sensed_by = _sensed_by(sensor)
-    if sensed_by is None and any(name.startswith(f"{TEMPERATURE}_") for name in recording.names):
+    if sensed_by is None and any(f"{TEMPERATURE}_{axis}" in recording.names for axis in AXES):
         what = "the mounting mixes sensors: no thermometer is that of one body axis"
         raise DataError(what, entry.file, do="Give one channel temperature, or a mounting without mixing")
     stems = (TEMPERATURE, *REFERENCES.values())

@@ -20,6 +20,7 @@ from ...core.remarks import Remark
 from .readings import Readings, Sweep
 
 TEMPERATURE, PRESSURE = "temperature", "pressure"
+WARM = (TEMPERATURE, *(f"{TEMPERATURE}_{axis}" for axis in AXES))
 REFERENCES = ("reference_voltage", "temperature_reference_voltage")  # channels of reference voltages, with their axis
 FASTEST = 1.0  # [degC/s]: temperature-cycling chambers reach a quarter of it
 SMALLEST_SWING = 5.0  # [degC], below which a fast change may be noise
@@ -126,7 +127,7 @@ def _is_timed(recording: Recording) -> bool:
     if seconds is None:
         return False
     return all(_swing_rate(_floats(recording, c.name), seconds) <= FASTEST for c in recording.channels
-               if c.name.startswith(TEMPERATURE) and c.data.dtype.kind in "fiu" and c.unit == "degC")  # fmt: skip
+               if c.name in WARM and c.data.dtype.kind in "fiu" and c.unit == "degC")  # fmt: skip
 
 
 def _swing_rate(temperature: Array, seconds: Array) -> float:

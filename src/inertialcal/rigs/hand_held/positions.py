@@ -10,6 +10,7 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.labelled import LabelledPart
 from ..parts.standards import drawn_error
@@ -32,8 +33,8 @@ def labelled_parts(parts: Sequence[Part]) -> tuple[LabelledPart, ...]:
     for part in parts:
         vector = part.direction if part.axis is None else part.axis
         if vector is not None:
-            name = NAMES[int(np.argmax(FACES @ np.array(vector)))]
-            label = name if part.axis is None else f"{name[0]}_rot"
+            face = int(np.argmax(FACES @ np.array(vector)))
+            label = NAMES[face] if part.axis is None else f"{AXES[face // 2]}_rot"
             found.append(LabelledPart(label, part.start, part.stop, angle=part.angle))
     return tuple(found)
 
