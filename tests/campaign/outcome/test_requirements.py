@@ -7,13 +7,14 @@ from functools import cache
 import numpy as np
 import pytest
 
+from inertialcal.campaign.engine.engine import ReducedTest
 from inertialcal.campaign.file.schema import Requirement
 from inertialcal.campaign.file.schema import Test as Entry
-from inertialcal.campaign.outcome.requirements import Tested as Reduced
 from inertialcal.campaign.outcome.requirements import judge, worst
 from inertialcal.core.judging import Verdict
 from inertialcal.core.key import Key, Reason
 from inertialcal.core.results import Row
+from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.rate_table.reduction import Plan, Truth, reduce, simulate
 from inertialcal.statistics.intervals import binomial_interval
 
@@ -26,11 +27,15 @@ def requirement(**given: object) -> Requirement:
     return Requirement.model_validate({"id": "R", "quantity": "rate_error", "limit": "5 %"} | given)
 
 
-def reduced(error: float, seed: int) -> Reduced:
+def with_rows(result: object, *rows: Row) -> ReducedTest:
+    return ReducedTest(ENTRY, Done("one", "", "fit", PLAN, None, result), rows)
+
+
+def reduced(error: float, seed: int) -> ReducedTest:
     """A unit whose scale factor error is the same at every rate."""
     truth = Truth(np.eye(3) * (1.0 + error), run_scale_std=2e-3, axes=("x",))
     result = reduce(PLAN, simulate(PLAN, truth, np.random.default_rng(seed)))
-    return Reduced(ENTRY, result, ())
+    return with_rows(result)
 
 
 @cache
@@ -80,13 +85,13 @@ def test_the_band_over_several_rates_is_wider_than_at_one() -> None:
 
 def test_single_figures_are_judged_by_their_interval() -> None:
     row = Row(Key("bias", "x"), 0.01, 0.001, "rad/s", 10.0)
-    at = Reduced(ENTRY, object(), [row])
+    at = with_rows(object(), row)
     for limit, word in (("0.02 rad/s", "PASS"), ("0.005 rad/s", "FAIL"), ("0.0105 rad/s", "INCONCLUSIVE")):
         assert judge(requirement(quantity="bias", limit=limit), [at])[0][0].verdict == word
     unknown = Row(
         Key("bias", "x"), None, None, "rad/s", status="not_estimated", reason=Reason("not_turned", "never turned")
     )
-    verdict = judge(requirement(quantity="bias", limit="1 rad/s"), [Reduced(ENTRY, object(), [unknown])])[0][0]
+    verdict = judge(requirement(quantity="bias", limit="1 rad/s"), [with_rows(object(), unknown)])[0][0]
     assert (verdict.verdict, verdict.reason) == ("INCONCLUSIVE", "never turned")
     wrong = judge(requirement(quantity="bias", limit="1 V"), [at])[0][0]
     assert wrong.verdict == "INCONCLUSIVE"

@@ -6,8 +6,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
+from ...core.curve import Curve
 from ...core.errors import PlanError
 from ...core.influence import Standards
+from ...core.results import Row
 from ...procedures import procedure_of
 from ...procedures.protocol import Correction, Facts, Procedure, Tested
 from ..file.plans import plan_values
@@ -97,8 +99,48 @@ def reduce_test(prepared: Prepared) -> Any:
     return procedure.of_sensor(procedure.reduce(prepared.plan, prepared.readings), prepared.facts)
 
 
-def all_tested(prepared: Sequence[Prepared], results: Mapping[str, Any]) -> dict[str, Tested[Any, Any, Any]]:
-    """Return the tests of a campaign as procedures see them, by name, each with the one that it is set beside."""
+@dataclass(frozen=True, eq=False)
+class ReducedTest:
+    """A test of a campaign that was reduced.
+
+    Parameters
+    ----------
+    test : Test
+        Its entry.
+    tested : Tested
+        As procedures see it: plan, readings, result.
+    rows : sequence of Row
+        SI, each with the name of the test.
+    curves : sequence of Curve
+        Of what it holds out, SI.
+    """
+
+    test: Test
+    tested: Tested[Any, Any, Any]
+    rows: Sequence[Row]
+    curves: Sequence[Curve] = ()
+
+    @property
+    def procedure(self) -> Procedure[Any, Any, Any]:
+        """Of the test."""
+        return procedure_of(self.test.procedure)
+
+    @property
+    def result(self) -> Any:
+        """Of its sensor."""
+        return self.tested.result
+
+
+def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Any]) -> list[ReducedTest]:
+    """Return the tests of a campaign with their rows, each knowing the one that it is set beside.
+
+    Parameters
+    ----------
+    prepared : sequence of Prepared
+        Every test.
+    results : mapping of str to Any
+        Of each, by name.
+    """
     plain = {
         one.test.id: Tested(
             one.test.id,
@@ -113,4 +155,9 @@ def all_tested(prepared: Sequence[Prepared], results: Mapping[str, Any]) -> dict
         )
         for one in prepared
     }
-    return {one.test.id: replace(plain[one.test.id], against=plain.get(one.test.against or "")) for one in prepared}
+    found = []
+    for one in prepared:
+        tested = replace(plain[one.test.id], against=plain.get(one.test.against or ""))
+        rows = procedure_of(one.test.procedure).rows(tested.result)
+        found.append(ReducedTest(one.test, tested, [replace(row, test=one.test.id) for row in rows]))
+    return found

@@ -21,9 +21,9 @@ from ..models.judged import JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
 from ..outcome.provenance import provenance
 from ..outcome.publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
-from ..outcome.requirements import Tested, worst
+from ..outcome.requirements import worst
 from ..outcome.tables import outcome_parts
-from .engine import Prepared, all_tested, reduce_test
+from .engine import Prepared, ReducedTest, reduce_test, reduced_tests
 from .prepared import placed, prepare
 from .side_by_side import beside_others
 
@@ -180,7 +180,7 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     prepared, tested, remarks = _reduce_all(campaign, tell)
     inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
     tell(len(tested), len(tested), "model and requirements")
-    reduced = all_tested(prepared, {one.test.id: one.result for one in tested})
+    reduced = {one.test.id: one.tested for one in tested}
     residuals = hold_out_residuals(campaign, reduced)
     tested = [_with_residuals(one, residuals.get(one.test.id)) for one in tested]
     made = {one.test.id: procedure_of(one.test.procedure).correction(one.test.id, one.result) for one in tested}
@@ -200,7 +200,7 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     return Outcome(campaign, results, inputs, verdict, changes(before, results))
 
 
-def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[Tested], list[Remark]]:
+def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
     tests = campaign.file.tests
     ready: dict[int, Prepared] = {}
     results: dict[str, Any] = {}
@@ -217,21 +217,13 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
             problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
     if problems:
         raise DataError(list(dict.fromkeys(problem for number in sorted(problems) for problem in problems[number])))
-    tested = [
-        Tested(
-            test,
-            results[test.id],
-            [replace(row, test=test.id) for row in procedure_of(test.procedure).rows(results[test.id])],
-            ready[number].plan,
-            ready[number].readings,
-        )
-        for number, test in enumerate(tests)
-    ]
+    prepared = [ready[number] for number in range(len(tests))]
+    tested = beside_others(campaign, reduced_tests(prepared, results))
     remarks = [remark.at(test.id) for test in tests for remark in results[test.id].remarks]
-    return [ready[number] for number in range(len(tests))], beside_others(campaign, tested), remarks
+    return prepared, tested, remarks
 
 
-def _with_residuals(one: Tested, residual: Residual | None) -> Tested:
+def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:
     """Return a test held out with the rows and curves of what is left on its readings."""
     if residual is None:
         return one

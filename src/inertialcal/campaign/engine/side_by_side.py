@@ -4,15 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 from ...core.errors import InertialcalError
-from ...core.results import Row
+from ...procedures.protocol import Tested
 from ..file.load import Campaign
-from ..outcome.requirements import Tested
+from .engine import ReducedTest
 from .prepared import placed
 
 
-def beside_others(campaign: Campaign, tested: Sequence[Tested]) -> list[Tested]:
+def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[ReducedTest]:
     """Return the tests, those ``against`` another with the rows of what the two differ by.
 
     Raises
@@ -20,18 +21,13 @@ def beside_others(campaign: Campaign, tested: Sequence[Tested]) -> list[Tested]:
     PlanError
         If the two cannot be set side by side.
     """
-    by_name = {one.test.id: one for one in tested}
-    return [one if one.test.against is None else _beside(campaign, one, by_name[one.test.against]) for one in tested]
+    return [one if one.tested.against is None else _beside(campaign, one, one.tested.against) for one in tested]
 
 
-def _beside(campaign: Campaign, one: Tested, other: Tested) -> Tested:
+def _beside(campaign: Campaign, one: ReducedTest, other: Tested[Any, Any, Any]) -> ReducedTest:
     try:
-        rows = _rows(one, other)
+        rows = one.procedure.against(one.result, other, one.test.condition) or ()
     except InertialcalError as error:
         number = campaign.file.tests.index(one.test)
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
     return replace(one, rows=[*one.rows, *(replace(row, test=one.test.id) for row in rows)])
-
-
-def _rows(one: Tested, other: Tested) -> Sequence[Row]:
-    return one.procedure.against(one.result, other.reduced, one.test.condition) or ()

@@ -12,7 +12,7 @@ from ...core.remarks import Remark, condensed
 from ...core.results import finite
 from ...core.units import convert, factor
 from ...procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
-from ..engine.engine import Prepared
+from ..engine.engine import Prepared, ReducedTest
 from ..engine.prepared import sensor_of
 from ..file.load import Campaign
 from ..models.content import closed_loop_content, named_models, parameter_rows
@@ -21,7 +21,7 @@ from .budgets import budget_rows
 from .curves import curves_content
 from .exclusions import exclusion_rows, left_out
 from .margins import margin
-from .requirements import RULE, Tested, judge, worst
+from .requirements import RULE, judge, worst
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
 from .standards import standards_rows
@@ -30,7 +30,7 @@ from .standards import standards_rows
 def results_content(
     campaign: Campaign,
     prepared: Sequence[Prepared],
-    tested: Sequence[Tested],
+    tested: Sequence[ReducedTest],
     modelled: JudgedModel | None,
     remarks: Sequence[Remark],
 ) -> tuple[dict[str, Any], list[Verdict]]:
@@ -42,7 +42,7 @@ def results_content(
         As read.
     prepared : sequence of Prepared
         Every test, ready to be reduced.
-    tested : sequence of Tested
+    tested : sequence of ReducedTest
         Every test, with its rows, SI; they come out in the units of the campaign.
     modelled : JudgedModel or None
         Model and closed loop.
@@ -89,7 +89,7 @@ def results_content(
     return results, verdicts
 
 
-def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: JudgedModel | None) -> list[dict[str, Any]]:
+def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None) -> list[dict[str, Any]]:
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
     for one in tested:
@@ -100,7 +100,7 @@ def _budgets(campaign: Campaign, tested: Sequence[Tested], modelled: JudgedModel
     return found
 
 
-def _covariance(one: Tested) -> dict[str, Any] | None:
+def _covariance(one: ReducedTest) -> dict[str, Any] | None:
     estimate: Estimate | None = one.result.estimate
     if estimate is None:
         return None

@@ -10,21 +10,23 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...procedures.display import displayed_curve
+from ..engine.engine import ReducedTest
 from ..engine.prepared import sensor_of
 from ..file.load import Campaign
 from ..models.content import named_models
 from ..models.judged import JudgedModel
-from .requirements import Tested
 
 
-def curves_content(campaign: Campaign, tested: Sequence[Tested], modelled: JudgedModel | None) -> list[dict[str, Any]]:
+def curves_content(
+    campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None
+) -> list[dict[str, Any]]:
     """Return the curves of all tests, and those of the closed loop, as ``results.json`` holds them.
 
     Parameters
     ----------
     campaign : Campaign
         As read.
-    tested : sequence of Tested
+    tested : sequence of ReducedTest
         Every test.
     modelled : JudgedModel or None
         Model and closed loop.

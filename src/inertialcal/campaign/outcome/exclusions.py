@@ -15,11 +15,10 @@ from ...core.remarks import Remark
 from ...core.units import convert
 from ...procedures.display import ten_digits
 from ...procedures.protocol import Exclusion
-from ..engine.engine import Prepared
+from ..engine.engine import Prepared, ReducedTest
 from ..engine.prepared import sensor_of
 from ..file.load import Campaign
 from ..file.sensors import Chain
-from .requirements import Tested
 
 # Rules on a sample, by the code of their remark: the key of the sensor's chain that decided.
 SAMPLES = {"test_low": "validity_minimum", "rail": "counts"}
@@ -33,7 +32,7 @@ class LeftOut(NamedTuple):
     what: Exclusion
 
 
-def left_out(campaign: Campaign, prepared: Sequence[Prepared], tested: Sequence[Tested]) -> list[LeftOut]:
+def left_out(campaign: Campaign, prepared: Sequence[Prepared], tested: Sequence[ReducedTest]) -> list[LeftOut]:
     """Return what each test left out, in the order run.
 
     Parameters
@@ -42,13 +41,13 @@ def left_out(campaign: Campaign, prepared: Sequence[Prepared], tested: Sequence[
         As read.
     prepared : sequence of Prepared
         Every test.
-    tested : sequence of Tested
+    tested : sequence of ReducedTest
         The same as they were run.
     """
     found = []
     for one, reduced in zip(prepared, tested, strict=True):
         sensor = sensor_of(campaign, one.test)
-        mine = [*_by_chain(one, sensor.chain), *reduced.procedure.exclusions(reduced.reduced)]
+        mine = [*_by_chain(one, sensor.chain), *reduced.procedure.exclusions(reduced.tested)]
         ordered = [*_not_chosen(one), *sorted(mine, key=lambda what: what.place_in_list)]
         found += [LeftOut(one.test.id, sensor.unit, what) for what in ordered]
     return sorted(found, key=lambda one: one.what.last)

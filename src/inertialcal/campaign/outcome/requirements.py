@@ -14,21 +14,18 @@ References
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
-from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.judging import LEVEL, Asked, Verdict
 from ...core.results import Row
 from ...procedures import all_quantities, procedure_of
-from ...procedures.protocol import Procedure, Quantity
-from ...procedures.protocol import Tested as Reduced
+from ...procedures.protocol import Quantity
 from ...statistics.decision import Verdict as Decision
 from ...statistics.decision import decide, decide_by
-from ..file.schema import Requirement, Test
+from ..engine.engine import ReducedTest
+from ..file.schema import Requirement
 
 RULE = (
     "PASS if the 95 % interval lies inside the limits, FAIL if wholly outside, else INCONCLUSIVE;"
@@ -38,36 +35,14 @@ OPEN = "OPEN"
 BELOW = "not found; its 95 % upper limit lies inside the limit"
 
 
-@dataclass(frozen=True, eq=False)
-class Tested:
-    """A test that was run: entry, result and rows, SI; the plan and readings behind; curves of what it holds out."""
-
-    test: Test
-    result: Any
-    rows: Sequence[Row]
-    plan: Any = None
-    readings: Any = None
-    curves: Sequence[Curve] = ()
-
-    @property
-    def procedure(self) -> Procedure[Any, Any, Any]:
-        """Of the test."""
-        return procedure_of(self.test.procedure)
-
-    @property
-    def reduced(self) -> Reduced[Any, Any, Any]:
-        """The test as procedures see it."""
-        return Reduced(self.test.id, self.test.condition, self.test.use, self.plan, self.readings, self.result)
-
-
-def judge(requirement: Requirement, tested: Sequence[Tested]) -> tuple[list[Verdict], list[Row]]:
+def judge(requirement: Requirement, tested: Sequence[ReducedTest]) -> tuple[list[Verdict], list[Row]]:
     """Return the verdicts of a requirement, and rows that follow from it (the resolution).
 
     Parameters
     ----------
     requirement : Requirement
         As the campaign states it.
-    tested : sequence of Tested
+    tested : sequence of ReducedTest
         All tests that were run; those that the requirement is about are chosen here.
     """
     asked = Asked(
@@ -79,7 +54,7 @@ def judge(requirement: Requirement, tested: Sequence[Tested]) -> tuple[list[Verd
     rows: list[Row] = []
     others: set[str] = set()
     for name in dict.fromkeys(one.test.procedure for one in about):
-        found = procedure_of(name).judge(asked, [one.reduced for one in about if one.test.procedure == name])
+        found = procedure_of(name).judge(asked, [one.tested for one in about if one.test.procedure == name])
         if found is None:
             others.add(name)
         else:
@@ -97,7 +72,7 @@ def worst(verdicts: Sequence[Verdict]) -> str:
     return "PASS" if found == {"PASS"} else "INCONCLUSIVE"
 
 
-def _is_about(requirement: Requirement, one: Tested) -> bool:
+def _is_about(requirement: Requirement, one: ReducedTest) -> bool:
     if requirement.tests is not None and one.test.id not in requirement.tests:
         return False
     if requirement.condition is not None and one.test.condition != requirement.condition:
@@ -114,14 +89,14 @@ def _open(asked: Asked) -> Verdict:
                    "no test speaks to it")  # fmt: skip
 
 
-def _figures(asked: Asked, about: Sequence[Tested]) -> Iterator[Verdict]:
+def _figures(asked: Asked, about: Sequence[ReducedTest]) -> Iterator[Verdict]:
     for one in about:
         for row in one.rows:
             if row.quantity == asked.quantity and row.case.plain and asked.axis in (None, row.axis):
                 yield _figure(asked, one, row)
 
 
-def _decided(one: Tested, row: Row, size: bool, lower: float | None, upper: float | None) -> Decision:
+def _decided(one: ReducedTest, row: Row, size: bool, lower: float | None, upper: float | None) -> Decision:
     """Compare a size, as of a term of noise, by its own interval: that is no t-interval about the value."""
     if size:
         p = LEVEL if lower is not None and upper is not None else round(2.0 * LEVEL - 1.0, 12)
@@ -130,7 +105,7 @@ def _decided(one: Tested, row: Row, size: bool, lower: float | None, upper: floa
     return decide(value, u, np.inf if row.dof is None else row.dof, lower, upper)
 
 
-def _figure(asked: Asked, one: Tested, row: Row) -> Verdict:
+def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
     head = (asked.id, one.test.id, row.axis, None, "", row.value, row.u, row.unit)
     size = one.procedure.quantities().get(row.quantity, Quantity()).size
     try:

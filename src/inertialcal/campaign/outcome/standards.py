@@ -9,18 +9,18 @@ from ...core.influence import Influence, standard_of
 from ...core.results import finite
 from ...core.schema.standards import STANDARDS
 from ...procedures import loaded_procedures
+from ..engine.engine import ReducedTest
 from ..file.load import Campaign
-from .requirements import Tested
 
 
-def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[str, Any]]:
+def standards_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[dict[str, Any]]:
     """Return all influences that are stated, as stated, and those that are not and would change the result of a test.
 
     Parameters
     ----------
     campaign : Campaign
         As read.
-    tested : sequence of Tested
+    tested : sequence of ReducedTest
         Every test.
     """
     names = [f"{standard}.{influence}" for standard, inner in STANDARDS.items() for influence in inner]
@@ -32,7 +32,7 @@ def standards_rows(campaign: Campaign, tested: Sequence[Tested]) -> list[dict[st
     ]
 
 
-def _effect(name: str, tested: Sequence[Tested]) -> str:
+def _effect(name: str, tested: Sequence[ReducedTest]) -> str:
     """Say what an influence changes in the tests that were run; of none of them, what it changes at all."""
     found = [one.procedure.effects().get(name, "") for one in tested]
     every = (one.effects()[name] for one in loaded_procedures() if name in one.effects())
