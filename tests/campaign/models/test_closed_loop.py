@@ -100,3 +100,16 @@ def test_no_difference_seldom_fails(runs: int) -> None:
 @pytest.mark.slow
 def test_no_difference_seldom_fails_long() -> None:
     assert false_alarms(1000, 3) <= RISK * 1000
+
+
+def test_judged_by_its_own_readings_the_gain_is_as_uncertain_as_clusters_of_runs_make_it() -> None:
+    """4 G / (G - 1) N / (N - p) times the sum over G runs of (sum of correction times residual)^2, over N^2."""
+    line = real(1)[0].lines["x"]
+    readings, n, p = line.readings, len(line.readings), len(line.fit.coefficients)
+    (found,) = closed_loop({"x": line}, readings, lambda of: {"x": 0.999 * of.outputs["x"]}, {})
+    assert readings.run is not None
+    product = 0.001 * readings.outputs["x"] * line.fit.residuals
+    sums = np.array([product[readings.run == run].sum() for run in np.unique(readings.run)])
+    runs = len(sums)
+    assert found.u == pytest.approx(np.sqrt(4.0 * runs / (runs - 1) * n / (n - p) * np.sum(sums**2)) / n)
+    assert found.dof == runs - 1

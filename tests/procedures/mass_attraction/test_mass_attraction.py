@@ -390,3 +390,13 @@ def test_intervals_hold_the_truth_in_a_few_campaigns() -> None:
 def test_intervals_with_a_regressed_tilt_hold_the_truth() -> None:
     held = hits(1000, True)
     assert covers(held, 1000), held
+
+
+def test_the_error_of_the_scale_factor_is_as_uncertain_as_the_scale_factor_relative_to_nominal() -> None:
+    rng = np.random.default_rng(8)
+    nominal = 1.2 * S
+    result = reduce(Plan(nominal=nominal, tilt="ignored"), Readings(tuple(run(rng, name=name) for name in "123")))
+    scale, error = row(result, "scale_factor"), row(result, "scale_factor_error")
+    assert scale.u is not None
+    assert error.value == pytest.approx((scale.value or 0.0) / nominal - 1.0)
+    assert error.u == pytest.approx(scale.u / nominal)
