@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from typed_commands import call
 
 RECORD = "2014_10_22_09_36_36.324-2014_10_22_09_37_35.317.121f03006"

@@ -10,12 +10,12 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from typed_commands import call_json
 
 from inertialcal.cli.__main__ import main
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import BiasInstability, RandomWalk
+from typed_commands import call_json
 
 N, INTERVAL = 6_000, 0.01
 WALK = 0.24  # deg/sqrt(h)

@@ -7,11 +7,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from typed_commands import call, call_json
 
 import inertialcal as ic
 from inertialcal.core.errors import InertialcalError
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
+from typed_commands import call, call_json
 
 PLAN = ("plan", "mass-attraction")
 BODY = ("--cube", "5.08 cm", "--count", "900", "--stand-off", "7.6 cm")

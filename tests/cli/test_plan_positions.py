@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import pytest
-from typed_commands import call, call_json
 
 from inertialcal.cli.commands import Planners
+from typed_commands import call, call_json
 
 PLAN = ("plan", "positions")
 SCATTER = ("--scatter", "0.1 mg")

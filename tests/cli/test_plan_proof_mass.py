@@ -7,10 +7,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from typed_commands import call, call_json
 
 import inertialcal as ic
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
+from typed_commands import call, call_json
 
 PLAN = ("plan", "mass-attraction", "--cube", "10 cm", "--count", "50", "--stand-off", "7.6 cm")
 MOVED = ("--stroke", "10 cm:40 cm", "--rig", "0 cm:60 cm")

@@ -6,7 +6,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from typed_commands import call, call_json
 
 import inertialcal as ic
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
@@ -16,6 +15,7 @@ from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.procedures.sine.files import SineFile
 from inertialcal.report.figures import figures, on_new_figure
+from typed_commands import call, call_json
 
 SINE = np.tile([0.0, 1.0, 0.0, -1.0], N // 4)
 APPLIED = 2.256e-7  # [m/s^2]: 23 ng

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from typed_commands import call, call_json
 
 BIAS = 0.01  # at 20 degC [deg/s]

@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import get_type_hints
 
 import pytest
-from typed_commands import call, call_json
 
 from inertialcal.cli.verbs.twins import simulate
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Changes, Rig, Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench
+from typed_commands import call, call_json
 
 SHORT = Bench(rates_deg_s=(0.0, 2.0, -2.0, 4.5, -4.5, 0.0), dwell=24.0, runs=5, fit_runs=3)
 

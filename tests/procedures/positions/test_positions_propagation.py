@@ -13,7 +13,8 @@ import pytest
 from inertialcal.core.estimate import Array
 from inertialcal.procedures.positions.fit.accelerometer import Fitted
 from inertialcal.procedures.positions.fit.earth_rate import LEVEL, apart
-from inertialcal.procedures.positions.fit.gyro import MODEL, fit_gyro
+from inertialcal.procedures.positions.fit.gyro import MODEL, fit_gyro, problem_of
+from inertialcal.procedures.positions.gravity import local_gravity
 from inertialcal.procedures.positions.reduction import Readings, Result, reduce, simulate
 from positions_truths import BY_HAND, BY_HAND_PLAN, FIXTURE_PLAN, PLAN, TURNED
 
@@ -101,3 +102,14 @@ def test_accelerometers() -> None:
     assert result.gyro is not None
     (found,) = (one.covariance for one in result.gyro.sensor.sources if one.name == MODEL)
     assert found[:9, :9] == pytest.approx(expected, abs=CLOSE * np.abs(expected).max())
+
+
+def test_scatter_between_positions_tilts_gravity_as_noise_inside_does(result: Result) -> None:
+    """Noise s of a mean reading turns the direction of gravity by s / g, wherever it comes from."""
+    assert result.gyro is not None
+    between, gravity = 0.02, local_gravity(result.plan)
+    variances = [
+        problem_of(result.plan, result.readings, acc, result.gyro.rest, np.ones(3), np.zeros(3)).up_variance
+        for acc in (replace(result.acc, between=0.0), replace(result.acc, between=between))
+    ]
+    assert variances[1] - variances[0] == pytest.approx(np.full(len(variances[0]), (between / gravity) ** 2))

@@ -75,3 +75,11 @@ def test_stated() -> None:
 def test_scales_with_the_unit(seed: int, power: int, n: int) -> None:
     x = white(n, seed)
     assert noise_scale(x * 2.0**power).scale == pytest.approx(2.0**power * noise_scale(x).scale)
+
+
+def test_each_block_has_a_degree_of_freedom_less_than_samples() -> None:
+    """Blocks that are all alike are all kept: seven degrees of freedom of eight samples, and their pooled variance."""
+    block = white(8)
+    noise = noise_scale(np.tile(block, (500, 1)))
+    assert noise.dof == pytest.approx([500 * 7.0])
+    assert noise.scale == pytest.approx([float(block.std(ddof=1))])

@@ -7,6 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.signals.sine import (
+    amplitude_of,
     applied_drive,
     averaging_response,
     cross_checks,
@@ -223,3 +224,12 @@ def test_a_window_that_is_no_whole_number_of_cycles_does_no_harm() -> None:
     x = np.sin(2 * np.pi * 0.25 * times + 0.3) + 0.02 * times + 1e-6 * np.random.default_rng(1).standard_normal(103)
     fit = fit_line(design_of(sine_drive(times, 0.25, 0.3)), x)
     assert fit.in_phase[0] == pytest.approx(1.0, abs=1e-4)
+
+
+@pytest.mark.parametrize("dof", [3.0, 12.0, 1e9])
+def test_chance_that_noise_makes_an_amplitude_is_rayleighs(dof: float) -> None:
+    """exp(-C^2 / 2 s^2), and (1 + C^2 / nu s^2)^(-nu / 2) where s has nu degrees of freedom."""
+    u, C = 0.2, np.hypot(0.3, 0.4)
+    found = amplitude_of(0.3, 0.4, u, dof).chance[0]
+    known = np.exp(-0.5 * (C / u) ** 2)
+    assert found == pytest.approx(known if dof > 1e6 else (1.0 + (C / u) ** 2 / dof) ** (-0.5 * dof), rel=1e-5)
