@@ -42,7 +42,8 @@ def pointers(finding: findings.Finding) -> list[str]:
 
 def results(**more: Any) -> Any:
     loop = {"verdict": "not run", "reason": "no test is held out", "axes": []}
-    return wrap({"results": [], "verdicts": [], "closed_loop": loop} | more, "")
+    steps = [{"test": "t"}]
+    return wrap({"results": [], "sequence": steps, "verdicts": [], "closed_loop": loop} | more, "")
 
 
 def test_a_test_says_its_largest_scale_factor_error_and_verdicts() -> None:

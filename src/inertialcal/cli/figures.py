@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -39,14 +39,16 @@ def check_figure(output: Path | None, asked: dict[str, str | None] | None = None
             raise UsageError(f"{option} {value}: no file for the figure is named", do="Say it: -o figure.png")
 
 
-def write(output: Path, result: Any, inputs: Sequence[Path | str], chosen: dict[str, str | None], most: int = 1) -> str:
+def write(
+    output: Path, result: object, inputs: Sequence[Path | str], chosen: dict[str, str | None], most: int = 1
+) -> str:
     """Write the figure of a result; return a line that says what was drawn and what else there is.
 
     Parameters
     ----------
     output : Path
         Where.
-    result : Any
+    result : object
         What ``inertialcal.plot`` takes.
     inputs : sequence of path
         Files that it may not replace.

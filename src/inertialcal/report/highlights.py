@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -12,7 +11,6 @@ from ..core.units import factor
 from .findings import Figure, Finding, of_row, worst_axis
 from .numbers import Branch, clean
 
-MODEL = re.compile("model(_.+)?")  # rows of the models that are delivered
 ERRORS = ("scale_factor_error", "misalignment")
 FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell",
              "angle_random_walk", "velocity_random_walk", "bias_instability")  # fmt: skip
@@ -46,7 +44,8 @@ def highlights(results: Branch) -> list[Highlight]:
         Content of results.json.
     """
     rows = [row for row in results["results"] if not case_of(row["condition"]).beside]
-    delivered = [row for row in rows if MODEL.fullmatch(str(row["test"]))] or rows
+    tests = {str(step["test"]) for step in results["sequence"]}
+    delivered = [row for row in rows if str(row["test"]) not in tests] or rows  # of the models
     found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]
     for quantity in FALLBACKS:

@@ -81,13 +81,16 @@ def _content(
     """Return what the templates are handed: every number with its pointer."""
     r = numbers.wrap(results, "")
     lists = {name: r[name] for name in ("results", "sequence", "verdicts", "remarks", "budgets", "exclusions")}
+    found = sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"])
+    sensor_of = {f"{sections.MODEL}_{name}": str(name) for name in r["sensors"]}
     modelled = None if model is None else numbers.wrap(model, "model:")
     return {
         "r": r,
         "model": modelled,
         "provenance": numbers.wrap(provenance, "provenance:"),
         "delivered": None if model is None or modelled is None else delivered(model, modelled, lists["results"]),
-        "sections": sections.sections(lists["results"], lists["sequence"], lists["verdicts"], lists["remarks"]),
+        "sections": found,
+        "models": [(sensor_of[one.test], one) for one in found if one.test in sensor_of],
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
         "output": output_table.output_rows(lists["results"], results["sequence"]),

@@ -40,7 +40,7 @@ OWN_FIGURE = {Recording: "recording", SensorModel: "matrix", Estimate: "estimate
 
 
 def plot(
-    result: Any,
+    result: object,
     ax: Axes | Sequence[Axes] | None = None,
     figure: str | None = None,
     test: str | None = None,
@@ -86,10 +86,12 @@ def plot(
     return drawn[0] if len(drawn) == 1 else np.array(drawn, dtype=object)
 
 
-def pictures(result: Any, figure: str | None = None, test: str | None = None, axis: str | None = None) -> list[Picture]:
+def pictures(
+    result: object, figure: str | None = None, test: str | None = None, axis: str | None = None
+) -> list[Picture]:
     """Return the pictures of one kind that a result has data for, at least one; arguments and errors as `plot`."""
-    own = next((name for known, name in OWN_FIGURE.items() if isinstance(result, known)), None)
-    if own is not None:
+    if isinstance(result, Recording | SensorModel | Estimate):
+        own = next(name for known, name in OWN_FIGURE.items() if isinstance(result, known))
         if figure not in (None, own):
             raise UsageError(f"no figure {figure!r} of a {type(result).__name__}", do=f"There is: {own}")
         if test is not None or (axis is not None and own != "recording"):
