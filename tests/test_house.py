@@ -87,14 +87,14 @@ def modules() -> dict[str, Path]:
 
 def run_imports(path: Path, package: tuple[str, ...]) -> Iterator[str]:
     """Yield what a file imports when it runs, inside functions too; what only types need is left out."""
-    left = [*ast.parse(path.read_text(encoding="utf-8")).body]
+    left: list[ast.AST] = [*ast.parse(path.read_text(encoding="utf-8")).body]
     while left:
         node = left.pop()
         if isinstance(node, ast.If) and "TYPE_CHECKING" in ast.unparse(node.test):
             left += node.orelse
             continue
         yield from (name for _, name in imports(node, package))
-        left += ast.iter_child_nodes(node)
+        left += [*ast.iter_child_nodes(node)]
 
 
 def rings(graph: dict[str, set[str]]) -> list[str]:
@@ -191,7 +191,7 @@ def names_of_procedures(path: Path) -> list[str]:
     for node in ast.walk(tree):
         said = node.value if isinstance(node, ast.Constant) and id(node) not in docs else ""
         if isinstance(said, str) and PROCEDURE_NAMES.search(said):
-            found.append(f"{path.name}:{node.lineno} says {said!r}")
+            found.append(f"{path.name}:{getattr(node, 'lineno', 0)} says {said!r}")
     return found
 
 

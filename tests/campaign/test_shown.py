@@ -198,7 +198,7 @@ def evil_recording() -> Recording:
     )
     time = np.array([0, 10**9, 2 * 10**9], dtype=np.int64) + 1_272_467_401 * 10**9
     remark = Remark(EVIL, "warning", EVIL, EVIL, do=EVIL)
-    return Recording(channels, time, 1.0, 0.5, "utc", EVIL, Source(EVIL, "", EVIL), (remark,))
+    return Recording(channels, time, 1.0, 0.5, "utc", "column", Source(EVIL, "", EVIL), (remark,))
 
 
 def test_a_recording_says_its_clock_and_what_is_missing() -> None:

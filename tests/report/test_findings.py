@@ -10,7 +10,7 @@ import pytest
 from inertialcal.core.show import wording
 from inertialcal.report import findings
 from inertialcal.report.highlights import highlights
-from inertialcal.report.numbers import Number, Text, both, digits, rounded, uncertainty, wrap
+from inertialcal.report.numbers import Branch, Number, Text, both, digits, rounded, uncertainty, wrap
 from inertialcal.report.sections import anchor, missing, table
 
 
@@ -235,4 +235,6 @@ def test_counts_are_words() -> None:
     ],
 )
 def test_what_readings_held_out_say_of_a_model(judged: bool, verdict: str, words: str) -> None:
-    assert "".join(map(str, findings.of_model({"judged": judged}, {"verdict": verdict}))) == words
+    assert (
+        "".join(map(str, findings.of_model(Branch({"judged": judged}, ""), Branch({"verdict": verdict}, "")))) == words
+    )

@@ -226,7 +226,7 @@ def test_the_campaign_file_is_valid_and_says_nothing_of_the_truth() -> None:
     file = file_of(twin)
     assert {entry.file for entry in file.recordings.values()} == set(twin.recordings)
     assert file.tests[0].procedure == "flip"
-    positions = file.recordings["flip"].positions or []
+    positions = vars(file.recordings["flip"])["positions"]
     assert [one.angle for one in positions] == pytest.approx([0.0, np.pi, np.pi, 0.0])
     for one in [one for one in twin.truth if one.value != 0.0]:
         assert f"{one.value:.6g}" not in twin.campaign

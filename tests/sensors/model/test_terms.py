@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from inertialcal.core.key import key_of
 from inertialcal.core.units import factor, normalise
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.sensors.model.terms import orders, values, with_values
@@ -90,4 +91,4 @@ def test_orders_are_read_from_names() -> None:
         "warm_up_time_1",
         "bias_temperature_rate_x",
     ]
-    assert orders(names) == {"matrix": 2, "bias_temperature": 3, "bias_warm_up": 2}
+    assert orders(map(key_of, names)) == {"matrix": 2, "bias_temperature": 3, "bias_warm_up": 2}
