@@ -174,7 +174,7 @@ STILL_NAME_PROCEDURES: frozenset[str] = frozenset(
         "campaign/starter_still.py",
     }
 )
-PROCEDURE_NAMES = re.compile(rf"\\b({'|'.join(BUILT_IN)})\\b")
+PROCEDURE_NAMES = re.compile(rf"\b({'|'.join(BUILT_IN)})\b")
 
 
 def names_of_procedures(path: Path) -> list[str]:
@@ -197,19 +197,20 @@ def names_of_procedures(path: Path) -> list[str]:
 
 @pytest.mark.parametrize(
     "path",
-    [
-        p
-        for p in FILES
-        if folder(p) in ("campaign", "report") and str(p.relative_to(PACKAGE)) not in STILL_NAME_PROCEDURES
-    ],
+    [p for p in FILES if folder(p) == "campaign" and str(p.relative_to(PACKAGE)) not in STILL_NAME_PROCEDURES],
     ids=lambda p: str(p.relative_to(PACKAGE)),
 )
-def test_campaign_and_report_name_no_procedure(path: Path) -> None:
+def test_campaigns_name_no_procedure(path: Path) -> None:
     assert not names_of_procedures(path)
 
 
-def test_the_search_for_procedures_finds_them() -> None:
-    assert names_of_procedures(PACKAGE / "procedures" / "thermal" / "procedure.py")
+@pytest.mark.parametrize("line", ["from ..procedures.flip import plan", "kind == 'flip'", "what = 'no flip here'"])
+def test_the_search_for_procedures_finds_them(tmp_path: Path, line: str, monkeypatch: pytest.MonkeyPatch) -> None:
+    path = tmp_path / "campaign" / "wrong.py"
+    path.parent.mkdir()
+    path.write_text(line, encoding="utf-8")
+    monkeypatch.setitem(globals(), "PACKAGE", tmp_path)
+    assert names_of_procedures(path)
 
 
 def test_tests_mirror_the_tree() -> None:

@@ -1,4 +1,4 @@
-"""Tests of one campaign set side by side: flips after one ground model and another, bias in air and in vacuum."""
+"""Tests of one campaign set side by side: what two tests of a procedure differ by stands with the first."""
 
 from __future__ import annotations
 
