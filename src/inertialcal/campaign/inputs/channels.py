@@ -13,7 +13,6 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import convert, kind, si_unit
 from ...files import read
-from ...procedures.rate_table.recordings import APPLIED
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.recordings import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
@@ -23,7 +22,7 @@ from ..file.sensors import Sensor
 from .chains import build_chain
 from .ground import ChainModel, after_model, chain_model
 
-TEMPERATURE, GAIN, PRESSURE, TILT = "temperature", "gain", "pressure", "tilt"
+TEMPERATURE, GAIN, PRESSURE, TILT, APPLIED = "temperature", "gain", "pressure", "tilt", "applied"
 NO_CHAIN = (APPLIED, PRESSURE, TILT)  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
