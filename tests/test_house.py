@@ -160,7 +160,7 @@ def test_no_pickle_no_eval(path: Path) -> None:
     }
 
 
-# The engine asks the procedure objects and names none; what draws one procedure's figures stands under its name. These are still to be emptied: the list may only shrink.
+# The engine asks the procedure objects and names none. These are still to be emptied: the list may only shrink.
 STILL_NAME_PROCEDURES: frozenset[str] = frozenset(
     {
         "campaign/calls/rate_table.py",

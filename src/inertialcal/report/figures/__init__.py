@@ -1,7 +1,7 @@
 """Figures: those of every procedure and of a whole campaign, each drawn by a module that is loaded when it is.
 
-A new figure is one module with ``pictures(results)`` and one ``FigureSpec``: among the ``figures`` of its procedure, or in
-``campaign/specs.py``.
+A new figure is one module with ``pictures(results)`` and one ``FigureSpec``: among the ``figures`` of its procedure, or
+in ``campaign/specs.py``.
 
 ``figures()["rate_error"].svg(results, test, axis)`` gives one for a page, ``.pictures(results)`` all of them, to be
 drawn anywhere (``on_new_figure``).
