@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,10 @@ from .show.frames import frame
 from .show.result_tables import dof
 from .show.rounding import with_uncertainty
 from .show.tables import Grid, Part, html, text
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 Array = NDArray[np.float64]
 Numbers = NDArray[np.integer | np.floating]  # readings as they were recorded: counts, or floats of any width
@@ -178,7 +182,7 @@ class Estimate:
         components = tuple(replace(c, covariance=c.covariance[grid], dof=_take(c.dof, at)) for c in self.components)
         return Estimate(tuple(self.given[i] for i in at), self.values[at], tuple(self.units[i] for i in at), components)
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row a value, with ``value``, ``u``, ``unit`` and ``dof``."""
         return frame(
             {"value": self.values, "u": self.u, "unit": list(self.units), "dof": self.dof},

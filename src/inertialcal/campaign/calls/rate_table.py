@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
@@ -24,6 +24,9 @@ from ..file.sensors import Chain, Sensor
 from .reduced_table import table_columns, table_readings, turned_axis
 from .stepped_recording import is_stepped, stepped_columns, stepped_readings
 from .table_columns import guess
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +62,7 @@ class RateTableFile:
         """Return the curves as ``results.json`` would hold them, in the unit of the file."""
         return {"curves": curve_contents(self.result.curves(), self.unit)}
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

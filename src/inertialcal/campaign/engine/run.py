@@ -6,7 +6,7 @@ import json
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark, gather
@@ -26,6 +26,10 @@ from ..outcome.tables import outcome_parts
 from .engine import Prepared, ReducedTest, reduce_test, reduced_tests
 from .prepared import placed, prepare
 from .side_by_side import beside_others
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
@@ -64,7 +68,7 @@ class Outcome:
         """What the campaign brought up."""
         return tuple(Remark(**one) for one in self.results["remarks"])
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure, as ``results.csv`` has them."""
         rows = [flat(row) for row in self.results["results"]]
         return frame({name: [row[name] for row in rows] for name in ROW_COLUMNS})

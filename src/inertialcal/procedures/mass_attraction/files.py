@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -27,6 +27,10 @@ from . import reduction as procedure
 from .plan import Scatter, Tilt
 from .recordings import READING, TEMPERATURE, TILT
 from .schedule_csv import read_schedule
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 TEST = "mass_attraction"
 UNIT = "ug"  # that accelerations are told in, where nothing says another one
@@ -72,7 +76,7 @@ class MassAttractionFile:
         curves = [displayed_curve(one, self.unit).to_dict(TEST) for one in self.result.curves()]
         return {"results": [row.to_dict() for row in self.rows], "curves": curves}
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

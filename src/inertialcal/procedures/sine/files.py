@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ...core.errors import UsageError
 from ...core.remarks import Remark, gather
@@ -22,6 +22,10 @@ from .inputs import channel_of, driven_by_schedule, driven_by_sine
 from .plan import Plan
 from .reduction import line_of
 from .result import SineResult
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 DRIFTS = ("dct", "polynomial")
 
@@ -54,7 +58,7 @@ class SineFile:
         curves = [curve.to_dict() for curve in self.line.curves()]
         return {"results": [row.to_dict() for row in self.rows], "curves": curves}
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

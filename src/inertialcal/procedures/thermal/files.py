@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -23,6 +23,10 @@ from ...files.time.plausible import time_remarks
 from ..display import curve_contents, displayed
 from . import reduction as procedure
 from .recordings import TEMPERATURE, Warmed, readings_from
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 KINDS = {"gyro": ("angular_rate", "rad/s"), "acc": ("acceleration", "m/s^2")}
 UNITS = {"gyro": "deg/s", "acc": "m/s2"}
@@ -62,7 +66,7 @@ class ThermalFile:
         curves = curve_contents(self.result.curves(), self.unit, "thermal")
         return {"curves": curves, "results": [row.to_dict() for row in self.rows]}
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

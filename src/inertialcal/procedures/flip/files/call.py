@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -30,6 +30,10 @@ from ..tables import readings_of_means
 from .record import Said, axes_of, found_windows, given_windows, head_recording
 from .source import FlipSource, source_of
 from .table import is_table_of_means, means_columns
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 HALF_TURN = "180 deg"
 MICRO = 0.01  # [g], below which g is told in ug
@@ -68,7 +72,7 @@ class FlipFile:
         curves = curve_contents(self.result.curves(), self.unit, "flip")
         return {"curves": curves, "results": [row.to_dict() for row in self.rows]}
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....core.curve import Curve
 from ....core.errors import UsageError
@@ -49,6 +49,9 @@ from .settings import (
     positive,
 )
 from .shown import mass_parts
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,7 +100,7 @@ class MassPlan:
             "curves": [curve.to_dict(TEST) for curve in self.curves],
         }
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -32,6 +32,10 @@ from ..readings import Readings
 from .channels import SENSORS
 from .hold_out import Held, held_out
 from .sources import Asked, Sources, named_files, sources
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 KINDS = {"acc": "accelerometer", "gyro": "gyro"}
 
@@ -121,7 +125,7 @@ class PositionsFile:
             "results": [row.to_dict() for row in self.rows],
         }
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

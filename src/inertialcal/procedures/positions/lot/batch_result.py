@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,10 @@ from ....core.show.frames import frame
 from ....core.show.result_tables import told
 from ....core.show.rounding import near, number
 from ....core.show.tables import Grid, Part, html, text
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 BY_LENGTH = 9  # parameters, where only the size of gravity is known
 DIGITS = 3
@@ -114,7 +118,7 @@ class PositionsBatch:
         component = Component(SOURCE, "A", self.covariance[unit], dof)
         return Estimate(self.names, self.values[unit], self.units, (component,))
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a unit: values, standard uncertainties and status."""
         found: dict[str, Any] = dict(zip(self.names, self.values.T, strict=True))
         found |= {f"u_{name}": u for name, u in zip(self.names, self.u.T, strict=True)}

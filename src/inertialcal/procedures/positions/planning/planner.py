@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -36,6 +36,10 @@ from .design import (
     parameters,
     predict_uncertainty,
 )
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 TEST = "positions"
 SETS: Mapping[str, slice] = {
@@ -93,7 +97,7 @@ class PositionsPlan:
             for k, one in enumerate(new)
         ]
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a parameter."""
         return frame_of_rows(self.rows)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....core.curve import Curve
 from ....core.errors import DataError, Problem, UsageError
@@ -23,6 +23,9 @@ from .channels import Group, Said, groups_of
 from .filters import block_for
 from .settings import settings_of
 from .sources import Source, recordings_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +122,7 @@ class NoiseFile:
         by_kind = {one.group.kind: one.terms() for one in self.sensors if one.group.kind is not None}
         return block_for(target, by_kind, self.sample_rate, gravity, horizon)
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 

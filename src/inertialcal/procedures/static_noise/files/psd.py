@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from ....core.remarks import Remark
 from ....core.results import Row
@@ -19,6 +19,10 @@ from ..reduction import FILE_UNIT
 from .allan import NoiseFile, SensorNoise, allan
 from .channels import Said
 from .sources import Source
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
 
 PER_DECADE = 3  # rows shown
 HEADS = ("axis", "line", "frequency", "unit", "amplitude", "unit", "over noise", "kind")
@@ -117,7 +121,7 @@ class SpectrumFile:
                 word = "agree" if found.agree.all() else "DISAGREE"
                 yield f"{one.axis}: Allan deviation and spectrum {word} at {found.compared} averaging times"
 
-    def to_frame(self) -> Any:
+    def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame: a row a frequency of an axis, with density, interval and terms."""
         columns: dict[str, list[Any]] = {"sensor": [], "axis": []}
         for sensor in self.sensors:
