@@ -724,8 +724,16 @@ MUTANTS = (
         "closed_loop.py",
         "return _p(one.gain + one.allowed, one)",
         "return _p(one.gain - one.allowed, one)",
-        "test_closed_loop",
+        "test_loop_verdicts",
     ),
+    Mutant(
+        "closed_loop.py",
+        "shown = holm([p for _, _, p in tests], RISK * share / 2.0)",
+        "shown = holm([p for _, _, p in tests], RISK * share)",
+        "test_loop_verdicts",
+    ),
+    Mutant("closed_loop.py", "of_worse = 0.5 * share if any(", "of_worse = share if any(", "test_loop_verdicts"),
+    Mutant("closed_loop.py", "return _p(-one.gain, one)", "return _p(one.gain, one)", "test_loop_verdicts"),
     Mutant(
         "closed_loop.py",
         "freedom = len(sums) / max(len(sums) - 1.0, 1.0)",

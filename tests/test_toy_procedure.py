@@ -96,6 +96,25 @@ def test_its_samples_left_out_are_counted_and_its_report_is_written(folder: Path
     assert "rest" in page
 
 
+def test_it_makes_a_model_that_is_judged_on_what_is_held_out(folder: Path, tmp_path: Path) -> None:
+    for path in folder.glob("*.*"):
+        (tmp_path / path.name).write_bytes(path.read_bytes())
+    text = (tmp_path / "campaign.toml").read_text()
+    fit = 'id = "rest"\nprocedure = "mean_reading"\nrecordings = ["r1", "r2", "r3"]\nuse = "fit"\n'
+    held = fit.replace("rest", "unseen").replace('"r1", "r2", "r3"', '"r4", "r5", "r6"').replace("fit", "hold_out")
+    head = text[: text.index("[[tests]]")]
+    (tmp_path / "campaign.toml").write_text(f"{head}[[tests]]\n{fit}[[tests]]\n{held}")
+    done = inertialcal("run", ".", "--json", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    content = json.loads(done.stdout)
+    assert [one["verdict"] for one in content["closed_loop"]["axes"]] == ["PASS", "PASS"]
+    model = json.loads((tmp_path / "out" / "model.json").read_text(encoding="utf-8"))
+    assert "unseen" not in json.dumps(model)
+    rows = {row["axis"]: row for row in content["results"] if (row["test"], row["quantity"]) == ("model", "bias")}
+    for axis, true in TRUE.items():
+        assert rows[axis]["value"] == pytest.approx(true, abs=5e-3)
+
+
 def test_without_the_package_there_is_no_such_procedure(folder: Path) -> None:
     found = subprocess.run(
         [sys.executable, "-m", "inertialcal.cli", "check", "."],

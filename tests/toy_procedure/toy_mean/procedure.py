@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from inertialcal.core.axes import AXES
@@ -11,6 +12,9 @@ from inertialcal.procedures.protocol import Correction, Exclusion, InputSpec, Pr
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from inertialcal.procedures.model_terms import HeldOut, ModelTerms
+    from inertialcal.sensors.model.sensor_model import SensorModel
+
     from .reduction import Readings, Result
 
 
@@ -21,6 +25,8 @@ class MeanReading(Procedure[Plan, "Readings", "Result"]):
     title = "Mean reading of a sensor at rest."
     plan_type, influences = Plan, INFLUENCES
     counts_dwells = False
+    makes_model = True
+    uses = frozenset({"fit", "hold_out", "report_only"})
     inputs = InputSpec(("gyro", "accelerometer"))
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
@@ -50,6 +56,28 @@ class MeanReading(Procedure[Plan, "Readings", "Result"]):
         if test.readings.skipped:
             decided = f"campaign: skip = {test.plan.skip:g} s"
             yield Exclusion("skip", decided, "the start", count=test.readings.skipped, counts="sample")
+
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms:
+        """Return the means as bias."""
+        from inertialcal.procedures.model_terms import ModelTerms
+        from inertialcal.sensors.model.sensor_model import Provenance
+
+        own = result.estimate
+        keys = tuple(key._replace(quantity="bias") for key in own.keys)
+        origin = Provenance(tests[0].id, tests[0].recordings)
+        return ModelTerms(replace(own, given=keys), keys, tuple(result.readings.means), dict.fromkeys(keys, origin))
+
+    def held_out(
+        self,
+        result: Result,
+        fitted: Sequence[Tested[Plan, Readings, Result]],
+        held: Sequence[Tested[Plan, Readings, Result]],
+        model: SensorModel | None,
+    ) -> HeldOut:
+        """Return what is left of the means of other recordings."""
+        from .reduction import held_out
+
+        return held_out(result.estimate, [one.readings for one in held])
 
 
 PROCEDURE = MeanReading()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -13,6 +13,8 @@ from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.core.key import Key
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Row
+from inertialcal.procedures.model_terms import HeldOut
+from inertialcal.statistics.closed_loop import AxisLoop
 from inertialcal.statistics.intervals import t_interval
 
 from .plan import Plan
@@ -83,3 +85,18 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     keys = tuple(Key("mean_reading", axis) for axis in readings.means)
     component = Component("scatter between recordings", "A", np.diag(u**2), float(n - 1))
     return Result(plan, readings, Estimate(keys, values, (readings.unit,) * len(keys), (component,)), readings.remarks)
+
+
+def held_out(estimate: Estimate, held: Sequence[Readings]) -> HeldOut:
+    """Return how much smaller the means of recordings held out are without those of an estimate."""
+    loops = []
+    for key, found, u in zip(estimate.keys, estimate.values, estimate.u, strict=True):
+        raw = np.concatenate([one.means[key.axis] for one in held])
+        left, n = raw - found, len(raw)
+        gain = raw**2 - left**2
+        of_mean = float(np.std(gain, ddof=1) / np.sqrt(n))
+        before, after = (float(np.sqrt(np.mean(one**2))) for one in (raw, left))
+        mean = float(np.mean(gain))
+        unit = held[0].unit
+        loops.append(AxisLoop(key.axis, n, n, before, after, mean, of_mean, n - 1.0, float(u) ** 2, unit))
+    return HeldOut(tuple(loops))
