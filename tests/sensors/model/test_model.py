@@ -7,6 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
+from inertialcal.sensors.model.equation import predict
 from inertialcal.sensors.model.sensor_model import Item, SensorModel, check_item, to_output, to_readings
 from random_models import random_model
 
@@ -88,3 +89,13 @@ def test_item_of_another_unit_is_refused() -> None:
     with pytest.raises(DataError, match=r"data are in 'm/s\^2', the model takes units like 'rad/s' or 'V'") as caught:
         check_item(plain(), unit="m/s^2")
     assert caught.value.problems[0].code == "wrong_unit"
+
+
+def test_a_warm_up_dies_away_by_e_in_its_time() -> None:
+    model = SensorModel(
+        kind="gyro", axes=("x",), scale_factor=np.ones(1), output_unit="V", matrix=np.eye(1)[None],
+        bias=np.array([0.5]),
+        bias_warm_up=np.array([[2.0]]), warm_up_time=np.array([100.0]),
+    )  # fmt: skip
+    found = predict(model, np.zeros((3, 1)), time=np.array([0.0, 100.0, 1e5]))
+    assert found[:, 0] == pytest.approx([2.5, 0.5 + 2.0 / np.e, 0.5])

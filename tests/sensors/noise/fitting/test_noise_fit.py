@@ -12,8 +12,8 @@ from noise_records import GMWM, WALK, curve, exact_run, fitted, names, record, v
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.sensors.noise.fitting.estimator import fit
 from inertialcal.sensors.noise.fitting.goodness import residual_test
-from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, mean_of
-from inertialcal.sensors.noise.fitting.problem import problem_of
+from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, mean_of, slopes_of, time_at
+from inertialcal.sensors.noise.fitting.problem import expected, problem_of
 from inertialcal.sensors.noise.planner import plan_record
 from inertialcal.sensors.noise.runs import Run
 from inertialcal.sensors.noise.terms import (
@@ -316,3 +316,13 @@ def test_quantization_of_rates_with_gaps_is_no_random_walk(share: float) -> None
     assert found.estimate.value("quantization") == pytest.approx(1.0, rel=0.04)
     if "angle_random_walk" in found.estimate.names:
         assert found.estimate.value("angle_random_walk") == pytest.approx(0.2, rel=0.35)
+
+
+def test_the_slope_in_the_correlation_time_is_that_of_the_logarithm() -> None:
+    run = exact_run((RandomWalk(1.0), GaussMarkov(0.3, 40.0)), 100_000, 2.0)
+    problem = problem_of([run])
+    found = estimate(problem, ["random_walk", "gauss_markov"])
+    sigma, time, h = float(np.sqrt(found.powers[-1])), time_at(problem, found.position), 1e-3
+    ends = [expected(GaussMarkov(sigma, time * float(np.exp(by))), run) for by in (h, -h)]
+    slope = (ends[0] - ends[1]) / (2.0 * h)
+    assert slopes_of(problem, found)[:, -1] == pytest.approx(slope, abs=0.03 * np.abs(slope).max())
