@@ -99,7 +99,9 @@ def _remarks(plan: Plan, readings: Readings, sensor: str, rail: Mask, odd: Mask)
         rates = _rates(readings, rail)
         what = f"{sensor} sensor: readings at the end of the range left out ({rates})"
         found.append(
-            Remark("at_rail", "warning", what, _place(readings, rail), int(rail.sum()), "Both results are given")
+            Remark(
+                "at_rail", "warning", what, _place(readings, rail), int(rail.sum()), "Both results are given", sensor
+            )
         )
     if odd.any() and scatter is not None:
         usual = float(np.nanmedian(scatter))
@@ -117,6 +119,7 @@ def _remarks(plan: Plan, readings: Readings, sensor: str, rail: Mask, odd: Mask)
                 _place(readings, odd),
                 int(odd.sum()),
                 "Both results are given",
+                sensor,
             )
         )
     return found

@@ -109,7 +109,9 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
     except DataError as error:
         problem = error.problems[0]
         return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)))
-    remarks += [Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do) for one in found_terms.remarks]
+    remarks += [
+        Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do, axis) for one in found_terms.remarks
+    ]
     records = [_with_own(plan, one, lines, len(records)) for one in records]
     return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)))
 

@@ -63,9 +63,9 @@ def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str)
         spectrum = psd(rates, interval, plan.spectrum, segment=_segment(plan, len(rates), interval))
     except DataError as error:
         what = f"{axis}: no spectrum: {error.problems[0].what}"
-        return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=error.problems[0].do),))
+        return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=error.problems[0].do, axis=axis),))
     remarks = [
-        Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do)
+        Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do, axis)
         for one in spectrum.remarks
         if one.code not in TOLD
     ]
@@ -93,12 +93,12 @@ def _told(lines: Lines | None, axis: str) -> list[Remark]:
     more = f"; {len(found) - LISTED} more" if len(found) > LISTED else ""
     what = f"{axis}: lines in the spectrum ({len(found)}): {'; '.join(named)}{more}"
     do = "Find the source: mains, fans, resonances; lines take part in the fit, broad peaks do not"
-    return [Remark("lines", "warning", what, do=do)]
+    return [Remark("lines", "warning", what, do=do, axis=axis)]
 
 
 def _disagreement(agreement: Agreement, axis: str) -> list[Remark]:
     return [
-        Remark(one.code, one.severity, one.what.replace("axis 0", axis, 1), do=one.do)
+        Remark(one.code, one.severity, one.what.replace("axis 0", axis, 1), do=one.do, axis=axis)
         for one in agreement.remarks
         if one.code != "allan_not_compared"
     ]

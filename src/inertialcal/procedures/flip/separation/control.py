@@ -63,7 +63,7 @@ def control_axis(plan: Plan, flips: Sequence[Flip], whole: Flip) -> list[Remark]
             place = f"flip {one.label}" if one.label and len(flips) > 1 else ""
             what = f"{plan.axis} does not turn, but {_told(one, Key(CONTROL, plan.axis))}: zero has p = {p:.2g}"
             do = "Look for a disturbance, a drift, or another axis or angle; its size is the error of this test"
-            found.append(Remark("control_axis_not_zero", "warning", what, place, do=do))
+            found.append(Remark("control_axis_not_zero", "warning", what, place, do=do, axis=plan.axis))
     return found
 
 
@@ -176,7 +176,7 @@ def _magnitude(plan: Plan, whole: Flip) -> list[Remark]:
         limit = limits.get(key.quantity)
         if limit is not None and abs(value) > limit:
             what = f"{key} is {value * scale:.4g} ug, beyond the {limit * scale:.6g} ug that the plan has as largest"
-            found.append(Remark("magnitude", "error", what, do=do))
+            found.append(Remark("magnitude", "error", what, do=do, axis=key.axis))
     levels = [abs(v) for key, v in zip(whole.keys, whole.values, strict=True) if key.quantity in limits]
     if levels and max(levels) < LEAST * factor("g", "m/s^2"):
         what = f"all readings are below {max(levels) * scale:.2g} ug, less than the bias of any head"
