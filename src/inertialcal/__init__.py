@@ -19,10 +19,10 @@ if TYPE_CHECKING:
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
     from .campaign.models.find import load_model
+    from .campaign.start.info import info
     from .campaign.twins.score import score
     from .campaign.twins.twin import simulate
     from .files import read
-    from .files.info.survey import survey as info
     from .files.text.table import read_table
     from .files.write.recording import write
     from .procedures.flip.files.call import flip
@@ -82,7 +82,7 @@ _HOMES = {
     "score": ("campaign.twins.score", "score"),
     "simulate": ("campaign.twins.twin", "simulate"),
     "write": ("files.write.recording", "write"),
-    "info": ("files.info.survey", "survey"),
+    "info": ("campaign.start.info", "info"),
     "rate_table": ("campaign.calls.rate_table", "rate_table"),
     "read": ("files", "read"),
     "read_table": ("files.text.table", "read_table"),

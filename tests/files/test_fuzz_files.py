@@ -15,9 +15,9 @@ from hypothesis import strategies as st
 from pyarrow import parquet
 from scipy import io as scipy_io
 
+from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.errors import InertialcalError
 from inertialcal.files import read, read_table
-from inertialcal.files.info.survey import survey
 
 QUICK = settings(max_examples=150, deadline=2000, suppress_health_check=[HealthCheck.function_scoped_fixture])
 SEEDS = (

@@ -8,9 +8,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.errors import DataError
 from inertialcal.files import read
-from inertialcal.files.info.survey import Survey, survey
+from inertialcal.files.info.survey import Survey
 
 _MPU6050 = (
     "set-1__rotate-360ccw-around-x-pointing-forward set-1__rotate-360ccw-around-y-pointing-left "

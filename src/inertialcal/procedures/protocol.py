@@ -18,6 +18,8 @@ from ..core.show.sentence import Sentence, WrittenRow, error_sentence
 from ..core.show.side_by_side import Compared
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ..core.curve import Curve
     from ..core.errors import Problem
     from ..core.estimate import Array, Estimate
@@ -28,10 +30,12 @@ if TYPE_CHECKING:
     from ..core.remarks import Remark
     from ..core.results import Interval, Row
     from ..core.unknowns import Unknowns
+    from ..files.info.survey import Survey
     from ..files.text.table import Table
     from ..sensors.model.sensor_model import SensorModel
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
     from .model_terms import HeldOut, ModelTerms
+    from .suggestions import Claim, Draft, FolderFile, Suggestion
 
 T = TypeVar("T")
 
@@ -600,6 +604,28 @@ class Procedure(Generic[P, R, S]):
     def truths(self, result: S) -> Sequence[Row] | None:
         """Return rows that are held against the truth of a rig; None where the estimate says all."""
         return None
+
+    # ---- files that nobody has said anything of ---------------------------------------------------------------------
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next for a file, where it looks made for this test."""
+        return None
+
+    def found_in(self, root: Path) -> tuple[dict[str, object], list[Remark]]:
+        """Return recordings of a folder that are several files each, by name, and what there is to remark."""
+        return {}, []
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        return None
+
+    def belong_together(self, contents: Sequence[object]) -> bool:
+        """Return whether what was made of claimed files can be one test; else those in reserve have them."""
+        return True
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of what was made of claimed files, by file."""
+        raise NotImplementedError
 
     # ---- what a campaign says of it, before any recording is read ------------------------------------------------
 

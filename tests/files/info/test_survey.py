@@ -9,8 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 
+from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.estimate import Array
-from inertialcal.files.info.survey import Survey, survey
+from inertialcal.files.info.survey import Survey
 
 N = 4000
 RNG = np.random.default_rng(21)

@@ -293,7 +293,7 @@ def test_a_whole_day_keeps_its_stamps_and_values(tmp_path: Path) -> None:
 
 def test_info_leads_on_to_the_flip(tmp_path: Path) -> None:
     path = pair(tmp_path, records())
-    from inertialcal.files.info.survey import survey
+    from inertialcal.campaign.start.info import info as survey
 
     assert survey(path, commands=("info", "flip")).next == f"inertialcal flip {path}"
     assert survey(path, commands=("info", "init")).next == f"inertialcal init {tmp_path}"

@@ -12,10 +12,11 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
 
+from inertialcal.campaign.start.info import info as survey
 from inertialcal.core.errors import DataError, InertialcalError, StoreError, UsageError
 from inertialcal.core.recording import SECOND, Channel, Recording, Source
 from inertialcal.files import read
-from inertialcal.files.info.survey import survey, survey_recording
+from inertialcal.files.info.survey import survey_recording
 from inertialcal.files.write.recording import WRITERS, write
 from inertialcal.files.write.time_column import numbers, time_column, time_name
 

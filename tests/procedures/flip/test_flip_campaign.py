@@ -10,13 +10,13 @@ import pytest
 import inertialcal as ic
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
-from inertialcal.campaign.flip_campaign import new_campaign, write_flip_campaign
-from inertialcal.campaign.starter import start
+from inertialcal.campaign.start.starter import start
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.results import Row
 from inertialcal.procedures.flip.files.call import FlipFile
+from inertialcal.procedures.flip.files.campaign import new_campaign, write_flip_campaign
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import build
 from pad_flips import BENCH, records

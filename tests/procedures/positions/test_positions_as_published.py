@@ -12,10 +12,10 @@ import pytest
 
 from inertialcal.campaign.compare.compare import Comparison, compare
 from inertialcal.campaign.engine.run import Outcome, run
-from inertialcal.campaign.file.load import MARK
-from inertialcal.campaign.starter import start
+from inertialcal.campaign.start.starter import start
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.shown.summary import results_text
+from inertialcal.core.campaign_text import MARK
 from inertialcal.core.recording import Recording
 from inertialcal.files.models.model_file import load_model_file
 from inertialcal.rigs.hand_held.rig import Bench, build

@@ -10,9 +10,9 @@ import pytest
 
 from inertialcal.campaign.engine.prepared import prepare
 from inertialcal.campaign.engine.run import Outcome, check, run
-from inertialcal.campaign.file.load import MARK
-from inertialcal.campaign.starter import start
+from inertialcal.campaign.start.starter import start
 from inertialcal.campaign.twins.twin import csv_text
+from inertialcal.core.campaign_text import MARK
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import Recording
 from inertialcal.files.models.model_json import read_model

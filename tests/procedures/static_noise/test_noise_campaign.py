@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.run import Outcome, check, run
-from inertialcal.campaign.starter import start
+from inertialcal.campaign.start.starter import start
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.units import factor

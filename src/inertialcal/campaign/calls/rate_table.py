@@ -17,13 +17,13 @@ from ...core.show.result_tables import figures, told
 from ...core.show.tables import Part, html, text
 from ...core.units import parse_quantity, si_unit
 from ...files import read
+from ...files.info.table_columns import guess
 from ...files.text.table import read_table
 from ...procedures.display import curve_contents, displayed
 from ...procedures.rate_table import reduction as procedure
 from ..file.sensors import Chain, Sensor
 from .reduced_table import table_columns, table_readings, turned_axis
 from .stepped_recording import is_stepped, stepped_columns, stepped_readings
-from .table_columns import guess
 
 if TYPE_CHECKING:
     from pandas import DataFrame

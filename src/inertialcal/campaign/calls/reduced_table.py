@@ -8,6 +8,7 @@ from typing import Any
 
 from ...core.errors import UsageError
 from ...core.units import normalise
+from ...files.info.table_columns import Guess
 from ...procedures.rate_table.entry import Rows
 from ...procedures.rate_table.plan import Plan
 from ...procedures.rate_table.procedure import PROCEDURE
@@ -16,7 +17,6 @@ from ..file.recordings import RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
 from ..inputs.sources import Folder, Ready, facts_of
-from .table_columns import Guess
 
 
 def table_columns(

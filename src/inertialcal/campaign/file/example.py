@@ -6,11 +6,12 @@ import shutil
 from importlib.resources import as_file, files
 from pathlib import Path
 
+from ...core.campaign_text import FILE
 from ...core.errors import StoreError, UsageError
 from ...rigs import DEMONSTRATED, RIGS
 from ..outcome.publish import OUT
 from ..twins.twin import TRUTH, simulate
-from .load import FILE, load
+from .load import load
 
 
 def examples() -> list[str]:

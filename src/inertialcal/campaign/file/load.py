@@ -12,6 +12,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
+from ...core.campaign_text import FILE, MARK
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
 from ...core.schema.standards import STANDARDS
@@ -20,8 +21,6 @@ from .schema import CampaignFile
 from .toml_lines import Path as KeyPath
 from .toml_lines import key_lines, nearest_line
 
-FILE = "campaign.toml"
-MARK = "# FILL IN"  # at the end of a line that `init` could not fill in
 LARGEST = 1_000_000  # bytes; a campaign file is written by hand
 
 

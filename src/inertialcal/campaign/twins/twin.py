@@ -15,12 +15,13 @@ from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 
+from ...core.campaign_text import FILE
 from ...core.errors import DataError, StoreError, UsageError
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Grid, Part, html, text
 from ...rigs import RIGS
 from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
-from ..file.load import FILE, load
+from ..file.load import load
 from ..outcome.publish import json_text
 
 TRUTH = ".truth/truth.json"

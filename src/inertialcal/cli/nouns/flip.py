@@ -90,8 +90,8 @@ def _check_campaign(paths: list[Path], start: str | None, stop: str | None) -> N
     UsageError, PlanError
         If only a part of the files is asked for, they lie in several folders, or there is a campaign already.
     """
-    from ...campaign.flip_campaign import new_campaign
     from ...core.errors import UsageError
+    from ...procedures.flip.files.campaign import new_campaign
 
     if start is not None or stop is not None:
         do = "Write the part first: inertialcal convert IN OUT.parquet --from ... --to ..."
@@ -100,7 +100,7 @@ def _check_campaign(paths: list[Path], start: str | None, stop: str | None) -> N
 
 
 def _write_campaign(found: FlipFile) -> Path:
-    from ...campaign.flip_campaign import write_flip_campaign
+    from ...procedures.flip.files.campaign import write_flip_campaign
 
     return write_flip_campaign(found.sources, found.result.plan, found.unit)
 

@@ -96,7 +96,7 @@ def init(
     quiet: Quiet = False,
 ) -> int:
     """Write a campaign.toml for the recordings found in a folder; fill in its marked lines."""
-    from ...campaign.starter import start
+    from ...campaign.start.starter import start
 
     path, marked, remarks = start(folder)
     if as_json:

@@ -33,8 +33,8 @@ def info(
     quiet: Quiet = False,
 ) -> int:
     """Show what is in a file: channels, units, sample rate, gaps, stuck or clipped codes, what to type next."""
+    from ...campaign.start.info import info as survey
     from ...core.errors import InertialcalError, UsageError
-    from ...files.info.survey import survey
     from ..commands import words
     from ..shown.info_text import survey_text
 

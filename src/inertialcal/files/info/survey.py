@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any, Literal
 
 import numpy as np
@@ -16,12 +15,10 @@ from ...core.show.result_tables import told
 from ...core.show.rounding import number
 from ...core.show.tables import Grid, Part, ending, html, text
 from ...signals.time.time_axis import TimeAxis, analyse
-from .. import read
 from ..time.plausible import time_remarks
 from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
 from .hints import Hint, unit_hints
 from .motion_remarks import motion_remarks
-from .next_command import next_command
 
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 
@@ -116,7 +113,7 @@ class Survey:
     remarks : tuple of Remark
         Of reading, and of the survey.
     next : str or None
-        Command to type next.
+        Command to type next; the survey itself knows none.
     """
 
     source: Source
@@ -125,7 +122,7 @@ class Survey:
     time: TimeSurvey
     hints: tuple[Hint, ...]
     remarks: tuple[Remark, ...]
-    next: str | None
+    next: str | None = None
 
     @property
     def path(self) -> str:
@@ -178,48 +175,13 @@ def _cells(one: ChannelSurvey) -> tuple[str, ...]:
     return one.name, one.axis, one.quantity, one.unit or "?", *figures, str(one.missing), one.notes
 
 
-def survey(
-    path: str | Path,
-    *,
-    units: Mapping[str, str] | None = None,
-    sample_rate: float | None = None,
-    time_column: str | None = None,
-    commands: Collection[str] = ("info",),
-    start: object = None,
-    stop: object = None,
-    mission_start: object = None,
-    frame: str | None = None,
-) -> Survey:
-    """Return what a file holds.
-
-    Parameters
-    ----------
-    path, units, sample_rate, time_column, start, stop, mission_start, frame
-        As ``files.read`` takes them.
-    commands : collection of str
-        Words that the tool knows: only these are suggested as next.
-
-    Raises
-    ------
-    DataError, UsageError
-        As ``files.read``.
-    """
-    recording = read(
-        path, units=units, sample_rate=sample_rate, time_column=time_column, start=start, stop=stop,
-        mission_start=mission_start, frame=frame,
-    )  # fmt: skip
-    return survey_recording(recording, commands)
-
-
-def survey_recording(recording: Recording, commands: Collection[str] = ("info",)) -> Survey:
+def survey_recording(recording: Recording) -> Survey:
     """Return what a recording holds.
 
     Parameters
     ----------
     recording : Recording
         As read.
-    commands : collection of str
-        Words that the tool knows.
     """
     channels = tuple(survey_channel(channel) for channel in recording.channels)
     place = _placer(recording)
@@ -239,7 +201,6 @@ def survey_recording(recording: Recording, commands: Collection[str] = ("info",)
         time=_time(recording),
         hints=hints,
         remarks=remarks,
-        next=next_command(recording, hints, remarks, commands),
     )
 
 

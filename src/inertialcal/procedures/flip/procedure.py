@@ -11,11 +11,17 @@ from .figures import COMPARED, FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ...core.errors import Problem
     from ...core.key import Key
+    from ...core.recording import Recording
+    from ...core.remarks import Remark
     from ...core.results import Row
     from ...core.show.sentence import Sentence, WrittenRow
+    from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -119,6 +125,31 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         from .entry import entry_problems
 
         return entry_problems(name, entry, sensor, at)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def found_in(self, root: Path) -> tuple[dict[str, object], list[Remark]]:
+        """Return the archive records of a folder: those of one sensor, in one folder, are one recording."""
+        from .suggest import found_in
+
+        found, remarks = found_in(root)
+        return dict(found), remarks
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = Flip()

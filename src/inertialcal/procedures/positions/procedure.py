@@ -10,9 +10,12 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.recording import Recording
+    from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import EntryKey
     from ..model_terms import HeldOut, ModelTerms
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .of_sensor import OfSensor
     from .readings import Readings
     from .reduction import Result
@@ -126,6 +129,24 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .entry import KEYS
 
         return KEYS
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = Positions()

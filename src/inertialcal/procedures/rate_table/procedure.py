@@ -27,10 +27,13 @@ from .plan import INFLUENCES, Plan
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
+    from ...core.recording import Recording
     from ...core.results import Row
+    from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..model_terms import HeldOut, ModelTerms
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -188,6 +191,24 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
         from .entry import entry_problems
 
         return entry_problems(name, entry, sensor, at)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = RateTable()

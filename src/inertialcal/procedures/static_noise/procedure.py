@@ -22,9 +22,12 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Interval, Row
     from ...core.show.sentence import Sentence, WrittenRow
+    from ...files.info.survey import Survey
+    from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -131,6 +134,31 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     def doubt(self, result: Result, axis: str) -> str:
         """Return why the terms of an axis may not hold."""
         return result.doubt(axis)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
+
+    def claims(self, file: FolderFile) -> Claim | None:
+        """Return how much a file of a folder is made for this test."""
+        from .suggest import claims
+
+        return claims(file)
+
+    def belong_together(self, contents: Sequence[object]) -> bool:
+        """Return whether recordings at rest have one level: else each is a dwell at a rate of its own."""
+        from ...core.recording import Recording
+        from ...files.info.motion import of_one_level
+
+        return of_one_level([one for one in contents if isinstance(one, Recording)])
+
+    def draft(self, contents: Mapping[str, object]) -> Draft:
+        """Return what a first campaign.toml says of them."""
+        from .suggest import draft
+
+        return draft(contents)
 
 
 PROCEDURE = StaticNoise()

@@ -25,11 +25,14 @@ from .plan import INFLUENCES, Plan, Thermometer
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
+    from ...core.recording import Recording
     from ...core.results import Row
     from ...core.show.sentence import Sentence, WrittenRow
+    from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest
     from ..model_terms import HeldOut
+    from ..suggestions import Suggestion
     from .readings import Readings
     from .reduction import Result
 
@@ -173,6 +176,12 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     def check(self, test: SaidTest) -> Iterator[Problem]:
         """Yield an attitude without a latitude."""
         yield from latitude_needed(test)
+
+    def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
+        """Return the command to type next."""
+        from .suggest import suggests
+
+        return suggests(recording, survey)
 
 
 PROCEDURE = Thermal()

@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
 
+from ....core.campaign_text import quoted
 from ....core.recording import SECOND, Recording
 from ....core.times import instant_text
 from ..entry import Means
@@ -104,8 +104,3 @@ def _means(one: Means) -> str:
 
 def _angle(radians: float) -> str:
     return '"? deg"' if np.isnan(radians) else f'"{np.degrees(radians):.12g} deg"'
-
-
-def quoted(text: str) -> str:
-    """Return a TOML string: JSON's escapes are TOML's."""
-    return json.dumps(text, ensure_ascii=False)

@@ -10,7 +10,7 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from ...files.text.table import Table
+from ..text.table import Table
 
 PATTERNS = {
     "applied": r"(^|_)(rate|applied|input|table_rate|commanded|omega)(_|$)",

@@ -1,4 +1,4 @@
-"""The part of a first campaign.toml that is about positions: recordings of an IMU that was laid by hand."""
+"""What looks like a unit laid by hand: the command to type next, a draft of the tests."""
 
 from __future__ import annotations
 
@@ -6,60 +6,44 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from ..core.errors import InertialcalError
-from ..core.recording import Channel, Recording
-from ..core.units import kind
-from ..procedures.flip.files.source import quoted
-from ..signals.segmentation.segments import detect, static_intervals
-from .file.load import MARK
-from .starter_flip import accelerometers
-from .starter_still import gyros
+from ...core.axes import AXES
+from ...core.campaign_text import MARK, quoted
+from ...core.recording import Channel, Recording
+from ...core.units import factor, kind
+from ...files.info.motion import accelerometers, gyros, is_laid, triad
+from ...files.info.survey import Survey
+from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
 
-FEWEST = 6  # static intervals
-SHORTEST = 1.0  # [s]
-TURNED = 0.3  # of the largest reading at rest, by which the second widest direction of the readings spreads
 SENSORS = {"acc": ("accelerometer", "acceleration"), "gyro": ("gyro", "angular_rate")}
 REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "transition_error"\n# upper = "0.5 deg"\n'
 SITE = f'[site]\n# latitude = "48 deg"\n# height = "300 m"\ngravity = "9.80665 m/s2"  {MARK}\n'
+GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 
 
-def is_laid(recording: Recording) -> bool:
-    """Whether the accelerometers of a recording rest in many orientations, as of a unit that is laid by hand.
-
-    Parameters
-    ----------
-    recording : Recording
-        As read.
-    """
-    acc = accelerometers(recording)
-    if recording.time_ns is None or len(acc) != 3:
-        return False
-    values = np.column_stack([np.asarray(acc[axis].data, dtype=np.float64) for axis in "xyz"])
-    try:
-        placed = static_intervals(detect(values, recording.time_ns, recording.sample_interval), min_duration=SHORTEST)
-    except InertialcalError:
-        return False
-    if len(placed) < FEWEST:
-        return False
-    mean = np.array([one.mean for one in placed])
-    spread = np.linalg.svd(mean - mean.mean(axis=0), compute_uv=False) / np.sqrt(len(mean))
-    return bool(spread[1] > TURNED * np.linalg.norm(mean, axis=1).max())
+def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
+    """Return ``positions`` where a triad of accelerometers was moved, and feels gravity."""
+    if not any(remark.code == "not_at_rest" for remark in survey.remarks):
+        return None
+    sizes = [float(np.max(np.abs(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
+    laid = len(sizes) == len(AXES) and max(sizes) > GRAVITY
+    return Suggestion(("positions",), Strength.POSSIBLE) if laid else None
 
 
-def positions_parts(recordings: Mapping[str, Recording]) -> list[str]:
-    """Return the texts of sensors, recordings and tests; what is not known is marked.
+def claims(file: FolderFile) -> Claim | None:
+    """Claim a recording in many orientations that says no rate that was applied."""
+    recording = file.recording
+    if recording is None or file.columns.applied or not is_laid(recording):
+        return None
+    return Claim(Strength.LIKELY, lambda: (recording, ()))
 
-    Parameters
-    ----------
-    recordings : mapping of str to Recording
-        Of a unit that was laid by hand, by file.
-    """
-    if not recordings:
-        return []
+
+def draft(contents: Mapping[str, object]) -> Draft:
+    """Return sensors, recordings and tests of a unit that was laid by hand, by file."""
+    recordings = {file: one for file, one in contents.items() if isinstance(one, Recording)}
     channels = {sensor: {file: _of(sensor, one) for file, one in recordings.items()} for sensor in SENSORS}
     have = [sensor for sensor, by_file in channels.items() if all(len(own) == 3 for own in by_file.values())]
     names = {file: f"hand{number}" for number, file in enumerate(recordings, 1)}
-    return [
+    parts = (
         SITE,
         "# Uncertainties of the standards: without them the results are relative to the fixture.\n"
         '# [standards.gravity]\n# value = { u = "0.001 m/s2", certificate = "..." }\n'
@@ -71,7 +55,8 @@ def positions_parts(recordings: Mapping[str, Recording]) -> list[str]:
             for sensor in have
         ),
         *_tests(have, list(names.values())),
-    ]
+    )
+    return Draft(parts, REQUIREMENT)
 
 
 def _of(sensor: str, recording: Recording) -> dict[str, Channel]:

@@ -1,25 +1,69 @@
-"""The part of a first campaign.toml that is about flips: tables of means, and recordings of accelerometers."""
+"""What looks like a flip of a head: the command to type next, a draft of the tests."""
 
 from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..core.axes import AXES
-from ..core.errors import InertialcalError, UsageError
-from ..core.recording import Channel, Recording
-from ..core.remarks import Remark
-from ..core.units import kind
-from ..files import read
-from ..files.pad.pairs import pairs_of
-from ..files.text.table import Table
-from ..procedures.flip import reduction as flip
-from ..procedures.flip.files.record import found_windows, head_recording
-from ..procedures.flip.files.source import FlipSource, entry_text, quoted, source_of
-from ..procedures.flip.files.table import is_table_of_means, means_columns
-from .file.load import MARK
+import numpy as np
+
+from ...core.axes import AXES
+from ...core.campaign_text import MARK, quoted
+from ...core.errors import InertialcalError, UsageError
+from ...core.recording import Recording
+from ...core.remarks import Remark
+from ...core.units import factor, kind
+from ...files import read
+from ...files.info.motion import accelerometers, gyros, triad
+from ...files.info.survey import Survey
+from ...files.pad.pairs import pairs_of
+from ...files.text.table import Table
+from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
+from .files.record import found_windows, head_recording
+from .files.source import FlipSource, entry_text, source_of
+from .files.table import is_table_of_means, means_columns
+from .plan import Plan
+
+REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error"\n# limit = "0.5 ug"\n'
+AXIS_COLUMNS = {"axis", "channel", "sensor"}
+POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
+FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
+ARCHIVED = "pad"  # triaxial heads in orbit
+
+
+def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
+    """Return ``flip`` of a head in orbit: an archive record, means of a flip, or a triad in free fall."""
+    archived = recording.source.reader == ARCHIVED
+    if not (archived or _is_of_means(recording, survey.remarks) or _floats(recording)):
+        return None
+    return Suggestion(("flip",), Strength.SURE)
+
+
+def _is_of_means(recording: Recording, remarks: Sequence[Remark]) -> bool:
+    """Whether a file looks like means of a flip, by its columns: axes, positions, and an acceleration."""
+    names = {one.subject.lower() for one in remarks if one.code == "text_column"}
+    means = any(one.unit is not None and kind(one.unit) == "acceleration" for one in recording.channels)
+    return means and bool(names & AXIS_COLUMNS) and bool(names & POSITION_COLUMNS)
+
+
+def _floats(recording: Recording) -> bool:
+    """Whether this is a triad of accelerometers, and nothing of gyros, that feels next to nothing of gravity."""
+    if recording.time_ns is None or any(one.quantity == "gyro" for one in recording.channels):
+        return False
+    sizes = [abs(float(np.median(one.data))) * factor(one.unit or "", "g") for one in triad(recording)]
+    return len(sizes) == len(AXES) and max(sizes) < FREE_FALL
+
+
+def claims(file: FolderFile) -> Claim | None:
+    """Claim a table of means, and a recording of accelerometers alone."""
+    recording = file.recording
+    if recording is None:
+        means = means_of_table(file.table)
+        return None if means is None else Claim(Strength.SURE, lambda: (means, ()))
+    alone = accelerometers(recording) and not gyros(recording)
+    return Claim(Strength.POSSIBLE, lambda: head_source(recording)) if alone else None
 
 
 def means_of_table(table: Table) -> FlipSource | None:
@@ -36,14 +80,6 @@ def means_of_table(table: Table) -> FlipSource | None:
     unknown = {one: "0 deg" for name in columns for one in table.text(name)}
     means = means_columns(table, unknown, None)
     return FlipSource({}, means=means.model_copy(update={"angles": dict.fromkeys(means.angles, math.nan)}))
-
-
-def accelerometers(recording: Recording) -> dict[str, Channel]:
-    """Return the accelerometer channels by axis."""
-    return {
-        c.axis: c for c in recording.channels
-        if c.axis in AXES and (c.quantity == "acc" or (c.unit is not None and kind(c.unit) == "acceleration"))
-    }  # fmt: skip
 
 
 def head_source(recording: Recording, frame: str = "") -> tuple[FlipSource, tuple[Remark, ...]]:
@@ -67,7 +103,7 @@ def head_source(recording: Recording, frame: str = "") -> tuple[FlipSource, tupl
     return source_of(recording, columns, frame, windows), remarks
 
 
-def archive_sources(root: Path) -> tuple[dict[str, FlipSource], list[Remark]]:
+def found_in(root: Path) -> tuple[dict[str, FlipSource], list[Remark]]:
     """Return the archive records of a folder by file: those of one sensor, in one folder, are one recording.
 
     Parameters
@@ -101,16 +137,9 @@ def _in_sensor_axes(path: Path) -> tuple[Recording, str]:
     return recording, ""
 
 
-def flip_parts(sources: Mapping[str, FlipSource]) -> list[str]:
-    """Return the texts of sensor, recordings and tests; what is not known is marked.
-
-    Parameters
-    ----------
-    sources : mapping of str to FlipSource
-        Tables of means and recordings, by file.
-    """
-    if not sources:
-        return []
+def draft(contents: Mapping[str, object]) -> Draft:
+    """Return the head, its recordings and tests, by file: tables of means and recordings."""
+    sources = {file: one for file, one in contents.items() if isinstance(one, FlipSource)}
     known = next((unit for one in sources.values() for unit in _units(one) if unit), None)
     parts = [sensor_text(known or "?", "" if known else MARK)]
     counts = {"means": 0, "head": 0}
@@ -118,8 +147,8 @@ def flip_parts(sources: Mapping[str, FlipSource]) -> list[str]:
         word = "means" if one.means is not None else "head"
         counts[word] += 1
         name = f"{word}{counts[word]}"
-        parts += [entry_text(name, file, one, MARK), flip_text(f"flip_{name}", [name], flip.Plan(), MARK)]
-    return parts
+        parts += [entry_text(name, file, one, MARK), flip_text(f"flip_{name}", [name], Plan(), MARK)]
+    return Draft(tuple(parts), REQUIREMENT)
 
 
 def _units(one: FlipSource) -> list[str]:
@@ -136,7 +165,7 @@ def sensor_text(unit: str, mark: str = "") -> str:
     )
 
 
-def flip_text(test: str, recordings: list[str], plan: flip.Plan, mark: str = "") -> str:
+def flip_text(test: str, recordings: list[str], plan: Plan, mark: str = "") -> str:
     """Return the table of a test."""
     settings = [f"axis = {quoted(plan.axis)}"]
     settings += [f'settle = "{plan.settle:.12g} s"'] if plan.settle else []

@@ -6,23 +6,23 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ..core.errors import PlanError, StoreError, UsageError
-from ..procedures.flip import reduction as flip
-from ..procedures.flip.files.source import FlipSource, entry_text, quoted
-from .file.load import FILE
-from .starter_flip import flip_text, sensor_text
+from ....core.campaign_text import FILE, quoted
+from ....core.errors import PlanError, StoreError, UsageError
+from ..plan import Plan
+from ..suggest import flip_text, sensor_text
+from .source import FlipSource, entry_text
 
 TEST = "flip"
 
 
-def write_flip_campaign(sources: Mapping[str, FlipSource], plan: flip.Plan, unit: str) -> Path:
+def write_flip_campaign(sources: Mapping[str, FlipSource], plan: Plan, unit: str) -> Path:
     """Write campaign.toml beside the files of a flip; return its path.
 
     Parameters
     ----------
     sources : mapping of str to FlipSource
         By the path that was given.
-    plan : flip.Plan
+    plan : Plan
         As used.
     unit : str
         Of the figures.
@@ -71,7 +71,7 @@ def _common(parents: Sequence[Path]) -> Path:
     return folders.pop()
 
 
-def campaign_text(folder: Path, sources: Mapping[str, FlipSource], plan: flip.Plan, unit: str) -> str:
+def campaign_text(folder: Path, sources: Mapping[str, FlipSource], plan: Plan, unit: str) -> str:
     """Return the text: one test, whose recordings are the files."""
     names = [f"rec{number}" for number in range(1, len(sources) + 1)]
     entries = [

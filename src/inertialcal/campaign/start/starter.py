@@ -1,0 +1,160 @@
+"""A first campaign.toml for the recordings of a folder: what is known is filled in, what is not is marked."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+from ...core.campaign_text import FILE, MARK
+from ...core.errors import InertialcalError, PlanError, StoreError, UsageError
+from ...core.remarks import Remark
+from ...files import read
+from ...files.text.table import Table, read_table
+from ...procedures import procedure_names, procedure_of
+from ...procedures.suggestions import Claim, FolderFile
+
+ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
+MOST = 200  # files
+Found = dict[str, dict[str, object]]  # what procedures make of files, by procedure and file
+
+
+def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
+    """Write campaign.toml for the tables and recordings of a folder.
+
+    Parameters
+    ----------
+    folder : path
+        With the files; the campaign file is written into it.
+
+    Returns
+    -------
+    (path, lines, remarks)
+        Of the file; the lines that are marked to be filled in; which files were left out and why.
+
+    Raises
+    ------
+    UsageError
+        If the folder does not exist.
+    PlanError
+        If it holds a campaign already, or no file that can be one of its recordings.
+    """
+    root = Path(folder)
+    if not root.is_dir():
+        raise UsageError(f"{root} is no folder", do="Make it, and put the recordings in")
+    path = root / FILE
+    if path.exists():
+        raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
+    found, remarks = _files(root)
+    if not any(found.values()):
+        do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels; for a "
+        do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels; or "
+        do += "recordings of an IMU that was laid into many positions"
+        what = f"no recording of a rate table or a flip, nor of gyros at rest or an IMU laid by hand, in {root}"
+        raise PlanError(what, do=do, code="nothing_found")
+    text = starter_text(root.resolve().name, found)
+    try:
+        with path.open("x", encoding="utf-8") as handle:
+            handle.write(text)
+    except OSError as error:
+        raise StoreError(f"cannot write {path}: {error.strerror}", code="not_writable") from None
+    lines = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
+    return path, lines, tuple(remarks)
+
+
+@dataclass(frozen=True)
+class _Taken:
+    """A recording that a procedure has, and which other one could have it."""
+
+    procedure: str
+    reserve: str
+    claim: Claim
+
+
+def _files(root: Path) -> tuple[Found, list[Remark]]:
+    """Return what a folder holds, and what was left out."""
+    found: Found = {}
+    remarks: list[Remark] = []
+    for name in procedure_names():
+        found[name], more = procedure_of(name).found_in(root)
+        remarks += more
+    taken: dict[str, _Taken] = {}
+    for path in sorted(root.rglob("*"))[:MOST]:
+        name = path.relative_to(root).as_posix()
+        if name.startswith((".", "out/")) or not path.is_file() or not name.lower().endswith(ENDINGS):
+            continue
+        try:
+            remarks += _take(found, taken, path, name)
+        except InertialcalError as error:
+            remarks.append(Remark("not_read", "warning", error.problems[0].what, name))
+    _settle(found, taken)
+    return found, remarks
+
+
+def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str) -> list[Remark]:
+    """Give a file to the procedure that claims it most; return what there is to remark."""
+    table = read_table(path)
+    claimed = _claims(FolderFile(table))
+    if not claimed:
+        recording = read(path)
+        claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
+        if not claimed:
+            return [_not_taken(table, name)]
+        if len(claimed) > 1:
+            taken[name] = _Taken(claimed[0][0], claimed[1][0], claimed[1][1])
+        else:
+            taken[name] = _Taken(claimed[0][0], "", claimed[0][1])
+    procedure, claim = claimed[0]
+    found[procedure][name], remarks = claim.take()
+    return [one.at(name) for one in remarks]
+
+
+def _claims(file: FolderFile) -> list[tuple[str, Claim]]:
+    """Return what procedures claim, the strongest first, among equals in the order of the registry."""
+    made = ((name, procedure_of(name).claims(file)) for name in procedure_names())
+    return sorted(((name, one) for name, one in made if one is not None), key=lambda one: -one[1].strength)
+
+
+def _settle(found: Found, taken: dict[str, _Taken]) -> None:
+    """Give recordings to their reserve where it has others of the folder, or where they are no test together."""
+    for name in procedure_names():
+        own = {file: one for file, one in taken.items() if one.procedure == name and one.reserve}
+        reserves = {one.reserve for one in own.values()}
+        have = any(one.procedure in reserves for one in taken.values())
+        if own and (have or not procedure_of(name).belong_together([found[name][file] for file in own])):
+            for file, one in own.items():
+                del found[name][file]
+                found[one.reserve][file] = one.claim.take()[0]
+
+
+def _not_taken(table: Table, name: str) -> Remark:
+    what = "neither columns of rate and reading, nor gyro or accelerometer channels with time"
+    what = f"{what} ({_names(table)})"
+    return Remark("not_taken", "info", what, name)
+
+
+def _names(table: Table) -> str:
+    return ", ".join(table.names[:8]) + (", ..." if len(table.names) > 8 else "")
+
+
+def starter_text(name: str, found: Found) -> str:
+    """Return the text of a campaign file.
+
+    Parameters
+    ----------
+    name : str
+        Of the campaign.
+    found : dict of str to dict
+        What its folder holds, by procedure and file.
+    """
+    identifier = (
+        "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in name).strip("-_") or "campaign"
+    )
+    drafts = [procedure_of(one).draft(contents) for one, contents in found.items() if contents]
+    examples = sorted((one for one in drafts if one.requirement), key=lambda one: not one.example)
+    parts = [
+        f'schema = 1\n\n[campaign]\nid = "{identifier}"\n',
+        f'[item]\nmaker = ""  {MARK}\npart = ""  {MARK}\nserial = ""  {MARK}\n',
+        *(part for one in drafts for part in one.parts),
+        *(one.requirement for one in examples[:1]),
+    ]
+    return "\n".join(part for part in parts if part)

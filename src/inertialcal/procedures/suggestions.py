@@ -1,0 +1,115 @@
+"""What a procedure makes of files that nobody has said anything of: the command to type next, a draft of its tests.
+
+Several procedures may want a file: the strongest has it, and among equals the one that comes first in the registry.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from enum import IntEnum
+from functools import cached_property
+from typing import TYPE_CHECKING
+
+from ..core.remarks import Remark
+
+if TYPE_CHECKING:
+    from ..core.recording import Recording
+    from ..files.info.table_columns import Guess
+    from ..files.text.table import Table
+
+
+class Strength(IntEnum):
+    """How clearly a file is made for a procedure."""
+
+    RESERVE = 0  # only where no other can do with it
+    POSSIBLE = 1  # as far as channels and motion tell
+    LIKELY = 2  # its motion or temperature is made for it
+    SURE = 3  # its columns, or its format, say so
+
+
+@dataclass(frozen=True)
+class Suggestion:
+    """The command to type next.
+
+    Parameters
+    ----------
+    commands : tuple of str
+        Nouns; the first one that the tool has.
+    strength : Strength
+        ``SURE``: whatever units and time the file leaves open.
+    complete : bool
+        Nothing needs to be said of its units and time.
+    in_campaign : bool
+        Also where the file lies in the folder of a campaign.
+    """
+
+    commands: tuple[str, ...]
+    strength: Strength
+    complete: bool = False
+    in_campaign: bool = False
+
+
+@dataclass(frozen=True)
+class FolderFile:
+    """A file of a folder that a campaign is begun for.
+
+    Parameters
+    ----------
+    table : Table
+        As read.
+    recording : Recording or None
+        With time; None while it is looked at as a table only.
+    """
+
+    table: Table
+    recording: Recording | None = None
+
+    @cached_property
+    def columns(self) -> Guess:
+        """Columns of rate and reading, as far as names tell."""
+        from ..files.info.table_columns import guess  # noqa: PLC0415 - starts slowly
+
+        return guess(self.table)
+
+    @cached_property
+    def at_rest(self) -> bool:
+        """Whether its sensors stand still."""
+        from ..files.info.motion import is_still  # noqa: PLC0415 - starts slowly
+
+        return self.recording is not None and is_still(self.recording)
+
+
+@dataclass(frozen=True)
+class Claim:
+    """A file that a procedure wants.
+
+    Parameters
+    ----------
+    strength : Strength
+        How clearly.
+    take : callable
+        What the procedure makes of it, and what there is to remark; called if it has the file.
+    """
+
+    strength: Strength
+    take: Callable[[], tuple[object, Sequence[Remark]]]
+
+
+@dataclass(frozen=True)
+class Draft:
+    """What a procedure adds to a first campaign.toml.
+
+    Parameters
+    ----------
+    parts : tuple of str
+        Texts of sensors, recordings and tests; what is not known is marked.
+    requirement : str
+        An example of a requirement; one stands in the file.
+    example : bool
+        Its example goes before those of drafts that say no.
+    """
+
+    parts: tuple[str, ...]
+    requirement: str
+    example: bool = True
