@@ -166,11 +166,6 @@ STILL_NAME_PROCEDURES: frozenset[str] = frozenset(
         "campaign/calls/rate_table.py",
         "campaign/calls/reduced_table.py",
         "campaign/calls/stepped_recording.py",
-        "campaign/flip_campaign.py",
-        "campaign/starter.py",
-        "campaign/starter_flip.py",
-        "campaign/starter_positions.py",
-        "campaign/starter_still.py",
     }
 )
 PROCEDURE_NAMES = re.compile(rf"\b({'|'.join(BUILT_IN)})\b")

@@ -8,8 +8,9 @@ from pathlib import Path
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.units import kind, parse_quantity
 from ...files.pad.pairs import pairs_of
+from ...procedures import loaded_procedures
 from ..inputs.chains import build_chain, scale_factors
-from .recordings import ROLES, CommonKeys, own_keys, procedures
+from .recordings import ROLES, CommonKeys, own_keys
 from .schema import CampaignFile
 from .sensors import Sensor
 from .toml_lines import At
@@ -44,7 +45,7 @@ def recording_checks(folder: Path, file: CampaignFile, name: str, entry: CommonK
     yield from _other_files(folder, name, entry, at)
     sensor = file.sensors.get(entry.sensor)
     if sensor is not None:
-        yield from (one for procedure in procedures() for one in procedure.check_entry(name, entry, sensor, at))
+        yield from (one for procedure in loaded_procedures() for one in procedure.check_entry(name, entry, sensor, at))
     clock = entry.clock
     if clock is not None and clock.stamp != "middle" and clock.averaging is None:
         what = f"recordings.{name}: stamp = {clock.stamp!r} needs averaging: by how much is the stamp off the middle?"

@@ -10,13 +10,12 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
 
 from pydantic import Field, create_model, field_validator, model_validator
 
-from ...core.errors import InertialcalError
 from ...core.schema.quantities import Duration, Unit
 from ...core.schema.words import Axis, Name, Strict, Text
 from ...core.times import read_instant
-from ...procedures import procedure_names, procedure_of
+from ...procedures import loaded_procedures
 from ...procedures.entries import EntryKey
-from ...procedures.protocol import Procedure, Role
+from ...procedures.protocol import Role
 
 
 class Clock(Strict):
@@ -47,21 +46,10 @@ OF_CHAIN = ("reference", "temperature", "temperature_reference", "gain")  # chan
 OF_AXES = ("reference", "temperature", "temperature_reference", "validity", "gain")  # the same, of one axis each
 
 
-def procedures() -> list[Procedure[Any, Any, Any]]:
-    """Return all that can be loaded; one that cannot is refused when a test names it."""
-    found = []
-    for name in procedure_names():
-        try:
-            found.append(procedure_of(name))
-        except InertialcalError:
-            continue
-    return found
-
-
 def _own_keys() -> dict[str, EntryKey]:
     """Return the keys that procedures declare, by name; the first that declares one has it."""
     found: dict[str, EntryKey] = {}
-    for procedure in procedures():
+    for procedure in loaded_procedures():
         for key in procedure.entry_keys():
             found.setdefault(key.name, key)
     return found
@@ -69,7 +57,7 @@ def _own_keys() -> dict[str, EntryKey]:
 
 def _roles() -> dict[str, Role]:
     """Return the channels that procedures read beside the axes, by name."""
-    return {role.name: role for procedure in procedures() for role in procedure.inputs.roles}
+    return {role.name: role for procedure in loaded_procedures() for role in procedure.inputs.roles}
 
 
 OWN_KEYS, ROLES = _own_keys(), _roles()

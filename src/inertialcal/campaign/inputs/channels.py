@@ -16,14 +16,14 @@ from ...files import read
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.recordings import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
-from ..file.recordings import Clock, RecordingEntry
+from ..file.recordings import OF_CHAIN, ROLES, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
 from .chains import build_chain
 from .ground import ChainModel, after_model, chain_model
 
-TEMPERATURE, GAIN, PRESSURE, TILT, APPLIED = "temperature", "gain", "pressure", "tilt", "applied"
-NO_CHAIN = (APPLIED, PRESSURE, TILT)  # channels that are in units already
+TEMPERATURE, GAIN = "temperature", "gain"
+NO_CHAIN = {name: role for name, role in ROLES.items() if name not in OF_CHAIN}  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
 
 
@@ -119,12 +119,10 @@ def in_body_axes(
     else:
         used = {k: v for k, v in columns.items() if k not in NO_CHAIN and k not in warm and not k.startswith(GAIN)}
         recording = apply_chain(chain, recording, used, _gains(recording, chain))
-    if APPLIED in columns:
-        recording = _in_si(recording, {APPLIED: columns[APPLIED]}, si_unit(sensor.unit))
-    if PRESSURE in columns:
-        recording = _in_si(recording, {PRESSURE: columns[PRESSURE]}, "Pa")
-    if TILT in columns:
-        recording = _in_si(recording, {TILT: columns[TILT]}, "rad")
+    for what, role in NO_CHAIN.items():
+        if what in columns:
+            unit = role.unit if role.kind else si_unit(sensor.unit)
+            recording = _in_si(recording, {what: columns[what]}, unit)
     if warm:
         recording = _in_si(recording, warm, "degC")
     if model is not None:
@@ -144,7 +142,7 @@ def _with_units(recording: Recording, units: dict[str, str]) -> Recording:
 def _declared(recording: Recording, columns: dict[str, str]) -> Recording:
     """Leave out columns that the campaign does not name but whose names would be taken for temperature or gain."""
     taken = {name for what in (TEMPERATURE, GAIN) for name in (what, *(f"{what}_{axis}" for axis in AXES))}
-    taken |= {PREDICTED + axis for axis in AXES} | {PRESSURE, TILT}
+    taken |= {PREDICTED + axis for axis in AXES} | {what for what, role in NO_CHAIN.items() if role.kind}
     unsaid = taken - set(columns.values())
     return replace(recording, channels=tuple(c for c in recording.channels if c.name not in unsaid))
 
