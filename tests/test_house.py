@@ -263,7 +263,7 @@ PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split
                      "removesuffix", "find", "fullmatch", "match", "search", "sub"})  # fmt: skip
 # The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
 SERIALISER = ("core/key.py", "core/remarks.py", "core/influence.py")
-INPUT = ("files/", "cli/rig_names.py", "campaign/starter.py", "campaign/starter_flip.py", "campaign/models/inputs.py",
+INPUT = ("files/", "cli/rig_names.py", "campaign/models/inputs.py",
          "procedures/positions/files/", "report/sections.py")  # fmt: skip
 
 

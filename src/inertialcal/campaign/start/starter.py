@@ -79,13 +79,13 @@ def _files(root: Path) -> tuple[Found, list[Remark]]:
         remarks += more
     taken: dict[str, _Taken] = {}
     for path in sorted(root.rglob("*"))[:MOST]:
-        name = path.relative_to(root).as_posix()
-        if name.startswith((".", "out/")) or not path.is_file() or not name.lower().endswith(ENDINGS):
+        file = path.relative_to(root).as_posix()
+        if file.startswith((".", "out/")) or not path.is_file() or not file.lower().endswith(ENDINGS):
             continue
         try:
-            remarks += _take(found, taken, path, name)
+            remarks += _take(found, taken, path, file)
         except InertialcalError as error:
-            remarks.append(Remark("not_read", "warning", error.problems[0].what, name))
+            remarks.append(Remark("not_read", "warning", error.problems[0].what, file))
     _settle(found, taken)
     return found, remarks
 

@@ -7,7 +7,7 @@ left for the user to say.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from ..text.table import Table
@@ -23,6 +23,7 @@ PATTERNS = {
 OTHER = r"(^|_)(error|percent|temp|temperature|time|warm)(_|$)"
 READING = r"(^|_)(reading|output|measured|mean|sensor|gyro|gyr)(_|$)"
 AXIS = re.compile(r"(^|_)([xyz])(_|$)", re.IGNORECASE)
+REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 
 
 @dataclass(frozen=True)
@@ -62,6 +63,11 @@ def guess(table: Table) -> Guess:
     if len(by_axis) != len(readings):
         by_axis = {}
     return Guess(**found, readings=tuple(readings), unit=unit, by_axis=by_axis)
+
+
+def names_rates(names: Iterable[str]) -> bool:
+    """Whether one of the names says a rate, what is applied, or a reading."""
+    return any(REDUCED.search(name) for name in names)
 
 
 def _key(name: str) -> str:

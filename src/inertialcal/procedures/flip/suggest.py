@@ -114,18 +114,18 @@ def found_in(root: Path) -> tuple[dict[str, FlipSource], list[Remark]]:
     found: dict[str, FlipSource] = {}
     remarks: list[Remark] = []
     for folder in (root, *sorted({one.parent for one in root.rglob("*.header")} - {root})):
-        name = folder.relative_to(root).as_posix()
-        if name.startswith("out/") or any(name.startswith(f"{one}/") or one == "." for one in found):
+        file = folder.relative_to(root).as_posix()
+        if file.startswith("out/") or any(file.startswith(f"{one}/") or one == "." for one in found):
             continue
         try:
             pairs = pairs_of(folder)
             if not pairs:
                 continue
-            name = name if len(pairs) > 1 else pairs[0].data.relative_to(root).as_posix()
-            found[name], more = head_source(*_in_sensor_axes(root / name))
-            remarks += [one.at(name) for one in more]
+            file = file if len(pairs) > 1 else pairs[0].data.relative_to(root).as_posix()
+            found[file], more = head_source(*_in_sensor_axes(root / file))
+            remarks += [one.at(file) for one in more]
         except InertialcalError as error:
-            remarks.append(Remark("not_read", "warning", error.problems[0].what, name, do=error.problems[0].do))
+            remarks.append(Remark("not_read", "warning", error.problems[0].what, file, do=error.problems[0].do))
     return found, remarks
 
 

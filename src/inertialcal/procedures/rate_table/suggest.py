@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 import numpy as np
@@ -13,11 +12,10 @@ from ...core.recording import Recording
 from ...core.units import kind
 from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey
-from ...files.info.table_columns import Guess
+from ...files.info.table_columns import Guess, names_rates
 from ...files.text.table import Table
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
 
-REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)", re.IGNORECASE)
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
 REQUIREMENT = (
     '# [[requirements]]\n# id = "R1"\n# quantity = "rate_error"\n# of = "dwell_mean"\n# limit = "5 %"\n'
@@ -27,7 +25,7 @@ REQUIREMENT = (
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
     """Return ``rate-table`` of reduced readings, a row a dwell, and of gyros that turn beside an applied rate."""
-    named = any(REDUCED.search(channel.name) for channel in recording.channels)
+    named = names_rates(channel.name for channel in recording.channels)
     if named and recording.sample_interval is None and len(recording) <= REDUCED_ROWS:
         return Suggestion(("rate-table",), Strength.SURE, complete=True)
     moving = any(remark.code == "not_at_rest" for remark in survey.remarks)
