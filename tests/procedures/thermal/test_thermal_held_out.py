@@ -10,7 +10,7 @@ import pytest
 from inertialcal.campaign.models.content import residual_row
 from inertialcal.campaign.models.judged import ResidualLoop
 from inertialcal.core.errors import DataError
-from inertialcal.procedures.thermal.held_out.closed_loop import Left, held_out, loops, residual_rows
+from inertialcal.procedures.thermal.held_out.closed_loop import AxisResidual, held_out, loops, residual_rows
 from inertialcal.procedures.thermal.reduction import Attitude, Plan, Result, Truth, reduce, simulate
 from inertialcal.statistics.closed_loop import judged
 from inertialcal.statistics.intervals import contains, covers
@@ -25,11 +25,11 @@ def reduced(truth: Truth, seed: int, plan: Plan = PLAN) -> Result:
     return reduce(plan, simulate(plan, truth, np.random.default_rng(seed)))
 
 
-def left(seed: int, fit: Truth = FIT, held: Truth = HELD) -> Left:
+def left(seed: int, fit: Truth = FIT, held: Truth = HELD) -> AxisResidual:
     return held_out(reduced(fit, 2 * seed), reduced(held, 2 * seed + 1))[0]
 
 
-def verdict(one: Left) -> str:
+def verdict(one: AxisResidual) -> str:
     return judged(loops([one], "rad/s"))[0].verdict
 
 

@@ -87,12 +87,12 @@ def _column_of(model: SensorModel, recording: Recording, axis: str) -> str:
     """Return the column whose header tells quantity and axis; of the axis alone if its unit is one of input."""
     own = QUANTITY[model.unit]
     candidates = [c for c in recording.channels if c.axis == axis and not c.name.startswith(UNCERTAINTY)]
-    told = [c.name for c in candidates if c.quantity == own] or [
+    identified = [c.name for c in candidates if c.quantity == own] or [
         c.name for c in candidates if not c.quantity and c.unit and same_dimension(c.unit, model.unit)
     ]
-    if len(told) == 1:
-        return told[0]
-    what = f"{len(told)} columns ({', '.join(told)}) can be" if told else "no column is clearly"
+    if len(identified) == 1:
+        return identified[0]
+    what = f"{len(identified)} columns ({', '.join(identified)}) can be" if identified else "no column is clearly"
     raise DataError(
         f"{what} the {axis} axis of a {model.kind}",
         where=recording.source.path,

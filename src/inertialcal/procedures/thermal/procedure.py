@@ -115,10 +115,10 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         from .held_out.overlay import overlays
 
         (own,), (other,) = fitted, held
-        left = held_out(result, other.result)
+        residuals = held_out(result, other.result)
         first, second = (result, None) if own.against is None else (own.against.result, result)
-        rows = residual_rows(left, other.result.readings.unit, own.id)
-        return HeldOut(loops(left, other.result.readings.unit), tuple(rows), overlays(other.result, first, second))
+        rows = residual_rows(residuals, other.result.readings.unit, own.id)
+        return HeldOut(loops(residuals, other.result.readings.unit), tuple(rows), overlays(other.result, first, second))
 
     def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
         """Return the bias that one condition has more than the other."""

@@ -122,7 +122,7 @@ def _before_after(view: _View, raw: Array, runs: int, rivals: Mapping[str, Array
     u = float(np.std(gain, ddof=1) / np.sqrt(n))
     raw_rms, left_rms = (float(np.sqrt(np.mean(squares))) for squares in (before, after))
     judge = view.judge
-    told = {name: rival for name, rival in rivals.items() if judge.tells(view.values, rival)}
+    distinct = {name: rival for name, rival in rivals.items() if judge.tells(view.values, rival)}
     return AxisLoop(
         judge.name,
         n,
@@ -134,7 +134,7 @@ def _before_after(view: _View, raw: Array, runs: int, rivals: Mapping[str, Array
         float(n - 1),
         allowed,
         judge.unit,
-        {name: _p_rival(view, rival) for name, rival in told.items()},
+        {name: _p_rival(view, rival) for name, rival in distinct.items()},
     )
 
 

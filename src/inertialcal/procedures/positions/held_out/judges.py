@@ -107,8 +107,8 @@ def _along(reading: Array, expected: Array, k: int, values: Array, force: Array 
 def _missed(fitted: positions.Result, gyro: FittedGyro, held: positions.Readings, values: Array) -> Array:
     """Return the errors of each rotation: two of a transition, three of a turn by a known angle, shape (n, 3)."""
     A, G = values[:9].reshape(3, 3), values[12:].reshape(3, 3)
-    seen = None if gyro.rest.g_sensitivity is None else G + earth_in_g(fitted.plan, A)[0]
-    rest = replace(gyro.rest, bias=values[9:12], g_sensitivity=seen)
+    at_rest = None if gyro.rest.g_sensitivity is None else G + earth_in_g(fitted.plan, A)[0]
+    rest = replace(gyro.rest, bias=values[9:12], g_sensitivity=at_rest)
     problem = problem_of(fitted.plan, held, fitted.acc, rest, gyro.sensor.ideal, gyro.sensor.zero)
     rows = errors(problem, np.asarray(np.linalg.inv(A))).e
     moves, turns = problem.sizes

@@ -36,7 +36,7 @@ ONE_RUN = Reason("one_run", "the fit rests on one power-up: how another one diff
 
 
 @dataclass(frozen=True)
-class Left:
+class AxisResidual:
     """What the polynomial leaves of one axis on power-ups held out.
 
     Parameters
@@ -70,7 +70,7 @@ class Left:
     dof: float
 
 
-def held_out(fitted: Result, held: Result) -> tuple[Left, ...]:
+def held_out(fitted: Result, held: Result) -> tuple[AxisResidual, ...]:
     """Return what the polynomials of one test leave of another, axis by axis.
 
     Parameters
@@ -87,13 +87,13 @@ def held_out(fitted: Result, held: Result) -> tuple[Left, ...]:
     """
     earth = earth_along(fitted.plan)[0] if fitted.readings.unit == "rad/s" else np.zeros(3)
     return tuple(
-        _left(axis, fitted.sensors[axis].law, one.law.cells, float(earth[AXES.index(axis)]))
+        _axis_residual(axis, fitted.sensors[axis].law, one.law.cells, float(earth[AXES.index(axis)]))
         for axis, one in held.sensors.items()
         if axis in fitted.sensors
     )
 
 
-def _left(axis: str, law: Law, cells: Cells, earth: float) -> Left:
+def _axis_residual(axis: str, law: Law, cells: Cells, earth: float) -> AxisResidual:
     low, high = law.domain
     inside = (cells.temperature >= low) & (cells.temperature <= high)
     if not inside.any():
@@ -111,7 +111,7 @@ def _left(axis: str, law: Law, cells: Cells, earth: float) -> Left:
     residual = float(np.mean([_mean(error, weight, runs == one) for one in labels]))
     gain = float(np.mean([_mean(off * (2.0 * error + off), weight, runs == one) for one in labels]))
     fit_rows, _ = law.contrasts(rows)
-    return Left(
+    return AxisResidual(
         axis,
         int(inside.sum()),
         m,
@@ -143,7 +143,7 @@ def _between_power_ups(law: Law, earth: float) -> tuple[float, float, float]:
     return float(np.var(means, ddof=1)), float(np.var(products, ddof=1)), float(len(labels) - 1)
 
 
-def loops(left: Sequence[Left], unit: str) -> tuple[AxisLoop, ...]:
+def loops(residuals: Sequence[AxisResidual], unit: str) -> tuple[AxisLoop, ...]:
     """Return the same for the closed loop, without verdicts; a dwell is a cell."""
     return tuple(
         AxisLoop(
@@ -158,16 +158,16 @@ def loops(left: Sequence[Left], unit: str) -> tuple[AxisLoop, ...]:
             max(one.allowed, 0.0),
             unit,
         )
-        for one in left
+        for one in residuals
     )
 
 
-def residual_rows(left: Sequence[Left], unit: str, against: str) -> list[Row]:
+def residual_rows(residuals: Sequence[AxisResidual], unit: str, against: str) -> list[Row]:
     """Return the rows of what is left on power-ups held out, SI.
 
     Parameters
     ----------
-    left : sequence of Left
+    residuals : sequence of AxisResidual
         One an axis.
     unit : str
         Of the readings.
@@ -175,12 +175,12 @@ def residual_rows(left: Sequence[Left], unit: str, against: str) -> list[Row]:
         Test that the polynomial is of.
     """
     found = []
-    for one in left:
+    for one in residuals:
         if not one.dof > 0.0:
             found.append(not_estimated(Key(RESIDUAL, one.axis), unit, ONE_RUN))
             continue
-        told = f"after the polynomial of {against}, mean over {one.runs} power-up(s) held out"
+        text = f"after the polynomial of {against}, mean over {one.runs} power-up(s) held out"
         interval = t_interval(one.residual, one.u, one.dof)
-        reason = Reason("limits", told)
+        reason = Reason("limits", text)
         found.append(Row(Key(RESIDUAL, one.axis), one.residual, one.u, unit, one.dof, interval, reason=reason))
     return found
