@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -16,10 +18,13 @@ from inertialcal.campaign.outcome.requirements import judge
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.judging import Asked, Verdict
 from inertialcal.core.key import At, Key
+from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Interval, Row
 from inertialcal.core.units import kind, normalise
 from inertialcal.procedures import PROCEDURES, all_quantities, protocol
 from inertialcal.procedures.display import display_unit
+from inertialcal.procedures.flip.left_out import left_out
+from inertialcal.procedures.flip.plan import Plan as FlipPlan
 from inertialcal.procedures.protocol import Exclusion, Procedure, Quantity, budget_figures
 
 OF_SENSORS = {"gyro": "deg/s", "accelerometer": "g"}
@@ -85,6 +90,14 @@ def test_a_size_has_one_limit_and_is_compared_by_its_own_interval(ruler: None) -
     assert near.verdict == "INCONCLUSIVE"  # its u of 1 nm alone would pass it
 
 
+def test_an_upper_limit_passes_only_where_nothing_is_asked_from_below(ruler: None) -> None:
+    one = measured()
+    limited = replace(one, rows=[replace(one.rows[0], status="upper_limit", u=None)])
+    assert judge(requirement(), [limited])[0][0].verdict == "PASS"
+    (asked_from_below,), _ = judge(requirement(limit=None, lower="0.1 mm", upper="1 mm"), [limited])
+    assert asked_from_below.verdict == "INCONCLUSIVE"
+
+
 def test_what_is_in_doubt_never_passes(ruler: None) -> None:
     (verdict,), _ = judge(requirement(), [measured("y")])
     assert (verdict.verdict, verdict.reason) == ("INCONCLUSIVE", "in doubt: it bent")
@@ -141,3 +154,18 @@ def test_an_exclusion_is_written_in_the_unit_of_its_sensor() -> None:
     one, other = exclusion_rows([LeftOut("t", "deg/s", dwell), LeftOut("t", "deg/s", samples)])
     assert (one["applied"], one["unit"], one["count"], one["counts"]) == (3.0, "deg/s", 1, "dwell")
     assert (other["applied"], other["unit"], other["count"], other["counts"]) == (None, "", 7, "sample")
+
+
+def test_a_flip_names_the_axis_that_it_did_not_read() -> None:
+    said = Remark("gain_changed", "warning", "y is not read", axis="y")
+    nothing = {axis: np.array([np.nan, 0.0]) for axis in "xy"}
+    readings: Any = SimpleNamespace(remarks=(said,), outputs=nothing, where=("a: window 1", "a: window 2"))
+    (one,) = left_out(FlipPlan(), readings)
+    assert (one.axis, one.place, one.rule, one.dwell) == ("y", "a: window 1", "gain_changed", True)
+
+
+@pytest.mark.parametrize(("corrected", "quantity"), [(False, "bias"), (True, "model_bias_error")])
+def test_what_a_ground_model_leaves_of_the_bias_is_its_error(corrected: bool, quantity: str) -> None:
+    result: Any = SimpleNamespace(plan=FlipPlan(corrected=corrected))
+    assert PROCEDURES["flip"].called(result, Key("bias", "x")) == Key(quantity, "x")
+    assert PROCEDURES["flip"].called(result, Key("reading", "x")) == Key("reading", "x")

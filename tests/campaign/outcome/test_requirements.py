@@ -120,3 +120,13 @@ def test_an_axis_that_was_not_turned_is_no_pass() -> None:
     verdicts, _ = judge(requirement(), [reduced(0.0, 1)])
     assert {v.axis: v.verdict for v in verdicts if v.at is None} == {"y": "INCONCLUSIVE", "z": "INCONCLUSIVE"}
     assert worst(verdicts) == "INCONCLUSIVE"
+
+
+def test_a_sense_of_rotation_that_was_not_turned_is_no_pass() -> None:
+    truth = Truth(np.eye(3), run_scale_std=2e-3, axes=("x",))
+    readings = simulate(PLAN, truth, np.random.default_rng(1))
+    result = reduce(PLAN, readings.take(readings.applied >= 0.0))
+    one = with_rows(result)
+    (missing,) = [v for v in judge(requirement(axis="x"), [one])[0] if v.at is None]
+    assert (missing.verdict, missing.reason) == ("INCONCLUSIVE", "negative rates were not turned")
+    assert all(v.at is not None for v in judge(requirement(axis="x", where="rate > 0 deg/s"), [one])[0])
