@@ -6,7 +6,7 @@ import ast
 import re
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -313,3 +313,80 @@ def test_no_code_takes_a_name_condition_reason_or_remark_apart() -> None:
         if takes_apart(node)
     ]
     assert not found
+
+
+# ``Any`` in a public signature says "read the code". It stands only where no name could say more.
+OPEN = frozenset({"NDArray", "Procedure", "Tested"})  # the type of the file; all procedures alike
+JSON = frozenset({"Mapping", "dict"})  # of str: an object of JSON
+# What stays, and why; the list may only shrink.
+ANY_BY_ITSELF = {
+    "core/schema/quantities.py:quantity": "a type for pydantic: annotations of fields are made of it",
+    "core/settings.py:setting": "stands for the value of a field, as dataclasses.field does",
+    "core/settings.py:fact": "the same",
+    "report/numbers.py:Branch.get": "a value of JSON: the key tells its type, and only to the reader",
+    "report/numbers.py:wrap": "the same",
+    "report/plot.py:plot": "Axes or an array of them, as matplotlib says it itself: callers know which",
+}
+
+
+def bare_any(node: ast.expr) -> bool:
+    """Return whether an annotation holds an ``Any`` that could be named."""
+    if isinstance(node, ast.Constant) and isinstance(node.value, str):
+        return bare_any(ast.parse(node.value, mode="eval").body)
+    if isinstance(node, ast.Subscript) and isinstance(node.value, ast.Name):
+        given = node.slice.elts if isinstance(node.slice, ast.Tuple) else [node.slice]
+        said = [ast.unparse(one) for one in given]
+        if node.value.id in OPEN or (node.value.id in JSON and said == ["str", "Any"]):
+            return False
+        if node.value.id in {"Literal", "Annotated"}:  # words; a type, and what the parser says of it
+            return node.value.id == "Annotated" and bare_any(given[0])
+        if node.value.id == "Callable" and said[0] == "[Any]":  # a reader, called with what it says itself
+            return bare_any(given[1])
+    if isinstance(node, ast.Name | ast.Attribute):
+        return ast.unparse(node) in {"Any", "typing.Any"}
+    return any(bare_any(one) for one in ast.iter_child_nodes(node) if isinstance(one, ast.expr))
+
+
+def annotated(function: ast.FunctionDef) -> Iterator[ast.expr]:
+    """Yield the annotations of a signature, without ``**kwargs``, which are passed through."""
+    args = function.args
+    for one in (*args.posonlyargs, *args.args, args.vararg, *args.kwonlyargs):
+        if one is not None and one.annotation is not None:
+            yield one.annotation
+    if function.returns is not None:
+        yield function.returns
+
+
+def public(body: Sequence[ast.stmt], prefix: str = "") -> Iterator[tuple[str, ast.FunctionDef]]:
+    """Yield the public functions and methods of a module, also those that stand below a condition."""
+    for node in body:
+        if isinstance(node, ast.FunctionDef) and not node.name.startswith("_"):
+            yield prefix + node.name, node
+        elif isinstance(node, ast.ClassDef) and not node.name.startswith("_"):
+            yield from public(node.body, f"{prefix}{node.name}.")
+        elif isinstance(node, ast.If):
+            yield from public([*node.body, *node.orelse], prefix)
+
+
+def with_bare_any(path: Path) -> set[str]:
+    where = path.relative_to(PACKAGE)
+    tree = ast.parse(path.read_text(encoding="utf-8"))
+    return {f"{where}:{name}" for name, one in public(tree.body) if any(bare_any(it) for it in annotated(one))}
+
+
+def test_public_signatures_name_their_types() -> None:
+    """What compiles with numba takes any array; the rest is in the list above, which may only shrink."""
+    found = {one for path in FILES if not path.name.startswith("_kernels") for one in with_bare_any(path)}
+    assert found == set(ANY_BY_ITSELF)
+
+
+@pytest.mark.parametrize("annotation", ["Any", "list[Any]", "Any | None", "'Any'", "Mapping[tuple[str, str], Any]",
+                                        "Callable[[Any], Any]", "Callable[..., Any]"])  # fmt: skip
+def test_the_walk_sees_any(annotation: str) -> None:
+    assert bare_any(ast.parse(annotation, mode="eval").body)
+
+
+@pytest.mark.parametrize("annotation", ["NDArray[Any]", "Sequence[Mapping[str, Any]] | None", "Tested[Any, Any, Any]",
+                                        "Callable[[Any], T]"])  # fmt: skip
+def test_the_walk_allows_what_no_name_could_say(annotation: str) -> None:
+    assert not bare_any(ast.parse(annotation, mode="eval").body)

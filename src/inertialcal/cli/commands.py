@@ -24,6 +24,7 @@ VERBS = {
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
 }  # fmt: skip
+Built = TyperCommand | TyperGroup
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
 
 
@@ -51,11 +52,18 @@ def _function(name: str, default: str, word: str) -> Callable[..., Any]:
     return found
 
 
-def _built(function: Callable[..., Any], word: str, about: str | None = None) -> Any:
+def _built(function: Callable[..., Any], word: str, about: str | None = None) -> Built:
     """Return a command, for the parser."""
-    return get_command_from_info(
-        CommandInfo(name=word, callback=function, help=about), pretty_exceptions_short=True, rich_markup_mode=None
-    )
+    info = CommandInfo(name=word, callback=function, help=about)
+    made: Any = get_command_from_info(info, pretty_exceptions_short=True, rich_markup_mode=None)
+    found: TyperCommand = made
+    return found
+
+
+def _verb(word: str) -> Built:
+    """Return a command that is no procedure's."""
+    module = import_module(f".{(FIRST | VERBS)[word]}", __package__)
+    return _built(getattr(module, word), word)
 
 
 class _Lazy(TyperGroup):
@@ -65,7 +73,7 @@ class _Lazy(TyperGroup):
         """Return the words of its commands."""
         raise NotImplementedError
 
-    def line(self, word: str) -> Any:
+    def line(self, word: str) -> Built:
         """Return a command that has nothing but its help."""
         raise NotImplementedError
 
@@ -88,20 +96,19 @@ class Root(_Lazy):
         """Return the words of all commands."""
         return [*words(), PLAN.word]
 
-    def line(self, word: str) -> Any:
+    def line(self, word: str) -> Built:
         """Return a command that has nothing but its help; a verb is cheap, and built."""
         nouns = {noun: one for noun, (_, one) in _nouns().items()} | {PLAN.word: PLAN}
-        return TyperCommand(word, help=nouns[word].help) if word in nouns else self.get_command(None, word)
+        return TyperCommand(word, help=nouns[word].help) if word in nouns else _verb(word)
 
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+    def get_command(self, ctx: object, cmd_name: str) -> Built | None:
         """Return a command, built now; None if there is none of that name."""
         if cmd_name == PLAN.word:
             return Planners(name=PLAN.word, help=PLAN.help, no_args_is_help=True, rich_markup_mode=None)
         if cmd_name in _nouns():
             name, declared = _nouns()[cmd_name]
             return _built(_function(name, name, cmd_name), cmd_name, declared.help)
-        module = (FIRST | VERBS).get(cmd_name)
-        return None if module is None else _built(getattr(import_module(f".{module}", __package__), cmd_name), cmd_name)
+        return _verb(cmd_name) if cmd_name in FIRST | VERBS else None
 
 
 class Planners(_Lazy):
@@ -111,11 +118,11 @@ class Planners(_Lazy):
         """Return the tests that can be planned."""
         return list(_planners())
 
-    def line(self, word: str) -> Any:
+    def line(self, word: str) -> Built:
         """Return a command that has nothing but its help."""
         return TyperCommand(word, help=_planners()[word][1].help)
 
-    def get_command(self, ctx: Any, cmd_name: str) -> Any:
+    def get_command(self, ctx: object, cmd_name: str) -> Built | None:
         """Return a command, built now; None if there is none of that name."""
         if cmd_name not in _planners():
             return None

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from .errors import DataError
 from .results import finite
 
+Cell = float | str | bool | None  # of a column, as JSON has it
+
 
 @dataclass(frozen=True, eq=False)
 class Column:
@@ -34,7 +36,7 @@ class Column:
     unit: str = ""
     shown: str = ""
 
-    def plain(self) -> list[Any]:
+    def plain(self) -> list[Cell]:
         """Return the values as ``results.json`` holds them: plain Python, not finite numbers null."""
         values = self.values.tolist() if isinstance(self.values, np.ndarray) else self.values
         return [finite(value) if isinstance(value, float) else value for value in values]

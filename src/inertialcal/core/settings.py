@@ -92,10 +92,11 @@ def fact(help: str, origin: Literal["sensor", "site", "standards", "command"], d
     return field(default=default, metadata=kept)
 
 
-def settings_of(plan: type[Any]) -> tuple[Setting, ...]:
+def settings_of(plan: type[object]) -> tuple[Setting, ...]:
     """Return the settings of a Plan that a user may give, in its order."""
     hints = get_type_hints(plan, vars(sys.modules[plan.__module__]))
-    return tuple(_setting(one, hints[one.name]) for one in fields(plan) if "from" not in one.metadata)
+    known = fields(plan)  # type: ignore[arg-type]
+    return tuple(_setting(one, hints[one.name]) for one in known if "from" not in one.metadata)
 
 
 def _setting(one: Field[Any], hint: Any) -> Setting:

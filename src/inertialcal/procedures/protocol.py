@@ -233,9 +233,22 @@ class WithRemarks(Protocol):
         ...
 
 
+class Result(WithRemarks, Protocol):
+    """What a test found about one sensor."""
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Its values, SI; None where each stands in its row alone, or where nothing could be told."""
+        ...
+
+    def rows(self) -> Sequence[Row]:
+        """Return the rows of ``results.json``, SI."""
+        ...
+
+
 P = TypeVar("P")
 R = TypeVar("R", bound="WithRemarks | None")
-S = TypeVar("S", bound=WithRemarks)
+S = TypeVar("S", bound=Result)
 
 
 class Correction(Protocol):
@@ -471,7 +484,7 @@ class Procedure(Generic[P, R, S]):
         """Return the result: pure."""
         raise NotImplementedError
 
-    def of_sensor(self, result: S, facts: Facts) -> Any:
+    def of_sensor(self, result: S, facts: Facts) -> S:
         """Return a result as it is about the sensor of the test; the whole by default."""
         return result
 
@@ -518,8 +531,8 @@ class Procedure(Generic[P, R, S]):
 
     def budgeted(self, result: S) -> Sequence[BudgetFigure]:
         """Return the figures whose budgets are worth a table: by default all values of the estimate."""
-        estimate: Estimate | None = getattr(result, "estimate", None)
-        return [] if estimate is None else budget_figures(estimate, [self.called(result, key) for key in estimate.keys])
+        found = result.estimate
+        return [] if found is None else budget_figures(found, [self.called(result, key) for key in found.keys])
 
     # ---- set beside each other --------------------------------------------------------------------------------
 
@@ -587,10 +600,9 @@ class Procedure(Generic[P, R, S]):
 
     # ---- shown ------------------------------------------------------------------------------------------------
 
-    def rows(self, result: Any) -> Sequence[Row]:
+    def rows(self, result: S) -> Sequence[Row]:
         """Return the rows of ``results.json``, SI, of a result about one sensor."""
-        found: Sequence[Row] = result.rows()
-        return found
+        return result.rows()
 
     def curves(self, result: S) -> Sequence[Curve]:
         """Return the curves of ``results.json``, SI."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -61,7 +61,7 @@ class Delivered:
     c: str
 
 
-def delivered(content: Any, model: Branch, rows: Sequence[Branch]) -> Delivered:
+def delivered(content: Mapping[str, Any], model: Branch, rows: Sequence[Branch]) -> Delivered:
     """Return what the page says of a model.
 
     Parameters

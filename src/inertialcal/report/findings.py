@@ -8,7 +8,6 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from markupsafe import Markup, escape
 
@@ -112,9 +111,9 @@ def _why_this(loop: Branch) -> str:
     return ", with the largest share left, " if several else ", the axis with the largest left, "
 
 
-def worst_axis(loop: Branch) -> Any | None:
+def worst_axis(loop: Branch) -> Branch | None:
     """Return the axis with the largest rms error left after compensation; of several units, the largest share left."""
-    axes = [one for one in loop["axes"] if one["compensated_rms"] is not None]
+    axes: list[Branch] = [one for one in loop["axes"] if one["compensated_rms"] is not None]
     if len({str(one["unit"]) for one in axes}) > 1:
         return max(axes, key=lambda one: one["compensated_rms"].raw / (one["raw_rms"].raw or 1.0))
     return max(axes, key=lambda one: one["compensated_rms"].raw, default=None)

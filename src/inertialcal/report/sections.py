@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 from ..core.key import case_of
 from ..core.remarks import is_placed
@@ -29,7 +28,7 @@ class Line:
     axis: str
     unit: str
     row: Branch | None
-    alternatives: dict[str, Any]
+    alternatives: dict[str, Branch]
 
 
 @dataclass(frozen=True)
@@ -69,9 +68,9 @@ class Section:
     lines: list[Line]
     ways: list[str]
     alone: Sequence[tuple[str, str]]
-    missing: list[tuple[str, list[Any]]]
-    remarks: list[Any]
-    pairs: dict[tuple[str, str], dict[str, Any]]
+    missing: list[tuple[str, list[Branch]]]
+    remarks: list[Branch]
+    pairs: dict[tuple[str, str], dict[str, Branch]]
     pairs_caption: str
 
     @property
@@ -129,12 +128,12 @@ def table(rows: Iterable[Branch]) -> tuple[list[Line], list[str]]:
     return lines, [*shown, *left]
 
 
-def missing(rows: Iterable[Branch]) -> list[tuple[str, list[Any]]]:
+def missing(rows: Iterable[Branch]) -> list[tuple[str, list[Branch]]]:
     """Return the rows that the data could not carry, by their reason."""
     return list(missing_of(rows).items())
 
 
-def budgeted(rows: Iterable[Branch]) -> dict[tuple[str, str, str], Any]:
+def budgeted(rows: Iterable[Branch]) -> dict[tuple[str, str, str], Branch]:
     """Return the rows that budgets add up to, by test, quantity and axis."""
     return {
         (row["test"], row["quantity"], row["axis"]): row
@@ -143,20 +142,20 @@ def budgeted(rows: Iterable[Branch]) -> dict[tuple[str, str, str], Any]:
     }
 
 
-def placed(remarks: Iterable[Branch], test: str) -> list[Any]:
+def placed(remarks: Iterable[Branch], test: str) -> list[Branch]:
     """Return the remarks of a test, the serious ones first."""
     mine = [one for one in remarks if is_placed(one["where"], test)]
     return by_severity(mine)
 
 
-def by_severity(remarks: Iterable[Branch]) -> list[Any]:
+def by_severity(remarks: Iterable[Branch]) -> list[Branch]:
     """Return remarks, the serious ones first."""
     return sorted(remarks, key=lambda one: SEVERITIES.index(one["severity"]))
 
 
-def grouped(rows: Iterable[Branch], *keys: str) -> list[tuple[tuple[str, ...], list[Any]]]:
+def grouped(rows: Iterable[Branch], *keys: str) -> list[tuple[tuple[str, ...], list[Branch]]]:
     """Return rows by the values of some keys, in order of first appearance."""
-    groups: dict[tuple[str, ...], list[Any]] = {}
+    groups: dict[tuple[str, ...], list[Branch]] = {}
     for row in rows:
         groups.setdefault(tuple(row[key] for key in keys), []).append(row)
     return list(groups.items())

@@ -27,7 +27,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -260,9 +259,7 @@ def combine_means(
     return Estimate(tuple(names), values, (unit,) * len(names), components)
 
 
-def nested_mean(
-    readings: ArrayLike, levels: Mapping[str, Sequence[Any] | NDArray[Any]], innermost: str = "sample"
-) -> NestedMean:
+def nested_mean(readings: ArrayLike, levels: Mapping[str, ArrayLike], innermost: str = "sample") -> NestedMean:
     """Return the mean of means of nested readings with the mean square of every level.
 
     Parameters
@@ -310,7 +307,7 @@ def _level(name: str, means: Array, above: NDArray[np.intp]) -> tuple[Level, Arr
     return Level(name, means.size, dof, square / dof if dof else None), parents
 
 
-def _group_numbers(levels: Mapping[str, Sequence[Any] | NDArray[Any]], n: int) -> list[NDArray[np.intp]]:
+def _group_numbers(levels: Mapping[str, ArrayLike], n: int) -> list[NDArray[np.intp]]:
     """Group number of each reading at each level; a label used in two groups above makes two."""
     numbers = []
     above = np.zeros(n, dtype=np.intp)

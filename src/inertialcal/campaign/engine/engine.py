@@ -11,7 +11,7 @@ from ...core.errors import PlanError
 from ...core.influence import Standards
 from ...core.results import Row
 from ...procedures import procedure_of
-from ...procedures.protocol import Correction, Facts, Procedure, Tested
+from ...procedures.protocol import Correction, Facts, P, Procedure, R, Result, S, Tested
 from ..file.plans import plan_values
 from ..file.schema import CampaignFile, Test
 from ..inputs.channels import chain_of
@@ -31,7 +31,7 @@ class Prepared:
     origins: tuple[Origin, ...] = ()
 
 
-def plan_of(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any], facts: Facts) -> Any:
+def plan_of(procedure: Procedure[P, R, S], given: Mapping[str, Any], facts: Facts) -> P:
     """Return the plan of a test: what was set, as text with units or as parsed, and what sensor and site say.
 
     Raises
@@ -87,7 +87,7 @@ def prepare_test(
     return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources))
 
 
-def reduce_test(prepared: Prepared) -> Any:
+def reduce_test(prepared: Prepared) -> Result:
     """Return the result of a test, as it is about its sensor.
 
     Raises
@@ -96,7 +96,8 @@ def reduce_test(prepared: Prepared) -> Any:
         As the procedure says.
     """
     procedure = procedure_of(prepared.test.procedure)
-    return procedure.of_sensor(procedure.reduce(prepared.plan, prepared.readings), prepared.facts)
+    found: Result = procedure.of_sensor(procedure.reduce(prepared.plan, prepared.readings), prepared.facts)
+    return found
 
 
 @dataclass(frozen=True, eq=False)
@@ -126,19 +127,20 @@ class ReducedTest:
         return procedure_of(self.test.procedure)
 
     @property
-    def result(self) -> Any:
+    def result(self) -> Result:
         """Of its sensor."""
-        return self.tested.result
+        found: Result = self.tested.result
+        return found
 
 
-def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Any]) -> list[ReducedTest]:
+def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -> list[ReducedTest]:
     """Return the tests of a campaign with their rows, each knowing the one that it is set beside.
 
     Parameters
     ----------
     prepared : sequence of Prepared
         Every test.
-    results : mapping of str to Any
+    results : mapping of str to Result
         Of each, by name.
     """
     plain = {

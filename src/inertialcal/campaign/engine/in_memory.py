@@ -8,13 +8,12 @@ from __future__ import annotations
 import tomllib
 from dataclasses import dataclass
 from functools import lru_cache
-from typing import Any
 
 from ...core.influence import Standards
 from ...core.results import Row
 from ...core.schema.standards import STANDARDS
 from ...procedures import procedure_of
-from ...procedures.protocol import Tested
+from ...procedures.protocol import Result, Tested
 from ...rigs.protocol import SEED, Twin
 from ..file.schema import CampaignFile, Test
 from ..inputs.sources import Memory
@@ -37,7 +36,7 @@ class Fitted:
 
     test: str
     procedure: str
-    result: Any
+    result: Result
     rows: tuple[Row, ...] | None = None
 
 
@@ -52,7 +51,7 @@ def fitted_tests(twin: Twin) -> list[Fitted]:
     file, standards = _campaign(twin.campaign)
     tests = [test for test in file.tests if test.use == "fit"]
     store = Memory(twin.recordings, {file: extra.content for file, extra in twin.extras.items()})
-    results: dict[str, Any] = {}
+    results: dict[str, Result] = {}
     for test in sorted(tests, key=lambda one: bool(one.after)):
         before = [(name, one) for name in test.after for one in tests if one.id == name]
         made = [procedure_of(one.procedure).correction(name, results[name]) for name, one in before]
@@ -61,7 +60,7 @@ def fitted_tests(twin: Twin) -> list[Fitted]:
     return [Fitted(test.id, test.procedure, results[test.id], _rows(test, tests, results)) for test in tests]
 
 
-def fit_results(twin: Twin) -> list[Any]:
+def fit_results(twin: Twin) -> list[Result]:
     """Return the results of the tests of a twin with ``use = "fit"``.
 
     Raises
@@ -72,7 +71,7 @@ def fit_results(twin: Twin) -> list[Any]:
     return [one.result for one in fitted_tests(twin)]
 
 
-def _rows(test: Test, tests: list[Test], results: dict[str, Any]) -> tuple[Row, ...] | None:
+def _rows(test: Test, tests: list[Test], results: dict[str, Result]) -> tuple[Row, ...] | None:
     """Return what is held against the truth: rows of the test, and those against another one."""
     procedure, result = procedure_of(test.procedure), results[test.id]
     rows = procedure.truths(result)

@@ -130,11 +130,11 @@ else:
     RecordingEntry = _recording_entry()
 
 
-def table_of(entry: CommonKeys) -> tuple[EntryKey, Any] | None:
+def table_of(entry: CommonKeys) -> tuple[EntryKey, object] | None:
     """Return which key of an entry says the columns of a reduced table, and what it says; None for a recording."""
     return next(((OWN_KEYS[name], said) for name in TABLE_KEYS if (said := getattr(entry, name)) is not None), None)
 
 
-def own_keys(entry: CommonKeys) -> list[tuple[EntryKey, Any]]:
+def own_keys(entry: CommonKeys) -> list[tuple[EntryKey, object]]:
     """Return the keys of procedures that an entry has, and what they say."""
     return [(key, said) for name, key in OWN_KEYS.items() if (said := getattr(entry, name)) is not None]

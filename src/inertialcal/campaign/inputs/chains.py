@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.schema.words import Axis, PerAxis
 from ...core.units import parse_quantity, si_unit
 from ...sensors.chain.converter import Chain, Thermometer, pulse_counter
 from ..file.sensors import Chain as Chain_
@@ -60,7 +59,7 @@ def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
     )
 
 
-def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Any:
+def scale_factors(sensor: Sensor, axes: tuple[str, ...]) -> Array | None:
     """Return the ideal scale factor of each axis [V/SI unit], shape (k,); None where there is none."""
     given = sensor.chain.scale_factor
     return None if given is None else per_axis(given, f"V/({si_unit(sensor.unit)})", axes)
@@ -86,7 +85,7 @@ def body_scale_factors(sensor: Sensor) -> dict[str, float] | None:
     return {body: own[sensed] for body, sensed in felt.items() if sensed in own}
 
 
-def per_axis(given: Any, unit: str, axes: tuple[str, ...]) -> Any:
+def per_axis(given: PerAxis, unit: str, axes: tuple[str, ...]) -> Array:
     """Return a quantity of each axis in a unit, shape (k,).
 
     Raises
@@ -94,18 +93,18 @@ def per_axis(given: Any, unit: str, axes: tuple[str, ...]) -> Any:
     DataError
         If it is no quantity of that kind, or an axis is missing.
     """
-    texts = given if isinstance(given, dict) else dict.fromkeys(axes, given)
+    texts: dict[str, str] = dict(given.items()) if isinstance(given, dict) else dict.fromkeys(axes, given)
     missing = [axis for axis in axes if axis not in texts]
     if missing:
         raise DataError(f"no value for axis {', '.join(missing)}", do="Give one for each axis, or one for all")
     return np.array([_quantity(texts[axis], unit) for axis in axes])
 
 
-def _quantity(text: Any, unit: str) -> float:
+def _quantity(text: str, unit: str) -> float:
     return float(parse_quantity(str(text)).to(unit))
 
 
-def _zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
+def _zeros(given: Chain_, axes: tuple[str, ...]) -> Array:
     """Return the zero of each axis at its gain [V]: that of its gain, else that of the chain."""
     found = np.array(np.broadcast_to(_own_zeros(given, axes), len(axes)))
     stated = np.broadcast_to(gains(given.gain, axes), len(axes))
@@ -114,7 +113,7 @@ def _zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
     return found
 
 
-def _own_zeros(given: Chain_, axes: tuple[str, ...]) -> Any:
+def _own_zeros(given: Chain_, axes: tuple[str, ...]) -> Array | float:
     return 0.0 if given.zero is None else per_axis(given.zero, "V", axes)
 
 
@@ -133,7 +132,7 @@ def _zeros_by_gain(given: Chain_, axes: tuple[str, ...]) -> dict[float, Array] |
     return found
 
 
-def gains(given: Any, axes: tuple[str, ...]) -> Any:
+def gains(given: float | dict[Axis, float], axes: tuple[str, ...]) -> Array | float:
     """Return the gain of the amplifier of each axis, shape (k,), or of all.
 
     Raises
@@ -143,7 +142,8 @@ def gains(given: Any, axes: tuple[str, ...]) -> Any:
     """
     if not isinstance(given, dict):
         return float(given)
-    missing = [axis for axis in axes if axis not in given]
+    known: dict[str, float] = dict(given.items())
+    missing = [axis for axis in axes if axis not in known]
     if missing:
         raise DataError(f"no gain for axis {', '.join(missing)}", do="Give one for each axis, or one for all")
-    return np.array([float(given[axis]) for axis in axes])
+    return np.array([float(known[axis]) for axis in axes])

@@ -208,7 +208,9 @@ class Ready:
         """Return SI units a unit of the table, for differences."""
         if kind(unit) not in {"count", "voltage"}:
             return factor(unit, si_unit(unit))
-        volts_per_si = float(scale_factors(self.sensor, (axis,))[0])
+        given = scale_factors(self.sensor, (axis,))
+        assert given is not None  # noqa: S101 - checked with the entry
+        volts_per_si = float(given[0])
         if kind(unit) == "voltage":
             return factor(unit, "V") / volts_per_si
         built = build_chain(self.sensor, (axis,))

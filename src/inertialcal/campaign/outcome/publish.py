@@ -26,7 +26,7 @@ ROW_COLUMNS = (
 )  # fmt: skip
 
 
-def json_text(content: Any) -> str:
+def json_text(content: object) -> str:
     """Return canonical JSON: full digits, no NaN, one trailing newline."""
     return json.dumps(content, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
 

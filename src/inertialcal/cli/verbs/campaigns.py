@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import shlex
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from ..options import Folder, Json, Quiet
 from ..shown.output import clean, found, json_out, wrapped
 from ..shown.progress import progress
+
+if TYPE_CHECKING:
+    from ...campaign.engine.run import Outcome
 
 
 def run(
@@ -35,23 +38,23 @@ def run(
     return outcome.exit_status
 
 
-def where_text(outcome: Any) -> str:
+def where_text(outcome: Outcome) -> str:
     """Return where the results of a run are, and which of them to read."""
     return clean(f"results in {outcome.campaign.folder / 'out'}; to read: {report_path(outcome)}")
 
 
-def report_path(outcome: Any) -> Path:
+def report_path(outcome: Outcome) -> Path:
     """Return the page that a run wrote."""
     return Path(outcome.campaign.folder) / "out" / "report.html"
 
 
-def outcome_content(outcome: Any) -> dict[str, Any]:
+def outcome_content(outcome: Outcome) -> dict[str, Any]:
     """Return what ``--json`` says of a run."""
     inputs = [{"path": path, "sha256": digest} for path, digest in sorted(outcome.inputs.items())]
     return {"inputs": inputs, **outcome.results, "changed": outcome.changed}
 
 
-def print_outcome(outcome: Any) -> None:
+def print_outcome(outcome: Outcome) -> None:
     """Print figures, remarks, closed loop and verdicts of a run."""
     from ..shown.summary import closed_loop_text, remarks_text, results_text, verdicts_text
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +14,9 @@ from ..options import Json, Quiet
 from ..rig_names import faults_beginning, rigs_beginning
 from ..shown.output import json_out, table
 from ..shown.progress import progress
+
+if TYPE_CHECKING:
+    from ...campaign.twins.score import Score
 
 
 def simulate(
@@ -97,7 +100,7 @@ def truth_table(rows: Sequence[Mapping[str, Any]]) -> str:
     return table(grid.rows, grid.heads)
 
 
-def held_text(found: Any) -> str:
+def held_text(found: Score) -> str:
     """Say how many of the stated intervals hold the truth."""
     missing = len(found.rows) - found.estimated
     said = f"{found.inside} of {found.estimated} stated 95 % intervals hold the truth"

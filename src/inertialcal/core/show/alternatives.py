@@ -7,12 +7,9 @@ shown as long as there is room, else counted. A figure beside the result may lac
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from typing import TypeVar
 
 from ..key import WAYS, Case, Method, case_of
-from .sentence import WrittenRow
-
-R = TypeVar("R", bound=WrittenRow)
+from .sentence import R, WrittenRow
 
 MOST = 5  # columns beside the result
 ALL, TEXTBOOK = Case(Method.ALL_READINGS), Case(Method.TEXTBOOK)

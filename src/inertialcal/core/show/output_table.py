@@ -15,6 +15,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from ..key import Key, case_of, key_of
+from .sentence import R, WrittenRow
 
 FIRST = "bias_voltage"  # in volts, volts per volt, ...: of the thermal test
 AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
@@ -22,7 +23,7 @@ OTHERS = ("vacuum_offset", "residual_bias", "angle_random_walk")
 NOTE = {"bias": "left on the rate table"}
 
 
-def output_rows(rows: Sequence[Any], steps: Sequence[Mapping[str, Any]]) -> list[Any]:
+def output_rows(rows: Sequence[R], steps: Sequence[Mapping[str, Any]]) -> list[R]:
     """Return the rows of the table, sensor by sensor; none without a rate table after a thermal test.
 
     Parameters
@@ -41,17 +42,17 @@ def output_rows(rows: Sequence[Any], steps: Sequence[Mapping[str, Any]]) -> list
     return sorted(chosen, key=_order)
 
 
-def _is_chosen(row: Mapping[str, Any], first: str, table: str) -> bool:
+def _is_chosen(row: WrittenRow, first: str, table: str) -> bool:
     if row["test"] == first:
         return _key(row).quantity == FIRST
     return row["quantity"] in (AFTER if row["test"] == table else OTHERS)
 
 
-def _key(row: Mapping[str, Any]) -> Key:
+def _key(row: WrittenRow) -> Key:
     return key_of(str(row["quantity"]), str(row["axis"]))
 
 
-def _order(row: Mapping[str, Any]) -> tuple[str, int, str]:
+def _order(row: WrittenRow) -> tuple[str, int, str]:
     """Return sensor by sensor: polynomial, rate table, others."""
     name = str(row["quantity"])
     place = 0 if _key(row).quantity == FIRST else 1 + [*AFTER, *OTHERS].index(name)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any, Protocol, TypeVar
 
 
 class WrittenRow(Protocol):
@@ -17,6 +17,9 @@ class WrittenRow(Protocol):
     def __getitem__(self, key: str, /) -> Any:
         """Return a field."""
         ...
+
+
+R = TypeVar("R", bound=WrittenRow)
 
 
 class Quoted(str):
@@ -48,7 +51,7 @@ BIASES = ("bias", "residual_bias")
 ERROR = "scale_factor_error"
 
 
-def estimated(rows: Iterable[WrittenRow], quantity: str, condition: str | None = "") -> list[Any]:
+def estimated(rows: Iterable[R], quantity: str, condition: str | None = "") -> list[R]:
     """Return the rows of a quantity that the data could carry, under a condition; None takes any."""
     return [
         row
@@ -60,7 +63,7 @@ def estimated(rows: Iterable[WrittenRow], quantity: str, condition: str | None =
     ]
 
 
-def largest(rows: Sequence[Any]) -> Any | None:
+def largest(rows: Sequence[R]) -> R | None:
     """Return the row with the largest absolute value; the first of equals."""
     return max(rows, key=lambda row: abs(float(row["value"])), default=None)
 

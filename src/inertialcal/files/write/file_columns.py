@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +15,9 @@ from ..info.describe import describe
 from ..time.clock import find_clock
 from .time_column import time_column
 from .titles import channel_titles
+
+if TYPE_CHECKING:
+    from pyarrow import Array as ArrowArray
 
 
 def file_columns(
@@ -73,7 +76,7 @@ def plain_numbers(data: NDArray[Any]) -> NDArray[Any]:
     return np.ascontiguousarray(data, dtype=data.dtype.newbyteorder("="))
 
 
-def arrow_array(values: NDArray[Any]) -> Any:
+def arrow_array(values: NDArray[Any]) -> ArrowArray:
     """Return a column for Arrow: NaN as null, instants in UTC."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 

@@ -32,7 +32,7 @@ QUANTITIES = {
 }
 
 
-class Positions(Procedure[Plan, "Readings", "Result"]):
+class Positions(Procedure[Plan, "Readings", "OfSensor"]):
     """Accelerometers and gyros from static positions and the rotations between them."""
 
     name = "positions"
@@ -70,13 +70,13 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
 
         return readings_of(plan, sources)
 
-    def reduce(self, plan: Plan, readings: Readings) -> Result:
+    def reduce(self, plan: Plan, readings: Readings) -> Result:  # type: ignore[override] # of both triads
         """Return what positions and rotations tell of both triads."""
         from .reduction import reduce
 
         return reduce(plan, readings)
 
-    def of_sensor(self, result: Result, facts: Facts) -> OfSensor:
+    def of_sensor(self, result: Result, facts: Facts) -> OfSensor:  # type: ignore[override]
         """Return what it says of the sensor that the test is about."""
         from .of_sensor import OfSensor
 
@@ -86,13 +86,13 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         """Return what there is to say of its figures."""
         return QUANTITIES
 
-    def needs(self, influence: str, result: Any) -> bool:
+    def needs(self, influence: str, result: OfSensor) -> bool:
         """Return whether the test is subject to an influence that is not stated."""
         from .rows import missing
 
         return influence in missing(result.whole)
 
-    def terms(self, result: Any, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
+    def terms(self, result: OfSensor, tests: Sequence[Tested[Plan, Readings, OfSensor]]) -> ModelTerms | None:
         """Return what is told of the sensor that the test is about."""
         from ...sensors.model.sensor_model import Provenance
         from ..model_terms import ModelTerms
@@ -108,9 +108,9 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
 
     def held_out(
         self,
-        result: Any,
-        fitted: Sequence[Tested[Plan, Readings, Result]],
-        held: Sequence[Tested[Plan, Readings, Result]],
+        result: OfSensor,
+        fitted: Sequence[Tested[Plan, Readings, OfSensor]],
+        held: Sequence[Tested[Plan, Readings, OfSensor]],
         model: SensorModel | None,
     ) -> HeldOut:
         """Return what positions and rotations held out say of the sensor."""

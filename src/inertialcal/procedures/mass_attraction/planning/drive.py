@@ -30,7 +30,7 @@ from .forecast import Cycle, Forecast, forecast, takeover, time_to
 from .proof import acting, reach
 from .settings import Constants, Moved
 
-DIRECTIONS: dict[str, tuple[float, float, float]] = {"along": (1.0, 0.0, 0.0), "across": (0.0, 0.0, -1.0)}
+DIRECTIONS: dict[Moved, tuple[float, float, float]] = {"along": (1.0, 0.0, 0.0), "across": (0.0, 0.0, -1.0)}
 DRIVES: dict[str, Literal["sine", "square", "ABAB"]] = {"sine": "sine", "square": "square", "abab": "ABAB"}
 POINTS = 121  # of the field along the travel
 SAMPLES = 64  # of a period of a sinusoidal motion

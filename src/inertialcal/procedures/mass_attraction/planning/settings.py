@@ -9,7 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, Literal
+from typing import Any, Literal, TypeVar
 
 from ....core.constants import GRAVITATIONAL_CONSTANT, STANDARD_GRAVITY
 from ....core.errors import DataError, UsageError
@@ -18,6 +18,7 @@ from ....physics.budget import Doubts
 from ....sensors.noise import BiasInstability, Quantization, RandomWalk, RateRamp, RateRandomWalk, Term, parameter_unit
 
 Moved = Literal["along", "across"]
+W = TypeVar("W", bound=str)
 WANTED = ("attraction", "change")
 G_UNIT = "m^3/s^2/kg"
 LEAD = "11.34 g/cm^3"
@@ -192,7 +193,7 @@ def range_of(text: str, what: str) -> tuple[float, float]:
     return min(ends), max(ends)
 
 
-def one_of(given: str, words: tuple[str, ...], what: str) -> Any:
+def one_of(given: str, words: tuple[W, ...], what: str) -> W:
     """Return a word that is known.
 
     Raises
@@ -200,10 +201,10 @@ def one_of(given: str, words: tuple[str, ...], what: str) -> Any:
     UsageError
         If it is not.
     """
-    found = given.lower()
-    if found not in words:
-        raise UsageError(f"{what}: {given!r}", do=f"There are: {', '.join(words)}", code="wrong_value")
-    return found
+    for one in words:
+        if one == given.lower():
+            return one
+    raise UsageError(f"{what}: {given!r}", do=f"There are: {', '.join(words)}", code="wrong_value")
 
 
 def noise_of(text: str, constants: Constants) -> tuple[Term, ...]:

@@ -7,7 +7,7 @@ the diagonal as strong as 0.01 rad beside it; the sign stands in the number too.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -68,7 +68,7 @@ def entries(rows: Rows) -> dict[tuple[str, str], Mapping[str, Any]]:
     return {(axis, axis): row for axis, row in diagonal.items()} | beside
 
 
-def axes_of(cells: Mapping[tuple[str, str], Any]) -> list[str]:
+def axes_of(cells: Iterable[tuple[str, str]]) -> list[str]:
     """Return the axes, in the order of their rows."""
     return distinct(reads for reads, moves in cells if reads == moves)
 

@@ -20,6 +20,7 @@ from textwrap import fill
 from typing import Any
 
 from matplotlib import rc_context
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.transforms import offset_copy
@@ -140,7 +141,7 @@ def set_labels(ax: Axes, x: str = "", y: str = "") -> None:
         ax.set_ylabel(y, parse_math=False)
 
 
-def set_legend(ax: Axes, handles: Any = None, below: float = BELOW) -> None:
+def set_legend(ax: Axes, handles: Sequence[Artist] | None = None, below: float = BELOW) -> None:
     """Put the legend under the axes, where it covers nothing; labels are taken as they are, long ones are folded."""
     given, labels = ax.get_legend_handles_labels() if handles is None else (handles, [h.get_label() for h in handles])
     if not given:
