@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import pytest
 from scipy import stats
@@ -13,7 +14,7 @@ ONE = AxisLoop("x", 20, 4, 2.0, 1.0, 3.0, 1.0, 10.0, 0.5)
 NEAR = 1e-6  # relative: just beyond a limit, and just within
 
 
-def with_t(t: float, **change: float) -> AxisLoop:
+def with_t(t: float, **change: Any) -> AxisLoop:
     """Return an axis whose gain is so many standard uncertainties above zero."""
     return replace(ONE, gain=t * ONE.u, **change)
 

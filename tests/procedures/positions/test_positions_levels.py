@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.positions.fit.levels import NOT_JUDGED, level_sources, summed
+from inertialcal.procedures.positions.fit.levels import HIDDEN, level_sources, summed
 from inertialcal.procedures.positions.fit.linear_sensor import Source
 from inertialcal.statistics.intervals import coverage_factor, covers
 from inertialcal.statistics.two_levels import fit_two_levels
@@ -52,8 +52,8 @@ def test_a_number_that_one_reading_at_each_place_decides_carries_what_may_be_hid
     design = np.column_stack([np.ones(6), x, np.abs(x) < 0.5])
     known = {"noise": np.full(6, 1e-6), "pose": np.array([0.0, 0.0, 1.0, 1.0, 1.0, 1.0])}
     fit = fit_two_levels(design, np.array([0.0, 2.0, 0.5, -0.9, 1.4, 0.2]), known)
-    found = {one.name: one for one in level_sources(fit, np.eye(3), STATED, "between")}
-    hidden = np.diag(found["between" + NOT_JUDGED].covariance)
+    (found,) = (one for one in level_sources(fit, np.eye(3), STATED, "between") if one.level == HIDDEN)
+    hidden = np.diag(found.covariance)
     assert hidden[:2] == pytest.approx(0.5 * np.sqrt(2.0 / 3.0), rel=0.01)  # of a variance of one with 3 dof
     assert hidden[2] == 0.0
 
