@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ...core.estimate import Numbers
 from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ...core.times import instant_text
@@ -20,7 +18,7 @@ RECORDS = 1e-3  # share of the records that may lack or be too many before the p
 FIRST = 1000  # records that tell the byte order
 
 
-def check_byte_order(time: NDArray[Any], header: PadHeader, where: str) -> None:
+def check_byte_order(time: Numbers, header: PadHeader, where: str) -> None:
     """Refuse data whose bytes lie the other way round.
 
     Raises
@@ -36,7 +34,7 @@ def check_byte_order(time: NDArray[Any], header: PadHeader, where: str) -> None:
         raise _disagrees(f"the header says {said} endian, the bytes are {found} endian", where)
 
 
-def _goes(time: NDArray[Any], sample_rate: float) -> bool:
+def _goes(time: Numbers, sample_rate: float) -> bool:
     with np.errstate(invalid="ignore", over="ignore"):
         step = median_step(time)
     return bool(np.all(np.isfinite(time)) and 0.5 < step * sample_rate < 2.0)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any, Literal
+from typing import Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError, UsageError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ...physics.attitude import between
 from .header import PadHeader, read_header
@@ -41,8 +40,8 @@ def C_sensor_data(header: PadHeader) -> Array | None:
 
 
 def turned(
-    values: list[NDArray[Any]], header: PadHeader, frame: str | None, where: str
-) -> tuple[list[NDArray[Any]], tuple[Remark, ...]]:
+    values: list[Numbers], header: PadHeader, frame: str | None, where: str
+) -> tuple[list[Numbers], tuple[Remark, ...]]:
     """Return the columns with the first three in the axes asked for, in the type that they had.
 
     Parameters
@@ -80,7 +79,7 @@ def turned(
     return values, (Remark("turned_to_sensor_axes", "info", what, where),)
 
 
-def _turn(values: list[NDArray[Any]], C: Array) -> None:
+def _turn(values: list[Numbers], C: Array) -> None:
     for first in range(0, len(values[0]), BLOCK):
         part = slice(first, first + BLOCK)
         vectors = [column[part].astype(np.float64) for column in values[:3]]

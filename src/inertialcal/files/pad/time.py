@@ -10,13 +10,12 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
 
 BLOCK = 2**18  # stamps
@@ -60,7 +59,7 @@ class Stamps:
     jumps: NDArray[np.int64]
 
 
-def regenerate(time: NDArray[Any], zero: int, sample_rate: float, where: str) -> Stamps:
+def regenerate(time: Numbers, zero: int, sample_rate: float, where: str) -> Stamps:
     """Return the stamps of a file.
 
     Parameters
@@ -99,7 +98,7 @@ def regenerate(time: NDArray[Any], zero: int, sample_rate: float, where: str) ->
     return Stamps(time_ns, end, interval, uncertain, deviation, resolution, drifts, jumps)
 
 
-def median_step(time: NDArray[Any]) -> float:
+def median_step(time: Numbers) -> float:
     """Return the median over stretches of their mean step [s]: neither gaps nor the width of the floats move it."""
     size = max(1, (len(time) - 1) // STRETCHES)
     ends = time[::size].astype(np.float64)
@@ -117,7 +116,7 @@ def _runs(n: int, jumps: NDArray[np.int64]) -> Iterator[tuple[int, int]]:
     yield from zip([0, *ends[:-1]], ends, strict=True)
 
 
-def _longest_run(time: NDArray[Any], jumps: NDArray[np.int64], resolution: float) -> tuple[float, float]:
+def _longest_run(time: Numbers, jumps: NDArray[np.int64], resolution: float) -> tuple[float, float]:
     """Mean step over the longest run without a gap, and how far the width of the stamps may move it [s]."""
     first, last = max(_runs(len(time), jumps), key=lambda run: run[1] - run[0])
     steps = last - first - 1
@@ -126,7 +125,7 @@ def _longest_run(time: NDArray[Any], jumps: NDArray[np.int64], resolution: float
     return (float(time[last - 1]) - float(time[first])) / steps, resolution / steps
 
 
-def _jumps(time: NDArray[Any], interval: float, resolution: float, where: str) -> NDArray[np.int64]:
+def _jumps(time: Numbers, interval: float, resolution: float, where: str) -> NDArray[np.int64]:
     """Index of the last sample before each step that is longer than jitter and resolution explain."""
     found = []
     for first in range(0, len(time) - 1, BLOCK):

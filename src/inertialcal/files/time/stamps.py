@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
+from ...core.estimate import Numbers
 from ...core.recording import SECOND, Times
 
 EPOCH_FIRST, EPOCH_LAST = 1_000_000_000, 4_102_444_800  # 2001-09-09 and 2100-01-01 [s]
@@ -26,7 +27,7 @@ ISO = re.compile(
 EARLIEST, LATEST = "1700", "2200"  # years that int64 nanoseconds hold
 
 
-def epoch_unit(values: NDArray[Any]) -> str | None:
+def epoch_unit(values: Numbers) -> str | None:
     """Return the unit in which all values are an epoch of 2001 to 2099; None where there is none."""
     if not len(values):
         return None
@@ -42,7 +43,7 @@ def is_utc(time_ns: Times) -> bool:
     return epoch_unit(time_ns) == "ns"
 
 
-def beyond_epoch(values: NDArray[Any]) -> NDArray[np.int64]:
+def beyond_epoch(values: Numbers) -> NDArray[np.int64]:
     """Return the index of each stamp [s] that is later than 2099: it has digits too many."""
     return np.flatnonzero(np.abs(values.astype(np.float64)) >= EPOCH_LAST)
 
@@ -52,7 +53,7 @@ def digits(value: float) -> int:
     return len(str(abs(int(value))))
 
 
-def to_ns(values: NDArray[Any], unit: str) -> Times | None:
+def to_ns(values: Numbers, unit: str) -> Times | None:
     """Return stamps in nanoseconds; None where they do not fit int64.
 
     Parameters

@@ -7,13 +7,12 @@ functions: what is written reads back as the same stamps and the same epoch.
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core import units
 from ...core.errors import DataError
+from ...core.estimate import Numbers
 from ...core.recording import SECOND, Recording, Times
 from ..columns import Column
 from ..text.headers import heading
@@ -67,7 +66,7 @@ def time_name(recording: Recording) -> str:
     return name if name.isprintable() and name not in {"", *recording.names} else PLAIN
 
 
-def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> Iterator[tuple[NDArray[Any], str]]:
+def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> Iterator[tuple[Numbers, str]]:
     """Yield the numbers or instants that read back, the form of the name first; instants have no unit."""
     said = heading(name).unit
     by_name = said if said is not None and units.kind(said) == "time" else None
@@ -82,7 +81,7 @@ def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> I
             yield values, unit
 
 
-def numbers(time_ns: Times, unit: str) -> NDArray[Any]:
+def numbers(time_ns: Times, unit: str) -> Numbers:
     """Return stamps [ns] in a unit of time: int64 where all are whole, else the nearest floats."""
     per_unit = units.factor(unit, "s") * SECOND
     size = int(per_unit)
@@ -97,7 +96,7 @@ def numbers(time_ns: Times, unit: str) -> NDArray[Any]:
     return whole + rest / float(size)
 
 
-def _keeps(values: NDArray[Any], unit: str, time_ns: Times, utc: bool) -> bool:
+def _keeps(values: Numbers, unit: str, time_ns: Times, utc: bool) -> bool:
     if unit == "s" and len(beyond_epoch(values)):
         return False
     again = to_ns(values, unit)
@@ -111,7 +110,7 @@ def _tellable(time_ns: Times) -> bool:
     return not bool(np.any(early | late))
 
 
-def _titles(recording: Recording, name: str, unit: str, values: NDArray[Any], in_names: bool) -> Iterator[Title]:
+def _titles(recording: Recording, name: str, unit: str, values: Numbers, in_names: bool) -> Iterator[Title]:
     """Titles under which the column reads as time in that unit, and that no channel has."""
     names = (PLAIN, f"{PLAIN}_stamp")
     for one in names if unit and contradicts(name, unit) else dict.fromkeys((name, *names)):

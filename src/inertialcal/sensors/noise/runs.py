@@ -6,13 +6,12 @@ The fit needs of a curve only what `AllanLike` says, so that curves of other pro
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ...core.errors import DataError
-from ...core.estimate import Array
+from ...core.estimate import Array, Numbers
 from ...core.units import factor
 
 SPACING = 1.9  # least ratio of neighbouring averaging times: closer ones repeat each other
@@ -24,11 +23,11 @@ class AllanLike(Protocol):
     """Overlapping Allan deviation over averaging times, as ``signals.allan`` gives it."""
 
     @property
-    def m(self) -> NDArray[Any]:
+    def m(self) -> Numbers:
         """Samples in a mean, shape (k,)."""
 
     @property
-    def n(self) -> NDArray[Any]:
+    def n(self) -> Numbers:
         """Terms averaged, shape (k,) or (k, axes)."""
 
     @property
