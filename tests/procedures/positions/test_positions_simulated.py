@@ -90,7 +90,7 @@ class TestNotTold:
         assert "no_dof" in {one.code for one in result.remarks}
         assert all(row.u is None for row in result.rows() if row.key.sensor == "accelerometer")
         reasons = {
-            row.reason.text for row in result.rows() if row.key.sensor == "gyro" and row.quantity == "misalignment"
+            row.reason.code for row in result.rows() if row.key.sensor == "gyro" and row.quantity == "misalignment"
         }
         assert reasons == {"no_gravity"}
 

@@ -33,6 +33,7 @@ FILES = {
     "RecordingEntry.sections": ".json",
     "Schedule.file": ".parquet",
     "MovedMass.schedule": ".csv",
+    "KnownDrive.schedule": ".csv",
 }
 LONGEST_NAME = 120  # characters of a folder or file name; each is up to 4 of the 255 bytes
 RATES = (-4.0, -1.0, 1.0, 4.0, 6.0)  # deg/s; the last is out of range
@@ -111,6 +112,12 @@ def document() -> dict[str, Any]:
                 "clock": {},
                 "mass": {"begin": 0.5},
             },
+            "driven": {
+                "sensor": "mesa",
+                "channels": {"x": {"unit": "count"}},
+                "clock": {},
+                "drive": {},
+            },
             "laid": {
                 "sensor": "unit",
                 "channels": {axis: {"unit": "m/s2"} for axis in AXES},
@@ -138,6 +145,7 @@ def document() -> dict[str, Any]:
                 "use": "report_only",
                 "plan": {"tilt": "ignored"},
             },
+            {"id": "drive", "procedure": "sine", "recordings": ["driven"], "use": "report_only"},
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
         ],
         "requirements": [
@@ -176,7 +184,9 @@ def _leaves(kind: Any, name: str, at: Keys, value: Any, every: bool) -> Iterator
 
 def _union(kinds: tuple[Any, ...], name: str, at: Keys, value: Any, every: bool) -> Iterator[tuple[str, Keys, Any]]:
     """Take the container where the document has one, else the plain text."""
-    for kind in kinds:
+    for given in kinds:
+        limited = get_origin(given) is Annotated and get_origin(get_args(given)[0]) is list  # of a length
+        kind = get_args(given)[0] if limited else given
         container = get_origin(kind) in (list, dict) or (isinstance(kind, type) and issubclass(kind, BaseModel))
         if every or container == isinstance(value, (list, dict)):
             yield from _leaves(kind, name, at, value, every)
@@ -241,6 +251,10 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     _save(folder / moved["file"], _moved(moved))
     (folder / moved["mass"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
     write_schedule(folder / moved["mass"]["schedule"], MOVED)
+    driven = made["recordings"]["driven"]
+    _save(folder / driven["file"], _moved(driven))
+    (folder / driven["drive"]["schedule"]).parent.mkdir(parents=True, exist_ok=True)
+    write_schedule(folder / driven["drive"]["schedule"], MOVED)
     laid = made["recordings"]["laid"]
     _save(folder / laid["file"], _laid(laid))
     (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)

@@ -6,7 +6,7 @@ the procedures declare (`procedures.entries`).
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Annotated, Any, Literal, cast
+from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_type_hints
 
 from pydantic import Field, create_model, field_validator, model_validator
 
@@ -115,7 +115,9 @@ _ORDER = ("sensor", "file", *TABLE_KEYS, "channels", "clock", "frame", *_MOVED, 
 def _recording_entry() -> type[CommonKeys]:
     """Return the schema of an entry: the common keys, and those of all procedures."""
     fields: dict[str, Any] = {name: (cast("Any", key.kind) | None, None) for name, key in OWN_KEYS.items()}
-    fields |= {name: (one.annotation, one) for name, one in CommonKeys.model_fields.items()}
+    hints = get_type_hints(CommonKeys, include_extras=True)  # with their limits, for whoever walks the schema
+    common = CommonKeys.model_fields
+    fields |= {name: (hints[name], ... if one.is_required() else one.default) for name, one in common.items()}
     described = "[recordings.NAME]: a reduced table or a recording of channels."
     made: Any = create_model(
         "RecordingEntry", __base__=_Checked, __doc__=described, **{name: fields[name] for name in _ORDER}

@@ -33,8 +33,8 @@ from ....core.key import Key
 from ..fit.observability import observed
 
 MOST = 200  # positions that a person lays
-FAINT = 1e-9  # information that a first position is compared with, where the others tell nothing yet
-TIE = 1e-6  # of the logarithm of a goal: the order in which a machine adds makes no position better
+FAINT = 1e-6  # information that a position is compared with, where no other tells yet; below, rounding decides
+TIE = 1e-7  # of the logarithm of a goal: the order in which a machine adds makes no sign better
 DETERMINANT, TRACE = "determinant", "trace"
 LOWER = ((1, 0), (2, 0), (2, 1))
 
@@ -291,7 +291,10 @@ def _best(setup: Setup, information: Array, options: Array, weights: Array | Non
         score = -np.linalg.slogdet(after)[1]
     else:
         score = np.log(np.diagonal(np.linalg.inv(after), axis1=1, axis2=2) @ weights)
-    return int(np.argmax(score <= score.min() + TIE))
+    shape = np.sort(np.abs(options), axis=-1)
+    best = int(np.argmin(score))
+    alike = np.all(np.isclose(shape, shape[best]), axis=-1)  # the same but for signs and the order of axes
+    return int(np.argmax(alike & (score <= score[best] + TIE)))
 
 
 def course(
