@@ -659,7 +659,7 @@ MUTANTS = (
         "pooling.py",
         "special.fdtrc(free, behind, square / free)",
         "special.fdtrc(free, behind, square)",
-        "test_flip test_flip_coverage",
+        "test_flip_probabilities",
     ),
     Mutant(
         "orbit.py",
@@ -671,7 +671,7 @@ MUTANTS = (
         "control.py",
         "2.0 * float(special.stdtr(min(dof, 1e9), -abs(t)))",
         "float(special.stdtr(min(dof, 1e9), abs(t)))",
-        "test_flip test_flip_plausible",
+        "test_flip_probabilities",
     ),
     Mutant(
         "regression.py",
