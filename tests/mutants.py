@@ -641,7 +641,7 @@ MUTANTS = (
         "uncertainty.py",
         "covariance = should_be_zero.T @ should_be_zero / count",
         "covariance = should_be_zero.T @ should_be_zero / (count - 1)",
-        "test_flip_noise test_flip_coverage",
+        "test_flip_probabilities",
     ),
     Mutant(
         "uncertainty.py",

@@ -9,8 +9,11 @@ import pytest
 
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import NO_REASON, Key
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.readings import Quiet
 from inertialcal.procedures.flip.separation.control import _p
 from inertialcal.procedures.flip.separation.pooling import Flip, _against_noise
+from inertialcal.procedures.flip.separation.uncertainty import _pairs
 
 BIAS = Key("bias", "y")
 
@@ -43,3 +46,16 @@ def test_noise_that_is_badly_known_makes_a_difference_less_sure() -> None:
     square, p = found
     assert square == pytest.approx(18.0)
     assert p == pytest.approx((1.0 + 18.0 / 12.0) ** -6.0, rel=1e-9)
+
+
+def test_pairs_elsewhere_have_the_mean_square_about_zero() -> None:
+    """What should be zero has a known mean: n stretches tell its square with n degrees of freedom, not n - 1."""
+    n = 41
+    reading = np.random.default_rng(1).normal(size=n)
+    weights = np.zeros((2, n))
+    weights[0, 0] = weights[1, 2] = 1.0
+    record = Quiet(np.arange(n) + 0.5, 1.0, np.zeros(n), {"y": reading}, weights, np.array([[0.0, 1.0], [2.0, 3.0]]))
+    covariance, dof, _ = _pairs(Plan(), record, "y", np.array([[0.5, -0.5]]))
+    halves = [0.5 * (reading[start] - reading[start + 2]) for start in range(3, n - 2, 3)]  # beside the dwells' own
+    assert dof[0] == len(halves)
+    assert covariance[0, 0] == pytest.approx(np.mean(np.square(halves)))
