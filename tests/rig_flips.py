@@ -17,7 +17,7 @@ import numpy as np
 from inertialcal.core.axes import AXES
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.procedures.flip.reduction import Plan, Result, Turned, Window, readings_from, reduce
+from inertialcal.procedures.flip.reduction import FlipRecording, Plan, Result, Window, readings_from, reduce
 from inertialcal.rigs.sams_tsh.campaign import windows
 from inertialcal.rigs.sams_tsh.record import Record
 from inertialcal.rigs.sams_tsh.reduced import reduced, reduced_bench
@@ -101,7 +101,7 @@ def found_by(turning: Turning, made: Record) -> Result:
     said = [(round(a * SECOND), round(b * SECOND), math.radians(angle)) for a, b, angle in windows(bench)]
     given = tuple(Window(start, stop, angle) for start, stop, angle in said)
     plan = turning.plan
-    return reduce(plan, readings_from(plan, [Turned(recording_of(made, bench), given)]))
+    return reduce(plan, readings_from(plan, [FlipRecording(recording_of(made, bench), given)]))
 
 
 def one_flip(turning: Turning, corner: float, seed: int) -> Tally:

@@ -19,7 +19,7 @@ from inertialcal.campaign.twins.twin import read_truth
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
 from inertialcal.core.show.rounding import with_uncertainty
-from inertialcal.core.show.tables import WIDTH, Grid
+from inertialcal.core.show.tables import WIDTH, Table
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
@@ -145,7 +145,7 @@ def test_a_terminal_and_a_notebook_show_the_same(name: str, shown: Mapping[str, 
     said = str(value)
     assert max(map(len, said.split("\n"))) <= WIDTH
     assert repr(value) == said
-    grids = [part for part in value.parts() if isinstance(part, Grid)]
+    grids = [part for part in value.parts() if isinstance(part, Table)]
     assert grids
     assert cells(value).cells == [cell for grid in grids for row in (grid.heads, *grid.rows) for cell in row]
     for grid in grids:
@@ -171,7 +171,7 @@ def test_figures_are_those_of_the_results(shown: Mapping[str, Any]) -> None:
 def test_requirements_are_counted(shown: Mapping[str, Any]) -> None:
     outcome = shown["run"]
     verdicts = [one["verdict"] for one in outcome.results["verdicts"]]
-    (grid,) = (part for part in outcome.parts() if isinstance(part, Grid) and part.heads[0] == "requirement")
+    (grid,) = (part for part in outcome.parts() if isinstance(part, Table) and part.heads[0] == "requirement")
     for at, word in enumerate(("PASS", "FAIL", "INCONCLUSIVE", "OPEN"), 3):
         assert sum(int(row[at]) for row in grid.rows) == verdicts.count(word)
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from inertialcal.core.show.output_table import note, output_rows
+from inertialcal.core.show.flight_table import note, output_rows
 
 
 def row(test: str, quantity: str, axis: str, condition: str = "") -> dict[str, Any]:

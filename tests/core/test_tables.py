@@ -7,8 +7,8 @@ import pytest
 from inertialcal.core.key import Key, Reason
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import Interval, Row, not_estimated
-from inertialcal.core.show.result_tables import dof, figures, folded, told
-from inertialcal.core.show.tables import WIDTH, Folded, Grid, Part, aligned, clean, ending, html, short, text
+from inertialcal.core.show.result_tables import dof, estimate_table, folded, remarks_line
+from inertialcal.core.show.tables import WIDTH, Block, Details, Table, aligned, clean, ending, html, short, text
 
 HOSTILE = (
     "<script>alert(1)</script>",
@@ -62,14 +62,14 @@ def parsed(source: str) -> Reader:
 
 
 def test_html_and_text_have_the_same_cells() -> None:
-    grid = Grid(("name", "value ± u"), [("a", "1.0 ± 0.1"), ("b", "22 ± 3")], "two", (1,))
+    grid = Table(("name", "value ± u"), [("a", "1.0 ± 0.1"), ("b", "22 ± 3")], "two", (1,))
     assert parsed(html([grid])).cells == ["name", "value ± u", "a", "1.0 ± 0.1", "b", "22 ± 3"]
     assert text([grid]) == "two\n  name  value ± u\n  a     1.0 ± 0.1\n  b        22 ± 3"
 
 
 @pytest.mark.parametrize("name", HOSTILE)
 def test_names_are_text_and_nothing_else(name: str) -> None:
-    parts: list[Part] = [Grid((name, "b"), [(name, "1")], name, (1,)), Folded(name, (name, name)), name]
+    parts: list[Block] = [Table((name, "b"), [(name, "1")], name, (1,)), Details(name, (name, name)), name]
     found = parsed(html(parts))
     shown = clean(name).replace("\n", "\N{REPLACEMENT CHARACTER}")
     assert found.cells == [shown, "b", shown, "1"]
@@ -80,7 +80,7 @@ def test_names_are_text_and_nothing_else(name: str) -> None:
 
 def test_columns_of_figures_are_never_cut() -> None:
     wide = "1.23456789 ± 0.00000012"
-    grid = Grid(("name", "a", "b", "c"), [("n" * 200, wide, wide, wide)], right=(1, 2, 3))
+    grid = Table(("name", "a", "b", "c"), [("n" * 200, wide, wide, wide)], right=(1, 2, 3))
     shown = text([grid])
     assert shown.count(wide) == 3
     assert "n…" in shown
@@ -88,7 +88,7 @@ def test_columns_of_figures_are_never_cut() -> None:
 
 def test_what_cannot_fit_is_left_wide() -> None:
     figure = "9" * 60
-    assert figure in text([Grid(("a", "b"), [(figure, figure)], right=(0, 1))])
+    assert figure in text([Table(("a", "b"), [(figure, figure)], right=(0, 1))])
 
 
 def test_rows_without_heads_and_no_rows() -> None:
@@ -105,11 +105,11 @@ def test_long_names_and_paths_keep_their_telling_end() -> None:
 
 def test_remarks_are_counted_by_severity_the_serious_first() -> None:
     remarks = [Remark("a", "info", "one"), Remark("b", "warning", "two"), Remark("c", "warning", "three <b>")]
-    (part,) = told(remarks)
-    assert isinstance(part, Folded)
+    (part,) = remarks_line(remarks)
+    assert isinstance(part, Details)
     assert part.summary == "remarks: 2 warnings, 1 info (see .remarks)"
     assert part.lines == ("warning: two", "warning: three <b>", "info: one")
-    assert told([]) == ()
+    assert remarks_line([]) == ()
 
 
 def test_figures_are_rounded_to_their_uncertainty_and_reasons_told_once() -> None:
@@ -119,14 +119,14 @@ def test_figures_are_rounded_to_their_uncertainty_and_reasons_told_once() -> Non
         not_estimated(Key("misalignment", "yx"), "rad", Reason("not_read", "no readings")),
         not_estimated(Key("misalignment", "zx"), "rad", Reason("not_read", "no readings")),
     ]
-    grid, reason = figures([row.to_dict() for row in rows], "test")
-    assert isinstance(grid, Grid)
+    grid, reason = estimate_table([row.to_dict() for row in rows], "test")
+    assert isinstance(grid, Table)
     assert list(grid.rows) == [
         ("bias", "x", "0.00748 ± 0.00029", "deg/s", "0.0068988 .. 0.0080657", "93.7"),
         ("linearity_error", "x", "< 0.265 ± 0.043", "%", "", "inf"),
     ]
     assert reason == "not estimated: misalignment yx, misalignment zx: no readings"
-    assert figures([rows[2].to_dict()], "test")[0] == "test"
+    assert estimate_table([rows[2].to_dict()], "test")[0] == "test"
 
 
 def test_degrees_of_freedom() -> None:
@@ -134,5 +134,5 @@ def test_degrees_of_freedom() -> None:
 
 
 def test_folded_lines_are_counted() -> None:
-    assert folded("{n} {x}", ["a", "b"]) == (Folded("2 {x}", ("a", "b")),)
+    assert folded("{n} {x}", ["a", "b"]) == (Details("2 {x}", ("a", "b")),)
     assert folded("{n}", []) == ()

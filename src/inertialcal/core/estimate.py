@@ -29,7 +29,7 @@ from .key import Key, Origin, key_of
 from .show.frames import frame
 from .show.result_tables import dof
 from .show.rounding import with_uncertainty
-from .show.tables import Grid, Part, html, text
+from .show.tables import Block, Table, html, text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -189,13 +189,13 @@ class Estimate:
             index=list(self.names),
         )
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a value, rounded to its uncertainty."""
         columns = zip(self.names, self.values, self.u, self.units, self.dof, strict=True)
         rows = [(name, with_uncertainty(v, u), unit, dof(d) if u > 0.0 else "-") for name, v, u, unit, d in columns]
         sources = ", ".join(component.source for component in self.components)
         caption = f"{len(self.names)} value(s); uncertainty from: {sources or 'nothing stated'}"
-        return (Grid(("name", "value ± u", "unit", "dof"), rows, caption, (1, 3)),)
+        return (Table(("name", "value ± u", "unit", "dof"), rows, caption, (1, 3)),)
 
     def __str__(self) -> str:
         """Return a table with a row a value."""

@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from .errors import DataError
 from .estimate import Array
 from .remarks import Remark
-from .show.result_tables import told
+from .show.result_tables import remarks_line
 from .show.rounding import number
-from .show.tables import Grid, Part, ending, html, text
+from .show.tables import Block, Table, ending, html, text
 
 Times = NDArray[np.int64]
 SECOND = 1_000_000_000  # [ns]
@@ -201,14 +201,14 @@ class Recording:
         """Nominal sampling frequency [Hz]."""
         return 1.0 / self.sample_interval if self.sample_interval else None
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: source and clock, a row a channel, how many remarks."""
         heads = ("channel", "axis", "quantity", "unit", "type", "min", "max", "missing")
         rows = [_cells(channel) for channel in self.channels]
         path = ending(self.source.path) or "recording"
         kind = f" ({self.source.format})" if self.source.format else ""
-        grid = Grid(heads, rows, f"{path}{kind}: {len(self)} samples, {len(rows)} channel(s)", (5, 6, 7))
-        return (grid, _clock(self), *told(self.remarks))
+        grid = Table(heads, rows, f"{path}{kind}: {len(self)} samples, {len(rows)} channel(s)", (5, 6, 7))
+        return (grid, _clock(self), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return a table with a row a channel."""

@@ -18,7 +18,8 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..core.show import output_table, wording
+from ..core.show import flight_table as output_table
+from ..core.show import wording
 from ..core.show.side_by_side import verdict_of
 from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered

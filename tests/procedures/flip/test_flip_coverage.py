@@ -14,7 +14,7 @@ import pytest
 from inertialcal.core.errors import UsageError
 from inertialcal.core.recording import SECOND
 from inertialcal.procedures.flip.files.record import found_windows
-from inertialcal.procedures.flip.reduction import Turned, readings_from, reduce
+from inertialcal.procedures.flip.reduction import FlipRecording, readings_from, reduce
 from inertialcal.rigs.sams_tsh.orbit_ambient import ARM_FADE
 from inertialcal.statistics.intervals import covers
 from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_of
@@ -96,7 +96,7 @@ def kept_off(seed: int, corner: float) -> bool:
         return True
     reach = max(min(one.stop / SECOND, moving[1]) - max(one.start / SECOND, moving[0]) for one in found)
     plan = turning.plan
-    remarks = (*said, *reduce(plan, readings_from(plan, [Turned(recording, found)])).remarks)
+    remarks = (*said, *reduce(plan, readings_from(plan, [FlipRecording(recording, found)])).remarks)
     return reach <= ARM_FADE or "disturbed" in {one.code for one in remarks}
 
 

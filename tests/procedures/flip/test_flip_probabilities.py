@@ -54,7 +54,14 @@ def test_pairs_elsewhere_have_the_mean_square_about_zero() -> None:
     reading = np.random.default_rng(1).normal(size=n)
     weights = np.zeros((2, n))
     weights[0, 0] = weights[1, 2] = 1.0
-    record = Quiet(np.arange(n) + 0.5, 1.0, np.zeros(n), {"y": reading}, weights, np.array([[0.0, 1.0], [2.0, 3.0]]))
+    record = Quiet(
+        np.arange(n, dtype=np.float64) + 0.5,
+        1.0,
+        np.zeros(n),
+        {"y": reading},
+        weights,
+        np.array([[0.0, 1.0], [2.0, 3.0]]),
+    )
     covariance, dof, _ = _pairs(Plan(), record, "y", np.array([[0.5, -0.5]]))
     halves = [0.5 * (reading[start] - reading[start + 2]) for start in range(3, n - 2, 3)]  # beside the dwells' own
     assert dof[0] == len(halves)

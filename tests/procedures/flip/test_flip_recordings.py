@@ -13,7 +13,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.remarks import Remark
 from inertialcal.procedures.flip.dwells.windows import half_widths, low_passed
-from inertialcal.procedures.flip.reduction import Plan, Readings, Turned, Window, readings_from, reduce
+from inertialcal.procedures.flip.reduction import FlipRecording, Plan, Readings, Window, readings_from, reduce
 from inertialcal.statistics.intervals import coverage_factor
 
 INTERVAL = 0.04  # [s]
@@ -48,7 +48,7 @@ def placed(*given: tuple[float, float, float]) -> tuple[Window, ...]:
 
 
 def read(plan: Plan, *given: tuple[float, float, float], of: Recording | None = None) -> Readings:
-    return readings_from(plan, [Turned(of or head(), placed(*(given or LONG)), name="head")])
+    return readings_from(plan, [FlipRecording(of or head(), placed(*(given or LONG)), name="head")])
 
 
 def samples(axis: str, start: float, stop: float) -> Array:
@@ -90,7 +90,7 @@ def test_the_spike_of_the_turn_is_not_in_the_noise() -> None:
 
 def test_only_what_is_named_quiet_shows_the_noise() -> None:
     stretch = (ORIGIN + 100 * SECOND, ORIGIN + 300 * SECOND)
-    one = Turned(head(), placed(*LONG), quiet=(stretch,), name="head")
+    one = FlipRecording(head(), placed(*LONG), quiet=(stretch,), name="head")
     times = readings_from(Plan(), [one]).quiet[0].times
     beside = times[(times < 400.0) | (times > 1100.0)]
     assert (beside.min(), beside.max()) == pytest.approx((105.0, 295.0))
@@ -98,13 +98,13 @@ def test_only_what_is_named_quiet_shows_the_noise() -> None:
 
 def test_a_long_record_is_cut_to_the_blocks_about_its_windows() -> None:
     short = ((700.0, 740.0, 0.0), (760.0, 800.0, math.pi))
-    times = readings_from(Plan(block=1.0), [Turned(head(), placed(*short))]).quiet[0].times
+    times = readings_from(Plan(block=1.0), [FlipRecording(head(), placed(*short))]).quiet[0].times
     assert len(times) == 720
     assert (times < 700.0).sum() == pytest.approx((times > 800.0).sum(), abs=1)
 
 
 def test_blocks_are_longer_where_windows_are_long_beside_what_is_kept() -> None:
-    quiet = readings_from(Plan(block=1.0), [Turned(head(), placed(*LONG))]).quiet[0]
+    quiet = readings_from(Plan(block=1.0), [FlipRecording(head(), placed(*LONG))]).quiet[0]
     assert len(quiet.times) <= 720
     assert quiet.length == pytest.approx((1500.0 - 20.0) / 720.0, rel=0.01)
     assert (quiet.times.min(), quiet.times.max()) == pytest.approx((0.0, 1500.0), abs=5.0)  # nothing was cut
@@ -194,7 +194,7 @@ def test_what_cannot_be_read_is_refused() -> None:
     with pytest.raises(DataError, match=r"window 2000 to 2100 s holds 0 sample\(s\).* runs from 0 to 1499"):
         read(Plan(), (2000.0, 2100.0, 0.0))
     with pytest.raises(DataError, match="no windows"):
-        readings_from(Plan(), [Turned(head())])
+        readings_from(Plan(), [FlipRecording(head())])
     with pytest.raises(DataError, match="no recordings"):
         readings_from(Plan(), [])
     with pytest.raises(DataError, match=r"no channel x, y or z.* The recording has: temperature"):

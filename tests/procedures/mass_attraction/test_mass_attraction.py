@@ -17,13 +17,13 @@ from inertialcal.procedures.mass_attraction.published import less_noise, publish
 from inertialcal.procedures.mass_attraction.reduction import (
     HighG,
     Line,
-    Moved,
     Plan,
     Readings,
     Result,
     Run,
     Schedule,
     SourceMass,
+    SourceMassRecording,
     readings_from,
     reduce,
     repeated,
@@ -334,19 +334,19 @@ def recording(of: Schedule, gate: float = 100.0, per_dwell: int = 1) -> Recordin
 def test_a_table_a_row_a_dwell_gives_the_readings_of_the_recording() -> None:
     of = schedule()
     table = run_of_rows(of, 170.0 + S * of.applied)
-    (one,) = readings_from(PLAN, [Moved(recording(of), of)]).series
+    (one,) = readings_from(PLAN, [SourceMassRecording(recording(of), of)]).series
     np.testing.assert_allclose(one.reading, table.reading)
-    (finer,) = readings_from(PLAN, [Moved(recording(of, 10.0, 10), of, begin=5 * 10**8 * SECOND)]).series
+    (finer,) = readings_from(PLAN, [SourceMassRecording(recording(of, 10.0, 10), of, begin=5 * 10**8 * SECOND)]).series
     np.testing.assert_allclose(finer.reading, table.reading + 0.045)
 
 
 def test_a_record_and_a_schedule_of_different_length_are_refused() -> None:
     of, longer = schedule(25), schedule(40)
     with pytest.raises(DataError, match=r"the record ends 60 dwells before its schedule of 160 dwells") as caught:
-        readings_from(PLAN, [Moved(recording(of), longer, name="1")])
+        readings_from(PLAN, [SourceMassRecording(recording(of), longer, name="1")])
     assert caught.value.problems[0].code == "length_differs"
     with pytest.raises(DataError, match=r"the record ends 60 dwells after its schedule of 100"):
-        readings_from(PLAN, [Moved(recording(longer), of, name="1")])
+        readings_from(PLAN, [SourceMassRecording(recording(longer), of, name="1")])
     with pytest.raises(DataError, match=r"99 rows, but the schedule has 100 dwells"):
         run_of_rows(of, np.zeros(99))
 
@@ -354,12 +354,12 @@ def test_a_record_and_a_schedule_of_different_length_are_refused() -> None:
 def test_a_gate_longer_than_a_dwell_and_a_record_without_clock_are_refused() -> None:
     of = schedule()
     with pytest.raises(DataError, match=r"a gate of 120 s, but the mass dwells for 100 s"):
-        readings_from(PLAN, [Moved(replace(recording(of), averaging_time=120.0), of)])
+        readings_from(PLAN, [SourceMassRecording(replace(recording(of), averaging_time=120.0), of)])
     with pytest.raises(DataError, match=r"no clock"):
-        readings_from(PLAN, [Moved(replace(recording(of), averaging_time=None), of)])
+        readings_from(PLAN, [SourceMassRecording(replace(recording(of), averaging_time=None), of)])
     begin = (5 * 10**8 - 60) * SECOND
     with pytest.raises(DataError, match=r"samples lie in no dwell"):
-        readings_from(PLAN, [Moved(recording(of), of, begin)])
+        readings_from(PLAN, [SourceMassRecording(recording(of), of, begin)])
 
 
 # Coverage

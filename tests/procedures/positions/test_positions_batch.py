@@ -13,7 +13,7 @@ from scipy.stats import t as student
 
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
-from inertialcal.core.show.tables import Grid
+from inertialcal.core.show.tables import Table
 from inertialcal.procedures.positions.lot import batch as module
 from inertialcal.procedures.positions.lot.batch import Form, positions_batch
 from inertialcal.procedures.positions.lot.batch_result import (
@@ -291,7 +291,7 @@ def test_what_is_shown_of_many() -> None:
     readings[3, 5:] = np.nan
     found = positions_batch(readings, GRAVITY)
     grid = found.parts()[0]
-    assert isinstance(grid, Grid)
+    assert isinstance(grid, Table)
     assert grid.caption == "39 of 40 units estimated"
     bias = next(row for row in grid.rows if row[0] == "bias_x")
     good = np.delete(found.values[:, found.names.index("bias_x")], 3)

@@ -12,7 +12,7 @@ from inertialcal.core.curve import Curve
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.procedures.rate_table.model.closed_loop import compensated_curves
 from inertialcal.procedures.rate_table.plan import Attitude
-from inertialcal.procedures.rate_table.recordings import Turned, readings_from
+from inertialcal.procedures.rate_table.recordings import RateTableRecording, readings_from
 from inertialcal.procedures.rate_table.reduction import (
     Plan,
     Readings,
@@ -121,7 +121,7 @@ def test_a_rate_whose_dwells_are_all_left_out_has_no_error() -> None:
     assert [curve.columns[name].plain()[-1] for name in ("error", "u", "lo", "hi", "dof")] == [None] * 5
 
 
-def turned(run: int, axis: str = "x", name: str = "") -> Turned:
+def turned(run: int, axis: str = "x", name: str = "") -> RateTableRecording:
     """Recording with a long gap, an extreme sample, and the second dwell without a valid sample in half of it."""
     rng = np.random.default_rng(run)
     commanded = np.repeat(RATES, DWELL)
@@ -134,10 +134,10 @@ def turned(run: int, axis: str = "x", name: str = "") -> Turned:
     channels = [Channel(s, values, "rad/s") for s, values in data.items()]
     channels.append(Channel("applied", commanded, "rad/s"))
     channels.append(Channel("temperature", rng.normal(20.0, 1.0, n), "degC"))
-    return Turned(Recording(tuple(channels), time_ns, 1.0), axis, str(run), name=name)
+    return RateTableRecording(Recording(tuple(channels), time_ns, 1.0), axis, str(run), name=name)
 
 
-def recorded(zero_reference: bool = False) -> tuple[list[Turned], Readings, Result]:
+def recorded(zero_reference: bool = False) -> tuple[list[RateTableRecording], Readings, Result]:
     plan = Plan(zero_reference=zero_reference)
     all_turned = [turned(run, axis, f"{axis}_{run}") for run in (1, 2, 3) for axis in "xy"]
     readings = readings_from(plan, all_turned)

@@ -13,7 +13,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.results import Row
-from inertialcal.procedures.thermal.reduction import Readings, Warmed, readings_from
+from inertialcal.procedures.thermal.reduction import Readings, ThermalRecording, readings_from
 from inertialcal.sensors.thermal import powers_of
 
 BEGIN = 1_300_000_000
@@ -33,11 +33,11 @@ def recording(start: int, n: int = 200, interval: int = 10, seed: int = SEED, sw
     return Recording(channels, stamps.astype(np.int64), float(interval), epoch="utc")
 
 
-def warmed(start: int, run: str = "", name: str = "", seed: int = SEED) -> Warmed:
-    return Warmed(recording(BEGIN + start, seed=seed), run, name)
+def warmed(start: int, run: str = "", name: str = "", seed: int = SEED) -> ThermalRecording:
+    return ThermalRecording(recording(BEGIN + start, seed=seed), run, name)
 
 
-def code_of(parts: list[Warmed]) -> str:
+def code_of(parts: list[ThermalRecording]) -> str:
     with pytest.raises(DataError) as found:
         readings_from(parts)
     return found.value.problems[0].code
@@ -62,7 +62,7 @@ def test_channels_are_taken_by_their_names() -> None:
         common, channels=tuple(replace(c, name=c.name.removesuffix("_x")) if "temp" in c.name else c
                                for c in common.channels)
     )  # fmt: skip
-    (other,) = readings_from([Warmed(renamed)]).sweeps
+    (other,) = readings_from([ThermalRecording(renamed)]).sweeps
     assert np.array_equal(other.temperature["x"], one.temperature["x"])
 
 
@@ -88,16 +88,16 @@ def test_runs_of_some_but_not_of_all_are_refused() -> None:
 def test_an_impossible_time_axis_is_remarked_and_not_used() -> None:
     """40 degC within a fifth of a second."""
     fast = replace(recording(BEGIN), time_ns=(np.arange(200) * 1_000_000).astype(np.int64))
-    found = readings_from([Warmed(fast, name="quick")])
+    found = readings_from([ThermalRecording(fast, name="quick")])
     assert found.sweeps[0].time is None
     assert [remark.code for remark in found.remarks] == ["time_axis_impossible"]
-    plain = readings_from([Warmed(replace(fast, time_ns=None))])
+    plain = readings_from([ThermalRecording(replace(fast, time_ns=None))])
     assert [remark.code for remark in plain.remarks] == ["no_time"]
 
 
 def test_a_small_fast_change_is_noise_and_no_impossible_axis() -> None:
     quick = replace(recording(BEGIN, swing=2.0), time_ns=(np.arange(200) * 1_000_000).astype(np.int64))
-    assert readings_from([Warmed(quick)]).sweeps[0].time is not None
+    assert readings_from([ThermalRecording(quick)]).sweeps[0].time is not None
 
 
 # A real record

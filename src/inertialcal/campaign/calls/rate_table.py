@@ -13,8 +13,8 @@ from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.results import Row
 from ...core.show.frames import frame_of_rows
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from ...core.units import parse_quantity, si_unit
 from ...files import read
 from ...files.info.table_columns import guess
@@ -66,12 +66,12 @@ class RateTableFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: which column was what, the figures in the unit of the file, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
         rows = [row.to_dict() for row in self.rows if not row.case.beside]
         dwells = f"rate table: {len(self.result.readings)} dwells"
-        return (f"columns: {taken}", *figures(rows, dwells), *told(self.remarks))
+        return (f"columns: {taken}", *estimate_table(rows, dwells), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

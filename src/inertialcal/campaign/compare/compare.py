@@ -14,7 +14,7 @@ from typing import Any
 from ...core.errors import DataError
 from ...core.remarks import Remark
 from ...core.results import Interval, finite
-from ...core.show.tables import Part, html, text
+from ...core.show.tables import Block, html, text
 from ...statistics.decision import Status, Verdict, no_change, overall
 from ...statistics.intervals import ends
 from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
@@ -45,7 +45,7 @@ class Comparison:
     remarks: tuple[Remark, ...]
     inputs: Mapping[str, str]
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a figure, test by test, why others were not compared, how many remarks."""
         return comparison_parts(self.kind, self.differences, self.remarks, self.verdict)
 

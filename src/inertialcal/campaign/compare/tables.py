@@ -6,9 +6,9 @@ from collections.abc import Sequence
 
 from ...core.remarks import Remark
 from ...core.results import Row
-from ...core.show.result_tables import folded, told
+from ...core.show.result_tables import folded, remarks_line
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Grid, Part
+from ...core.show.tables import Block, Table
 from .differences import Difference
 
 HEADS = ("quantity", "axis", "first", "second", "difference", "unit", "95 % interval", "verdict")
@@ -17,7 +17,7 @@ JUDGED = ("allowed", "no change")
 
 def comparison_parts(
     kind: str, differences: Sequence[Difference], remarks: Sequence[Remark], verdict: str
-) -> tuple[Part, ...]:
+) -> tuple[Block, ...]:
     """Return what is shown of a comparison; the columns are fewer than `compare` prints, to fit a notebook.
 
     Parameters
@@ -33,13 +33,13 @@ def comparison_parts(
     """
     shown = [one for one in differences if is_shown(one)]
     judged = any(one.no_change is not None for one in shown)
-    parts: list[Part] = []
+    parts: list[Block] = []
     for test in dict.fromkeys(one.row.test if kind == "results" else "" for one in shown):
         rows = [_narrow(one, judged) for one in shown if kind != "results" or one.row.test == test]
         heads = ("quantity", "difference", "unit", "95 % interval", *(JUDGED if judged else ("verdict",)))
-        parts.append(Grid(heads, rows, f"{test}: second less first" if test else "second less first", (1, 3)))
+        parts.append(Table(heads, rows, f"{test}: second less first" if test else "second less first", (1, 3)))
     reasons = folded("not compared, for {n} reason(s): see .differences", not_compared(differences))
-    parts += [*reasons, *told(remarks)]
+    parts += [*reasons, *remarks_line(remarks)]
     if not shown:
         parts.insert(0, "nothing could be compared")
     return (*parts, *((f"overall: {verdict}",) if verdict else ()))

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark, gather
 from ...core.show.frames import frame
-from ...core.show.result_tables import told
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.result_tables import remarks_line
+from ...core.show.tables import Block, Table, html, text
 from ...procedures import procedure_of
 from ...report.page import report_html
 from ..file.load import Campaign, load
@@ -73,7 +73,7 @@ class Outcome:
         rows = [flat(row) for row in self.results["results"]]
         return frame({name: [row[name] for row in rows] for name in ROW_COLUMNS})
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: figures test by test, requirements, closed loop, how many remarks."""
         return outcome_parts(self.results, self.verdict, self.remarks)
 
@@ -110,11 +110,11 @@ class Checked(NamedTuple):
     inputs: dict[str, str]
     remarks: tuple[Remark, ...]
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the inputs that can be read, how many remarks."""
         file = self.campaign.file
         caption = f"campaign {file.campaign.id}: {len(file.tests)} test(s), every input can be read"
-        return (Grid(("input", "SHA-256"), list(self.inputs.items()), caption, (1,)), *told(self.remarks))
+        return (Table(("input", "SHA-256"), list(self.inputs.items()), caption, (1,)), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -8,16 +8,16 @@ from typing import Any
 from ...core.key import case_of
 from ...core.remarks import Remark
 from ...core.show.alternatives import names_of
-from ...core.show.result_tables import estimated, figure, folded, not_estimated, told
+from ...core.show.result_tables import estimated, figure, folded, not_estimated, remarks_line
 from ...core.show.rounding import number
 from ...core.show.side_by_side import own_rows, pairs_of, verdict_of
-from ...core.show.tables import Grid, Part
+from ...core.show.tables import Block, Table
 from ...procedures import compared_in
 
 VERDICTS = ("PASS", "FAIL", "INCONCLUSIVE", "OPEN")
 
 
-def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Remark]) -> tuple[Part, ...]:
+def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Remark]) -> tuple[Block, ...]:
     """Return what is shown of a run; other ways of reducing the same readings are left out, and counted.
 
     Parameters
@@ -30,7 +30,7 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
         Of the campaign.
     """
     shown = [row for row in results["results"] if not case_of(row["condition"]).beside]
-    parts: list[Part] = []
+    parts: list[Block] = []
     for test in dict.fromkeys(row["test"] for row in shown):
         mine = [row for row in shown if row["test"] == test]
         parts += estimated(own_rows(mine, compared_in(mine)), str(test))
@@ -41,10 +41,10 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
         names = names_of(list(dict.fromkeys(left_out)))
         parts.append(f"left out here: {len(left_out)} figures beside the result ({names})")
     parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
-    return (*parts, *told(remarks), f"verdict: {verdict or 'no requirement stated'}")
+    return (*parts, *remarks_line(remarks), f"verdict: {verdict or 'no requirement stated'}")
 
 
-def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Part, ...]:
+def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Block, ...]:
     """Return the errors of a test and of the one that it is set beside, a row an axis."""
     mine = [row for row in results["results"] if row["test"] == test]
     compared = compared_in(mine)
@@ -58,20 +58,20 @@ def _side_by_side(results: Mapping[str, Any], test: str) -> tuple[Part, ...]:
     other = next((step["against"] for step in results["sequence"] if step["test"] == test), None)
     heads = ("axis", test, str(other), "difference", "nearer to zero by", "unit", "to zero")
     title = f"{test} against {other}: {compared.error.replace('_', ' ')}"
-    return (Grid(heads, rows, title, (1, 2, 3, 4)),) if rows else ()
+    return (Table(heads, rows, title, (1, 2, 3, 4)),) if rows else ()
 
 
-def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Part, ...]:
+def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Block, ...]:
     """How many places of each requirement passed, failed and were left open, by test and axis."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for one in verdicts:
         groups.setdefault((one["requirement"], one["test"], one["axis"]), []).append(one["verdict"])
     rows = [(*key, *(str(found.count(word)) for word in VERDICTS)) for key, found in groups.items()]
     heads = ("requirement", "test", "axis", *VERDICTS)
-    return (Grid(heads, rows, "requirements: places judged", (3, 4, 5, 6)),) if rows else ()
+    return (Table(heads, rows, "requirements: places judged", (3, 4, 5, 6)),) if rows else ()
 
 
-def _closed_loop(loop: Mapping[str, Any]) -> tuple[Part, ...]:
+def _closed_loop(loop: Mapping[str, Any]) -> tuple[Block, ...]:
     said = f"closed loop, on readings held out: {loop['verdict']}"
     if not loop["axes"]:
         return (f"{said} ({loop['reason']})",)
@@ -85,5 +85,5 @@ def _closed_loop(loop: Mapping[str, Any]) -> tuple[Part, ...]:
          one["verdict"])
         for one in loop.get("over_temperature", ())
     ]  # fmt: skip
-    over = Grid(("test", "axis", *heads), warm, "bias over temperature, on power-ups held out", (2, 3))
-    return (Grid(("axis", *heads), rows, said, (1, 2)), *((over,) if warm else ()))
+    over = Table(("test", "axis", *heads), warm, "bias over temperature, on power-ups held out", (2, 3))
+    return (Table(("axis", *heads), rows, said, (1, 2)), *((over,) if warm else ()))

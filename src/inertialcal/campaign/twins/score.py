@@ -15,7 +15,7 @@ from ...core.errors import DataError, UsageError
 from ...core.key import case_of
 from ...core.results import Interval
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
 from ...procedures import procedure_of
 from ...rigs import RIGS
@@ -57,7 +57,7 @@ class Score:
         """Number of rows whose interval holds the truth."""
         return sum(row["inside"] is True for row in self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: estimates beside the truth, how many intervals hold it."""
         missing = len(self.rows) - self.estimated
         said = f"{self.inside} of {self.estimated} stated 95 % intervals hold the truth"
@@ -75,10 +75,10 @@ class Score:
         return html(self.parts())
 
 
-def truth_grid(rows: Sequence[Mapping[str, Any]], caption: str = "") -> Grid:
+def truth_grid(rows: Sequence[Mapping[str, Any]], caption: str = "") -> Table:
     """Return estimates beside the truth, a row each."""
     heads = ("test", "quantity", "axis", "estimate ± u", "truth", "unit", "inside")
-    return Grid(heads, [_cells(row) for row in rows], caption, (3, 4))
+    return Table(heads, [_cells(row) for row in rows], caption, (3, 4))
 
 
 def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:

@@ -18,7 +18,7 @@ from pathlib import Path
 from ...core.campaign_text import FILE
 from ...core.errors import DataError, StoreError, UsageError
 from ...core.recording import SECOND, Recording
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from ...rigs import RIGS
 from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
 from ..file.load import load
@@ -37,12 +37,12 @@ class Written:
     seal: str
     fault: str
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the recordings, the seal of the truth, what to type next."""
         rows = [(name,) for name in self.recordings]
         mistake = f"mistake put in: {self.fault}\n" if self.fault else ""
         said = f"{mistake}truth sealed, SHA-256 {self.seal}\nnext: ic.run({str(self.folder)!r}), then ic.score(...)"
-        return (Grid(("recording",), rows, f"simulated campaign in {self.folder}"), said)
+        return (Table(("recording",), rows, f"simulated campaign in {self.folder}"), said)
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -12,7 +12,7 @@ from ..key import case_of
 from ..remarks import Remark
 from .alternatives import TEXTBOOK, missing_of
 from .rounding import PLAIN, near, number, with_uncertainty
-from .tables import Folded, Grid, Part
+from .tables import Block, Details, Table
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 FEW = 3  # digits of an upper limit
@@ -53,12 +53,12 @@ def dof(value: float | None) -> str:
     return "inf" if value is None or value > MANY else number(value, 3)
 
 
-def figures(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Part, ...]:
+def estimate_table(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Block, ...]:
     """Return the figures that were estimated as a grid, and a line a reason for those that were not."""
     return (*estimated(rows, caption), *not_estimated(rows))
 
 
-def estimated(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Part, ...]:
+def estimated(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Block, ...]:
     """Return the figures that were estimated as a grid; the caption alone where there are none."""
     found = [
         (_name(row), row["axis"], figure(row), row["unit"], interval(row), degrees(row))
@@ -66,13 +66,13 @@ def estimated(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Par
         if row["status"] != "not_estimated"
     ]
     if found:
-        return (Grid(HEADS, found, caption, RIGHT),)
+        return (Table(HEADS, found, caption, RIGHT),)
     return (caption,) if caption else ()
 
 
-def folded(summary: str, lines: Sequence[str]) -> tuple[Part, ...]:
+def folded(summary: str, lines: Sequence[str]) -> tuple[Block, ...]:
     """Return lines folded under a summary, which has their count in place of ``{n}``; nothing where there are none."""
-    return (Folded(summary.replace("{n}", str(len(lines))), tuple(lines)),) if lines else ()
+    return (Details(summary.replace("{n}", str(len(lines))), tuple(lines)),) if lines else ()
 
 
 def not_estimated(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
@@ -96,7 +96,7 @@ def _name(row: Mapping[str, Any]) -> str:
     return f"{row['quantity']} ({row['condition']})" if row["condition"] else str(row["quantity"])
 
 
-def told(remarks: Iterable[Remark]) -> tuple[Part, ...]:
+def remarks_line(remarks: Iterable[Remark]) -> tuple[Block, ...]:
     """Return the remarks folded under their counts, the serious ones first; nothing where there are none."""
     every = tuple(remarks)
     counts = {word: [one for one in every if one.severity == word] for word in ("error", "warning", "info")}
@@ -104,7 +104,7 @@ def told(remarks: Iterable[Remark]) -> tuple[Part, ...]:
     if not parts:
         return ()
     lines = tuple(str(one) for found in counts.values() for one in found)
-    return (Folded(f"remarks: {', '.join(parts)} (see .remarks)", lines),)
+    return (Details(f"remarks: {', '.join(parts)} (see .remarks)", lines),)
 
 
 def _plural(word: str, count: int) -> str:

@@ -20,7 +20,7 @@ _RIGHT = "text-align:right"
 
 
 @dataclass(frozen=True)
-class Grid:
+class Table:
     """Rows of cells under heads.
 
     Parameters
@@ -42,14 +42,14 @@ class Grid:
 
 
 @dataclass(frozen=True)
-class Folded:
+class Details:
     """Lines under a summary: a terminal shows the summary alone, a notebook opens it."""
 
     summary: str
     lines: tuple[str, ...]
 
 
-Part = Grid | Folded | str
+Block = Table | Details | str
 
 
 def clean(text: str) -> str:
@@ -119,13 +119,13 @@ def _narrowed(widths: list[int], right: Sequence[int], width: int) -> list[int]:
     return found
 
 
-def text(parts: Iterable[Part]) -> str:
+def text(parts: Iterable[Block]) -> str:
     """Return the parts as text, folded and cut to ``WIDTH`` columns."""
     return "\n".join(_text(part) for part in parts)
 
 
-def _text(part: Part) -> str:
-    if isinstance(part, Folded):
+def _text(part: Block) -> str:
+    if isinstance(part, Details):
         return _folded(part.summary)
     if isinstance(part, str):
         return "\n".join(_folded(line) for line in part.split("\n"))
@@ -138,18 +138,18 @@ def _folded(line: str) -> str:
     return textwrap.fill(one_line(line), WIDTH, subsequent_indent="    ", break_on_hyphens=False)
 
 
-def html(parts: Iterable[Part]) -> str:
+def html(parts: Iterable[Block]) -> str:
     """Return the parts as HTML for a notebook, every text of them escaped."""
     return f"<div>\n{''.join(_html(part) for part in parts)}</div>"
 
 
-def _html(part: Part) -> str:
+def _html(part: Block) -> str:
     if isinstance(part, str):
         return "".join(
             f'<div style="{_LEFT};white-space:pre-wrap;overflow-wrap:anywhere">{_safe(line)}</div>\n'
             for line in part.split("\n")
         )
-    if isinstance(part, Folded):
+    if isinstance(part, Details):
         items = "".join(f"<li>{_safe(line)}</li>" for line in part.lines)
         return f'<details style="{_LEFT}"><summary>{_safe(part.summary)}</summary><ul>{items}</ul></details>\n'
     caption = f'<caption style="{_LEFT};caption-side:top">{_safe(part.caption)}</caption>' if part.caption else ""

@@ -11,9 +11,9 @@ import numpy as np
 from ...core.recording import Recording, Source
 from ...core.remarks import Remark, gather
 from ...core.results import finite
-from ...core.show.result_tables import told
+from ...core.show.result_tables import remarks_line
 from ...core.show.rounding import number
-from ...core.show.tables import Grid, Part, ending, html, text
+from ...core.show.tables import Block, Table, ending, html, text
 from ...signals.time.time_axis import TimeAxis, analyse
 from ..time.plausible import time_remarks
 from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
@@ -134,16 +134,16 @@ class Survey:
         """SHA-256 of the file."""
         return self.source.sha256
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a channel, the time, hints, how many remarks, what to type next.
 
         `info` prints it with type and resolution step of each channel too.
         """
         caption = f"{ending(self.path)}: {self.source.format}, {self.rows} rows"
-        grid = Grid(HEADS, [_cells(channel) for channel in self.channels], caption, (4, 5, 6, 7, 8))
+        grid = Table(HEADS, [_cells(channel) for channel in self.channels], caption, (4, 5, 6, 7, 8))
         hints = tuple(f"hint: {hint}" for hint in self.hints)
         ends = (f"next: {self.next}",) if self.next else ()
-        return (grid, str(self.time), *hints, *told(self.remarks), *ends)
+        return (grid, str(self.time), *hints, *remarks_line(self.remarks), *ends)
 
     def __str__(self) -> str:
         """Return what is shown as text."""

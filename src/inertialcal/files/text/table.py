@@ -14,8 +14,9 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import Source
 from ...core.remarks import Remark
-from ...core.show.result_tables import told
-from ...core.show.tables import Grid, Part, ending, html, text
+from ...core.show import tables as shown
+from ...core.show.result_tables import remarks_line
+from ...core.show.tables import Block, ending, html, text
 from ..columns import Content, Rows
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
@@ -62,14 +63,14 @@ class Table:
     def __len__(self) -> int:
         return len(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a column, its first cells, how many remarks."""
         rows = [
             (name, (self.units[i] if i < len(self.units) else None) or "?", ", ".join(cells[:SHOWN]))
             for i, (name, cells) in enumerate(zip(self.names, self.cells, strict=True))
         ]
         caption = f"{ending(self.source.path) or 'table'}: {len(self)} rows, {len(self.names)} columns"
-        return (Grid(("column", "unit", "first cells"), rows, caption), *told(self.remarks))
+        return (shown.Table(("column", "unit", "first cells"), rows, caption), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

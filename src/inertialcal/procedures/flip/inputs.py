@@ -19,7 +19,7 @@ from ...files.text.table import Table
 from ..protocol import Source
 from .dwells.plausible import readable
 from .dwells.quiet import Window
-from .dwells.recordings import Turned
+from .dwells.recordings import FlipRecording
 from .entry import FlipEntry, Means, Position
 from .readings import Readings
 from .tables import MeanOf, readings_of_means
@@ -97,7 +97,7 @@ def _predicted(table: Table, means: Means) -> Array:
     return table.numbers(means.predicted) * factor(unit, si_unit(unit))
 
 
-def turned_head(source: Source) -> Turned:
+def turned_head(source: Source) -> FlipRecording:
     """Return a recording with the windows that its entry gives.
 
     Raises
@@ -109,7 +109,9 @@ def turned_head(source: Source) -> Turned:
     recording = readable(source.recordings()[0][1])
     begin = None if entry.clock is None else entry.clock.mission_start
     origin = None if begin is None else read_instant(begin)
-    return Turned(recording, tuple(_window(one, recording, name, origin) for one in entry.positions or ()), name=name)
+    return FlipRecording(
+        recording, tuple(_window(one, recording, name, origin) for one in entry.positions or ()), name=name
+    )
 
 
 def _window(given: Position, recording: Recording, name: str, origin: int | None) -> Window:

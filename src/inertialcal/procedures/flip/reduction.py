@@ -25,11 +25,11 @@ from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
 from ...core.results import Row
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from .curves import curves as curves_of
 from .dwells.quiet import Window
-from .dwells.recordings import Turned, readings_from, windows
+from .dwells.recordings import FlipRecording, readings_from, windows
 from .plan import INFLUENCES, Plan
 from .readings import HalfWidths, Quiet, Readings
 from .rows import MODEL_BIAS, rows
@@ -43,6 +43,7 @@ __all__ = [
     "INFLUENCES",
     "MODEL_BIAS",
     "Flip",
+    "FlipRecording",
     "HalfWidths",
     "MeanOf",
     "Plan",
@@ -50,7 +51,6 @@ __all__ = [
     "Readings",
     "Result",
     "Truth",
-    "Turned",
     "Window",
     "readings_from",
     "readings_of_means",
@@ -99,11 +99,11 @@ class Result:
         """Curves of ``results.json``, SI."""
         return curves_of(self)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""
         caption = f"flip: {len(self.readings)} dwells, {len(self.flips)} flip(s) about {self.plan.axis}"
-        found = figures([row.to_dict() for row in self.rows() if row.case.plain], caption)
-        return (*found, *told(self.remarks))
+        found = estimate_table([row.to_dict() for row in self.rows() if row.case.plain], caption)
+        return (*found, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -15,8 +15,8 @@ from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.frames import frame_of_rows
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from ...core.times import read_elapsed, read_instant
 from ...core.units import convert, kind, parse_quantity, same_dimension
 from ...files import read
@@ -80,12 +80,12 @@ class MassAttractionFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: which channel was what, the figures, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
         rows = [row.to_dict() for row in self.rows if not row.case.beside]
         caption = f"mass attraction: {self.result.readings.runs} run(s)"
-        return (f"columns: {taken}", *figures(rows, caption), *told(self.remarks))
+        return (f"columns: {taken}", *estimate_table(rows, caption), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -325,7 +325,7 @@ def _run(
     if recording.time_ns is not None:
         averaging = recording.averaging_time or schedule.dwell
         starts = None if begin is None else _instant(begin, recording) + round(STAMPS[stamp] * averaging * SECOND)
-        one = procedure.Moved(replace(recording, averaging_time=averaging), schedule, starts, name, moved)
+        one = procedure.SourceMassRecording(replace(recording, averaging_time=averaging), schedule, starts, name, moved)
         readings = procedure.readings_from(plan, [one])
         return readings.series[0], readings.remarks
     if begin is not None:

@@ -16,14 +16,14 @@ from ...files.text.table import Table
 from ..protocol import Source
 from .entry import Lines, MassEntry
 from .readings import Line
-from .recordings import READING, TEMPERATURE, TILT, Moved
+from .recordings import READING, TEMPERATURE, TILT, SourceMassRecording
 from .schedule_csv import read_schedule
 
 SAME = 0.01  # relative difference of gate and averaging time that is none
 YES, NO = ("yes", "true", "1"), ("no", "false", "0")
 
 
-def moved_mass(source: Source) -> Moved:
+def moved_mass(source: Source) -> SourceMassRecording:
     """Return a recording as ``readings_from`` wants it: pulses a second, tilt [rad], temperature [degC].
 
     Raises
@@ -47,7 +47,7 @@ def moved_mass(source: Source) -> Moved:
     made = (Channel(READING, rate, "count/s", "chain", axis), *kept)
     found = replace(body, channels=made, averaging_time=averaging or gate)
     begin = _begin(entry.mass.begin, found, name)
-    return Moved(found, schedule, begin, entry.run or name, entry.mass.moved)
+    return SourceMassRecording(found, schedule, begin, entry.run or name, entry.mass.moved)
 
 
 def _begin(given: str | int | float | None, recording: Recording, name: str) -> int | None:

@@ -27,7 +27,7 @@ HALF = 0.5
 
 
 @dataclass(frozen=True, eq=False)
-class Moved:
+class SourceMassRecording:
     """A recording with the schedule of its mass.
 
     Parameters
@@ -52,14 +52,14 @@ class Moved:
     moved: bool = True
 
 
-def readings_from(plan: Plan, moved: Iterable[Moved]) -> Readings:
+def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
     """Return the readings of runs, a mean a dwell.
 
     Parameters
     ----------
     plan : Plan
         Not used yet; as all procedures have it.
-    moved : iterable of Moved
+    moved : iterable of SourceMassRecording
         Recordings with their schedules.
 
     Raises
@@ -76,7 +76,7 @@ def readings_from(plan: Plan, moved: Iterable[Moved]) -> Readings:
     return Readings(tuple(runs), (), tuple(remarks))
 
 
-def _run(one: Moved) -> tuple[Run, list[Remark]]:
+def _run(one: SourceMassRecording) -> tuple[Run, list[Remark]]:
     where = one.recording.source.path or one.name
     seconds, averaging = _clock(one, where)
     _check_ends(one, seconds, averaging, where)
@@ -102,7 +102,7 @@ def _run(one: Moved) -> tuple[Run, list[Remark]]:
     return run, remarks
 
 
-def _clock(one: Moved, where: str) -> tuple[Array, float]:
+def _clock(one: SourceMassRecording, where: str) -> tuple[Array, float]:
     """Return middles of the samples since the schedule's zero [s], and the averaging time [s]."""
     recording = one.recording
     averaging = recording.averaging_time
@@ -118,7 +118,7 @@ def _clock(one: Moved, where: str) -> tuple[Array, float]:
     return (recording.time_ns - zero + begins) / SECOND, averaging
 
 
-def _check_ends(one: Moved, seconds: Array, averaging: float, where: str) -> None:
+def _check_ends(one: SourceMassRecording, seconds: Array, averaging: float, where: str) -> None:
     """Refuse a record that does not span its schedule, or a schedule that ends while the record goes on."""
     schedule = one.schedule
     late = (seconds[0] - 0.5 * averaging - schedule.start[0]) / schedule.step

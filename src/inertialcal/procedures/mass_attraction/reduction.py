@@ -29,8 +29,8 @@ from ...core.errors import DataError
 from ...core.estimate import Estimate
 from ...core.remarks import Remark, gather
 from ...core.results import Row
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from ...physics.motion.schedule import Schedule, repeated
 from .checks import check_source, series_remarks
 from .curves import curves
@@ -38,7 +38,7 @@ from .findings import findings
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .programme1969 import published_lines
 from .readings import Line, Readings, Run
-from .recordings import Moved, readings_from, run_of_rows
+from .recordings import SourceMassRecording, readings_from, run_of_rows
 from .response.of_run import Response, response_of, response_of_line
 from .response.runs import Combined, combined
 from .response.scale import estimate_of, words_of
@@ -49,7 +49,6 @@ __all__ = [
     "Combined",
     "HighG",
     "Line",
-    "Moved",
     "Plan",
     "Readings",
     "Response",
@@ -57,6 +56,7 @@ __all__ = [
     "Run",
     "Schedule",
     "SourceMass",
+    "SourceMassRecording",
     "readings_from",
     "reduce",
     "repeated",
@@ -119,11 +119,11 @@ class Result:
         """Curves of ``results.json``, SI."""
         return curves(self)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""
         caption = f"mass attraction: {self.readings.runs} run(s), {len(self.readings)} reading(s)"
-        found = figures([row.to_dict() for row in self.rows() if not row.case.beside], caption)
-        return (*found, *told(self.remarks))
+        found = estimate_table([row.to_dict() for row in self.rows() if not row.case.beside], caption)
+        return (*found, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -28,8 +28,8 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.remarks import Remark, gather
 from ...core.results import Row
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
 from .checks import check_units, judged_scale, start_of
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
@@ -104,13 +104,13 @@ class Result:
         """Rows of ``results.json``, SI."""
         return tuple(rows(self))
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""
         kind = "known orientations" if self.acc.known else "|f| = g"
         caption = f"positions: {len(self.readings)} positions ({kind}), {len(self.readings.rotations)} rotations"
         return (
-            *figures([row.to_dict() for row in self.rows() if not row.case.beside], caption),
-            *told(self.remarks),
+            *estimate_table([row.to_dict() for row in self.rows() if not row.case.beside], caption),
+            *remarks_line(self.remarks),
         )
 
     def __str__(self) -> str:

@@ -34,7 +34,7 @@ APPLIED = "applied"
 
 
 @dataclass(frozen=True, eq=False)
-class Turned:
+class RateTableRecording:
     """A recording while one axis was turned in steps.
 
     Parameters
@@ -67,14 +67,14 @@ class Turned:
     taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
 
 
-def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
+def readings_from(plan: Plan, turned: Sequence[RateTableRecording]) -> Readings:
     """Return the dwells of the recordings of a test.
 
     Parameters
     ----------
     plan : Plan
         ``zero_reference`` and ``missing`` are used here, ``attitude`` and ``latitude`` for the earth rate.
-    turned : sequence of Turned
+    turned : sequence of RateTableRecording
         In any order.
 
     Raises
@@ -112,7 +112,7 @@ def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
     )  # fmt: skip
 
 
-def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[Turned]) -> dict[Origin, Unknowns]:
+def _taken_off(plan: Plan, parts: Sequence[_Part], turned: Sequence[RateTableRecording]) -> dict[Origin, Unknowns]:
     """Return what was taken off each dwell; what is the same in a recording drops out with its reading at rest."""
     if plan.zero_reference:
         return {}
@@ -160,7 +160,7 @@ class _Part:
         return values[:, self.names.index(sensor)] if sensor in self.names else np.full(len(values), np.nan)
 
 
-def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
+def _of_recording(plan: Plan, number: int, one: RateTableRecording) -> _Part:
     recording = one.recording
     there = [name for name in AXES if name in recording.names]
     names = [name for name in there if np.isfinite(recording.channel(name).data).any()]
@@ -211,7 +211,7 @@ def _of_recording(plan: Plan, number: int, one: Turned) -> _Part:
     )
 
 
-def _cut(plan: Plan, one: Turned, signal: Array, time_ns: Times) -> Cut:
+def _cut(plan: Plan, one: RateTableRecording, signal: Array, time_ns: Times) -> Cut:
     if one.rates is not None:
         if not np.isfinite(one.rates).all():
             raise DataError("a rate of the schedule is missing", code="nan_in_required")
@@ -229,7 +229,7 @@ def _rounded(rates: ArrayLike) -> Array:
     return np.array([float(f"{rate:.12g}") for rate in np.ravel(np.asarray(rates, dtype=float))])
 
 
-def _lost(plan: Plan, one: Turned, signal: Array, dwells: list[Dwell]) -> Cut:
+def _lost(plan: Plan, one: RateTableRecording, signal: Array, dwells: list[Dwell]) -> Cut:
     """Dwells that were commanded where not one sample is valid: no reading is left of them."""
     if one.rates is not None or one.recording.time_ns is None or np.isfinite(signal).all():
         return Cut([], np.zeros(0))
@@ -277,7 +277,7 @@ def _no_rest(applied: Array, place: str) -> list[Remark]:
     return [Remark("never_still", "warning", what, place, do="Record dwells at rest")]
 
 
-def _angles(one: Turned, dwells: list[Dwell], applied: Array) -> tuple[Array, Array]:
+def _angles(one: RateTableRecording, dwells: list[Dwell], applied: Array) -> tuple[Array, Array]:
     """Table angle at the start of each dwell, from the start of the recording, and the angle turned in it [rad].
 
     NaN for the start where only a schedule is known: what the table did between the dwells is not.

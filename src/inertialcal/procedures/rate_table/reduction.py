@@ -27,8 +27,8 @@ from ...core.estimate import Estimate
 from ...core.key import Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Row
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from .curves import curves
 from .exclusions import exclusions
 from .fit.checks import check_agreement
@@ -102,13 +102,13 @@ class Result:
         """Curves of ``results.json``, SI."""
         return curves(self)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
         runs = f", {self.readings.runs} run(s)" if self.readings.run is not None else ""
         caption = f"rate table: {len(self.readings)} dwells{runs}"
-        found = figures([row.to_dict() for row in self.rows() if not row.case.beside], caption)
+        found = estimate_table([row.to_dict() for row in self.rows() if not row.case.beside], caption)
         reasons = tuple(f"sensor {sensor}: {reason}" for sensor, reason in self.reasons.items())
-        return (*found, *reasons, *told(self.remarks))
+        return (*found, *reasons, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -15,10 +15,10 @@ from ...files.text.table import read_table
 from ..protocol import Source
 from .entry import RateTableEntry, Schedule
 from .plan import Plan
-from .recordings import APPLIED, Turned
+from .recordings import APPLIED, RateTableRecording
 
 
-def turned_recordings(plan: Plan, sources: Sequence[Source]) -> list[Turned]:
+def turned_recordings(plan: Plan, sources: Sequence[Source]) -> list[RateTableRecording]:
     """Return recordings as ``readings_from`` wants them.
 
     Raises
@@ -29,7 +29,7 @@ def turned_recordings(plan: Plan, sources: Sequence[Source]) -> list[Turned]:
     return [_turned(plan, source) for source in sources]
 
 
-def _turned(plan: Plan, source: Source) -> Turned:
+def _turned(plan: Plan, source: Source) -> RateTableRecording:
     entry, (_, recording) = cast("RateTableEntry", source.entry), source.recordings()[0]
     axis = entry.axis or plan.axis
     if not axis:
@@ -39,12 +39,12 @@ def _turned(plan: Plan, source: Source) -> Turned:
         if APPLIED not in recording.names:
             do = "Give channels.applied (the rate of the table), or a schedule"
             raise DataError(f"recordings.{source.name}: nothing says the rate of the table", do=do, code="no_applied")
-        return Turned(recording, str(axis), source.run, name=source.name, file=source.file)
+        return RateTableRecording(recording, str(axis), source.run, name=source.name, file=source.file)
     windows, rates = _scheduled(source, entry.schedule, recording)
     if source.windows:
         inside = [any(a <= start and stop <= b for a, b in source.windows) for start, stop in windows]
         windows, rates = tuple(w for w, use in zip(windows, inside, strict=True) if use), rates[np.array(inside)]
-    return Turned(recording, str(axis), source.run, windows, rates, source.name, source.file)
+    return RateTableRecording(recording, str(axis), source.run, windows, rates, source.name, source.file)
 
 
 def _scheduled(

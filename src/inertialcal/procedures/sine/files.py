@@ -11,9 +11,9 @@ from ...core.errors import UsageError
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.frames import frame_of_rows
-from ...core.show.result_tables import figures, told
+from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.rounding import number
-from ...core.show.tables import Part, html, text
+from ...core.show.tables import Block, html, text
 from ...files.source import load
 from ...files.text.headers import bare_name
 from ..static_noise.files.settings import one_of, quantity
@@ -62,11 +62,11 @@ class SineFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: what was fitted, the figures, how many remarks."""
-        return (*self.tables(), *told(self.remarks))
+        return (*self.tables(), *remarks_line(self.remarks))
 
-    def tables(self) -> tuple[Part, ...]:
+    def tables(self) -> tuple[Block, ...]:
         """Return what was fitted, and the figures."""
         design = self.line.fit.design
         kind = "sine" if design.drive.quadrature is not None else "applied sequence"
@@ -82,7 +82,7 @@ class SineFile:
         )
         rows = self.rows
         limits = [f"{row.quantity}: {row.reason}" for row in rows if row.status == "upper_limit"]
-        return (*figures([row.to_dict() for row in rows], said), *limits, fitted)
+        return (*estimate_table([row.to_dict() for row in rows], said), *limits, fitted)
 
     def __str__(self) -> str:
         """Return what is shown as text."""

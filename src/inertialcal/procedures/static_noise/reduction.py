@@ -25,8 +25,8 @@ from ...core.errors import DataError
 from ...core.estimate import Component, Estimate
 from ...core.remarks import Remark, gather
 from ...core.results import Interval, Row
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import Sinusoid, quantity_name
 from .axis_noise import AxisNoise, Recorded, noise_of
@@ -129,12 +129,12 @@ class Result:
             for reach in reaches(self.plan, one):
                 yield one.axis, sentence(reach, self.plan.relative_error)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how long to record, how many remarks."""
         count = len(self.readings)
         caption = f"static noise: {count} record{'s' * (count != 1)}, {duration(self.readings.length)} in all"
-        found = figures([row.to_dict() for row in self.rows() if not row.condition], caption)
-        return (*found, *(f"{axis}: {told_of}" for axis, told_of in self.sentences()), *told(self.remarks))
+        found = estimate_table([row.to_dict() for row in self.rows() if not row.condition], caption)
+        return (*found, *(f"{axis}: {told_of}" for axis, told_of in self.sentences()), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -15,14 +15,14 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.show.frames import frame_of_rows
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from ...core.units import convert, kind, parse_quantity
 from ...files import read
 from ...files.time.plausible import time_remarks
 from ..display import curve_contents, displayed
 from . import reduction as procedure
-from .recordings import TEMPERATURE, Warmed, readings_from
+from .recordings import TEMPERATURE, ThermalRecording, readings_from
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -70,12 +70,12 @@ class ThermalFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: which channel was what, the figures in the unit of the files, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
         rows = [row.to_dict() for row in self.rows if not row.case.beside]
         caption = f"thermal: {len(self.inputs)} recording(s)"
-        return (f"columns: {taken}", *figures(rows, caption), *told(self.remarks))
+        return (f"columns: {taken}", *estimate_table(rows, caption), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -157,7 +157,7 @@ def thermal(
     chosen: Sensor = sensor or _sensor_of(recordings[0], columns)
     taken = [_taken(one, columns, chosen) for one in recordings]
     label = "1" if one_run else ""
-    warmed = [Warmed(_in_si(one, found, chosen), label) for one, found in zip(recordings, taken, strict=True)]
+    warmed = [ThermalRecording(_in_si(one, found, chosen), label) for one, found in zip(recordings, taken, strict=True)]
     result = procedure.reduce(plan, readings_from(warmed, KINDS[chosen][1]))
     unit = _unit(recordings[0].channel(next(iter(taken[0].values()))))
     rows = tuple(displayed(replace(row, test="thermal"), unit) for row in result.rows())

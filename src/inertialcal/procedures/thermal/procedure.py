@@ -85,9 +85,9 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the recordings of all sources."""
-        from .recordings import Warmed, readings_from
+        from .recordings import ThermalRecording, readings_from
 
-        return readings_from([Warmed(one, source.run, source.name) for source in sources
+        return readings_from([ThermalRecording(one, source.run, source.name) for source in sources
                               for _, one in source.recordings()])  # fmt: skip
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:

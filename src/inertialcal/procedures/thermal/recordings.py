@@ -28,7 +28,7 @@ STRETCHES = 200  # whose means a fast change is looked for in
 
 
 @dataclass(frozen=True, eq=False)
-class Warmed:
+class ThermalRecording:
     """A recording of a unit at rest while its temperature changed.
 
     Parameters
@@ -47,12 +47,12 @@ class Warmed:
     name: str = ""
 
 
-def readings_from(warmed: Sequence[Warmed], unit: str = "rad/s") -> Readings:
+def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Readings:
     """Return the sweeps of the recordings of a test.
 
     Parameters
     ----------
-    warmed : sequence of Warmed
+    warmed : sequence of ThermalRecording
         In any order.
     unit : {"rad/s", "m/s^2"}
         Of the readings.
@@ -83,7 +83,7 @@ def readings_from(warmed: Sequence[Warmed], unit: str = "rad/s") -> Readings:
     return Readings(tuple(sweeps), unit, tuple(remarks))
 
 
-def _sweep(one: Warmed, label: str, power_up: int) -> Sweep:
+def _sweep(one: ThermalRecording, label: str, power_up: int) -> Sweep:
     recording = one.recording
     outputs = {axis: _floats(recording, axis) for axis in AXES if axis in recording.names}
     temperature = {axis: found for axis in outputs if (found := _temperature(recording, axis)) is not None}
@@ -112,11 +112,11 @@ def _floats(recording: Recording, name: str) -> Array:
     return np.asarray(recording.channel(name).data, dtype=np.float64)
 
 
-def _place(one: Warmed) -> str:
+def _place(one: ThermalRecording) -> str:
     return one.recording.source.path or one.name or "recording"
 
 
-def _first(one: Warmed) -> int:
+def _first(one: ThermalRecording) -> int:
     times = one.recording.time_ns
     return int(times[0]) if times is not None and len(times) else 0
 
@@ -147,7 +147,7 @@ def _swing_rate(temperature: Array, seconds: Array) -> float:
     return swing / between if between > 0.0 else np.inf
 
 
-def _untimed(one: Warmed) -> Remark:
+def _untimed(one: ThermalRecording) -> Remark:
     if one.recording.seconds is None:
         what = "no time: samples are taken in order; rates of the ramps, lag and start-up are not known"
         return Remark("no_time", "warning", what, _place(one), do="Name the time column, or give the sample rate")
@@ -155,9 +155,9 @@ def _untimed(one: Warmed) -> Remark:
     return Remark("time_axis_impossible", "warning", what, _place(one), do="Find out the true sample rate")
 
 
-def _check_different(warmed: Sequence[Warmed]) -> None:
+def _check_different(warmed: Sequence[ThermalRecording]) -> None:
     """Refuse a recording that is there twice: its samples would count twice, and its runs agree by nothing."""
-    known: dict[bytes, Warmed] = {}
+    known: dict[bytes, ThermalRecording] = {}
     for one in warmed:
         axes = [_floats(one.recording, axis) for axis in AXES if axis in one.recording.names]
         print_of = b"".join(np.ascontiguousarray(values).tobytes() for values in axes)
@@ -168,7 +168,7 @@ def _check_different(warmed: Sequence[Warmed]) -> None:
             raise DataError(what, _place(one), why, do, "duplicate_recording")
 
 
-def _check_apart(warmed: Sequence[Warmed]) -> None:
+def _check_apart(warmed: Sequence[ThermalRecording]) -> None:
     """Refuse two recordings of one unit at the same time."""
     timed = [one for one in warmed if one.recording.epoch == "utc" and one.recording.time_ns is not None]
     spans = sorted(((_first(one), int(one.recording.time_ns[-1]), one) for one in timed  # type: ignore[index]
@@ -180,5 +180,5 @@ def _check_apart(warmed: Sequence[Warmed]) -> None:
             raise DataError(what, _place(other), why, "Mend the stamps, or leave one out", "overlap")
 
 
-def _name(one: Warmed) -> str:
+def _name(one: ThermalRecording) -> str:
     return one.name or _place(one)

@@ -29,8 +29,8 @@ from ...core.influence import Influence
 from ...core.key import Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Row
-from ...core.show.result_tables import figures, told
-from ...core.show.tables import Part, html, text
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
 from .curves import curves
 from .fit.earth import earth_along
 from .fit.law import Law
@@ -38,7 +38,7 @@ from .fit.quantities import Asked, asked_of, bias_at, estimate
 from .fit.sensor import OfSensor, reduce_sensor
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
 from .readings import Readings, Sweep
-from .recordings import Warmed, readings_from
+from .recordings import ThermalRecording, readings_from
 from .rows import needed, rows
 from .simulation import Truth, simulate
 
@@ -52,9 +52,9 @@ __all__ = [
     "Readings",
     "Result",
     "Sweep",
+    "ThermalRecording",
     "Thermometer",
     "Truth",
-    "Warmed",
     "bias_at",
     "earth_along",
     "needed",
@@ -109,11 +109,15 @@ class Result:
         """Curves of ``results.json``, SI."""
         return curves(self)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, why a sensor has none, how many remarks."""
         caption = f"thermal: {len(self.readings.sweeps)} recording(s), {self.readings.runs} run(s)"
-        found = figures([row.to_dict() for row in self.rows() if not row.case.beside], caption)
-        return (*found, *(f"sensor {axis}: {reason}" for axis, reason in self.reasons.items()), *told(self.remarks))
+        found = estimate_table([row.to_dict() for row in self.rows() if not row.case.beside], caption)
+        return (
+            *found,
+            *(f"sensor {axis}: {reason}" for axis, reason in self.reasons.items()),
+            *remarks_line(self.remarks),
+        )
 
     def __str__(self) -> str:
         """Return what is shown as text."""

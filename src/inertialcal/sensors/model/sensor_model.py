@@ -37,7 +37,7 @@ from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Folded, Grid, Part, html, text
+from ...core.show.tables import Block, Details, Table, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension
 from .checks import check_axes, check_estimate, check_needs, check_ranges, read_only_term
 from .terms import SHAPES, Parameter, parameters, values
@@ -212,7 +212,7 @@ class SensorModel:
         """Every number of the equation that a test can give, with name and unit."""
         return parameters(self.axes, self.unit, self.terms)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: whose it is, equation, matrix, a row a parameter, where it holds."""
         return _parts(self)
 
@@ -335,14 +335,14 @@ def show(model: SensorModel) -> str:
     return "\n".join([*parts, *_validity(model)])
 
 
-def _parts(model: SensorModel) -> tuple[Part, ...]:
+def _parts(model: SensorModel) -> tuple[Block, ...]:
     """Return a model as tables: whose it is, equation, matrix, a row a parameter, where it holds."""
     order = MATRIX_ORDER
     entries = [(axis, *(f"{x:.8f}" for x in row)) for axis, row in zip(model.axes, model.matrix[0], strict=True)]
-    matrix = Grid(("", *model.axes), entries, f"Matrix M_0 ({order})", tuple(range(1, len(model.axes) + 1)))
+    matrix = Table(("", *model.axes), entries, f"Matrix M_0 ({order})", tuple(range(1, len(model.axes) + 1)))
     rows = [(row.name, with_uncertainty(row.value, row.u), row.unit) for row in lines(model)]
-    table = Grid(("parameter", "value ± u", "unit"), rows, "Parameters, SI and degC", (1,))
-    words = Folded("In words: inertialcal show", tuple(f"{row.name}: {row.words}" for row in lines(model)))
+    table = Table(("parameter", "value ± u", "unit"), rows, "Parameters, SI and degC", (1,))
+    words = Details("In words: inertialcal show", tuple(f"{row.name}: {row.words}" for row in lines(model)))
     bare = sum(row.u is None for row in lines(model))
     missing = (f"{bare} of {len(rows)} parameters have no uncertainty",) if bare else ()
     said = [_head(model), *(f"  {row}" for row in equation(model))]

@@ -19,7 +19,7 @@ import numpy as np
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.show.rounding import number
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from .allan_of_terms import variance_of_phase
 from .fitting.covariance_of_allan import covariance_of_allan, model_edf
 from .fitting.sandwich import sandwich_of
@@ -87,7 +87,7 @@ class Forecast:
         there = ", ".join(f"{one.term} {one.parameter}" for one in self.known)
         raise PlanError(f"no parameter {term} {parameter}".rstrip(), do=f"There are: {there}")
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a parameter."""
         heads = ("term", "parameter", "value [SI]", "relative error", "shown")
         rows = [
@@ -95,7 +95,7 @@ class Forecast:
             for one in self.known
         ]
         caption = f"what {number(self.record, 5)} s at {number(1.0 / self.interval, 5)} Hz tell, all terms fitted"
-        return (Grid(heads, rows, caption, (2, 3)),)
+        return (Table(heads, rows, caption, (2, 3)),)
 
     def __str__(self) -> str:
         """Return a table with a row a parameter."""

@@ -27,7 +27,7 @@ import numpy as np
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.show.rounding import number
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from ...signals.allan.deviations import KINDS
 from ...signals.allan.edf import degrees_of_freedom
 from .allan_of_terms import variance_of_phase
@@ -132,7 +132,7 @@ class RecordPlan:
     exact: float
     exact_tau: float
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a rule."""
         rows = [
             ("known, and named among all terms", number(self.record, 4), number(self.record / 3600.0, 3), "-"),
@@ -143,7 +143,7 @@ class RecordPlan:
              number(self.exact_tau, 4)),
         ]  # fmt: skip
         caption = f"record length for {self.term} to {100.0 * self.relative_error:.3g} %"
-        return (Grid(("rule", "record [s]", "record [h]", "read at tau [s]"), rows, caption, (1, 2, 3)),)
+        return (Table(("rule", "record [s]", "record [h]", "read at tau [s]"), rows, caption, (1, 2, 3)),)
 
     def __str__(self) -> str:
         """Return a table with a row a rule."""

@@ -11,9 +11,9 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.frames import frame
-from ...core.show.result_tables import dof, told
+from ...core.show.result_tables import dof, remarks_line
 from ...core.show.rounding import number
-from ...core.show.tables import Grid, Part, html, short, text
+from ...core.show.tables import Block, Table, html, short, text
 from ..names import Deviation, Quantity
 from .deviations import KINDS
 
@@ -107,7 +107,7 @@ class Allan:
         axis = [name for name in self.names for _ in range(k)]
         return frame({"axis": axis, "tau": np.tile(self.tau, axes), "m": np.tile(self.m, axes), **shown})
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row an averaging time, a deviation with its interval a channel."""
         unit = f" [{self.unit}]" if self.unit else ""
         words = KINDS[self.kind].words
@@ -119,7 +119,7 @@ class Allan:
         rows = [[number(float(self.tau[k]), 5), *self._cells(k)] for k in shown]
         left = (f"{len(shown)} of {len(self)} averaging times shown",) if len(shown) < len(self) else ()
         right = tuple(range(len(self.names) + 1 + one))
-        return (Grid(heads, rows, caption, right), *left, *told(self.remarks))
+        return (Table(heads, rows, caption, right), *left, *remarks_line(self.remarks))
 
     def _cells(self, k: int) -> list[str]:
         every = zip(self.deviation[k], self.lo[k], self.hi[k], strict=True)

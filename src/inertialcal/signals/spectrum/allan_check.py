@@ -31,7 +31,7 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from .density import Spectrum
 
 MOST_CONTINUED = 0.1  # of the variance, from below the lowest frequency
@@ -175,7 +175,7 @@ class Agreement:
             found.append(Remark("allan_spectrum_disagree", "warning", what, do=do))
         return tuple(found)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a time."""
         heads = ("tau [s]", *(f"ratio {axis}" for axis in range(len(self.agree))))
         rows = [
@@ -188,7 +188,7 @@ class Agreement:
             f"Allan deviation over that of the spectrum: {words} "
             f"({self.compared} compared, F test with false-alarm probability {self.false_alarm:g} an axis)"
         )
-        return (Grid(heads, rows, caption, tuple(range(len(heads)))),)
+        return (Table(heads, rows, caption, tuple(range(len(heads)))),)
 
     def __str__(self) -> str:
         """Return a table with a row a time."""

@@ -13,9 +13,9 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.frames import frame
-from ...core.show.result_tables import dof, told
+from ...core.show.result_tables import dof, remarks_line
 from ...core.show.rounding import number
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from ..names import Method
 
 if TYPE_CHECKING:
@@ -185,7 +185,7 @@ class Spectrum:
             columns |= {f"density_{axis}": self.density[:, axis], f"lo_{axis}": lo[:, axis], f"hi_{axis}": hi[:, axis]}
         return frame(columns)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: bands of a third of a decade, an axis a column."""
         frequency, density, edf = self.smoothed(PER_DECADE)
         axes = range(density.shape[1])
@@ -198,7 +198,7 @@ class Spectrum:
             f"spectrum ({self.method}): {self.segments} segment(s) of {self.segment * self.interval:.6g} s, "
             f"{number(self.edf, 3)} degrees of freedom a value, every {self.spacing:.3g} Hz; means over bands"
         )
-        return (Grid(heads, rows, caption, tuple(range(len(heads)))), *told(self.remarks))
+        return (Table(heads, rows, caption, tuple(range(len(heads)))), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return a table of bands."""

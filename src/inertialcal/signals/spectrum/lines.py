@@ -29,7 +29,7 @@ from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Grid, Part, html, text
+from ...core.show.tables import Block, Table, html, text
 from .background import Background, background_of
 from .density import Spectrum
 
@@ -118,7 +118,7 @@ class Lines:
         ]
         return tuple(Remark("line", "warning", what, do=do) for what in texts)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a finding."""
         heads = ("name", "axis", "kind", "frequency [Hz]", "amplitude", "over noise", "chance")
         rows = [
@@ -133,7 +133,7 @@ class Lines:
             if np.isfinite(low)
             else "too few frequencies to tell lines from noise"
         )
-        return (Grid(heads, rows, caption, (3, 4, 5, 6)),) if rows else (caption,)
+        return (Table(heads, rows, caption, (3, 4, 5, 6)),) if rows else (caption,)
 
     def __str__(self) -> str:
         """Return a table with a row a finding."""

@@ -34,7 +34,7 @@ PREDICTED = "predicted_"  # before the axis
 
 
 @dataclass(frozen=True, eq=False)
-class Turned:
+class FlipRecording:
     """A recording of a head while it was turned.
 
     Parameters
@@ -76,14 +76,14 @@ class _Dwell:
     reasons: Mapping[str, str] = field(default_factory=dict[str, str])
 
 
-def readings_from(plan: Plan, turned: Sequence[Turned]) -> Readings:
+def readings_from(plan: Plan, turned: Sequence[FlipRecording]) -> Readings:
     """Return the dwells of the recordings of a test.
 
     Parameters
     ----------
     plan : Plan
         Settling, low-pass, sub-means, block length.
-    turned : sequence of Turned
+    turned : sequence of FlipRecording
         In any order.
 
     Raises
@@ -130,7 +130,7 @@ def _check(plan: Plan) -> None:
         raise PlanError(f"plan.settle is {plan.settle:g} s", do="Need 0 or more", code="wrong_value")
 
 
-def windows(plan: Plan, one: Turned) -> tuple[Window, ...]:
+def windows(plan: Plan, one: FlipRecording) -> tuple[Window, ...]:
     """Return the windows of a recording, as given.
 
     Raises
@@ -153,13 +153,13 @@ def windows(plan: Plan, one: Turned) -> tuple[Window, ...]:
     return one.windows
 
 
-def _seconds(window: Window, one: Turned) -> str:
+def _seconds(window: Window, one: FlipRecording) -> str:
     time_ns = one.recording.time_ns
     first = 0 if time_ns is None or not len(time_ns) else int(time_ns[0])
     return f"{(window.start - first) / SECOND:.6g} to {(window.stop - first) / SECOND:.6g} s"
 
 
-def _settled(plan: Plan, one: Turned, given: Sequence[Window]) -> list[Window]:
+def _settled(plan: Plan, one: FlipRecording, given: Sequence[Window]) -> list[Window]:
     """Take the settling off every window."""
     settle = round(plan.settle * SECOND)
     for window in given:
@@ -170,7 +170,7 @@ def _settled(plan: Plan, one: Turned, given: Sequence[Window]) -> list[Window]:
     return [replace(window, start=window.start + settle) for window in given]
 
 
-def _channels(one: Turned) -> dict[str, NDArray[np.floating]]:
+def _channels(one: FlipRecording) -> dict[str, NDArray[np.floating]]:
     names = [axis for axis in AXES if axis in one.recording.names]
     if not names:
         do = f"The recording has: {', '.join(one.recording.names) or 'none'}"
@@ -181,18 +181,18 @@ def _channels(one: Turned) -> dict[str, NDArray[np.floating]]:
     return {axis: one.recording.channel(axis).data for axis in names}
 
 
-def _time(one: Turned) -> Times:
+def _time(one: FlipRecording) -> Times:
     assert one.recording.time_ns is not None  # noqa: S101 - checked with the channels
     return one.recording.time_ns
 
 
-def _gain_is_known(one: Turned, axis: str) -> bool:
+def _gain_is_known(one: FlipRecording, axis: str) -> bool:
     """Tell whether the gain was recorded, or looked for before a ground model: levels near zero do not show it."""
     return any(name in one.recording.names for name in (f"gain_{axis}", PREDICTED + axis))
 
 
 def _dwell(
-    plan: Plan, one: Turned, window: Window, channels: Mapping[str, NDArray[np.floating]], unread: Set[str]
+    plan: Plan, one: FlipRecording, window: Window, channels: Mapping[str, NDArray[np.floating]], unread: Set[str]
 ) -> _Dwell:
     time_ns = _time(one)
     low, high = np.searchsorted(time_ns, (window.start, window.stop))
@@ -223,7 +223,7 @@ def _dwell(
     return _Dwell(window, values, widths, middle, warm, told, tuple(remarks), reasons)
 
 
-def _not_read(plan: Plan, one: Turned, axis: str, inside: slice, absent: float) -> Remark | None:
+def _not_read(plan: Plan, one: FlipRecording, axis: str, inside: slice, absent: float) -> Remark | None:
     """Return why an axis is not read in a window; None where it is."""
     if absent > plan.missing:
         what = f"more than {plan.missing:.0%} of the samples missing, invalid or at the rail: {axis} is not read"
@@ -238,7 +238,7 @@ def _not_read(plan: Plan, one: Turned, axis: str, inside: slice, absent: float) 
     return None
 
 
-def _temperature(one: Turned, axis: str, low: int, high: int) -> float:
+def _temperature(one: FlipRecording, axis: str, low: int, high: int) -> float:
     """Mean temperature of an axis in a window, by its own channel or that of the head [degC]."""
     there = [name for name in (f"{TEMPERATURE}_{axis}", TEMPERATURE) if name in one.recording.names]
     if not there:
@@ -247,7 +247,7 @@ def _temperature(one: Turned, axis: str, low: int, high: int) -> float:
     return float(np.nanmean(values)) if np.isfinite(values).any() else math.nan
 
 
-def _predicted(one: Turned, axis: str, low: int, high: int) -> float:
+def _predicted(one: FlipRecording, axis: str, low: int, high: int) -> float:
     """Mean of the bias that a ground model predicts, over the samples that the axis was read in [m/s^2]."""
     if PREDICTED + axis not in one.recording.names:
         return math.nan
@@ -273,7 +273,7 @@ def _read(channels: Mapping[str, NDArray[np.floating]], dwells: Sequence[_Dwell]
 
 def _quiet(
     plan: Plan,
-    one: Turned,
+    one: FlipRecording,
     used: Sequence[Window],
     channels: Mapping[str, NDArray[np.floating]],
     rows: NDArray[np.intp],

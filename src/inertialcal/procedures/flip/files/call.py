@@ -15,15 +15,15 @@ from ....core.recording import Recording
 from ....core.remarks import Remark, gather
 from ....core.results import Row
 from ....core.show.frames import frame_of_rows
-from ....core.show.result_tables import figures, told
-from ....core.show.tables import Part, html, text
+from ....core.show.result_tables import estimate_table, remarks_line
+from ....core.show.tables import Block, html, text
 from ....core.units import factor, kind, normalise, parse_quantity
 from ....files import read
 from ....files.pad.frames import sensor_frame
 from ....files.text.table import read_table
 from ...display import curve_contents, displayed
 from .. import reduction as procedure
-from ..dwells.recordings import Turned, readings_from
+from ..dwells.recordings import FlipRecording, readings_from
 from ..inputs import means_of
 from ..plan import Axis
 from ..tables import readings_of_means
@@ -76,11 +76,11 @@ class FlipFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the figures in the unit of the files, how many remarks."""
         rows = [row.to_dict() for row in self.rows if not row.case.beside]
         caption = f"flip about {self.result.plan.axis}: {len(self.result.readings)} dwells"
-        return (*figures(rows, caption), *told(self.remarks))
+        return (*estimate_table(rows, caption), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -241,7 +241,9 @@ def _heads(
     return heads, inputs, shown or "m/s^2", sources
 
 
-def _turned(heads: Sequence[Recording], said: Sequence[Said], angle: float, mission_start: str | None) -> list[Turned]:
+def _turned(
+    heads: Sequence[Recording], said: Sequence[Said], angle: float, mission_start: str | None
+) -> list[FlipRecording]:
     """Return the recordings with their windows, given or found; each recording is a flip."""
     if said:
         windows = given_windows(heads, said, mission_start)
@@ -250,7 +252,7 @@ def _turned(heads: Sequence[Recording], said: Sequence[Said], angle: float, miss
         found = [found_windows(head, angle) for head in heads]
         windows, remarks = [one[0] for one in found], [one[1] for one in found]
     return [
-        Turned(
+        FlipRecording(
             replace(head, remarks=(*head.remarks, *more)),
             tuple(replace(window, flip=str(number)) for window in own),
             name=head.source.path,

@@ -17,8 +17,8 @@ from ....core.estimate import Array
 from ....core.remarks import Remark, gather
 from ....core.results import Row
 from ....core.show.frames import frame_of_rows
-from ....core.show.result_tables import told
-from ....core.show.tables import Part, html, text
+from ....core.show.result_tables import remarks_line
+from ....core.show.tables import Block, html, text
 from ....physics.attraction import ProofMass
 from ....physics.budget import Doubts
 from ....physics.mass_shape import Gain, Grid
@@ -104,9 +104,9 @@ class MassPlan:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: body, field and drive, budget, forecast, how many remarks."""
-        return (*mass_parts(self.rows), *told(self.remarks))
+        return (*mass_parts(self.rows), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from ....core.results import Row
 from ....core.show.rounding import with_uncertainty
-from ....core.show.tables import Grid, Part
+from ....core.show.tables import Block, Table
 
 BLOCKS: dict[str, tuple[str, ...]] = {
     "body": (
@@ -31,15 +31,15 @@ HEADS = ("quantity", "", "value ± u", "unit")
 DIGITS, ROUGH = 5, 3
 
 
-def mass_parts(rows: Sequence[Row]) -> tuple[Part, ...]:
+def mass_parts(rows: Sequence[Row]) -> tuple[Block, ...]:
     """Return the figures, block by block."""
-    found: list[Part] = []
+    found: list[Block] = []
     for caption, names in BLOCKS.items():
         mine = [row for row in rows if row.quantity in names and row.status == "estimated"]
         cells = [
             (row.quantity, " ".join(filter(None, (row.axis, str(row.case)))), _value(row), row.unit) for row in mine
         ]
-        found += [Grid(HEADS, cells, caption, (2,))] if cells else []
+        found += [Table(HEADS, cells, caption, (2,))] if cells else []
         left = [row for row in rows if row.quantity in names and row.status == "not_estimated"]
         found += [f"  not estimated: {row.quantity} ({row.case}): {row.reason}" for row in left]
     return tuple(found)

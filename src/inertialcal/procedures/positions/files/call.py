@@ -18,8 +18,8 @@ from ....core.remarks import Remark, gather
 from ....core.results import Row, by_quantity
 from ....core.schema.standards import STANDARDS, StandardEntry
 from ....core.show.frames import frame_of_rows
-from ....core.show.result_tables import figures, told
-from ....core.show.tables import Part, html, text
+from ....core.show.result_tables import estimate_table, remarks_line
+from ....core.show.tables import Block, html, text
 from ....core.units import factor, kind, parse_quantity
 from ....files.models.model_json import dump_model
 from ....files.write.atomic import atomic_write
@@ -87,9 +87,9 @@ class PositionsFile:
         return {name: self._with_source(one) for name, one in found.items()}
 
     def _with_source(self, model: SensorModel) -> SensorModel:
-        told = Provenance("positions", tuple(Path(one).name for one in self.inputs))
+        remarks_line = Provenance("positions", tuple(Path(one).name for one in self.inputs))
         names = () if model.estimate is None else model.estimate.names
-        return replace(model, provenance=dict.fromkeys(names, told))
+        return replace(model, provenance=dict.fromkeys(names, remarks_line))
 
     def write_models(self, path: str | Path) -> list[Path]:
         """Write the models; of two, each has its sensor in the name: ``model_acc.json``, ``model_gyro.json``.
@@ -129,14 +129,14 @@ class PositionsFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: which channel was what, the figures of each sensor, how many remarks."""
         taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
-        shown: list[Part] = [f"columns: {taken}", self.summary]
+        shown: list[Block] = [f"columns: {taken}", self.summary]
         for test in dict.fromkeys(row.test for row in self.rows):
             rows = [row.to_dict() for row in self.rows if row.test == test and not row.case.beside]
-            shown += figures(rows, test)
-        return (*shown, *told(self.remarks))
+            shown += estimate_table(rows, test)
+        return (*shown, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -12,9 +12,9 @@ from ....core.errors import DataError
 from ....core.estimate import Array, Component, Estimate
 from ....core.remarks import Remark
 from ....core.show.frames import frame
-from ....core.show.result_tables import told
+from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import near, number
-from ....core.show.tables import Grid, Part, html, text
+from ....core.show.tables import Block, Table, html, text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -124,12 +124,12 @@ class PositionsBatch:
         found |= {f"u_{name}": u for name, u in zip(self.names, self.u.T, strict=True)}
         return frame(found | {"status": self.words})
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: of each parameter the median, how far units differ, and the median uncertainty."""
         good = self.estimated
         caption = f"{int(good.sum())} of {len(self)} units estimated"
         if not good.any():
-            return (caption, *told(self.remarks))
+            return (caption, *remarks_line(self.remarks))
         values, u = self.values[good], self.u[good]
         spread = values.std(axis=0, ddof=1) if len(values) > 1 else np.full(len(self.names), np.nan)
         columns = (np.median(values, axis=0), spread, np.median(u, axis=0))
@@ -143,7 +143,7 @@ class PositionsBatch:
             for i, (name, unit) in enumerate(zip(self.names, self.units, strict=True))
         ]
         heads = ("parameter", "median", "between units", "u (median)", "unit")
-        return (Grid(heads, rows, caption, (1, 2, 3)), *told(self.remarks))
+        return (Table(heads, rows, caption, (1, 2, 3)), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

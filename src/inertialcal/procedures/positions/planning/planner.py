@@ -19,9 +19,9 @@ from ....core.key import Key, Reason
 from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
 from ....core.show.frames import frame_of_rows
-from ....core.show.result_tables import told
+from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import number
-from ....core.show.tables import Grid, Part, html, text
+from ....core.show.tables import Block, Table, html, text
 from ....core.units import factor, parse_quantity
 from .design import (
     DETERMINANT,
@@ -101,19 +101,19 @@ class PositionsPlan:
         """Return a pandas DataFrame, a row a parameter."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the positions, the uncertainty to expect, what they do not tell, how many remarks."""
-        return (*self.tables(), *told(self.remarks))
+        return (*self.tables(), *remarks_line(self.remarks))
 
-    def tables(self) -> tuple[Part, ...]:
+    def tables(self) -> tuple[Block, ...]:
         """Return what is shown, without the remarks."""
         found = self.prediction
         steps = tuple((str(one["number"]), str(one["up"])) for one in self.steps())
-        head = (Grid(("position", "up"), steps, "positions to take"),) if steps else ()
+        head = (Table(("position", "up"), steps, "positions to take"),) if steps else ()
         caption = f"after {len(self.directions)} positions: {found.rank} of {found.count} combinations are told"
         figures = [(row.quantity, row.axis, number(row.value, ROUGH), row.unit) for row in self.rows]
         untold = (f"not told: {', '.join(found.untold)}",) if found.untold else ()
-        return (*head, Grid(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *untold)
+        return (*head, Table(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *untold)
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -12,8 +12,8 @@ from ....core.recording import Recording
 from ....core.remarks import Remark, gather
 from ....core.results import Row
 from ....core.show.frames import frame_of_rows
-from ....core.show.result_tables import figures, told
-from ....core.show.tables import Part, html, text
+from ....core.show.result_tables import estimate_table, remarks_line
+from ....core.show.tables import Block, html, text
 from ....sensors.noise.filter_block import FilterBlock
 from ....sensors.noise.fitting.noise_fit import duration
 from ....sensors.noise.terms import Term
@@ -126,16 +126,16 @@ class NoiseFile:
         """Return a pandas DataFrame, a row a figure."""
         return frame_of_rows(self.rows)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: the figures of each sensor, how long to record, how many remarks."""
-        shown: list[Part] = []
+        shown: list[Block] = []
         for one in self.sensors:
             rows = [row.to_dict() for row in one.rows() if not row.case.beside]
             count = len(one.result.readings)
             caption = f"{one.name}: noise of {duration(one.result.readings.length)}, {count} record(s)"
-            shown += figures(rows, caption)
+            shown += estimate_table(rows, caption)
             shown += [f"{axis}: {said}" for axis, said in one.result.sentences()]
-        return (*shown, *told(self.remarks))
+        return (*shown, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, Any
 from ....core.remarks import Remark
 from ....core.results import Row
 from ....core.show.frames import frame
-from ....core.show.result_tables import told
+from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import number, with_uncertainty
-from ....core.show.tables import Grid, Part, html, text
+from ....core.show.tables import Block, Table, html, text
 from ....core.units import factor
 from ....signals.spectrum import Line, Spectrum
 from ..curves import density_unit
@@ -134,14 +134,14 @@ class SpectrumFile:
                         columns.setdefault(name, []).extend(curve.columns[name].plain())
         return frame(columns)
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: bands and lines of each sensor, the check against the Allan deviation."""
-        shown: list[Part] = []
+        shown: list[Block] = []
         for sensor in self.sensors:
             shown += [*self.tables(sensor), *self.agreement(sensor)]
-        return (*shown, *told(self.remarks))
+        return (*shown, *remarks_line(self.remarks))
 
-    def tables(self, sensor: SensorNoise) -> list[Grid]:
+    def tables(self, sensor: SensorNoise) -> list[Table]:
         """Return the bands of a sensor, and its lines where it has any.
 
         Parameters
@@ -155,10 +155,10 @@ class SpectrumFile:
         rows = [
             (number(band.frequency, 4), *(number(band.densities.get(axis), 4) for axis in axes)) for band in bands
         ]  # fmt: skip
-        found = [Grid(("f [Hz]", *axes), rows, f"{_caption(sensor)}; means over bands [{unit}]", range(len(axes) + 1))]
+        found = [Table(("f [Hz]", *axes), rows, f"{_caption(sensor)}; means over bands [{unit}]", range(len(axes) + 1))]
         lines = [cells for one in sensor.result.axes for record in one.records for cells in _lines(sensor, one.axis,
                  record.spectral.lines.found if record.spectral.lines else ())]  # fmt: skip
-        return [*found, Grid(HEADS, lines, "lines", (2, 4, 6))] if lines else found
+        return [*found, Table(HEADS, lines, "lines", (2, 4, 6))] if lines else found
 
     def __str__(self) -> str:
         """Return what is shown as text."""

@@ -12,7 +12,7 @@ from ....core.remarks import Remark
 from ....core.results import Interval, Row
 from ....core.show.frames import frame
 from ....core.show.rounding import with_uncertainty
-from ....core.show.tables import Grid, Part, html, text
+from ....core.show.tables import Block, Table, html, text
 from ..terms import TERMS, Term
 from ..units import converted, shown_units
 from .goodness import ChiSquare
@@ -192,9 +192,9 @@ class NoiseFit:
         }
         return frame(columns, index=[row.quantity for row in rows])
 
-    def parts(self) -> tuple[Part, ...]:
+    def parts(self) -> tuple[Block, ...]:
         """Return what is shown: terms in units of data sheets, those not identified, tests and remarks."""
-        shown: list[Part] = [_table(self.found, self.kind)]
+        shown: list[Block] = [_table(self.found, self.kind)]
         missing = [term for term in self.found if term.status == "not_identified"]
         if missing:
             shown.append(_missing(missing, self.kind))
@@ -203,7 +203,7 @@ class NoiseFit:
                 shown.append(f"{what}: {test}")
         if len(self.choices) > 1:
             rows = [(", ".join(terms), f"{worse:.1f}") for terms, worse in self.choices[:BEST]]
-            shown.append(Grid(("terms", "criterion"), rows, "Choices of terms (0 is best)", (1,)))
+            shown.append(Table(("terms", "criterion"), rows, "Choices of terms (0 is best)", (1,)))
         return (*shown, *(str(remark) for remark in self.remarks))
 
     def __str__(self) -> str:
@@ -244,7 +244,7 @@ def _missing_rows(term: TermEstimate, axis: str, test: str, condition: str) -> l
     ]  # fmt: skip
 
 
-def _table(found: tuple[TermEstimate, ...], kind: Kind | None) -> Grid:
+def _table(found: tuple[TermEstimate, ...], kind: Kind | None) -> Table:
     rows = [
         _row(one, unit)
         for term in found
@@ -252,7 +252,7 @@ def _table(found: tuple[TermEstimate, ...], kind: Kind | None) -> Grid:
         for unit in shown_units(term.name, word, kind) or (one.unit,)
     ]
     p = next((one.interval.p for term in found for one in term.parameters), 0.95)
-    return Grid(("term", "value ± u", "unit", f"{100 * p:g} % interval"), rows, "Noise terms", (1, 3))
+    return Table(("term", "value ± u", "unit", f"{100 * p:g} % interval"), rows, "Noise terms", (1, 3))
 
 
 def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
@@ -264,7 +264,7 @@ def _row(one: Parameter, unit: str) -> tuple[str, str, str, str]:
     return one.name, with_uncertainty(one.value * times, one.u * times), unit, between
 
 
-def _missing(missing: list[TermEstimate], kind: Kind | None) -> Grid:
+def _missing(missing: list[TermEstimate], kind: Kind | None) -> Table:
     rows = []
     for term in missing:
         unit = next(iter(shown_units(term.name, TERMS[term.name].parameters[0], kind)), term.unit)
@@ -278,7 +278,7 @@ def _missing(missing: list[TermEstimate], kind: Kind | None) -> Grid:
         reason = term.reason if term.worse is None else f"{term.reason} (+{term.worse:.1f})"
         rows.append((name, limit, unit if limit != "-" else "", needed, reason))
     heads = ("not identified", "95 % limit", "unit", "record needed", "reason (criterion)")
-    return Grid(heads, rows, "Not identified; record needed to show a term that is at its limit", (1, 3))
+    return Table(heads, rows, "Not identified; record needed to show a term that is at its limit", (1, 3))
 
 
 def duration(seconds: float) -> str:
