@@ -11,7 +11,7 @@ from itertools import cycle, islice, product
 
 ELSEWHERE = "http://elsewhere.invalid"
 RUN = "window.__pwned=1"
-EVALUATED = str(31337 * 3)  # stands on the page if a template was evaluated
+EVALUATED = str(9377731 * 3)  # stands on the page if a template was evaluated
 
 # What ends the context that a text stands in, or begins one that swallows what follows.
 ENDS = (
@@ -83,8 +83,8 @@ STYLES = (
     f"}}@font-face{{font-family:x;src:url({ELSEWHERE}/font)}}", f"}}[value^='1']{{background:url({ELSEWHERE}/leak)}}",
 )  # fmt: skip
 TEMPLATES = (
-    "{{31337*3}}", "{{ 31337*3 }}", "{%print(31337*3)%}", "{% raw %}{{31337*3}}{% endraw %}", "{# hidden #}", "{{",
-    "${31337*3}", "#{31337*3}", "<%= 31337*3 %>", "[[${31337*3}]]", "%(title)s", "%s%n%d", "{0}{title}",
+    "{{9377731*3}}", "{{ 9377731*3 }}", "{%print(9377731*3)%}", "{% raw %}{{9377731*3}}{% endraw %}", "{# hidden #}",
+    "{{", "${9377731*3}", "#{9377731*3}", "<%= 9377731*3 %>", "[[${9377731*3}]]", "%(title)s", "%s%n%d", "{0}{title}",
     "{{ self._TemplateReference__context }}", "{{ ''.__class__.__mro__ }}", "{% include '/etc/passwd' %}",
     "{% extends 'x' %}", "{% endblock %}", "{%- endfor -%}", "# for x in y", "$title ${title}", "{{'<b>'|safe}}",
 )  # fmt: skip

@@ -11,7 +11,7 @@ from accessibility import serious_faults
 from browsing import PAPER, PHONE, Visit, visit
 from figure_checks import blank, cut_on_paper, empty_figures, faint_texts, small_texts
 from hostile_page import bidi_leaks, elements, reactions
-from injections import ELSEWHERE, INJECTIONS, RUN
+from injections import ELSEWHERE, EVALUATED, INJECTIONS, RUN
 from layout import Texts, cut_texts, overlapping_texts, seen_texts, sideways
 from playwright.sync_api import Browser, Page
 
@@ -118,7 +118,7 @@ LET_THROUGH = (
     (f"<meta http-equiv=refresh content='0;url={ELSEWHERE}/'>", "asked for"),
     (f"<a href='javascript:{RUN}'>x</a>", "active: <a href"),
     (f"<svg><animate onbegin={RUN} attributeName=x dur=1s></svg>", "active: <animate onbegin"),
-    ("94011", "ran as a template"),
+    (EVALUATED, "ran as a template"),
 )
 
 
