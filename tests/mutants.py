@@ -677,7 +677,7 @@ MUTANTS = (
         "regression.py",
         "weight = readings.samples[given] - 1.0",
         "weight = readings.samples[given] - 0.0",
-        "test_rate_table",
+        "test_rate_table_closed_forms",
     ),
     Mutant(
         "regression.py", "share = 1.0 - 1.0 / per_run if run.std is not None else 1.0", "share = 1.0", "test_rate_table"
@@ -689,7 +689,12 @@ MUTANTS = (
         "return np.asarray(y + readings.earth @ row)",
         "test_rate_table",
     ),
-    Mutant("regression.py", "dof_run = found.dof - dof\n", "dof_run = found.dof - dof + 1\n", "test_rate_table"),
+    Mutant(
+        "regression.py",
+        "dof_run = found.dof - dof\n",
+        "dof_run = found.dof - dof + 1\n",
+        "test_rate_table_closed_forms",
+    ),
     Mutant(
         "rate_error.py",
         "read[np.isfinite(read)] / rate - 1.0",
@@ -700,7 +705,7 @@ MUTANTS = (
         "rate_error.py",
         "(_earth_variance(here, sensor) / rate**2, np.inf)",
         "(_earth_variance(here, sensor) / abs(rate), np.inf)",
-        "test_rate_table",
+        "test_rate_table_closed_forms",
     ),
     Mutant(
         "earth_input.py",
@@ -712,7 +717,7 @@ MUTANTS = (
         "linearity.py",
         "variance[0] * max(1.0 / count - leverage, 0.0)",
         "variance[0] * (1.0 / count)",
-        "test_rate_table",
+        "test_rate_table_closed_forms",
     ),
     Mutant(
         "closed_loop.py",
