@@ -507,8 +507,8 @@ MUTANTS = (
     ),
     Mutant(
         "nonlinearity.py",
-        "turn = 2.0 * bend * bend - curve.third / rate",
-        "turn = bend * bend - curve.third / rate",
+        "curvature = curve.second + 3.0 * curve.third * u",
+        "curvature = curve.second + 1.5 * curve.third * u",
         "test_nonlinearity",
     ),
     Mutant(

@@ -99,3 +99,15 @@ def test_a_warm_up_dies_away_by_e_in_its_time() -> None:
     )  # fmt: skip
     found = predict(model, np.zeros((3, 1)), time=np.array([0.0, 100.0, 1e5]))
     assert found[:, 0] == pytest.approx([2.5, 0.5 + 2.0 / np.e, 0.5])
+
+
+def test_a_bias_in_temperature_is_its_polynomial_about_the_reference() -> None:
+    """c1 d + c2 d^2 + c3 d^3 for each axis, by hand; nothing at the reference itself."""
+    model = plain(
+        reference_temperature=np.array([20.0, 10.0]),
+        bias_temperature=np.array([[0.5, 1.0], [0.25, -2.0], [2.0, 0.125]]),
+    )
+    found = predict(model, np.zeros((3, 2)), temperature=np.array([20.0, 18.0, 10.0]))
+    d_x, d_y = np.array([0.0, -2.0, -10.0]), np.array([10.0, 8.0, 0.0])
+    x, y = 0.5 * d_x + 0.25 * d_x**2 + 2.0 * d_x**3, d_y - 2.0 * d_y**2 + 0.125 * d_y**3
+    np.testing.assert_allclose(found, np.column_stack([x, y]), rtol=1e-14, atol=1e-14)

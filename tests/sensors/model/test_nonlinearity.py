@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 from fractions import Fraction
+from itertools import product
 
 import numpy as np
 import pytest
@@ -125,6 +126,13 @@ def test_fast_steps_settle_on_the_safeguarded_root_all_over_a_usual_range(
     one = curve(*terms)
     r = one.reading(np.array([[-1.0], [1.0], [0.0], [-0.0], *([place] for place in places)]))
     assert np.all(assert_both_ways_agree(one, r))
+
+
+@pytest.mark.parametrize("terms", list(product((-0.1, 0.1), (-0.1, 0.1), (-0.02, 0.02))))
+def test_fast_steps_give_the_truth_up_to_the_corners_of_a_usual_range(terms: tuple[float, float, float]) -> None:
+    one = curve(*terms)
+    u = np.linspace(-1.0, 1.0, 41)[:, np.newaxis]
+    np.testing.assert_allclose(approached(one, rising_branch(one), one.reading(u)), u, rtol=1e-14, atol=1e-16)
 
 
 @settings(max_examples=200, deadline=None)

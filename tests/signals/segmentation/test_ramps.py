@@ -52,6 +52,15 @@ def test_the_other_way_round_gives_the_other_paths() -> None:
     assert np.array_equal(find_ramps(-T, 4.0).path, -find_ramps(T, 4.0).path)
 
 
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_a_turn_counts_from_the_reversal_on_whichever_way(sign: float) -> None:
+    """Back by 4 degC and on by 10: three ramps where 4 degC make a turn, one where it takes 4.5."""
+    T = sign * np.array([0.0, 5.0, 10.0, 8.0, 6.0, 8.0, 11.0, 16.0])
+    up = int(sign)
+    assert find_ramps(T, 4.0).ways == (up, -up, up)
+    assert find_ramps(T, 4.5).ways == (up,)
+
+
 def test_steps_of_a_chamber_are_one_ramp() -> None:
     T = np.concatenate([np.full(50, level) for level in (0.0, 10.0, 20.0, 30.0, 20.0, 10.0)])
     assert find_ramps(T, 5.0).ways == (1, -1)

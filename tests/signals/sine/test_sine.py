@@ -4,6 +4,7 @@ import time
 
 import numpy as np
 import pytest
+from scipy import stats
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.signals.sine import (
@@ -17,6 +18,7 @@ from inertialcal.signals.sine import (
     generalised_fit,
     sine_drive,
 )
+from inertialcal.signals.sine.amplitude import most_likely
 
 STEP = 120.0
 TIMES = 50.0 + STEP * np.arange(100)
@@ -233,3 +235,14 @@ def test_chance_that_noise_makes_an_amplitude_is_rayleighs(dof: float) -> None:
     found = amplitude_of(0.3, 0.4, u, dof).chance[0]
     known = np.exp(-0.5 * (C / u) ** 2)
     assert found == pytest.approx(known if dof > 1e6 else (1.0 + (C / u) ** 2 / dof) ** (-0.5 * dof), rel=1e-5)
+
+
+def test_the_most_likely_amplitude_leaves_zero_where_the_length_passes_root_two_of_its_noise() -> None:
+    """Just above, the series of I1/I0 gives A^2 = 16 (C^2 / 2 - 1) / C^4; farther up A is where Rice's law peaks."""
+    assert np.all(most_likely(np.array([0.0, 1.0, 1.414])) == 0.0)
+    C = np.sqrt(2.0 + np.array([1e-4, 1e-3]))
+    np.testing.assert_allclose(most_likely(C) ** 2, 16.0 * (0.5 * C**2 - 1.0) / C**4, rtol=1e-3)
+    amplitudes = np.linspace(0.0, 6.0, 6001)
+    for length in (1.6, 1.9, 2.5, 5.0):
+        peak = amplitudes[np.argmax(stats.rice.logpdf(length, amplitudes))]
+        assert most_likely(np.array([length]))[0] == pytest.approx(peak, abs=1e-3)

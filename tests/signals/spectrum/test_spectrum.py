@@ -25,6 +25,7 @@ from inertialcal.sensors.noise.terms import (
 )
 from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum import psd
+from inertialcal.signals.spectrum.tapers import Tapers, hann
 from inertialcal.statistics.intervals import covers
 
 METHODS = get_args(Method)
@@ -68,6 +69,13 @@ def test_degrees_of_freedom_and_correlation_of_neighbours_are_those_seen(method:
     assert found.edf == pytest.approx(seen, rel=0.05)
     apart = [np.mean([np.corrcoef(many[:, i], many[:, i + k])[0, 1] for i in range(0, 100, 3)]) for k in range(4)]
     assert found.neighbours[:4] == pytest.approx(apart, abs=0.03)
+
+
+@pytest.mark.parametrize("n", [8, 64, 501])
+def test_noise_bandwidth_counts_spacings(n: int) -> None:
+    """One without a taper, and 1.5 of a Hann taper, of whatever length."""
+    assert Tapers(np.full((1, n), n**-0.5), n, 1).enbw == pytest.approx(1.0, rel=AGREE)
+    assert hann(n).enbw == pytest.approx(1.5, rel=AGREE)
 
 
 def test_degrees_of_freedom_are_those_published() -> None:
