@@ -48,7 +48,8 @@ def highlights(results: Branch) -> list[Highlight]:
     delivered = [row for row in rows if str(row["test"]) not in tests] or rows  # of the models
     found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]
-    for quantity in FALLBACKS:
+    others = () if chosen else dict.fromkeys(str(row["quantity"]) for row in delivered)  # of whatever was tested
+    for quantity in dict.fromkeys([*FALLBACKS, *others]):
         every = estimated(delivered, quantity, None)
         row = largest(every)
         if len(chosen) < 3 and row is not None:
