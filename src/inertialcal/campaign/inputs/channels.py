@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 
@@ -12,7 +11,6 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import convert, kind, si_unit
-from ...files import read
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.recordings import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
@@ -20,65 +18,11 @@ from ..file.recordings import OF_CHAIN, ROLES, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
 from .chains import build_chain
-from .ground import ChainModel, after_model, chain_model
+from .ground import ChainModel, after_model
 
 TEMPERATURE, GAIN = "temperature", "gain"
 NO_CHAIN = {name: role for name, role in ROLES.items() if name not in OF_CHAIN}  # channels that are in units already
 SAME_INTERVAL = 0.1  # relative difference of stated and seen interval that skipped saves explain
-
-
-def prepare_recording(
-    folder: Path, name: str, entry: RecordingEntry, sensor: Sensor, keep_bias: bool = False, complete: bool = True
-) -> Recording:
-    """Return the readings of a recording in body axes, SI, time in the middle of each average.
-
-    Parameters
-    ----------
-    folder : Path
-        Of the campaign.
-    name, entry : str, RecordingEntry
-        The recording, with ``channels``.
-    sensor : Sensor
-        Whose chain, ground model and mounting apply.
-    keep_bias : bool
-        Whether the bias that a ground model predicts stays in.
-    complete : bool
-        Whether a literal NaN in a channel of an axis is refused; else it is a missing sample.
-
-    Returns
-    -------
-    Recording
-        Channels ``x``, ``y``, ``z`` [SI] as far as they are there, ``applied`` [SI], then the others as they are; with
-        a ground model ``predicted_x``, ... [SI].
-
-    Raises
-    ------
-    DataError
-        If the file or a column cannot be read, or as the chain says.
-    """
-    recording = raw_recording(folder, entry, complete)
-    model = chain_model(sensor, folder)
-    if model is not None and any(remark.code == "not_sensor_axes" for remark in recording.remarks):
-        what, why = f"recordings.{name}: its axes are not those of the sensor", "the ground model is for those"
-        raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
-    return in_body_axes(recording, name, entry, sensor, chain_of(entry, sensor), model, keep_bias)
-
-
-def raw_recording(folder: Path, entry: RecordingEntry, complete: bool = True) -> Recording:
-    """Return the recording of an entry as its file has it; `complete` as `prepare_recording` has it.
-
-    Raises
-    ------
-    DataError
-        If the file or a column of an axis cannot be read.
-    """
-    channels = entry.channels or {}
-    return read(
-        folder / entry.file,
-        time_column=(entry.clock or Clock()).column,
-        frame=entry.frame,
-        required=[channels[axis].column for axis in channels if axis in AXES and complete],
-    )
 
 
 def chain_of(entry: RecordingEntry, sensor: Sensor) -> Chain | None:
@@ -96,7 +40,28 @@ def in_body_axes(
     model: ChainModel | None = None,
     keep_bias: bool = False,
 ) -> Recording:
-    """Return the readings of a recording that was read, as `prepare_recording` does; `chain` as `chain_of` has it.
+    """Return the readings of a recording in body axes, SI, time in the middle of each average.
+
+    Parameters
+    ----------
+    recording : Recording
+        As its file has it.
+    name, entry : str, RecordingEntry
+        Of it, with ``channels``.
+    sensor : Sensor
+        Whose mounting applies.
+    chain : Chain or None
+        Of the axes that it has, as `chain_of` gives it.
+    model : ChainModel, optional
+        Of the ground, that applies.
+    keep_bias : bool
+        Whether the bias that a ground model predicts stays in.
+
+    Returns
+    -------
+    Recording
+        Channels ``x``, ``y``, ``z`` [SI] as far as they are there, those of roles [SI], then the others as they are;
+        with a ground model ``predicted_x``, ... [SI].
 
     Raises
     ------
