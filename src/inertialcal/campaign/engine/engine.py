@@ -87,6 +87,23 @@ def prepare_test(
     return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources))
 
 
+def order_of(tests: Sequence[Test]) -> list[int]:
+    """Return the numbers of tests so that each stands after that whose correction it takes; else as they stand."""
+    by_name = {one.id: one for one in tests}
+
+    def depth(test: Test) -> int:
+        return max((1 + depth(by_name[name]) for name in test.after if name in by_name), default=0)
+
+    return sorted(range(len(tests)), key=lambda number: depth(tests[number]))
+
+
+def corrections_for(test: Test, tests: Sequence[Test], results: Mapping[str, Result]) -> list[Correction]:
+    """Return what the tests found that a test comes after, to be taken off its readings."""
+    before = [one for one in tests if one.id in test.after]
+    made = (procedure_of(one.procedure).correction(one.id, results[one.id]) for one in before)
+    return [one for one in made if one is not None]
+
+
 def reduce_test(prepared: Prepared) -> Result:
     """Return the result of a test, as it is about its sensor.
 

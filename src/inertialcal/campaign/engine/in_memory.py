@@ -17,7 +17,7 @@ from ...procedures.protocol import Result, Tested
 from ...rigs.protocol import SEED, Twin
 from ..file.schema import CampaignFile, Test
 from ..inputs.sources import Memory
-from .engine import prepare_test, reduce_test
+from .engine import corrections_for, order_of, prepare_test, reduce_test
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,10 +52,8 @@ def fitted_tests(twin: Twin) -> list[Fitted]:
     tests = [test for test in file.tests if test.use == "fit"]
     store = Memory(twin.recordings, {file: extra.content for file, extra in twin.extras.items()})
     results: dict[str, Result] = {}
-    for test in sorted(tests, key=lambda one: bool(one.after)):
-        before = [(name, one) for name in test.after for one in tests if one.id == name]
-        made = [procedure_of(one.procedure).correction(name, results[name]) for name, one in before]
-        corrections = [one for one in made if one is not None]
+    for test in (tests[number] for number in order_of(tests)):
+        corrections = corrections_for(test, tests, results)
         results[test.id] = reduce_test(prepare_test(file, test, standards, store, corrections))
     return [Fitted(test.id, test.procedure, results[test.id], _rows(test, tests, results)) for test in tests]
 

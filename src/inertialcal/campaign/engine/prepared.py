@@ -13,7 +13,7 @@ from ..file.load import Campaign
 from ..file.schema import Test
 from ..file.sensors import Sensor
 from ..inputs.sources import Folder
-from .engine import Prepared, prepare_test
+from .engine import Prepared, corrections_for, prepare_test
 
 
 def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = None) -> Prepared:
@@ -29,10 +29,8 @@ def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = N
         Of tests that were reduced before, by name: what a test comes after is taken off. Without them nothing is.
     """
     file, test = campaign.file, campaign.file.tests[number]
-    before = {} if found is None else {one.id: one for one in file.tests if one.id in test.after}
     try:
-        made = [procedure_of(one.procedure).correction(name, (found or {})[name]) for name, one in before.items()]
-        corrections = [one for one in made if one is not None]
+        corrections = [] if found is None else corrections_for(test, file.tests, found)
         prepared = prepare_test(file, test, campaign.standards, Folder(campaign.folder), corrections)
         inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
         return replace(prepared, readings=replace(prepared.readings, remarks=inside))

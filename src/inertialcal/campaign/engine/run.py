@@ -23,7 +23,7 @@ from ..outcome.provenance import provenance
 from ..outcome.publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
 from ..outcome.requirements import worst
 from ..outcome.tables import outcome_parts
-from .engine import Prepared, ReducedTest, reduce_test, reduced_tests
+from .engine import Prepared, ReducedTest, order_of, reduce_test, reduced_tests
 from .prepared import placed, prepare
 from .side_by_side import beside_others
 
@@ -209,7 +209,7 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
     ready: dict[int, Prepared] = {}
     results: dict[str, Any] = {}
     problems: dict[int, tuple[Problem, ...]] = {}
-    for done, number in enumerate(sorted(range(len(tests)), key=lambda at: bool(tests[at].after))):
+    for done, number in enumerate(order_of(tests)):
         test = tests[number]
         tell(done, len(tests), test.id)
         if any(name not in results for name in test.after):

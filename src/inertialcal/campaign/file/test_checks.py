@@ -128,6 +128,9 @@ def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
     corrected = _with(lambda procedure: procedure.takes_corrections)
     tables = [procedure_of(name).inputs.table for name in corrected]
     others = [one.id for one in file.tests if one.id != test.id and one.procedure in corrects and one.use == "fit"]
+    if _comes_after_itself(file, test):
+        what = f"test {test.id!r} comes after itself, by way of {', '.join(test.after)}"
+        yield Problem(what, where, "none of them could be the first", "Leave one after out", "wrong_value")
     for name in test.after:
         if test.procedure not in corrected:
             what = f"test {test.id!r}: after, but only a {' or '.join(corrected)} has a bias taken off its readings"
@@ -142,6 +145,19 @@ def after_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
             if table is not None and table[0].name in tables:
                 what = f"test {test.id!r}: after = {name!r}, but recording {recording!r} is a table without temperature"
                 yield Problem(what, where, do="Leave after out, or give the recording itself", code="wrong_value")
+
+
+def _comes_after_itself(file: CampaignFile, test: Test) -> bool:
+    """Whether a ring of tests leads back to this one; one that names itself is no other test, which is said below."""
+    after = {one.id: one.after for one in file.tests}
+    reached: set[str] = set()
+    left = [*test.after]
+    while left:
+        name = left.pop()
+        if name not in reached:
+            reached.add(name)
+            left += after.get(name, [])
+    return test.id in reached and test.id not in test.after
 
 
 def overlap_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
