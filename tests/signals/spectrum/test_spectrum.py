@@ -25,7 +25,7 @@ from inertialcal.sensors.noise.terms import (
 )
 from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum import psd
-from inertialcal.signals.spectrum.tapers import Tapers, hann
+from inertialcal.signals.spectrum.tapers import Tapers, hann, slepian
 from inertialcal.statistics.intervals import covers
 
 METHODS = get_args(Method)
@@ -76,6 +76,15 @@ def test_noise_bandwidth_counts_spacings(n: int) -> None:
     """One without a taper, and 1.5 of a Hann taper, of whatever length."""
     assert Tapers(np.full((1, n), n**-0.5), n, 1).enbw == pytest.approx(1.0, rel=AGREE)
     assert hann(n).enbw == pytest.approx(1.5, rel=AGREE)
+
+
+@pytest.mark.parametrize("n", [32, 501, 4_096])
+def test_tapers_are_those_of_scipy(n: int) -> None:
+    window = signal.windows.hann(n, sym=False)
+    assert hann(n).weights[0] == pytest.approx(window / np.linalg.norm(window), abs=1e-15)
+    own, other = slepian(n, 4.0).weights, signal.windows.dpss(n, 4.0, 6)
+    signs = np.sign(np.sum(own * other, axis=1))[:, None]
+    assert own == pytest.approx(signs * other, abs=1e-15)
 
 
 def test_degrees_of_freedom_are_those_published() -> None:

@@ -18,8 +18,7 @@ from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy import fft
-from scipy.signal import windows
+from scipy import fft, linalg
 
 from ...core.estimate import Array
 
@@ -56,8 +55,8 @@ class Tapers:
 
 @lru_cache(4)
 def hann(n: int) -> Tapers:
-    """Return the one taper of Welch's method: Hann, segments overlapping by half."""
-    w = windows.hann(n, sym=False)
+    """Return the one taper of Welch's method: Hann, ``(1 - cos(2 pi k / n)) / 2``; segments overlap by half."""
+    w = 0.5 + 0.5 * np.cos(np.linspace(-np.pi, np.pi, n + 1)[:-1])
     return Tapers((w / np.sqrt(np.sum(w * w)))[None, :], max(1, n // 2), HANN_LOBE)
 
 
@@ -65,12 +64,15 @@ def hann(n: int) -> Tapers:
 def slepian(n: int, time_bandwidth: float) -> Tapers:
     """Return the first ``2 NW - 2`` Slepian tapers of a half bandwidth of ``NW / n``; segments do not overlap.
 
+    They are the eigenvectors of the largest eigenvalues of a tridiagonal matrix ([2]_, section 8.3), of either sign.
     The next one, which is often used too, lets through so much from far away that it would raise the high end of a
     spectrum that falls as 1/f^2 by 15 %.
     """
-    count = max(1, int(2.0 * time_bandwidth) - 2)
-    weights = np.atleast_2d(windows.dpss(n, time_bandwidth, count))
-    return Tapers(weights, n, int(np.ceil(time_bandwidth)))
+    count, k = max(1, int(2.0 * time_bandwidth) - 2), np.arange(n, dtype=np.float64)
+    diagonal = ((n - 1 - 2 * k) / 2.0) ** 2 * np.cos(2.0 * np.pi * (time_bandwidth / n))
+    off_diagonal = k[1:] * (n - k[1:]) / 2.0
+    _, vectors = linalg.eigh_tridiagonal(diagonal, off_diagonal, select="i", select_range=(n - count, n - 1))
+    return Tapers(np.ascontiguousarray(vectors[:, ::-1].T), n, int(np.ceil(time_bandwidth)))
 
 
 @lru_cache(8)
