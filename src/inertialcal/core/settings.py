@@ -61,6 +61,12 @@ class Setting:
         """Name on the command line."""
         return self.name.replace("_", "-")
 
+    @property
+    def written(self) -> str:
+        """Example as a line of TOML: ``cube = "5.08 cm"``."""
+        bare = self.many or self.flag or self.number is not None or self.table is not None
+        return f"{self.name} = {self.example}" if bare else f'{self.name} = "{self.example}"'
+
 
 def setting(
     help: str,

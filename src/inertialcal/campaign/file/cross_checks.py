@@ -6,13 +6,13 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...core.errors import Problem
+from ...core.schema.toml import At
 from ...procedures import procedure_names, procedure_of
 from .ground_checks import ground_checks
 from .recording_checks import recording_checks, sensor_checks
 from .requirement_checks import requirement_checks
 from .schema import CampaignFile
 from .test_checks import after_checks, against_checks, overlap_checks, procedure_checks
-from .toml_lines import At
 
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 

@@ -6,11 +6,11 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...core.errors import InertialcalError, Problem
+from ...core.schema.toml import At
 from ...procedures import procedure_names, procedure_of
 from ..inputs.ground import chain_model, has_model
 from .schema import CampaignFile
 from .sensors import Sensor
-from .toml_lines import At
 
 
 def ground_checks(folder: Path, file: CampaignFile, at: At) -> Iterator[Problem]:

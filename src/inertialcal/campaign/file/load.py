@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import hashlib
-import tomllib
 from collections.abc import Iterator
 from dataclasses import dataclass
 from difflib import get_close_matches
@@ -16,12 +15,10 @@ from ...core.campaign_text import FILE, MARK
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
 from ...core.schema.standards import STANDARDS
+from ...core.schema.toml import Path as KeyPath
+from ...core.schema.toml import key_lines, nearest_line, parse_toml
 from .cross_checks import cross_checks
 from .schema import CampaignFile
-from .toml_lines import Path as KeyPath
-from .toml_lines import key_lines, nearest_line
-
-LARGEST = 1_000_000  # bytes; a campaign file is written by hand
 
 
 @dataclass(frozen=True)
@@ -74,8 +71,7 @@ def load(folder: str | Path) -> Campaign:
         what = f"No campaign here: {path} does not exist"
         raise PlanError(what, do="Try: inertialcal demo", code="no_campaign")
     raw = path.read_bytes()
-    text = _decode(raw)
-    document = _parse(text)
+    text, document = parse_toml(raw, FILE)
     lines = key_lines(text)
     marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
     if marked:
@@ -90,29 +86,6 @@ def load(folder: str | Path) -> Campaign:
     if problems:
         raise PlanError(problems)
     return Campaign(root, file, standards, lines, hashlib.sha256(raw).hexdigest())
-
-
-def _decode(raw: bytes) -> str:
-    if len(raw) > LARGEST:
-        raise PlanError(f"{len(raw)} bytes: larger than a campaign file can be ({LARGEST})", where=FILE)
-    try:
-        return raw.decode("utf-8-sig").replace("\r\n", "\n")
-    except UnicodeDecodeError as error:
-        line = raw[: error.start].count(b"\n") + 1
-        raise PlanError("not UTF-8 text", where=f"{FILE}:{line}", do="Save the file as UTF-8") from None
-
-
-def _parse(text: str) -> dict[str, Any]:
-    try:
-        return tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        said, _, position = str(error).partition(" (at ")
-        line = position.split()[1].rstrip(",") if position.startswith("line") else ""
-        raise PlanError(
-            f"not TOML: {said[:1].lower()}{said[1:]}", where=f"{FILE}:{line}" if line else FILE, code="not_toml"
-        ) from None
-    except (RecursionError, ValueError, OverflowError):
-        raise PlanError("not TOML: nested too deeply, or a number too large", where=FILE, code="not_toml") from None
 
 
 def _problems(error: ValidationError, document: dict[str, Any], lines: dict[KeyPath, int]) -> Iterator[Problem]:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from ...core.errors import DataError, InertialcalError, Problem
+from ...core.schema.toml import At
 from ...core.units import kind, parse_quantity
 from ...files.pad.pairs import pairs_of
 from ...procedures import loaded_procedures
@@ -13,7 +14,6 @@ from ..inputs.chains import build_chain, scale_factors
 from .recordings import ROLES, CommonKeys, own_keys
 from .schema import CampaignFile
 from .sensors import Sensor
-from .toml_lines import At
 
 
 def sensor_checks(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:

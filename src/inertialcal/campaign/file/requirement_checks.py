@@ -7,11 +7,11 @@ from difflib import get_close_matches
 
 from ...core.errors import DataError, Problem
 from ...core.judging import parse_condition
+from ...core.schema.toml import At
 from ...core.units import kind, normalise, parse_quantity, same_dimension
 from ...procedures import all_quantities
 from ...procedures.protocol import Quantity
 from .schema import CampaignFile, Requirement
-from .toml_lines import At
 
 
 def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 from ...core.errors import Problem
+from ...core.schema.toml import At
 from ...procedures import procedure_names, procedure_of
 from ...procedures.entries import SaidTest
 from ...procedures.protocol import Procedure
 from .plans import plan_values
 from .recordings import OWN_KEYS, TABLE_KEYS, CommonKeys, table_of
 from .schema import CampaignFile, Test
-from .toml_lines import At
 
 
 def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:

@@ -8,7 +8,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.campaign.file.toml_lines import key_lines, nearest_line
+from inertialcal.core.schema.toml import key_lines, nearest_line
 
 TEXT = '''\
 schema = 1  # a comment with = and [brackets]

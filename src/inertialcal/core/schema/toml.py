@@ -1,16 +1,53 @@
-"""Line of every key of a TOML text, which the standard parser does not tell.
+"""TOML with the line of every key, which the standard parser does not give.
 
-The text has been parsed by ``tomllib`` before, so it is valid: this scanner only follows headers, keys, strings
-and brackets to say on which line each path stands.
+The scanner sees text that ``tomllib`` has parsed, so it is valid: it only follows headers, keys, strings and brackets.
 """
 
 from __future__ import annotations
 
+import tomllib
 from bisect import bisect_left
 from collections.abc import Callable, Iterator
+from typing import Any
 
+from ..errors import PlanError
+
+LARGEST = 1_000_000  # bytes; such a file is written by hand
 Path = tuple[str | int, ...]
 At = Callable[..., str]  # place of a key path, told in messages
+
+
+def parse_toml(raw: bytes, file: str) -> tuple[str, dict[str, Any]]:
+    """Return the text of a TOML file, and the document.
+
+    Parameters
+    ----------
+    raw : bytes
+        Its content.
+    file : str
+        Its name, for messages.
+
+    Raises
+    ------
+    PlanError
+        If it is too large, or is not UTF-8 or not TOML; with the line.
+    """
+    if len(raw) > LARGEST:
+        raise PlanError(f"{len(raw)} bytes: the file may have {LARGEST} at most", where=file)
+    try:
+        text = raw.decode("utf-8-sig").replace("\r\n", "\n")
+    except UnicodeDecodeError as error:
+        line = raw[: error.start].count(b"\n") + 1
+        raise PlanError("not UTF-8 text", where=f"{file}:{line}", do="Save the file as UTF-8") from None
+    try:
+        return text, tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        said, _, position = str(error).partition(" (at ")
+        line_of = position.split()[1].rstrip(",") if position.startswith("line") else ""
+        where = f"{file}:{line_of}" if line_of else file
+        raise PlanError(f"not TOML: {said[:1].lower()}{said[1:]}", where=where, code="not_toml") from None
+    except (RecursionError, ValueError, OverflowError):
+        raise PlanError("not TOML: nested too deeply, or a number too large", where=file, code="not_toml") from None
 
 
 def key_lines(text: str) -> dict[Path, int]:

@@ -1,0 +1,94 @@
+"""Settings as text, read into their dataclass: units and limits as its fields state them, every problem at once."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from difflib import get_close_matches
+from functools import cache
+from typing import Any, cast, get_args
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+
+from ..errors import Problem
+from ..settings import Setting, settings_of
+from .quantities import quantity
+
+
+def settings_values(
+    kind: type[Any], given: Mapping[str, Any], at: Callable[..., str], *above: str
+) -> tuple[dict[str, Any], list[Problem]]:
+    """Return the settings that a table gives, SI, and what is wrong with it.
+
+    Parameters
+    ----------
+    kind : type
+        Dataclass of settings; a setting may be a table of settings itself.
+    given : mapping
+        The table as parsed.
+    at : callable
+        Place of a key path, for messages.
+    above : str
+        Path of the table.
+    """
+    try:
+        read = _model(cast("Any", kind)).model_validate(given)
+    except ValidationError as error:
+        return {}, [_problem(kind, entry, at, above) for entry in error.errors(include_url=False)]
+    tables = {one.name: one.table for one in settings_of(kind)}
+    return {name: _value(getattr(read, name), tables[name]) for name in given}, []
+
+
+@cache
+def _model(kind: Any) -> type[BaseModel]:
+    """Return the pydantic model of a dataclass of settings."""
+    fields: dict[str, Any] = {one.name: (_annotation(one), _field(one)) for one in settings_of(kind)}
+    return create_model(kind.__name__, __config__=ConfigDict(extra="forbid", strict=True), **fields)
+
+
+def _value(read: Any, table: type[Any] | None) -> Any:
+    """Return a setting, tables of settings as their own dataclass."""
+    if table is None or read is None:
+        return read
+    if isinstance(read, list):
+        return [_value(one, table) for one in read]
+    tables = {one.name: one.table for one in settings_of(table)}
+    return table(**{name: _value(getattr(read, name), tables[name]) for name in read.model_fields_set})
+
+
+def _annotation(one: Setting) -> Any:
+    """Return the type that the text has to give: "number unit" for a quantity."""
+    if not one.unit and one.table is None:
+        return one.kind
+    table: Any = one.table
+    kind: Any = quantity(one.unit, one.difference) if one.unit else _model(table)
+    kind = list[kind] if one.many else kind
+    return kind | None if type(None) in get_args(one.kind) or one.table is not None else kind
+
+
+def _field(one: Setting) -> Any:
+    limits: dict[str, Any] = {"gt": one.above, "ge": one.least, "le": one.most}
+    given = {name: limit for name, limit in limits.items() if limit is not None}
+    if one.needed:
+        return Field(**given)
+    if callable(one.default):
+        return Field(default_factory=one.default, **given)
+    return Field(default=one.default, **given)
+
+
+def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ...]) -> Problem:
+    path = (*above, *entry["loc"])
+    name, where = ".".join(map(str, path)), at(*path)
+    *tables, last = (part for part in entry["loc"] if isinstance(part, str))
+    for part in tables:
+        kind = next(one.table for one in settings_of(kind) if one.name == part)
+    known = {one.name: one for one in settings_of(kind)}
+    if entry["type"] == "extra_forbidden":
+        near = get_close_matches(last, known, n=1)
+        do = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}"
+        return Problem(f"unknown key {name}", where, "it would have no effect", do, "unknown_key")
+    do = f"Example: {known[last].written}" if known[last].example else ""
+    if entry["type"] == "missing":
+        return Problem(f"{name} is missing", where, do=do, code="missing_key")
+    what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
+    unit = f" {known[last].unit}" if known[last].unit and entry.get("ctx", {}).keys() & {"gt", "ge", "le"} else ""
+    return Problem(f"{name}: {what}{unit}", where, do=do, code="wrong_value")
