@@ -38,7 +38,7 @@ AFTER = 2_000_000_000  # a time in the future [s]
 LONGEST = 300  # of the tests of a mutant: one that never ends is caught [s]
 THIRD_PARTY = (
     "numpy", "scipy.fft", "scipy.interpolate", "scipy.linalg", "scipy.optimize", "scipy.signal", "scipy.special",
-    "scipy.stats", "scipy.spatial.transform", "numba", "pint", "pyarrow", "pyarrow.parquet", "h5py", "pydantic",
+    "scipy.stats", "scipy.spatial.transform", "numba", "pyarrow", "pyarrow.parquet", "h5py", "pydantic",
     "matplotlib.figure", "typer", "rich", "jinja2", "pandas",
 )  # fmt: skip  # imported once, before the process forks
 

@@ -24,7 +24,7 @@ ORDER = (
     "lab", "cli",
 )  # fmt: skip
 FILES = sorted(PACKAGE.rglob("*.py"))
-HEAVY = ("numpy", "scipy", "numba", "pint", "matplotlib", "pandas", "pyarrow", "h5py", "pydantic")
+HEAVY = ("numpy", "scipy", "numba", "yaml", "matplotlib", "pandas", "pyarrow", "h5py", "pydantic")
 
 
 def folder(path: Path) -> str:

@@ -1,9 +1,7 @@
 """Units: what people write, one spelling that is printed, factors between them.
 
-The only place with factors, together with its parts: ``unit_atoms`` (the list of units), ``unit_text``
-(reading), ``unit_spelling`` (printing). pint carries the values; it sees only units that were read here,
-because it takes ``mgal`` for a milligallon and ``mg`` for a mass. In this field ``g``, ``mg``, ``ug`` and
-``ng`` are accelerations.
+The only place with factors; its parts are ``unit.atoms`` (the list of units), ``unit.parse`` and ``unit.spelling``.
+In this field ``g``, ``mg``, ``ug`` and ``ng`` are accelerations.
 
 Angles and counts have dimensions of their own, so that ``deg/s`` is no frequency. A temperature alone is a
 point on its scale (degC, degF and K differ by an offset); inside a product, as in ``V/degC``, it is a
@@ -19,42 +17,36 @@ difference.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache, lru_cache
-from typing import TYPE_CHECKING, Any
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from .errors import DataError
 from .estimate import Array
-from .unit.atoms import by_symbol, definitions, kind_of, registry_name
+from .unit.atoms import NONE, PREFIXES, Factor, Powers, by_symbol, kind_of, merged, product, quotient, raised
 from .unit.parse import read_quantity, read_unit
-from .unit.powers import NONE, Powers, product, quotient, raised
 from .unit.spelling import spell
 
-if TYPE_CHECKING:
-    from pint import UnitRegistry
-
 _REMEMBERED = 4096  # texts
-_OFFSET = ("degC", "degF")
 
-_KINDS: tuple[tuple[str, dict[str, int]], ...] = (
-    ("dimensionless", {}),
-    ("angular_rate", {"[angle]": 1, "[time]": -1}),
-    ("acceleration", {"[length]": 1, "[time]": -2}),
-    ("angle", {"[angle]": 1}),
-    ("voltage", {"[mass]": 1, "[length]": 2, "[time]": -3, "[current]": -1}),
-    ("temperature", {"[temperature]": 1}),
-    ("time", {"[time]": 1}),
-    ("frequency", {"[time]": -1}),
-    ("count", {"[count]": 1}),
-    ("pressure", {"[mass]": 1, "[length]": -1, "[time]": -2}),
-    ("length", {"[length]": 1}),
-    ("mass", {"[mass]": 1}),
-)
+_KINDS = {
+    "dimensionless": "1",
+    "angular_rate": "rad/s",
+    "acceleration": "m/s^2",
+    "angle": "rad",
+    "voltage": "V",
+    "temperature": "K",
+    "time": "s",
+    "frequency": "1/s",
+    "count": "count",
+    "pressure": "Pa",
+    "length": "m",
+    "mass": "kg",
+}
 
 
 @dataclass(frozen=True)
@@ -171,8 +163,13 @@ def factor(from_unit: str, to_unit: str, difference: bool = False) -> float:
             do="Use convert for temperatures, factor(..., difference=True) for differences of them",
             code="unit_mismatch",
         )
-    number = _registry().convert(1.0, _container(source, True), _container(target, True))
-    return _finite(float(number), from_unit, to_unit)
+    number = _in_base_units(quotient(source, target))[0]
+    if not (np.isfinite(number) and number > 0.0):
+        raise DataError(
+            f"the factor from {from_unit!r} to {to_unit!r} is beyond what a number can hold",
+            code="unit_mismatch",
+        )
+    return number
 
 
 def convert(values: ArrayLike, from_unit: str, to_unit: str) -> Array:
@@ -199,22 +196,22 @@ def convert(values: ArrayLike, from_unit: str, to_unit: str) -> Array:
     source, target = read_unit(from_unit), read_unit(to_unit)
     if source == target:
         return numbers
-    if _is_temperature(source) and _is_temperature(target):
-        points = _container(source, False), _container(target, False)
-        return np.asarray(_registry().convert(numbers, *points), dtype=np.float64)
+    if _zero_points_differ(source, target):
+        zero, to_zero = (by_symbol()[unit[0][0]][0].offset for unit in (source, target))
+        kelvins = numbers * _in_base_units(source)[0] + zero
+        return np.asarray((kelvins - to_zero) / _in_base_units(target)[0], dtype=np.float64)
     return np.asarray(numbers * factor(from_unit, to_unit), dtype=np.float64)
 
 
 @lru_cache(_REMEMBERED)
 def kind(unit: str) -> str:
     """Return what a unit measures: ``"angular_rate"``, ``"acceleration"``, ..., else ``"other"``."""
-    dimension = _dimension(read_unit(unit))
-    return next((name for name, known in _KINDS if known == dimension), "other")
+    return next((name for name, known in _KINDS.items() if same_dimension(unit, known)), "other")
 
 
 def same_dimension(a: str, b: str) -> bool:
     """Return whether values in one unit can be expressed in the other."""
-    return _dimension(read_unit(a)) == _dimension(read_unit(b))
+    return _in_base_units(read_unit(a))[1] == _in_base_units(read_unit(b))[1]
 
 
 @lru_cache(_REMEMBERED)
@@ -277,42 +274,41 @@ def _inside(unit: Powers) -> Powers:
     return result
 
 
-@cache
-def _registry() -> UnitRegistry[Any]:
-    """Build the one registry on first use: importing pint takes a quarter of a second."""
-    import pint  # noqa: PLC0415 - see above
-
-    registry: UnitRegistry[Any] = pint.UnitRegistry(None)
-    registry.load_definitions(definitions())
-    return registry
-
-
-def _container(unit: Powers, difference: bool) -> Any:
-    """Return the unit as pint has it; a temperature inside a product is always a difference."""
-    from pint.util import UnitsContainer  # noqa: PLC0415 - heavy
-
-    delta = "delta_" if difference or not _is_temperature(unit) else ""
-    names = {symbol: (delta if symbol in _OFFSET else "") + registry_name(symbol) for symbol, _ in unit}
-    return UnitsContainer({names[symbol]: float(exponent) for symbol, exponent in unit})
-
-
 @lru_cache(_REMEMBERED)
-def _dimension(unit: Powers) -> dict[str, float]:
-    dimension: Mapping[str, Any] = _registry().get_dimensionality(_container(unit, True))
-    return {name: float(exponent) for name, exponent in dimension.items()}
+def _in_base_units(unit: Powers) -> tuple[float, tuple[Factor, ...]]:
+    """Return the value of a unit in base units, and these; equal numbers above and below cancel exactly."""
+    numbers: dict[float, Fraction] = {}
+    base: list[Factor] = []
+    left = [*reversed(unit)]
+    while left:
+        symbol, exponent = left.pop()
+        atom, prefix = by_symbol()[symbol]
+        value = PREFIXES[prefix][1] if prefix else atom.value
+        numbers[value] = numbers.get(value, Fraction(0)) + exponent
+        if prefix:
+            left.append((atom.symbol, exponent))
+        elif atom.of == symbol:
+            base.append((symbol, exponent))
+        else:
+            left += [(one, exponent * own) for one, own in reversed(read_unit(atom.of))]
+    number = 1.0
+    for value, exponent in sorted(numbers.items(), key=lambda one: one[1] < 0):  # divisors last
+        number *= value ** float(exponent)
+    return number, tuple(sorted(merged(base).items()))
+
+
+def _zero_points_differ(source: Powers, target: Powers) -> bool:
+    if not (_is_temperature(source) and _is_temperature(target)):
+        return False
+    return any(by_symbol()[unit[0][0]][0].offset for unit in (source, target))
 
 
 def _is_temperature(unit: Powers) -> bool:
     return len(unit) == 1 and unit[0][1] == 1 and kind_of(unit[0][0]) == "temperature"
 
 
-def _zero_points_differ(source: Powers, target: Powers) -> bool:
-    both = _is_temperature(source) and _is_temperature(target)
-    return both and (source[0][0] in _OFFSET or target[0][0] in _OFFSET)
-
-
 def _require_same_dimension(source: Powers, target: Powers, from_unit: str, to_unit: str) -> None:
-    if _dimension(source) != _dimension(target):
+    if _in_base_units(source)[1] != _in_base_units(target)[1]:
         raise DataError(
             f"{from_unit!r} cannot be expressed in {to_unit!r}",
             why=f"one is {_in_words(from_unit)}, the other {_in_words(to_unit)}",
@@ -324,12 +320,3 @@ def _require_same_dimension(source: Powers, target: Powers, from_unit: str, to_u
 def _in_words(unit: str) -> str:
     known = kind(unit)
     return f"measured in {si_unit(unit)}" if known == "other" else f"of kind {known}"
-
-
-def _finite(number: float, from_unit: str, to_unit: str) -> float:
-    if not (np.isfinite(number) and number > 0.0):
-        raise DataError(
-            f"the factor from {from_unit!r} to {to_unit!r} is beyond what a number can hold",
-            code="unit_mismatch",
-        )
-    return number

@@ -9,7 +9,7 @@ from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
-PACKAGES = ("inertialcal", "numpy", "scipy", "numba", "pint", "pyarrow", "h5py", "pydantic")
+PACKAGES = ("inertialcal", "numpy", "scipy", "numba", "pyarrow", "h5py", "pydantic")
 
 
 def versions() -> dict[str, str]:

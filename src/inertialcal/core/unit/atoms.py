@@ -1,116 +1,137 @@
-"""The units that are known: what each is worth, how it is written, which prefixes it takes.
+"""The known units: what each is worth, how it is written, which prefixes it takes; a unit is a product of powers.
 
-The list is closed: a spelling that is not on it is refused, because the general unit libraries read
-``mgal`` as a milligallon, ``mg`` as a mass and ``G`` as either of two things. In this field ``g``, ``mg``,
-``ug``, ``ng`` and ``pg`` are accelerations (standard gravity); masses are ``kg``, ``gram`` and ``lb``.
+``deg/sqrt(h)`` is ``(("deg", 1), ("h", -1/2))``, with exact exponents within what a unit of this field can need.
+
+The list is closed: any other spelling is refused, because the general unit libraries read ``mgal`` as a milligallon,
+``mg`` as a mass and ``G`` as either of two things. In this field ``g``, ``mg``, ``ug``, ``ng`` and ``pg`` are
+accelerations (standard gravity); masses are ``kg``, ``gram`` and ``lb``.
 
 Angle and count are dimensions of their own: ``deg/s`` is no frequency, ``count`` is no pure number.
 
-The values stand as right-hand sides in the language of pint, in terms of the units above them; factors
-are those of the SI brochure and of NIST SP 811, Appendix B.
+Factors are those of the SI brochure and of NIST SP 811, Appendix B.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
+from collections.abc import Iterable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cache
 
 from ..constants import STANDARD_GRAVITY
-from .powers import NONE, Powers, powers
+
+Factor = tuple[str, Fraction]
+Powers = tuple[Factor, ...]
+
+LARGEST_EXPONENT = 12
+DENOMINATORS = (1, 2, 4)  # whole powers and roots; also exact as floats
+NONE: Powers = ()
 
 PREFIXES = {
-    "p": ("pico", "1e-12"),
-    "n": ("nano", "1e-9"),
-    "u": ("micro", "1e-6"),
-    "m": ("milli", "1e-3"),
-    "c": ("centi", "1e-2"),
-    "h": ("hecto", "1e2"),
-    "k": ("kilo", "1e3"),
-    "M": ("mega", "1e6"),
-    "G": ("giga", "1e9"),
+    "p": ("pico", 1e-12),
+    "n": ("nano", 1e-9),
+    "u": ("micro", 1e-6),
+    "m": ("milli", 1e-3),
+    "c": ("centi", 1e-2),
+    "h": ("hecto", 1e2),
+    "k": ("kilo", 1e3),
+    "M": ("mega", 1e6),
+    "G": ("giga", 1e9),
 }
 TWO_CASES = ("m", "M", "p")  # the other case is another prefix
 
 
 @dataclass(frozen=True)
 class Atom:
-    """One unit that is not made of others in its spelling.
+    """A unit whose spelling is not made of others.
 
     Parameters
     ----------
     symbol : str
-        As it is printed.
+        As printed.
     name : str
-        Its name in the registry, which is also a spelling, as is its plural.
+        Its name in full, which is also a spelling, as is its plural.
     kind : str
         What it measures; sets the order in print.
-    value : str
-        Dimension, or value in units above it.
+    value : float
+        One of it, in the unit ``of``; a base unit is 1 of itself.
+    of : str
+        A product of other units.
     si : str
         The unit of that kind inside the project.
     prefixes : str
         Those that may stand before ``symbol``, ``symbols`` (letters) and ``name``, ``words`` (in full).
     symbols, words : tuple of str
         Other spellings; case counts in symbols of one or two letters only.
+    offset : float
+        Zero of a temperature scale. [K]
     """
 
     symbol: str
     name: str
     kind: str
-    value: str
+    value: float
+    of: str
     si: str
     prefixes: str = ""
     symbols: tuple[str, ...] = ()
     words: tuple[str, ...] = ()
+    offset: float = 0.0
 
-
-_GRAVITY = f"{STANDARD_GRAVITY.value!r} * meter / second**2"
 
 ATOMS = (
-    Atom("count", "count", "count", "[count]", "count", "", ("ct", "cts", "LSB", "LSBs"), ("pulse", "digit")),
-    Atom("%", "percent", "dimensionless", "0.01", "1", symbols=("pct",)),
-    Atom("ppm", "ppm", "dimensionless", "1e-6", "1"),
-    Atom("ppb", "ppb", "dimensionless", "1e-9", "1"),
-    Atom("kg", "kilogram", "mass", "[mass]", "kg"),
-    Atom("gram", "gram", "mass", "1e-3 * kilogram", "kg"),
-    Atom("lb", "pound", "mass", "0.45359237 * kilogram", "kg", symbols=("lbm",)),
-    Atom("m", "meter", "length", "[length]", "m", "numck", words=("metre",)),
-    Atom("inch", "inch", "length", "0.0254 * meter", "m", symbols=("in", "inches")),
-    Atom("ft", "foot", "length", "0.3048 * meter", "m", symbols=("feet",)),
-    Atom("s", "second", "time", "[time]", "s", "pnum", ("sec", "secs")),
-    Atom("min", "minute", "time", "60 * second", "s", symbols=("mins",)),
-    Atom("h", "hour", "time", "3600 * second", "s", symbols=("hr", "hrs")),
-    Atom("day", "day", "time", "86400 * second", "s", symbols=("d",)),
-    Atom("year", "year", "time", "365.25 * day", "s", symbols=("yr",)),
-    Atom("rad", "radian", "angle", "[angle]", "rad", "pnum"),
-    Atom("deg", "degree", "angle", f"{math.pi!r} / 180 * radian", "rad", "um"),
-    Atom("arcmin", "arcminute", "angle", "degree / 60", "rad"),
-    Atom("arcsec", "arcsecond", "angle", "degree / 3600", "rad", "um"),
-    Atom("rev", "revolution", "angle", "360 * degree", "rad", words=("turn",)),
-    Atom("g", "standard_gravity", "acceleration", _GRAVITY, "m/s^2", "pnum", ("gn", "g_n", "g0"), ("gee", "g")),
-    Atom("Gal", "galileo", "acceleration", "1e-2 * meter / second**2", "m/s^2", "num", ("gal",)),
-    Atom("Eotvos", "eotvos", "other", "1e-9 / second**2", "1/s^2"),
-    Atom("A", "ampere", "other", "[current]", "A", "pnum", words=("amp",)),
-    Atom("V", "volt", "voltage", "kilogram * meter**2 / second**3 / ampere", "V", "numk"),
-    Atom("ohm", "ohm", "other", "volt / ampere", "ohm", "mkM"),
-    Atom("W", "watt", "other", "volt * ampere", "W", "numk"),
-    Atom("T", "tesla", "other", "volt * second / meter**2", "T", "num"),
-    Atom("gauss", "gauss", "other", "1e-4 * tesla", "T", "um"),
-    Atom("N", "newton", "other", "kilogram * meter / second**2", "N", "numk"),
-    Atom("Pa", "pascal", "pressure", "newton / meter**2", "Pa", "umhkM"),
-    Atom("bar", "bar", "pressure", "1e5 * pascal", "Pa", "um"),
-    Atom("atm", "atmosphere", "pressure", "101325 * pascal", "Pa"),
-    Atom("Torr", "torr", "pressure", "atmosphere / 760", "Pa", "um"),
-    Atom("mmHg", "millimeter_Hg", "pressure", "133.322387415 * pascal", "Pa"),
-    Atom("inHg", "inch_Hg", "pressure", "25.4 * millimeter_Hg", "Pa"),
-    Atom("psi", "psi", "pressure", "pound * standard_gravity / inch**2", "Pa"),
-    Atom("K", "kelvin", "temperature", "[temperature]", "degC", "um"),
-    Atom("degC", "celsius", "temperature", "kelvin; offset: 273.15", "degC"),
-    Atom("degF", "fahrenheit", "temperature", "5 / 9 * kelvin; offset: 233.15 + 200 / 9", "degC"),
-    Atom("Hz", "hertz", "frequency", "1 / second", "Hz", "umkMG"),
+    Atom("count", "count", "count", 1.0, "count", "count", "", ("ct", "cts", "LSB", "LSBs"), ("pulse", "digit")),
+    Atom("%", "percent", "dimensionless", 0.01, "1", "1", symbols=("pct",)),
+    Atom("ppm", "ppm", "dimensionless", 1e-6, "1", "1"),
+    Atom("ppb", "ppb", "dimensionless", 1e-9, "1", "1"),
+    Atom("kg", "kilogram", "mass", 1.0, "kg", "kg"),
+    Atom("gram", "gram", "mass", 1e-3, "kg", "kg"),
+    Atom("lb", "pound", "mass", 0.45359237, "kg", "kg", symbols=("lbm",)),
+    Atom("m", "meter", "length", 1.0, "m", "m", "numck", words=("metre",)),
+    Atom("inch", "inch", "length", 0.0254, "m", "m", symbols=("in", "inches")),
+    Atom("ft", "foot", "length", 0.3048, "m", "m", symbols=("feet",)),
+    Atom("s", "second", "time", 1.0, "s", "s", "pnum", ("sec", "secs")),
+    Atom("min", "minute", "time", 60.0, "s", "s", symbols=("mins",)),
+    Atom("h", "hour", "time", 3600.0, "s", "s", symbols=("hr", "hrs")),
+    Atom("day", "day", "time", 86400.0, "s", "s", symbols=("d",)),
+    Atom("year", "year", "time", 365.25, "day", "s", symbols=("yr",)),
+    Atom("rad", "radian", "angle", 1.0, "rad", "rad", "pnum"),
+    Atom("deg", "degree", "angle", math.pi / 180, "rad", "rad", "um"),
+    Atom("arcmin", "arcminute", "angle", 1 / 60, "deg", "rad"),
+    Atom("arcsec", "arcsecond", "angle", 1 / 3600, "deg", "rad", "um"),
+    Atom("rev", "revolution", "angle", 360.0, "deg", "rad", words=("turn",)),
+    Atom(
+        "g",
+        "standard_gravity",
+        "acceleration",
+        STANDARD_GRAVITY.value,
+        "m/s^2",
+        "m/s^2",
+        "pnum",
+        ("gn", "g_n", "g0"),
+        ("gee", "g"),
+    ),
+    Atom("Gal", "galileo", "acceleration", 1e-2, "m/s^2", "m/s^2", "num", ("gal",)),
+    Atom("Eotvos", "eotvos", "other", 1e-9, "1/s^2", "1/s^2"),
+    Atom("A", "ampere", "other", 1.0, "A", "A", "pnum", words=("amp",)),
+    Atom("V", "volt", "voltage", 1.0, "kg*m^2/s^3/A", "V", "numk"),
+    Atom("ohm", "ohm", "other", 1.0, "V/A", "ohm", "mkM"),
+    Atom("W", "watt", "other", 1.0, "V*A", "W", "numk"),
+    Atom("T", "tesla", "other", 1.0, "V*s/m^2", "T", "num"),
+    Atom("gauss", "gauss", "other", 1e-4, "T", "T", "um"),
+    Atom("N", "newton", "other", 1.0, "kg*m/s^2", "N", "numk"),
+    Atom("Pa", "pascal", "pressure", 1.0, "N/m^2", "Pa", "umhkM"),
+    Atom("bar", "bar", "pressure", 1e5, "Pa", "Pa", "um"),
+    Atom("atm", "atmosphere", "pressure", 101325.0, "Pa", "Pa"),
+    Atom("Torr", "torr", "pressure", 1 / 760, "atm", "Pa", "um"),
+    Atom("mmHg", "millimeter_Hg", "pressure", 133.322387415, "Pa", "Pa"),
+    Atom("inHg", "inch_Hg", "pressure", 25.4, "mmHg", "Pa"),
+    Atom("psi", "psi", "pressure", 1.0, "lb*g/inch^2", "Pa"),
+    Atom("K", "kelvin", "temperature", 1.0, "K", "degC", "um"),
+    Atom("degC", "celsius", "temperature", 1.0, "K", "degC", offset=273.15),
+    Atom("degF", "fahrenheit", "temperature", 5 / 9, "K", "degC", offset=233.15 + 200 / 9),
+    Atom("Hz", "hertz", "frequency", 1.0, "1/s", "Hz", "umkMG"),
 )
 
 # Spellings that stand for a product; a prefix goes to its first factor.
@@ -148,6 +169,44 @@ REFUSED = {
 }
 
 
+def merged(factors: Iterable[tuple[str, Fraction | int]]) -> dict[str, Fraction]:
+    """Return the exponent of each symbol in a product of factors, without those to the power 0."""
+    total: dict[str, Fraction] = {}
+    for symbol, exponent in factors:
+        total[symbol] = total.get(symbol, Fraction(0)) + exponent
+    return {symbol: exponent for symbol, exponent in total.items() if exponent}
+
+
+def powers(factors: Iterable[tuple[str, Fraction | int]]) -> Powers:
+    """Return the product of the factors: sorted by symbol, each symbol once, none to the power 0.
+
+    Raises
+    ------
+    ValueError
+        If an exponent is beyond ±12 or no multiple of 1/4.
+    """
+    total = merged(factors)
+    for symbol, exponent in total.items():
+        if abs(exponent) > LARGEST_EXPONENT or exponent.denominator not in DENOMINATORS:
+            raise ValueError(f"{symbol} to the power {exponent}: need a multiple of 1/4 within ±{LARGEST_EXPONENT}")
+    return tuple(sorted(total.items()))
+
+
+def product(a: Powers, b: Powers) -> Powers:
+    """Return a times b."""
+    return powers((*a, *b))
+
+
+def quotient(a: Powers, b: Powers) -> Powers:
+    """Return a divided by b."""
+    return powers((*a, *((symbol, -exponent) for symbol, exponent in b)))
+
+
+def raised(a: Powers, exponent: Fraction) -> Powers:
+    """Return a to a power."""
+    return powers((symbol, own * exponent) for symbol, own in a)
+
+
 @dataclass(frozen=True)
 class _Spelling:
     """One way to write a unit; ``prefix`` is the letter that it begins with, where that is a prefix."""
@@ -157,28 +216,21 @@ class _Spelling:
     prefix: str = ""
 
 
-def _atom_spellings(atom: Atom) -> Iterator[_Spelling]:
-    words = (atom.name, *atom.words)
-    plurals = tuple(f"{word}s" for word in words if len(word) > 2)
-    for prefix in ("", *atom.prefixes):
-        meaning = powers([(prefix + atom.symbol, 1)])
-        in_full = PREFIXES[prefix][0] if prefix else ""
-        for symbol in (atom.symbol, *atom.symbols):
-            yield _Spelling(prefix + symbol, meaning, prefix)
-        for word in (*words, *plurals):
-            yield _Spelling(in_full + word, meaning)
-
-
-def _compound_spellings() -> Iterator[_Spelling]:
-    for text, (prefixes, ((symbol, exponent), *rest)) in COMPOUNDS.items():
-        for prefix in ("", *prefixes):
-            yield _Spelling(prefix + text, powers([(prefix + symbol, exponent), *rest]), prefix)
-
-
 @cache
 def _spellings() -> tuple[_Spelling, ...]:
-    atoms = (spelling for atom in ATOMS for spelling in _atom_spellings(atom))
-    return (*atoms, *_compound_spellings(), _Spelling("dimensionless", NONE), _Spelling("unitless", NONE))
+    known = [_Spelling("dimensionless", NONE), _Spelling("unitless", NONE)]
+    for atom in ATOMS:
+        words = (atom.name, *atom.words)
+        words += tuple(f"{word}s" for word in words if len(word) > 2)
+        for prefix in ("", *atom.prefixes):
+            meaning = powers([(prefix + atom.symbol, 1)])
+            in_full = PREFIXES[prefix][0] if prefix else ""
+            known += [_Spelling(prefix + symbol, meaning, prefix) for symbol in (atom.symbol, *atom.symbols)]
+            known += [_Spelling(in_full + word, meaning) for word in words]
+    for text, (prefixes, ((symbol, exponent), *rest)) in COMPOUNDS.items():
+        for prefix in ("", *prefixes):
+            known.append(_Spelling(prefix + text, powers([(prefix + symbol, exponent), *rest]), prefix))
+    return tuple(known)
 
 
 @cache
@@ -220,21 +272,3 @@ def meaning(text: str) -> Powers | None:
 def kind_of(symbol: str) -> str:
     """Return what a printed symbol measures: ``kind_of("mdeg")`` is ``"angle"``."""
     return by_symbol()[symbol][0].kind
-
-
-def registry_name(symbol: str) -> str:
-    """Return the registry's name of a printed symbol: ``registry_name("mV")`` is ``"millivolt"``."""
-    atom, prefix = by_symbol()[symbol]
-    return (PREFIXES[prefix][0] if prefix else "") + atom.name
-
-
-def definitions() -> list[str]:
-    """Return all prefixes and units, in the language of pint."""
-    return [f"{name}- = {value}" for name, value in PREFIXES.values()] + [
-        f"{atom.name} = {atom.value}" for atom in ATOMS
-    ]
-
-
-def exponents_of(unit: Powers, kind: str) -> list[tuple[str, Fraction]]:
-    """Return those factors of a unit that measure one kind of thing."""
-    return [(symbol, exponent) for symbol, exponent in unit if kind_of(symbol) == kind]

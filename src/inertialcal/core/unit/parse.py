@@ -6,6 +6,9 @@ or a digit right behind a name (``s2``, ``s-2``) are exponents; ``per`` divides.
 
 What has two readings is refused, and both are spelled out: a product after a division without a sign
 (``deg/s g``), division by an angle or a length and then by a time (``mV/deg/s``), ``ms-2``, ``m/s-2``.
+
+Before that the many ways to write a sign become plain ASCII: both micro signs, three degree signs, dots, dashes,
+raised digits and the root sign.
 """
 
 from __future__ import annotations
@@ -13,22 +16,135 @@ from __future__ import annotations
 import difflib
 import math
 import re
+import unicodedata
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import NoReturn
+from typing import Literal, NoReturn
 
-from .atoms import REFUSED, kind_of, meaning, spellings
-from .exponent import read_exponent
-from .powers import NONE, Powers, product, quotient, raised
-from .spelling import spell
-from .tokens import EXAMPLES, Cursor, Token, cursor
+from ..errors import DataError
+from .atoms import NONE, REFUSED, Powers, kind_of, meaning, product, quotient, raised, spellings
+from .spelling import LONGEST, spell
 
+Code = Literal["unknown_unit", "unknown_quantity"]
+
+EXAMPLES: dict[Code, str] = {
+    "unknown_unit": "Units are written like deg/s, m/s^2, ug/sqrt(Hz), V/(deg/s), count, degC, %",
+    "unknown_quantity": "Write a number and a unit, like '0.5 V/(deg/s)', '5 V / 4095', '0.05 %'",
+}
+
+_SIGNS = str.maketrans(
+    {
+        **dict.fromkeys("\N{MICRO SIGN}\N{GREEK SMALL LETTER MU}", "u"),
+        **dict.fromkeys("\N{DEGREE SIGN}\N{MASCULINE ORDINAL INDICATOR}\N{RING ABOVE}", "deg"),
+        **dict.fromkeys("\N{MINUS SIGN}\N{EN DASH}\N{HYPHEN}\N{NON-BREAKING HYPHEN}", "-"),
+        **dict.fromkeys("\N{MIDDLE DOT}\N{DOT OPERATOR}\N{BULLET}\N{BULLET OPERATOR}\N{MULTIPLICATION SIGN}", "."),
+        **dict.fromkeys("\N{DIVISION SLASH}\N{FRACTION SLASH}", "/"),
+        "\N{SQUARE ROOT}": " sqrt ",
+        "\N{GREEK CAPITAL LETTER OMEGA}": "ohm",
+    }
+)
+_RAISED = re.compile("[⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻]+")
+_RAISED_SIGNS = str.maketrans("⁰¹²³⁴⁵⁶⁷⁸⁹⁺⁻", "0123456789+-")
+_DEGREES = re.compile(r"\bdeg(?:rees?)?\s+(c|f|celsius|fahrenheit)\b", re.IGNORECASE)
+_HYPHEN = re.compile(r"\b(pico|nano|micro|milli|kilo)-(?=[a-z])", re.IGNORECASE)
+_TOKEN = re.compile(
+    r"(?P<number>(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:[eE][+-]?[0-9]+)?)"
+    r"|(?P<per>\bper\b)|(?P<name>[A-Za-z_%]+)|(?P<sign>\*\*|[*/^().+-])|(?P<blank>\s+)|(?P<other>.)",
+    re.IGNORECASE,
+)
+_ONE_SIGN = {"**": "^", "per": "/"}
 DEEPEST = 8  # brackets inside brackets
 _REMEMBERED = 4096  # texts
 
 _ROOT = re.compile(r"(?:sqrt|root|rt)_?(.*)", re.IGNORECASE)
-_HALF = Fraction(1, 2)
+_EXPONENT = re.compile(r"[0-9]{1,2}(\.[0-9]{1,2})?|\.[0-9]{1,2}")  # no size that could cost time or memory
+_DIGIT = re.compile(r"[1-9]")
+
+
+@dataclass(frozen=True)
+class Token:
+    """A number, a name or a sign; ``touches`` where no blank stands before it."""
+
+    kind: str
+    text: str
+    touches: bool
+
+
+_END = Token("end", "", False)
+
+
+@dataclass
+class Cursor:
+    """A place in the tokens of a text; beyond the last is an empty token."""
+
+    source: str
+    code: Code
+    tokens: list[Token]
+    at: int = 0
+
+    @property
+    def with_number(self) -> bool:
+        """Whether a quantity is read, not a unit."""
+        return self.code == "unknown_quantity"
+
+    def peek(self, ahead: int = 0) -> Token:
+        """Return a token and stay."""
+        at = self.at + ahead
+        return self.tokens[at] if at < len(self.tokens) else _END
+
+    def take(self) -> Token:
+        """Return the next token and pass it."""
+        token = self.peek()
+        self.at += 1
+        return token
+
+    def put_back(self, name: str) -> None:
+        """Make a name the next token, in place of the last one taken."""
+        self.at -= 1
+        self.tokens[self.at] = Token("name", name, False)
+
+    def expect(self, sign: str) -> None:
+        """Pass a sign that must follow."""
+        if self.take().text != sign:
+            self.refuse(f"{sign!r} is missing")
+
+    def refuse(self, reason: str, do: str = "") -> NoReturn:
+        """Raise the DataError of a text that cannot be read, naming it."""
+        shown = self.source if len(self.source) <= LONGEST else self.source[:LONGEST] + "..."
+        what = f"{self.code.removeprefix('unknown_')} {shown!r}: {reason}"
+        raise DataError(what, do=do or EXAMPLES[self.code], code=self.code)
+
+
+def cursor(text: str, code: Code) -> Cursor:
+    """Return a cursor before the first token of a text.
+
+    Raises
+    ------
+    DataError
+        If the text is longer than 80 characters or has a character that no unit has.
+    """
+    at = Cursor(text, code, [])
+    if len(text) > LONGEST:
+        at.refuse(f"it has {len(text)} characters, more than {LONGEST}")
+    touches = False
+    for found in _TOKEN.finditer(_plain(text)):
+        kind, written = str(found.lastgroup), found[0]
+        if kind == "other":
+            advice = "Write the decimal sign as a point" if written == "," else ""
+            at.refuse(f"the character {written!r} does not belong there", advice)
+        if kind != "blank":
+            at.tokens.append(Token(kind, _ONE_SIGN.get(written.lower(), written), touches))
+        touches = kind != "blank"
+    return at
+
+
+def _plain(text: str) -> str:
+    """Return the text in plain ASCII, as far as its signs have a meaning."""
+    text = _RAISED.sub(lambda found: f"^({found[0].translate(_RAISED_SIGNS)})", text.strip())
+    text = unicodedata.normalize("NFKC", text.translate(_SIGNS)).translate(_SIGNS)
+    text = _HYPHEN.sub(r"\1", text.replace("_per_", "/").replace("sqrt_", "sqrt "))
+    return _DEGREES.sub(lambda found: "deg" + found[1][0].upper(), text)
 
 
 @dataclass(frozen=True)
@@ -104,17 +220,14 @@ def _chain(at: Cursor, depth: int) -> _Factor:
             at.take()
             divisor = _operand(at, depth)
             _check_divisors(at, last_divisor, divisor)
-            total, last_divisor, divided = _divide(at, total, divisor), divisor, True
+            if divisor.value == 0.0:
+                at.refuse("it divides by zero")
+            total = _Factor(total.value / divisor.value, quotient(total.unit, divisor.unit))
+            last_divisor, divided = divisor, True
         elif _multiplies(at, divided):
             total, last_divisor = total * _operand(at, depth), _Factor()
         else:
             return total
-
-
-def _divide(at: Cursor, a: _Factor, b: _Factor) -> _Factor:
-    if b.value == 0.0:
-        at.refuse("it divides by zero")
-    return _Factor(a.value / b.value, quotient(a.unit, b.unit))
 
 
 def _check_divisors(at: Cursor, last: _Factor, divisor: _Factor) -> None:
@@ -168,7 +281,9 @@ def _operand(at: Cursor, depth: int) -> _Factor:
     """Read a number, a name, a root or a bracket, with its exponent."""
     token = at.take()
     if token.kind == "number":
-        return _raise(at, _Factor(_number(at, token)))
+        if not at.with_number and token.text != "1":
+            at.refuse(f"there is a number in it, {token.text}")
+        return _raise(at, _Factor(float(token.text)))
     if token.text == "(":
         inner = _chain(at, depth + 1)
         at.expect(")")
@@ -176,25 +291,14 @@ def _operand(at: Cursor, depth: int) -> _Factor:
     if token.kind != "name":
         at.refuse(f"a unit is missing before {token.text!r}" if token.text else "a unit is missing at the end")
     root = _ROOT.fullmatch(token.text)
-    if root and meaning(token.text) is None:
-        return _root(at, depth, root[1])
-    return _name(at, token)
-
-
-def _number(at: Cursor, token: Token) -> float:
-    if not at.with_number and token.text != "1":
-        at.refuse(f"there is a number in it, {token.text}")
-    return float(token.text)
-
-
-def _root(at: Cursor, depth: int, rest: str) -> _Factor:
-    """Read what a root is taken of; ``rest`` is what was written together with the sign."""
+    if not root or meaning(token.text) is not None:
+        return _name(at, token)
     if depth > DEEPEST:
         at.refuse(f"more than {DEEPEST} brackets or roots inside each other")
-    if rest:
-        at.put_back(rest)
+    if root[1]:  # written together with the sign
+        at.put_back(root[1])
     inner = _operand(at, depth + 1)
-    return _Factor(math.sqrt(inner.value), raised(inner.unit, _HALF))
+    return _Factor(math.sqrt(inner.value), raised(inner.unit, Fraction(1, 2)))
 
 
 def _name(at: Cursor, token: Token) -> _Factor:
@@ -203,20 +307,16 @@ def _name(at: Cursor, token: Token) -> _Factor:
         text += at.take().text
     unit = meaning(text)
     if unit is None:
-        _unknown(at, text)
+        if text in REFUSED:
+            at.refuse(*REFUSED[text])
+        near = [known for known in spellings() if known.lower() == text.lower()]
+        near += [known for known in difflib.get_close_matches(text, spellings(), n=5) if known not in near]
+        hint = f"Nearest known: {', '.join(near)}. " if near else ""
+        at.refuse(f"{text!r} is not known", hint + EXAMPLES[at.code])
     factor = _raise(at, _Factor(1.0, unit), text)
     if len(factor.unit) != 1:
         return factor
     return _Factor(1.0, factor.unit, spell(factor.unit), factor.unit[0][1] < 0)
-
-
-def _unknown(at: Cursor, text: str) -> NoReturn:
-    if text in REFUSED:
-        at.refuse(*REFUSED[text])
-    near = [known for known in spellings() if known.lower() == text.lower()]
-    near += [known for known in difflib.get_close_matches(text, spellings(), n=5) if known not in near]
-    hint = f"Nearest known: {', '.join(near)}. " if near else ""
-    at.refuse(f"{text!r} is not known", hint + EXAMPLES[at.code])
 
 
 def _raise(at: Cursor, factor: _Factor, name: str = "") -> _Factor:
@@ -230,3 +330,51 @@ def _raise(at: Cursor, factor: _Factor, name: str = "") -> _Factor:
         return _Factor(factor.value ** float(exponent), raised(factor.unit, exponent))
     except ArithmeticError:
         at.refuse("its value is not finite")
+
+
+def read_exponent(cursor: Cursor, named: bool) -> Fraction | None:
+    """Return the exponent that follows, or None.
+
+    Parameters
+    ----------
+    cursor : Cursor
+        Behind what is raised.
+    named : bool
+        Whether that is a name, so that a digit right behind it is an exponent.
+
+    Raises
+    ------
+    DataError
+        If it is no number of one or two digits, with up to two decimals.
+    """
+    token = cursor.peek()
+    if token.text == "^":
+        cursor.take()
+        return _in_brackets(cursor) if cursor.peek().text == "(" else _signed(cursor, _EXPONENT)
+    signed = token.text in {"+", "-"} and cursor.peek(1).touches
+    if named and token.touches and (token.kind == "number" or signed):
+        return _signed(cursor, _DIGIT)
+    return None
+
+
+def _in_brackets(cursor: Cursor) -> Fraction:
+    cursor.expect("(")
+    value = _signed(cursor, _EXPONENT)
+    if cursor.peek().text == "/":
+        cursor.take()
+        below = _signed(cursor, _EXPONENT)
+        if not below:
+            cursor.refuse("its exponent divides by zero")
+        value /= below
+    cursor.expect(")")
+    return value
+
+
+def _signed(cursor: Cursor, allowed: re.Pattern[str]) -> Fraction:
+    token = cursor.take()
+    sign = -1 if token.text == "-" else 1
+    if token.text in {"+", "-"}:
+        token = cursor.take()
+    if not allowed.fullmatch(token.text):
+        cursor.refuse(f"{token.text!r} is no exponent", "Exponents are written like ^2, ^-0.5 or ^(1/2)")
+    return sign * Fraction(token.text)

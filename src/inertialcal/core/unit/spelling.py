@@ -14,8 +14,7 @@ from fractions import Fraction
 from functools import lru_cache
 from itertools import product
 
-from .atoms import exponents_of, kind_of
-from .powers import Factor, Powers, merged
+from .atoms import Factor, Powers, kind_of, merged
 
 LONGEST = 80  # characters of a unit, read or printed
 _REMEMBERED = 4096  # units
@@ -112,20 +111,17 @@ def _written(base: str, exponent: Fraction) -> list[str]:
 
 def _wholes(unit: Powers) -> list[_Whole]:
     """Wholes to powers other than 1 that, with those to the power 1, use up the times that they take."""
-    times = dict(exponents_of(unit, "time"))
-    candidates = [_candidates(unit, kind, order, tuple(times)) for kind, order in _KINDS_OF_WHOLES]
+    times = {symbol: exponent for symbol, exponent in unit if kind_of(symbol) == "time"}
+    candidates: list[list[_Whole | None]] = []
+    for kind, order in _KINDS_OF_WHOLES:  # a whole with each of the times, and none; none for two symbols of a kind
+        found = [(symbol, exponent) for symbol, exponent in unit if kind_of(symbol) == kind]
+        alone = found if len(found) == 1 and found[0][1].denominator == 1 else []
+        candidates.append(
+            [*(_Whole(symbol, time, order, exponent) for symbol, exponent in alone for time in times), None]
+        )
     for choice in product(*candidates):
         chosen = [whole for whole in choice if whole is not None]
         spent = {time: sum(w.times for w in chosen if w.time == time) for time in (w.time for w in chosen)}
         if all(times[time] == exponent for time, exponent in spent.items()):
             break  # at the latest with nothing chosen
     return [whole for whole in chosen if whole.exponent != 1]
-
-
-def _candidates(unit: Powers, kind: str, order: int, times: tuple[str, ...]) -> list[_Whole | None]:
-    """Return a whole with each of the times, and none; only none for more than one symbol of the kind."""
-    found = exponents_of(unit, kind)
-    if len(found) != 1 or found[0][1].denominator != 1:
-        return [None]
-    symbol, exponent = found[0]
-    return [*(_Whole(symbol, time, order, exponent) for time in times), None]
