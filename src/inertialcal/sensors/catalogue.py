@@ -41,58 +41,26 @@ Relation = Literal["at most", "less than", "at least", "more than", "plus or min
 
 @dataclass(frozen=True)
 class Figure:
-    """One printed figure: a data-sheet limit or a stated property.
+    """One printed figure: a data-sheet limit or a stated property."""
 
-    Parameters
-    ----------
-    quantity : str
-        In the field's words.
-    relation : str
-        How the value limits the quantity.
-    value : float
-        In ``unit``, as printed.
-    unit : str
-        As ``core.units`` prints it.
-    note : str
-        Conditions.
-    """
-
-    quantity: str
-    relation: Relation
-    value: float
-    unit: str
-    note: str = ""
+    quantity: str  # In the field's words
+    relation: Relation  # How the value limits the quantity
+    value: float  # In ``unit``, as printed
+    unit: str  # As ``core.units`` prints it
+    note: str = ""  # Conditions
 
 
 @dataclass(frozen=True, eq=False)
 class PublishedSensor:
-    """A sensor that a document describes.
+    """A sensor that a document describes."""
 
-    Parameters
-    ----------
-    item : Item
-        Maker, part and serial as far as the document has them.
-    kind : {"gyro", "accelerometer"}
-        What it senses.
-    axes : tuple of str
-        One a sensor.
-    figures : tuple of Figure
-        Data sheet and text.
-    chains : mapping of str to Chain
-        By range or purpose.
-    models : mapping of str to SensorModel
-        By state of correction.
-    source : str
-        Citation.
-    """
-
-    item: Item
-    kind: Kind
-    axes: tuple[str, ...]
-    source: str
-    figures: tuple[Figure, ...] = ()
-    chains: Mapping[str, Chain] = field(default_factory=dict)
-    models: Mapping[str, SensorModel] = field(default_factory=dict)
+    item: Item  # Maker, part and serial as far as the document has them
+    kind: Kind  # What it senses
+    axes: tuple[str, ...]  # One a sensor
+    source: str  # Citation
+    figures: tuple[Figure, ...] = ()  # Data sheet and text
+    chains: Mapping[str, Chain] = field(default_factory=dict)  # By range or purpose
+    models: Mapping[str, SensorModel] = field(default_factory=dict)  # By state of correction
 
     def figure(self, quantity: str) -> Figure:
         """One figure by its quantity; KeyError names those there are."""

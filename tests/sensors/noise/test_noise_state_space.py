@@ -10,9 +10,15 @@ from scipy import integrate, linalg
 
 from inertialcal.core.errors import PlanError
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.noise.allan_of_terms import expected_variance
-from inertialcal.sensors.noise.flicker_bank import flicker_bank
-from inertialcal.sensors.noise.state_space import StateSpace, bias_state, combined, discretise, state_space
+from inertialcal.sensors.noise.expected import expected_variance
+from inertialcal.sensors.noise.state_space import (
+    StateSpace,
+    bias_state,
+    combined,
+    discretise,
+    flicker_bank,
+    state_space,
+)
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,

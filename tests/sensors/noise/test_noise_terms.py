@@ -11,13 +11,12 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.noise.allan_of_terms import expected_variance
-from inertialcal.sensors.noise.phase import Phase, flicker_covariance
+from inertialcal.sensors.noise.expected import continuous_spectrum, expected_variance, sampled_spectrum
 from inertialcal.sensors.noise.simulate import simulate
-from inertialcal.sensors.noise.spectrum_of_terms import continuous_spectrum, sampled_spectrum
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,
+    Phase,
     Quantization,
     RandomWalk,
     RateRamp,
@@ -25,9 +24,12 @@ from inertialcal.sensors.noise.terms import (
     Sinusoid,
     Term,
     averaged_over,
+    converted,
+    flicker_covariance,
+    kind_of_unit,
+    parameter_unit,
     total_phase,
 )
-from inertialcal.sensors.noise.units import converted, kind_of_unit, parameter_unit
 from inertialcal.signals.allan import allan
 
 ROUNDING = 1e-9

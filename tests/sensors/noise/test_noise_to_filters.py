@@ -11,10 +11,9 @@ import pytest
 import yaml  # type: ignore[import-untyped]
 
 from inertialcal.core.errors import PlanError
-from inertialcal.sensors.noise.filter_block import FilterBlock
 from inertialcal.sensors.noise.state_space import state_space
 from inertialcal.sensors.noise.terms import BiasInstability, GaussMarkov, RandomWalk, RateRandomWalk, Term
-from inertialcal.sensors.noise.to_filters import to_gtsam, to_kalibr, to_kf_gins, to_px4
+from inertialcal.sensors.noise.to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
 
 DEG = np.pi / 180.0
 HOUR = 3600.0

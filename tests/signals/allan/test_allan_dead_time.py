@@ -13,7 +13,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.noise.allan_of_terms import expected_variance
+from inertialcal.sensors.noise.expected import expected_variance
 from inertialcal.sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Term
 from inertialcal.signals.allan import allan
 

@@ -13,8 +13,8 @@ from scipy import signal
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
+from inertialcal.sensors.noise.expected import sampled_spectrum
 from inertialcal.sensors.noise.simulate import simulate
-from inertialcal.sensors.noise.spectrum_of_terms import sampled_spectrum
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,

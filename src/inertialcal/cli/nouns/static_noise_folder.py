@@ -16,7 +16,7 @@ from ...procedures.static_noise.files.allan import NoiseFile
 from ...procedures.static_noise.files.psd import SpectrumFile
 from ...report.figure_file import write_figure
 from ...report.plot import pictures
-from ...sensors.noise.filter_block import FilterBlock
+from ...sensors.noise.to_filters import FilterBlock
 
 ENDINGS = {"kalibr": "imu.yaml", "px4": "px4.params", "gtsam": "gtsam_params.py", "kf-gins": "kf-gins.yaml"}
 

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from ...procedures.static_noise.files.allan import NoiseFile, SensorNoise
     from ...procedures.static_noise.files.psd import SpectrumFile
     from ...procedures.static_noise.reduction import Reach
-    from ...sensors.noise.filter_block import FilterBlock
+    from ...sensors.noise.to_filters import FilterBlock
 
 HEADS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "what the record tells")
 OTHERS = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")

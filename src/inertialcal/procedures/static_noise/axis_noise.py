@@ -23,58 +23,26 @@ from .spectra import Spectral, lines_to_fit, spectral
 
 @dataclass(frozen=True, eq=False)
 class Recorded:
-    """One record of one axis.
+    """One record of one axis."""
 
-    Parameters
-    ----------
-    run : Run
-        The record.
-    looked : Looked
-        Its disturbances.
-    curve : Allan
-        Overlapping Allan deviation at octaves, that the terms are fitted to [SI].
-    shown : Allan
-        The deviation that was asked for [SI].
-    spectral : Spectral
-        Its spectrum.
-    own : NoiseFit or None
-        Its own terms, where there are several records.
-    """
-
-    run: Run
-    looked: Looked
-    curve: Allan
-    shown: Allan
-    spectral: Spectral
-    own: NoiseFit | None = None
+    run: Run  # The record
+    looked: Looked  # Its disturbances
+    curve: Allan  # Overlapping Allan deviation at octaves, that the terms are fitted to [SI]
+    shown: Allan  # The deviation that was asked for [SI]
+    spectral: Spectral  # Its spectrum
+    own: NoiseFit | None = None  # Its own terms, where there are several records
 
 
 @dataclass(frozen=True, eq=False)
 class AxisNoise:
-    """What the records tell of one axis.
+    """What the records tell of one axis."""
 
-    Parameters
-    ----------
-    axis : str
-        Its name.
-    records : tuple of Recorded
-        Those that could be used.
-    fit : NoiseFit or None
-        Terms, from all records together; None with a reason.
-    problem : Problem or None
-        Why there are no terms.
-    lines : tuple of float
-        Frequencies of the lines in the fit [Hz].
-    remarks : tuple of Remark
-        What is suspicious.
-    """
-
-    axis: str
-    records: tuple[Recorded, ...]
-    fit: NoiseFit | None
-    problem: Problem | None
-    lines: tuple[float, ...]
-    remarks: tuple[Remark, ...]
+    axis: str  # Its name
+    records: tuple[Recorded, ...]  # Those that could be used
+    fit: NoiseFit | None  # Terms, from all records together; None with a reason
+    problem: Problem | None  # Why there are no terms
+    lines: tuple[float, ...]  # Frequencies of the lines in the fit [Hz]
+    remarks: tuple[Remark, ...]  # What is suspicious
 
     @property
     def reason(self) -> str:

@@ -22,11 +22,9 @@ from scipy import special
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...core.units import divide, power
-from ...sensors.noise.allan_of_terms import Deviation, expected_variance
+from ...sensors.noise.expected import Deviation, expected_variance, sampled_spectrum
 from ...sensors.noise.fitting.noise_fit import NoiseFit
-from ...sensors.noise.spectrum_of_terms import sampled_spectrum
-from ...sensors.noise.terms import RateRamp, Sinusoid, Term
-from ...sensors.noise.units import sample_unit
+from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit
 from ...signals.spectrum import Spectrum
 from .axis_noise import AxisNoise, Recorded
 from .deviations import INTERVAL

@@ -16,64 +16,31 @@ from ...signals.names import Quantity
 
 @dataclass(frozen=True)
 class Fault:
-    """Samples of one axis of a record that are no readings.
+    """Samples of one axis of a record that are no readings."""
 
-    Parameters
-    ----------
-    axis : str
-        Which.
-    code : {"stuck", "saturated"}
-        Why they are none.
-    count : int
-        How many.
-    left_out : bool
-        Whether they are left out, or kept as the plan says.
-    """
-
-    axis: str
-    code: Literal["stuck", "saturated"]
-    count: int
-    left_out: bool
+    axis: str  # Which
+    code: Literal["stuck", "saturated"]  # Why they are none
+    count: int  # How many
+    left_out: bool  # Whether they are left out, or kept as the plan says
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """One record of a sensor at rest, on the regular grid of its sample interval.
+    """One record of a sensor at rest, on the regular grid of its sample interval."""
 
-    Parameters
-    ----------
-    values : mapping of str to ndarray, shape (n,)
-        Of each axis, in the type of the file; NaN where a sample is missing.
-    present : mapping of str to ndarray of bool, shape (n,)
-        Of an axis: where a sample is there; absent where all are.
-    scale : mapping of str to float
-        SI unit a unit of the values.
-    interval : float
-        From sample to sample [s].
-    averaging : float or None
-        What each sample is the mean of [s]; None when nobody said.
-    quantity : {"rate", "increment"}
-        What a sample is: a rate, or what was added in it. Angles are differenced before.
-    name : str
-        Of the record, for messages.
-    warm_up : int
-        Samples left out at the start.
-    clock : ndarray, shape (n,), or None
-        Time of each sample since the first of the recording [s], for messages; None where samples are counted.
-    faults : tuple of Fault
-        Samples that are no readings.
-    """
-
+    # shape (n,): Of each axis, in the type of the file; NaN where a sample is missing
     values: Mapping[str, NDArray[Any]]
-    present: Mapping[str, NDArray[np.bool_]]
-    scale: Mapping[str, float]
-    interval: float
-    averaging: float | None = None
-    quantity: Quantity = "rate"
-    name: str = ""
-    warm_up: int = 0
+    present: Mapping[str, NDArray[np.bool_]]  # shape (n,): Of an axis: where a sample is there; absent where all are
+    scale: Mapping[str, float]  # SI unit a unit of the values
+    interval: float  # From sample to sample [s]
+    averaging: float | None = None  # What each sample is the mean of [s]; None when nobody said
+    quantity: Quantity = "rate"  # What a sample is: a rate, or what was added in it. Angles are differenced before
+    name: str = ""  # Of the record, for messages
+    warm_up: int = 0  # Samples left out at the start
+    # shape (n,): Time of each sample since the first of the recording [s], for messages; None where samples are
+    # counted
     clock: Array | None = None
-    faults: tuple[Fault, ...] = ()
+    faults: tuple[Fault, ...] = ()  # Samples that are no readings
 
     def __len__(self) -> int:
         return len(next(iter(self.values.values())))
@@ -144,18 +111,10 @@ class Run:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Records of one sensor at rest.
+    """Records of one sensor at rest."""
 
-    Parameters
-    ----------
-    records : tuple of Run
-        All with the same axes.
-    remarks : tuple of Remark
-        What reading them brought up.
-    """
-
-    records: tuple[Run, ...]
-    remarks: tuple[Remark, ...] = ()
+    records: tuple[Run, ...]  # All with the same axes
+    remarks: tuple[Remark, ...] = ()  # What reading them brought up
 
     def __len__(self) -> int:
         """Return the number of records."""

@@ -19,32 +19,18 @@ from .plan import Plan
 
 @dataclass(frozen=True)
 class Reach:
-    """What the records tell of one term, and how long one would have to be.
+    """What the records tell of one term, and how long one would have to be."""
 
-    Parameters
-    ----------
-    term, quantity : str
-        Its word in ``sensors.noise``, and the field's word of its size.
-    relative_error : float or None
-        Standard uncertainty over value; None for a term that was not found.
-    record : float
-        Length of the longest record [s].
-    needed : float or None
-        Length that gives the wanted error, or shows the term [s]; at most ``record`` where these records do it
-        already; None where no record that can be planned does.
-    reason : str
-        Why a term was not found, or what one that was could be as well.
-    doubt : str
-        Why the figures of the axis may not hold.
-    """
-
+    # Its word in ``sensors.noise``, and the field's word of its size
     term: str
     quantity: str
-    relative_error: float | None
-    record: float
+    relative_error: float | None  # Standard uncertainty over value; None for a term that was not found
+    record: float  # Length of the longest record [s]
+    # Length that gives the wanted error, or shows the term [s]; at most ``record`` where these records do it already;
+    # None where no record that can be planned does
     needed: float | None
-    reason: str = ""
-    doubt: str = ""
+    reason: str = ""  # Why a term was not found, or what one that was could be as well
+    doubt: str = ""  # Why the figures of the axis may not hold
 
 
 def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:

@@ -69,22 +69,13 @@ OF_LINES = tuple(quantity_name(Sinusoid.name, one, None) for one in Sinusoid.par
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What the test gives.
+    """What the test gives."""
 
-    Parameters
-    ----------
-    plan, readings : Plan, Readings
-        As given.
-    axes : tuple of AxisNoise
-        One an axis.
-    remarks : tuple of Remark
-        Findings.
-    """
-
+    # As given
     plan: Plan
     readings: Readings
-    axes: tuple[AxisNoise, ...]
-    remarks: tuple[Remark, ...]
+    axes: tuple[AxisNoise, ...]  # One an axis
+    remarks: tuple[Remark, ...]  # Findings
 
     @property
     def estimate(self) -> Estimate | None:

@@ -14,8 +14,7 @@ from ...core.axes import Kind
 from ...core.key import At, Key, Member, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
-from ...sensors.noise.terms import TERMS, Sinusoid, quantity_name
-from ...sensors.noise.units import parameter_unit, sample_unit
+from ...sensors.noise.terms import TERMS, Sinusoid, parameter_unit, quantity_name, sample_unit
 from ...statistics.intervals import t_interval
 from .axis_noise import AxisNoise, Recorded
 from .doubts import doubt_of

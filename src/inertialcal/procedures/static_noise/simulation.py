@@ -15,27 +15,13 @@ from .readings import Readings, Run
 
 @dataclass(frozen=True)
 class Truth:
-    """Terms of each axis, and how they are recorded.
+    """Terms of each axis, and how they are recorded."""
 
-    Parameters
-    ----------
-    terms : mapping of str to tuple of Term
-        Of each axis [SI].
-    samples : int
-        Of each record.
-    interval : float
-        From sample to sample [s].
-    averaging : float, optional
-        What each sample is the mean of [s]; the interval by default.
-    runs : int
-        Records.
-    """
-
-    terms: Mapping[str, tuple[Term, ...]]
-    samples: int
-    interval: float
-    averaging: float | None = None
-    runs: int = 1
+    terms: Mapping[str, tuple[Term, ...]]  # Of each axis [SI]
+    samples: int  # Of each record
+    interval: float  # From sample to sample [s]
+    averaging: float | None = None  # What each sample is the mean of [s]; the interval by default
+    runs: int = 1  # Records
 
 
 def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:

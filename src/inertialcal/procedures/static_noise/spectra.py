@@ -23,24 +23,12 @@ SAME = 2.0  # spacings that a line may lie apart in two records
 
 @dataclass(frozen=True, eq=False)
 class Spectral:
-    """What the spectrum of one record of one axis tells; None where it could not be made.
+    """What the spectrum of one record of one axis tells; None where it could not be made."""
 
-    Parameters
-    ----------
-    spectrum : Spectrum or None
-        SI.
-    lines : Lines or None
-        That stand out of its noise.
-    agreement : Agreement or None
-        Whether the Allan deviation agrees with it.
-    remarks : tuple of Remark
-        What is suspicious.
-    """
-
-    spectrum: Spectrum | None
-    lines: Lines | None
-    agreement: Agreement | None
-    remarks: tuple[Remark, ...]
+    spectrum: Spectrum | None  # SI
+    lines: Lines | None  # That stand out of its noise
+    agreement: Agreement | None  # Whether the Allan deviation agrees with it
+    remarks: tuple[Remark, ...]  # What is suspicious
 
 
 def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str) -> Spectral:

@@ -8,8 +8,7 @@ from typing import get_args
 
 from ...core.axes import Kind
 from ...core.units import normalise
-from ...sensors.noise.terms import TERMS, quantity_name
-from ...sensors.noise.units import shown_units
+from ...sensors.noise.terms import TERMS, quantity_name, shown_units
 from .reduction import quantity_units
 
 SENSORS: tuple[Kind, ...] = get_args(Kind)

@@ -36,21 +36,11 @@ from ...core.estimate import Array
 
 @dataclass(frozen=True, eq=False)
 class Thermometer:
-    """Linear temperature channel of k sensors.
+    """Linear temperature channel of k sensors."""
 
-    Parameters
-    ----------
-    slope : ndarray, shape (k,), or float
-        [V/degC].
-    voltage : ndarray, shape (k,), or float
-        V_0, what it gives above the reference at ``temperature`` [V].
-    temperature : ndarray, shape (k,), or float
-        T_0 [degC].
-    """
-
-    slope: Array | float
-    voltage: Array | float
-    temperature: Array | float
+    slope: Array | float  # shape (k,): [V/degC]
+    voltage: Array | float  # shape (k,): V_0, what it gives above the reference at ``temperature`` [V]
+    temperature: Array | float  # shape (k,): T_0 [degC]
 
     def __post_init__(self) -> None:
         if np.any(np.asarray(self.slope) == 0.0):
@@ -69,51 +59,27 @@ class Thermometer:
 class Chain:
     """From codes to readings, for k sensors.
 
-    Parameters
-    ----------
-    axes : tuple of str
-        One a sensor.
-    step : float
-        Output a count [V], or 1/gate [1/s] of a pulse-rate converter.
-    codes : (int, int), optional
-        Lowest and highest code; None where the converter has no ends.
-    unit : str
-        Input unit, SI.
-    output_unit : str
-        ``"V"`` or ``"count/s"``.
-    scale_factor : ndarray, shape (k,), or float, optional
-        Ideal S0 [output unit / input unit]; None leaves the output without a reading.
-    reference : {"channel"} or float
-        Measured beside the signal, or a fixed voltage [V].
-    zero : ndarray, shape (k,) or (q, k), or float
-        Z [V] at the converter, or its coefficients of 1, T, T^2, ... in degC.
-    gain : ndarray, shape (k,), or float
-        Of the amplifier; over time it is given to ``convert``.
-    zero_at : mapping of float to ndarray, shape (k,), optional
-        Gain -> Z [V] at that gain, where gains are given over time.
-    thermometer : Thermometer, optional
-        Temperature channel.
-    validity_minimum : float, optional
-        Lowest voltage of the built-in test at which readings are good [V].
-
     Raises
     ------
     PlanError
         If a number cannot be: step or scale factor of zero, ends in the wrong order, ...
     """
 
-    axes: tuple[str, ...]
-    step: float
-    codes: tuple[int, int] | None = None
-    unit: str = ""
-    output_unit: str = "V"
+    axes: tuple[str, ...]  # One a sensor
+    step: float  # Output a count [V], or 1/gate [1/s] of a pulse-rate converter
+    codes: tuple[int, int] | None = None  # Lowest and highest code; None where the converter has no ends
+    unit: str = ""  # Input unit, SI
+    output_unit: str = "V"  # ``"V"`` or ``"count/s"``
+    # shape (k,): Ideal S0 [output unit / input unit]; None leaves the output without a reading
     scale_factor: Array | float | None = None
-    reference: Literal["channel"] | float = 0.0
+    reference: Literal["channel"] | float = 0.0  # Measured beside the signal, or a fixed voltage [V]
+    # shape (k,) or (q, k): Z [V] at the converter, or its coefficients of 1, T, T^2, ... in degC
     zero: Array | float = 0.0
-    gain: Array | float = 1.0
+    gain: Array | float = 1.0  # shape (k,): Of the amplifier; over time it is given to ``convert``
+    # shape (k,): Gain -> Z [V] at that gain, where gains are given over time
     zero_at: Mapping[float, Array] | None = None
-    thermometer: Thermometer | None = None
-    validity_minimum: float | None = None
+    thermometer: Thermometer | None = None  # Temperature channel
+    validity_minimum: float | None = None  # Lowest voltage of the built-in test at which readings are good [V]
 
     def __post_init__(self) -> None:
         if not (np.isfinite(self.step) and self.step > 0.0):

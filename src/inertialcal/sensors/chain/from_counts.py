@@ -23,30 +23,14 @@ from .converter import Chain, missing_channel, nonzero, wide, zero_at_gains
 
 @dataclass(frozen=True, eq=False)
 class Converted:
-    """What a chain makes of codes; all arrays of shape (n, k).
+    """What a chain makes of codes; all arrays of shape (n, k)."""
 
-    Parameters
-    ----------
-    output : ndarray
-        v [output unit]; NaN where not valid.
-    readings : ndarray or None
-        r [input unit]; NaN where not valid; None without a scale factor.
-    temperature : ndarray or None
-        [degC]; NaN where its own channel or the reference is at a rail or missing.
-    valid : ndarray of bool
-        False at rails, where a code is missing, while the built-in test is low.
-    stuck : ndarray of bool
-        In a run of equal codes that the channel's other readings do not explain; such readings stay.
-    remarks : tuple of Remark
-        The same, counted.
-    """
-
-    output: Array
-    readings: Array | None
-    temperature: Array | None
-    valid: Mask
-    stuck: Mask
-    remarks: tuple[Remark, ...] = ()
+    output: Array  # v [output unit]; NaN where not valid
+    readings: Array | None  # r [input unit]; NaN where not valid; None without a scale factor
+    temperature: Array | None  # [degC]; NaN where its own channel or the reference is at a rail or missing
+    valid: Mask  # False at rails, where a code is missing, while the built-in test is low
+    stuck: Mask  # In a run of equal codes that the channel's other readings do not explain; such readings stay
+    remarks: tuple[Remark, ...] = ()  # The same, counted
 
 
 def sample(index: int) -> str:

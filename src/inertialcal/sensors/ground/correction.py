@@ -28,21 +28,11 @@ WORDS = {"bias": "bias", "scale_factor": "scale factor", "misalignment": "misali
 
 @dataclass(frozen=True, eq=False)
 class Corrected:
-    """Readings after a ground model.
+    """Readings after a ground model."""
 
-    Parameters
-    ----------
-    readings : ndarray, shape (n, k)
-        Along the axes of the head [input unit].
-    predicted : ndarray, shape (n, k)
-        Bias that the model predicts along them [input unit].
-    remarks : tuple of Remark
-        What was left out, and what was lost.
-    """
-
-    readings: Array
-    predicted: Array
-    remarks: tuple[Remark, ...]
+    readings: Array  # shape (n, k): Along the axes of the head [input unit]
+    predicted: Array  # shape (n, k): Bias that the model predicts along them [input unit]
+    remarks: tuple[Remark, ...]  # What was left out, and what was lost
 
 
 def correct(

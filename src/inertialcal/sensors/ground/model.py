@@ -40,32 +40,15 @@ STEPS = ("bias", "scale_factor", "misalignment")
 
 @dataclass(frozen=True, eq=False)
 class Polynomials:
-    """Of one sensor at one gain; coefficients of 1, (T - T_ref), (T - T_ref)^2, ...
+    """Of one sensor at one gain; coefficients of 1, (T - T_ref), (T - T_ref)^2, ..."""
 
-    Parameters
-    ----------
-    bias : ndarray, shape (p,)
-        [input unit/degC^j].
-    scale : ndarray, shape (q,)
-        Scale factor over the ideal one that made the readings [1/degC^j].
-    """
-
-    bias: Array
-    scale: Array
+    bias: Array  # shape (p,): [input unit/degC^j]
+    scale: Array  # shape (q,): Scale factor over the ideal one that made the readings [1/degC^j]
 
 
 @dataclass(frozen=True, eq=False)
 class GroundModel:
     """A model that was made on the ground.
-
-    Parameters
-    ----------
-    base : SensorModel
-        Misalignment (``matrix``), reference temperature, temperature range; all there is where no gain is told apart.
-    gains : mapping of float to mapping of str to Polynomials
-        Gain -> axis -> polynomials; instead of bias and scale factor of ``base``.
-    order : {"jointly", "bias_first"}
-        See the head of this module.
 
     Raises
     ------
@@ -74,9 +57,11 @@ class GroundModel:
         the temperature.
     """
 
+    # Misalignment (``matrix``), reference temperature, temperature range; all there is where no gain is told apart
     base: SensorModel
+    # Gain -> axis -> polynomials; instead of bias and scale factor of ``base``
     gains: Mapping[float, Mapping[str, Polynomials]] = field(default_factory=dict[float, Mapping[str, Polynomials]])
-    order: Order = "jointly"
+    order: Order = "jointly"  # See the head of this module
 
     def __post_init__(self) -> None:
         if not self.base.linear:
@@ -131,18 +116,10 @@ class GroundModel:
 
 @dataclass(frozen=True, eq=False)
 class AtGains:
-    """A ground model at one set of gains.
+    """A ground model at one set of gains."""
 
-    Parameters
-    ----------
-    model : SensorModel
-        Bias and misalignment.
-    scale : ndarray, shape (q, k)
-        Coefficients of the scale factor over the ideal one, of T - T_ref.
-    """
-
-    model: SensorModel
-    scale: Array
+    model: SensorModel  # Bias and misalignment
+    scale: Array  # shape (q, k): Coefficients of the scale factor over the ideal one, of T - T_ref
 
     @property
     def in_temperature(self) -> bool:

@@ -278,31 +278,16 @@ def check_item(model: SensorModel, serial: str | None = None, unit: str | None =
 
 @dataclass(frozen=True)
 class Line:
-    """One parameter.
+    """One parameter."""
 
-    Parameters
-    ----------
-    name : str
-        ``"misalignment_zx"``.
-    words : str
-        ``"z sensor reads 1.298 % of x motion"``.
-    value, u : float
-        Value and standard uncertainty; ``u`` is None where there is none.
-    unit : str
-        SI, and degC.
-    note : str
-        Why it has no uncertainty.
-    origin : str
-        Test and recordings, or citation.
-    """
-
-    name: str
-    words: str
+    name: str  # ``"misalignment_zx"``
+    words: str  # ``"z sensor reads 1.298 % of x motion"``
+    # Value and standard uncertainty; ``u`` is None where there is none
     value: float
     u: float | None
-    unit: str
-    note: str
-    origin: str
+    unit: str  # SI, and degC
+    note: str  # Why it has no uncertainty
+    origin: str  # Test and recordings, or citation
 
 
 def lines(model: SensorModel) -> tuple[Line, ...]:

@@ -60,28 +60,15 @@ COUNTED = {
 
 @dataclass(frozen=True)
 class Parameter:
-    """One number of a model.
+    """One number of a model."""
 
-    Parameters
-    ----------
-    name : str
-        ``"misalignment_xz"``.
-    quantity, axis : str
-        Its two parts: ``"misalignment"``, ``"xz"``.
-    unit : str
-        SI, and degC.
-    field : str
-        Attribute of the model that holds it.
-    index : tuple of int
-        Where in that array.
-    """
-
-    name: str
+    name: str  # ``"misalignment_xz"``
+    # Its two parts: ``"misalignment"``, ``"xz"``
     quantity: str
     axis: str
-    unit: str
-    field: str
-    index: tuple[int, ...]
+    unit: str  # SI, and degC
+    field: str  # Attribute of the model that holds it
+    index: tuple[int, ...]  # Where in that array
 
 
 def parameters(axes: Sequence[str], unit: str, arrays: Mapping[str, Array]) -> tuple[Parameter, ...]:

@@ -7,18 +7,14 @@ to a filter (``state_space``, ``to_kalibr``, ...). Values are SI inside; ``shown
 """
 
 from ...core.axes import Kind
-from .allan_of_terms import expected_variance
-from .filter_block import FilterBlock
+from .expected import continuous_spectrum, expected_variance, sampled_spectrum
 from .fitting.estimator import fit
 from .fitting.goodness import ChiSquare
 from .fitting.noise_fit import NoiseFit, Parameter, TermEstimate, duration
-from .flicker_bank import flicker_bank
-from .forecast import Forecast, forecast
-from .planner import RecordPlan, plan_record
-from .runs import AllanLike, Run
+from .fitting.problem import AllanLike, Run
+from .planner import Forecast, RecordPlan, forecast, plan_record
 from .simulate import simulate
-from .spectrum_of_terms import continuous_spectrum, sampled_spectrum
-from .state_space import StateSpace, bias_state, combined, discretise, state_space
+from .state_space import StateSpace, bias_state, combined, discretise, flicker_bank, state_space
 from .terms import (
     TERMS,
     BiasInstability,
@@ -29,10 +25,14 @@ from .terms import (
     RateRandomWalk,
     Sinusoid,
     Term,
+    converted,
+    kind_of_unit,
+    parameter_unit,
     quantity_name,
+    sample_unit,
+    shown_units,
 )
-from .to_filters import to_gtsam, to_kalibr, to_kf_gins, to_px4
-from .units import converted, kind_of_unit, parameter_unit, sample_unit, shown_units
+from .to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
 
 __all__ = [
     "TERMS",

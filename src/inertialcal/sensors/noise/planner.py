@@ -1,13 +1,18 @@
-"""How long to record for a noise term to be known to a relative error.
+"""What a record of a given length shows of each noise term, and how long to record for one of them.
 
-Four answers, from coarse to fine:
+``forecast`` is the covariance of the fit (``likelihood``) to overlapping Allan variances at octaves, as the terms
+themselves imply it: it knows that terms hide behind each other. Relative errors are standard uncertainties over values.
+A term counts as *shown* where that of its size is at most a quarter: the square of the size, of which the Allan
+variance is made, then lies two standard deviations from zero.
+
+``plan_record`` gives four lengths, from coarse to fine:
 
 - the standard's rule [1]_, eq. (C.22): an Allan deviation at tau has the relative error
   ``1 / sqrt(2 (T / tau - 1))`` in a record of T;
 - the same from the exact equivalent degrees of freedom of the overlapping Allan variance, ``1 / sqrt(2 edf)``;
-- what a fit of all terms together will give (``forecast``), if it is told which terms there are;
+- what a fit of all terms together gives, if the terms are known;
 - the same, but long enough for the choice of terms to name the term in 95 % of records as well (``separation``): the
-  one to plan by, for who does not know the terms beforehand.
+  one to plan by if you do not know the terms beforehand.
 
 A term that gives the share s of the Allan variance at tau is known from that one deviation to ``error / s``: the first
 two rules are applied to the averaging time that asks for the shortest record.
@@ -15,91 +20,42 @@ two rules are applied to the averaging time that asks for the shortest record.
 References
 ----------
 .. [1] IEEE Std 952-1997, Annex C, eq. (C.22).
+.. [2] Q. H. Vuong, Econometrica 57 (1989) 307: likelihood ratios of models that are not nested.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import lru_cache
+from typing import Any
 
 import numpy as np
+from scipy import special
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.show.rounding import number
 from ...core.show.tables import Block, Table, html, text
-from ...signals.allan.deviations import KINDS
-from ...signals.allan.edf import degrees_of_freedom
-from .allan_of_terms import variance_of_phase
-from .fitting.covariance_of_allan import covariance_of_allan, model_edf
-from .fitting.separation import can_be_chosen, separation
-from .forecast import SPANS, check_terms, free_parameters, relative_errors
-from .terms import Term, total_phase
+from .expected import variance_of_phase
+from .fitting.likelihood import covariance_of_allan, mean_of, model_edf, sandwich_of
+from .fitting.order import NAMES, PRICE, ranked, separable, unknowns
+from .fitting.problem import GAUSS_MARKOV, Run, problem_of
+from .terms import Sinusoid, Term, total_phase
 
 LONGEST = 2.0**34  # samples of a record that is still planned
 PRECISION = 1e-3  # of a record length
 ROUGH = 0.02  # of one in which a term is named
 LEAST = 24  # samples of a record from which terms are chosen
-
-
-def standard_error(record: float, tau: float) -> float:
-    """Return the relative error of an Allan deviation by IEEE 952, eq. (C.22).
-
-    Parameters
-    ----------
-    record, tau : float
-        Length of the record, averaging time [s].
-
-    Raises
-    ------
-    PlanError
-        If the record is not longer than the averaging time.
-    """
-    if not 0.0 < tau < record:
-        raise PlanError(f"a record of {record:g} s for an averaging time of {tau:g} s", do="It must be longer")
-    return float(1.0 / np.sqrt(2.0 * (record / tau - 1.0)))
-
-
-def standard_record(relative_error: float, tau: float) -> float:
-    """Return the record length that IEEE 952, eq. (C.22), asks for [s].
-
-    Parameters
-    ----------
-    relative_error : float
-        Of the Allan deviation.
-    tau : float
-        Averaging time [s].
-
-    Raises
-    ------
-    PlanError
-        If the error or the time is not positive.
-    """
-    _check_error(relative_error)
-    if not tau > 0.0:
-        raise PlanError(f"an averaging time of {tau:g} s", do="It must be positive")
-    return tau * (1.0 + 0.5 / relative_error**2)
-
-
-def deviation_error(record: float, tau: float, interval: float, power: int = 0) -> float:
-    """Return the relative error of an overlapping Allan deviation from its exact degrees of freedom.
-
-    Parameters
-    ----------
-    record, tau, interval : float
-        Length of the record, averaging time, time from sample to sample [s].
-    power : int
-        Of the noise at that time: 2 quantisation, 0 white, -1 flicker, -2 random walk of the rate.
-
-    Raises
-    ------
-    PlanError
-        If the record does not hold two averaging times.
-    """
-    n, m = int(record / interval + 1e-9), round(tau / interval)
-    if m < 1 or n < 2 * m:
-        raise PlanError(f"a record of {record:g} s for an averaging time of {tau:g} s, need twice as long, or longer")
-    return float(1.0 / np.sqrt(2.0 * degrees_of_freedom(KINDS["overlapping"], m, n - 2 * m + 1, power)))
+SHOWN = 0.25  # relative error of a size that is shown to be there
+SPANS = 3  # longest averaging time of the octaves, in its lengths that a record holds
+NOISE_EDF = 1.5  # degrees of freedom of an averaging time that a record holds, most of all noises (white)
+STEP = 1e-4  # relative, of the derivative for a parameter that the variance is not a power of
+SCALES = ("coefficient", "sigma", "amplitude")  # parameters whose square the Allan variance is proportional to
+GIVEN = ("frequency",)  # parameters that are told before a fit
+SEVERAL = ("gauss_markov", "sinusoid")  # terms that there may be several of
+NAMED = 0.95  # of records
+CHOSEN_FROM = (*NAMES, GAUSS_MARKOV)
 
 
 @dataclass(frozen=True)
@@ -257,3 +213,199 @@ def _shortest(
 def _check_error(relative_error: float) -> None:
     if not relative_error > 0.0:
         raise PlanError(f"a relative error of {relative_error:g}", do="It must be positive, such as 0.1")
+
+
+@dataclass(frozen=True)
+class Known:
+    """What a record tells of one parameter."""
+
+    # ``"random_walk"``, ``"coefficient"``
+    term: str
+    parameter: str
+    value: float  # That was assumed [SI]
+    relative_error: float  # Standard uncertainty of a fit of all terms, over the value
+    shown: bool  # Whether the term is shown to be there: relative error of its size at most a quarter
+
+
+@dataclass(frozen=True)
+class Forecast:
+    """What a record of one length tells of all terms.
+
+    Parameters
+    ----------
+    record, interval : float
+        Length, time from sample to sample [s].
+    known : tuple of Known
+        One a parameter.
+    """
+
+    record: float
+    interval: float
+    known: tuple[Known, ...]
+
+    def of(self, term: str, parameter: str = "") -> Known:
+        """One parameter; the first of the term where none is named.
+
+        Raises
+        ------
+        PlanError
+            If it is not among them.
+        """
+        for one in self.known:
+            if one.term == term and parameter in {"", one.parameter}:
+                return one
+        there = ", ".join(f"{one.term} {one.parameter}" for one in self.known)
+        raise PlanError(f"no parameter {term} {parameter}".rstrip(), do=f"There are: {there}")
+
+    def parts(self) -> tuple[Block, ...]:
+        """Return what is shown: a row a parameter."""
+        heads = ("term", "parameter", "value [SI]", "relative error", "shown")
+        rows = [
+            (one.term, one.parameter, number(one.value, 4), number(one.relative_error, 2), "yes" if one.shown else "no")
+            for one in self.known
+        ]
+        caption = f"what {number(self.record, 5)} s at {number(1.0 / self.interval, 5)} Hz tell, all terms fitted"
+        return (Table(heads, rows, caption, (2, 3)),)
+
+    def __str__(self) -> str:
+        """Return a table with a row a parameter."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return the same table for a notebook."""
+        return html(self.parts())
+
+
+def forecast(terms: tuple[Term, ...], record: float, interval: float, averaging: float | None = None) -> Forecast:
+    """Return what a record tells of each term, if the noise is that of the terms given.
+
+    Parameters
+    ----------
+    terms : tuple of Term
+        All of the sensor, with values from a data sheet or a first record [SI].
+    record, interval : float
+        Length of the record, time from sample to sample [s].
+    averaging : float, optional
+        Averaging time of a sample [s]; the interval by default.
+
+    Raises
+    ------
+    DataError
+        ``too_short`` if the record has fewer averaging times than unknowns.
+    PlanError
+        If there is no term, or one twice.
+    """
+    check_terms(terms)
+    errors = relative_errors(terms, record, interval, averaging)
+    at = iter(errors)
+    known = []
+    for term in terms:
+        names = free_parameters(term)
+        each = [float(next(at)) for _ in names]
+        values = [float(getattr(term, name)) for name in names]
+        shown = bool(each[0] <= SHOWN)
+        known += [Known(term.name, n, v, e, shown) for n, v, e in zip(names, values, each, strict=True)]
+    return Forecast(record, interval, tuple(known))
+
+
+def free_parameters(term: Term) -> tuple[str, ...]:
+    """Return the parameters of a term that a fit finds, its size first."""
+    return tuple(name for name in term.parameters if name not in GIVEN)
+
+
+@lru_cache(64)
+def relative_errors(terms: tuple[Term, ...], record: float, interval: float, averaging: float | None) -> Array:
+    """Return the relative standard uncertainty of each free parameter of each term, in order.
+
+    Raises
+    ------
+    DataError
+        ``too_short`` if the record has fewer averaging times than unknowns.
+    """
+    n = int(record / interval + 1e-9)
+    m = octaves(n)
+    slopes = np.stack(
+        [_slope(term, name, m, interval, averaging) for term in terms for name in free_parameters(term)], axis=1
+    )
+    if len(m) < slopes.shape[1]:
+        what = f"a record of {record:g} s: {len(m)} averaging times for {slopes.shape[1]} unknowns"
+        raise DataError(what, do="Record longer, or assume fewer terms", code="too_short")
+    phase = total_phase(terms, interval, averaging)
+    mean = variance_of_phase(phase, m)
+    sigma = covariance_of_allan(phase, m, n - 2.0 * m + 1.0)
+    edf = np.minimum(model_edf(mean, sigma), NOISE_EDF * n / m)  # the fit weighs a ramp or a line as if it were noise
+    return sandwich_of(slopes, 0.5 * edf / mean**2, sigma).u
+
+
+def octaves(n: int) -> Array:
+    """Return averaging times 1, 2, 4, ... of a record of n samples, three of the longest fitting in [samples]."""
+    return np.asarray(2.0 ** np.arange(max(1, int(np.floor(np.log2(max(n, SPANS) / SPANS))) + 1)))
+
+
+def _slope(term: Term, name: str, m: Array, interval: float, averaging: float | None) -> Array:
+    """Return the derivative of the Allan variance by the logarithm of a parameter."""
+    if name in SCALES:
+        return 2.0 * variance_of_phase(total_phase((term,), interval, averaging), m)
+    changes: Any = [{name: getattr(term, name) * np.exp(sign * STEP)} for sign in (1.0, -1.0)]
+    above, below = (variance_of_phase(total_phase((replace(term, **c),), interval, averaging), m) for c in changes)
+    return np.asarray((above - below) / (2.0 * STEP))
+
+
+def check_terms(terms: tuple[Term, ...]) -> None:
+    """Refuse no terms, and a term twice that is one size only.
+
+    Raises
+    ------
+    PlanError
+        In both cases.
+    """
+    names = [term.name for term in terms]
+    twice = sorted({name for name in names if names.count(name) > 1 and name not in SEVERAL})
+    if not terms or twice:
+        raise PlanError("no terms" if not terms else f"term {', '.join(twice)} given twice", do="Give each term once")
+
+
+def can_be_chosen(terms: tuple[Term, ...], term: str) -> bool:
+    """Return whether the criterion decides on a term: not on lines, nor between two terms of one name."""
+    names = [one.name for one in terms]
+    return term in CHOSEN_FROM and all(names.count(name) == 1 for name in names if name != Sinusoid.name)
+
+
+def separation(terms: tuple[Term, ...], term: str, record: float, interval: float, averaging: float | None) -> float:
+    """Return by how much the criterion is better with a term than without in all but 5 % of records.
+
+    The Allan variances are taken as the terms expect them, and all choices without the term are fitted to them. What
+    likelihood the best of these lose is expected so; in a record it scatters with the standard deviation that the
+    covariance of the Allan variances gives it (to first order, as the distance of two models does [2]_). Lengths came
+    out long enough, by up to twice (simulated).
+    """
+    n = int(record / interval + 1e-9)
+    m, phase = octaves(n), total_phase(terms, interval, averaging)
+    pairs = n - 2.0 * m + 1.0
+    mu, sigma = variance_of_phase(phase, m), covariance_of_allan(phase, m, pairs)
+    edf = np.minimum(model_edf(mu, sigma), NOISE_EDF * n / m)
+    run = Run(m, mu, pairs, edf, interval, averaging or interval, np.ones(len(m)))
+    problem = problem_of([run], [one.frequency for one in terms if isinstance(one, Sinusoid)])
+    names = tuple(one.name for one in terms if one.name in CHOSEN_FROM)
+    least, worst = float(problem.weight @ (np.log(mu) + 1.0)), np.inf
+    for choice in ranked(problem, separable(problem, tuple(one for one in CHOSEN_FROM if one != term))):
+        gain = 2.0 * (choice.fitted.cost - least)
+        slope = 2.0 * problem.weight * (1.0 / mean_of(problem, choice.fitted) - 1.0 / mu)
+        price = PRICE * (unknowns(names) - unknowns(choice.terms))
+        part = set(choice.terms) <= set(names)
+        worst = min(worst, _mostly(gain, float(slope @ sigma @ slope), part) - price)
+    return float(worst)
+
+
+def _mostly(gain: float, variance: float, part: bool) -> float:
+    """Return what a gain exceeds in all but 5 % of cases: normal, or gamma where it is never negative.
+
+    It is not, of a choice that is a ``part`` of the terms; a rival can come out better than the truth.
+    """
+    if not part:
+        return gain - float(special.ndtri(NAMED)) * float(np.sqrt(variance))
+    if not (gain > 0.0 and variance > 0.0):
+        return 0.0
+    return float(special.gammaincinv(gain**2 / variance, 1.0 - NAMED)) * variance / gain

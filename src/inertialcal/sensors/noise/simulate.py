@@ -24,7 +24,6 @@ from scipy import fft, signal
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .phase import flicker_covariance
 from .terms import (
     BiasInstability,
     GaussMarkov,
@@ -35,6 +34,7 @@ from .terms import (
     Sinusoid,
     Term,
     averaged_over,
+    flicker_covariance,
 )
 
 

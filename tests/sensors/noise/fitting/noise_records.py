@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 
 from inertialcal.core.estimate import Array
-from inertialcal.sensors.noise.allan_of_terms import expected_variance
-from inertialcal.sensors.noise.fitting.covariance_of_allan import covariance_of_allan, model_edf
+from inertialcal.sensors.noise.expected import expected_variance
 from inertialcal.sensors.noise.fitting.estimator import fit
+from inertialcal.sensors.noise.fitting.likelihood import covariance_of_allan, model_edf
 from inertialcal.sensors.noise.fitting.noise_fit import NoiseFit
-from inertialcal.sensors.noise.runs import Run
+from inertialcal.sensors.noise.fitting.problem import Run
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import GaussMarkov, RandomWalk, RateRandomWalk, Sinusoid, Term, total_phase
 from inertialcal.signals.allan import Allan, allan

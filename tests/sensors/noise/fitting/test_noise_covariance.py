@@ -11,14 +11,14 @@ from scipy.optimize import minimize, nnls
 
 from inertialcal.core.estimate import Array
 from inertialcal.sensors.noise import _kernels as kernels
-from inertialcal.sensors.noise.allan_of_terms import expected_variance
-from inertialcal.sensors.noise.fitting.covariance_of_allan import covariance_of_allan, model_edf, noise_on_line
-from inertialcal.sensors.noise.phase import Phase
-from inertialcal.sensors.noise.runs import run_of
+from inertialcal.sensors.noise.expected import expected_variance
+from inertialcal.sensors.noise.fitting.likelihood import covariance_of_allan, model_edf, noise_on_line
+from inertialcal.sensors.noise.fitting.problem import run_of
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,
+    Phase,
     Quantization,
     RandomWalk,
     RateRamp,

@@ -13,9 +13,8 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.sensors.noise.fitting.estimator import fit
 from inertialcal.sensors.noise.fitting.goodness import residual_test
 from inertialcal.sensors.noise.fitting.likelihood import covariance_of_runs, estimate, mean_of, slopes_of, time_at
-from inertialcal.sensors.noise.fitting.problem import expected, problem_of
+from inertialcal.sensors.noise.fitting.problem import Run, expected, problem_of
 from inertialcal.sensors.noise.planner import plan_record
-from inertialcal.sensors.noise.runs import Run
 from inertialcal.sensors.noise.terms import (
     BiasInstability,
     GaussMarkov,

@@ -12,7 +12,7 @@ import pytest
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.fitting.estimator import fit
 from inertialcal.sensors.noise.fitting.noise_fit import NoiseFit
-from inertialcal.sensors.noise.runs import Run
+from inertialcal.sensors.noise.fitting.problem import Run
 from inertialcal.sensors.noise.terms import GaussMarkov, RandomWalk
 from inertialcal.signals.allan import allan
 from inertialcal.signals.allan.deviations import KINDS

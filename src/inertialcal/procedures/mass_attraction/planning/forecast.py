@@ -32,8 +32,7 @@ from scipy import linalg
 
 from ....core.errors import PlanError
 from ....core.estimate import Array
-from ....sensors.noise.phase import Phase
-from ....sensors.noise.terms import RateRamp, Term, total_phase
+from ....sensors.noise.terms import Phase, RateRamp, Term, total_phase
 
 EXACT = 1024  # dwells
 LONGEST = 2**40  # cycles that are still told

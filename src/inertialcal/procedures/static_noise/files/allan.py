@@ -14,9 +14,9 @@ from ....core.results import Row
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import estimate_table, remarks_line
 from ....core.show.tables import Block, html, text
-from ....sensors.noise.filter_block import FilterBlock
 from ....sensors.noise.fitting.noise_fit import duration
 from ....sensors.noise.terms import Term
+from ....sensors.noise.to_filters import FilterBlock
 from ...display import displayed, displayed_curve
 from .. import reduction as procedure
 from .channels import Group, Said, groups_of
@@ -30,18 +30,10 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, eq=False)
 class SensorNoise:
-    """Noise of one sensor of the files.
+    """Noise of one sensor of the files."""
 
-    Parameters
-    ----------
-    group : Group
-        Its channels.
-    result : static_noise.Result
-        SI, or in the unit of the file.
-    """
-
-    group: Group
-    result: procedure.Result
+    group: Group  # Its channels
+    result: procedure.Result  # SI, or in the unit of the file
 
     @property
     def name(self) -> str:
@@ -66,24 +58,12 @@ class SensorNoise:
 
 @dataclass(frozen=True, eq=False)
 class NoiseFile:
-    """Noise of the sensors in one or more files.
+    """Noise of the sensors in one or more files."""
 
-    Parameters
-    ----------
-    sensors : tuple of SensorNoise
-        Gyro, accelerometer, or whatever the file has.
-    inputs : mapping of str to str
-        SHA-256 by path.
-    remarks : tuple of Remark
-        What reading and reducing brought up.
-    sample_rate : float
-        Of the first record [Hz].
-    """
-
-    sensors: tuple[SensorNoise, ...]
-    inputs: Mapping[str, str]
-    remarks: tuple[Remark, ...]
-    sample_rate: float
+    sensors: tuple[SensorNoise, ...]  # Gyro, accelerometer, or whatever the file has
+    inputs: Mapping[str, str]  # SHA-256 by path
+    remarks: tuple[Remark, ...]  # What reading and reducing brought up
+    sample_rate: float  # Of the first record [Hz]
 
     @property
     def rows(self) -> tuple[Row, ...]:

@@ -32,52 +32,24 @@ SHOWN: dict[Kind, str] = {"gyro": "deg/s", "accelerometer": "m/s^2"}  # of what 
 
 @dataclass(frozen=True)
 class Taken:
-    """One channel of a sensor.
+    """One channel of a sensor."""
 
-    Parameters
-    ----------
-    channel : str
-        Its name in the file.
-    kind : {"gyro", "accelerometer"} or None
-        None where the unit is neither's.
-    unit : str
-        That the samples are in; empty where nobody said.
-    quantity : {"rate", "increment", "angle"}
-        What they are.
-    scale : float
-        SI unit a unit of the samples; 1 without a kind.
-    """
-
-    channel: str
-    kind: Kind | None
-    unit: str
-    quantity: Quantity
-    scale: float
+    channel: str  # Its name in the file
+    kind: Kind | None  # None where the unit is neither's
+    unit: str  # That the samples are in; empty where nobody said
+    quantity: Quantity  # What they are
+    scale: float  # SI unit a unit of the samples; 1 without a kind
 
 
 @dataclass(frozen=True)
 class Group:
-    """Channels that are reduced together.
+    """Channels that are reduced together."""
 
-    Parameters
-    ----------
-    name : str
-        ``"gyro"``, ``"accelerometer"``, or what the unit or the names say.
-    kind : {"gyro", "accelerometer"} or None
-        Of the sensor.
-    unit : str
-        That figures of the samples are shown in; empty where nobody said.
-    quantity : {"rate", "increment", "angle"}
-        What the samples are.
-    axes : mapping of str to Taken
-        By axis, or by the name of the channel where axes are not said or not distinct.
-    """
-
-    name: str
-    kind: Kind | None
-    unit: str
-    quantity: Quantity
-    axes: Mapping[str, Taken]
+    name: str  # ``"gyro"``, ``"accelerometer"``, or what the unit or the names say
+    kind: Kind | None  # Of the sensor
+    unit: str  # That figures of the samples are shown in; empty where nobody said
+    quantity: Quantity  # What the samples are
+    axes: Mapping[str, Taken]  # By axis, or by the name of the channel where axes are not said or not distinct
 
 
 def groups_of(

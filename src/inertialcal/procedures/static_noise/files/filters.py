@@ -7,9 +7,8 @@ from collections.abc import Mapping, Sequence
 from ....core.axes import Kind
 from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import DataError, UsageError
-from ....sensors.noise.filter_block import FilterBlock
 from ....sensors.noise.terms import Sinusoid, Term
-from ....sensors.noise.to_filters import to_gtsam, to_kalibr, to_kf_gins, to_px4
+from ....sensors.noise.to_filters import FilterBlock, to_gtsam, to_kalibr, to_kf_gins, to_px4
 
 TARGETS = ("kalibr", "px4", "gtsam", "kf-gins")
 THREE = 3  # axes, or one for all

@@ -30,34 +30,18 @@ HEADS = ("axis", "line", "frequency", "unit", "amplitude", "unit", "over noise",
 
 @dataclass(frozen=True)
 class Band:
-    """Mean density of each axis over a band.
+    """Mean density of each axis over a band."""
 
-    Parameters
-    ----------
-    frequency : float
-        Mean of the band [Hz].
-    densities : mapping of str to float
-        By axis, in ``unit``.
-    unit : str
-        Square of that of the file, a hertz.
-    """
-
-    frequency: float
-    densities: Mapping[str, float]
-    unit: str
+    frequency: float  # Mean of the band [Hz]
+    densities: Mapping[str, float]  # By axis, in ``unit``
+    unit: str  # Square of that of the file, a hertz
 
 
 @dataclass(frozen=True, eq=False)
 class SpectrumFile:
-    """Spectra of the sensors in a file, with their lines and noise terms.
+    """Spectra of the sensors in a file, with their lines and noise terms."""
 
-    Parameters
-    ----------
-    noise : NoiseFile
-        All that was found, terms included.
-    """
-
-    noise: NoiseFile
+    noise: NoiseFile  # All that was found, terms included
 
     @property
     def sensors(self) -> tuple[SensorNoise, ...]:

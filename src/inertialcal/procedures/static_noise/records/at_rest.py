@@ -11,30 +11,15 @@ from ....signals.names import Quantity
 
 @dataclass(frozen=True, eq=False)
 class AtRest:
-    """A recording of a sensor at rest.
+    """A recording of a sensor at rest."""
 
-    Parameters
-    ----------
-    recording : Recording
-        With its channels.
-    channels : mapping of str to str
-        Which channel is which axis.
-    scale : mapping of str to float
-        SI unit a unit of the channel; 1 where not said.
-    quantity : {"rate", "increment", "angle"}
-        What its samples are.
-    name : str
-        For messages; its file where not given.
-    shown : str
-        Unit that samples are told in; that of the channel where not given.
-    """
-
-    recording: Recording
-    channels: Mapping[str, str]
+    recording: Recording  # With its channels
+    channels: Mapping[str, str]  # Which channel is which axis
+    # SI unit a unit of the channel; 1 where not said
     scale: Mapping[str, float] = field(default_factory=dict[str, float])
-    quantity: Quantity = "rate"
-    name: str = ""
-    shown: str = ""
+    quantity: Quantity = "rate"  # What its samples are
+    name: str = ""  # For messages; its file where not given
+    shown: str = ""  # Unit that samples are told in; that of the channel where not given
 
     @property
     def place(self) -> str:

@@ -24,24 +24,13 @@ SAME_TIME = 1e-3  # relative difference of averaging time and sample interval th
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """How samples stand in time.
+    """How samples stand in time."""
 
-    Parameters
-    ----------
-    interval : float
-        From sample to sample [s].
-    placed : bool
-        Whether the stamps put them on the grid of it.
-    clock : ndarray, shape (n,), or None
-        Time of each since the first [s], for messages, where samples are taken as evenly spaced.
-    remarks : tuple of Remark
-        What to say.
-    """
-
-    interval: float
-    placed: bool = False
+    interval: float  # From sample to sample [s]
+    placed: bool = False  # Whether the stamps put them on the grid of it
+    # shape (n,): Time of each since the first [s], for messages, where samples are taken as evenly spaced
     clock: Array | None = None
-    remarks: tuple[Remark, ...] = ()
+    remarks: tuple[Remark, ...] = ()  # What to say
 
 
 def grid_of(one: AtRest) -> Grid:

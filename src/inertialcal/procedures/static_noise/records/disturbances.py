@@ -27,24 +27,12 @@ LISTED = 3  # stretches that are named
 
 @dataclass(frozen=True, eq=False)
 class Looked:
-    """One record of one axis, looked through.
+    """One record of one axis, looked through."""
 
-    Parameters
-    ----------
-    rates : ndarray, shape (n,)
-        SI; NaN where a sample is missing or left out.
-    bad : tuple of BadSegment
-        Disturbances.
-    left_out : int
-        Samples left out for them.
-    remarks : tuple of Remark
-        What is suspicious.
-    """
-
-    rates: Array
-    bad: tuple[BadSegment, ...]
-    left_out: int
-    remarks: tuple[Remark, ...]
+    rates: Array  # shape (n,): SI; NaN where a sample is missing or left out
+    bad: tuple[BadSegment, ...]  # Disturbances
+    left_out: int  # Samples left out for them
+    remarks: tuple[Remark, ...]  # What is suspicious
 
 
 def looked_through(plan: Plan, run: Run, axis: str) -> Looked:

@@ -26,21 +26,11 @@ Mask = NDArray[np.bool_]
 
 @dataclass(frozen=True)
 class Told:
-    """How a sample of an axis is told.
+    """How a sample of an axis is told."""
 
-    Parameters
-    ----------
-    times : float
-        What a value is multiplied by.
-    unit : str
-        Of the product; empty where nobody said.
-    row : callable
-        Gives the row of the file of a sample; 0 where it has none.
-    """
-
-    times: float
-    unit: str
-    row: Callable[[int], int]
+    times: float  # What a value is multiplied by
+    unit: str  # Of the product; empty where nobody said
+    row: Callable[[int], int]  # Gives the row of the file of a sample; 0 where it has none
 
     def value(self, value: float) -> str:
         """Return a value with its unit.

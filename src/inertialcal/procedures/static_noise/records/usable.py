@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 from ....core.errors import DataError, Problem
 from ....sensors.noise.fitting.noise_fit import duration
-from ....sensors.noise.runs import run_of
-from ....sensors.noise.units import sample_unit
+from ....sensors.noise.fitting.problem import run_of
+from ....sensors.noise.terms import sample_unit
 from ....signals.allan import Allan
 from ..deviations import fitted
 from ..plan import Plan

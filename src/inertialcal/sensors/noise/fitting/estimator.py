@@ -12,25 +12,42 @@ it large, and its interval does not allow for that.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 
 from ....core.axes import Kind
 from ....core.errors import DataError, PlanError
-from ..runs import AllanLike, Run, run_of, unit_of
-from ..terms import RateRamp, Sinusoid
-from ..units import sample_unit
-from .goodness import SIGNIFICANT, agreement_test, residual_test
-from .likelihood import Fitted, covariance_of_runs, estimate, mean_of, sandwich, terms_of
-from .misfit import misfit_of
-from .noise_fit import NoiseFit
-from .order import NAMES, Choice, criterion, present, ranked, separable
-from .problem import GAUSS_MARKOV, Problem, problem_of, with_misfit
-from .remarks import remarks_of
-from .term_estimates import Solution, estimate_of, estimated, not_identified
+from ....core.estimate import Array, Component, Estimate
+from ....core.key import Key
+from ....core.remarks import Remark
+from ....core.results import Interval
+from ....core.show.rounding import number
+from ..terms import (
+    TERMS,
+    GaussMarkov,
+    Quantization,
+    RandomWalk,
+    RateRamp,
+    Sinusoid,
+    converted,
+    parameter_unit,
+    quantity_name,
+    sample_unit,
+    shown_units,
+)
+from .goodness import MOST, SIGNIFICANT, ChiSquare, agreement_test, misfit_of, residual_test
+from .likelihood import Fitted, Sandwich, covariance_of_runs, estimate, mean_of, sandwich, terms_of, time_at
+from .limits import interval_of, limit_and_record
+from .noise_fit import NoiseFit, Parameter, TermEstimate
+from .order import NAMES, PRICE, Choice, criterion, present, ranked, separable
+from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, problem_of, run_of, unit_of, with_misfit
 
 AUTO = (*NAMES, GAUSS_MARKOV)
+BRIEF = 10.0  # samples: a correlation time below is that of a filter, rather than of a drift
+MATTERS = 1.05  # ratio of random walks from which it is told
 
 
 def fit(
@@ -162,3 +179,201 @@ def _the_only(problem: Problem, candidates: tuple[str, ...]) -> Choice:
             code="wrong_terms",
         )
     return Choice(candidates, criterion(candidates, fitted), fitted)
+
+
+def remarks_of(solution: Solution, residual: ChiSquare | None, agreement: ChiSquare | None) -> tuple[Remark, ...]:
+    """Return what should be known of a fit.
+
+    Parameters
+    ----------
+    solution : Solution
+        The fit.
+    residual, agreement : ChiSquare or None
+        Whether the terms explain the Allan deviation, and whether runs agree.
+    """
+    agree = agreement is None or agreement.p >= SIGNIFICANT
+    return (
+        *_unexplained(solution, residual, agree),
+        *_runs(solution, agree, agreement),
+        *_white_beyond(solution),
+    )
+
+
+def _unexplained(solution: Solution, residual: ChiSquare | None, agree: bool) -> tuple[Remark, ...]:
+    if residual is None or residual.p >= SIGNIFICANT:
+        return ()
+    misfit = solution.problem.misfit
+    what = f"the terms do not explain the Allan deviation ({residual}): "
+    if misfit >= MOST:
+        what += f"even if each deviation were known to {50.0 * MOST:.2g} % only; no figure of this fit holds"
+    elif misfit > 0.0:
+        what += f"each deviation was taken as known to {50.0 * misfit:.2g} % at best, in intervals too"
+    elif not agree:
+        return ()  # that runs differ is said, and each by itself may be explained
+    else:
+        what += "intervals are too short"
+    do = "Look for lines, disturbances or drift (psd), and leave them out or name them"
+    return (Remark("terms_do_not_explain", "warning", what, do=do),)
+
+
+def _runs(solution: Solution, agree: bool, agreement: ChiSquare | None) -> tuple[Remark, ...]:
+    if agree:
+        return ()
+    what = (
+        f"the {len(solution.problem.runs)} runs do not agree on the terms ({agreement}): "
+        "figures of all together are a mean, and their intervals do not hold the difference"
+    )
+    return (Remark("runs_disagree", "warning", what, do="Fit each run by itself, and look what differs"),)
+
+
+def _white_beyond(solution: Solution) -> tuple[Remark, ...]:
+    terms = terms_of(solution.problem, solution.fitted)
+    white = next((term.coefficient for term in terms if isinstance(term, RandomWalk)), 0.0)
+    markov = next((term for term in terms if isinstance(term, GaussMarkov)), None)
+    interval = min(run.interval for run in solution.problem.runs)
+    if markov is None or markov.correlation_time >= BRIEF * interval:
+        return ()
+    both = float(np.hypot(white, markov.sigma * np.sqrt(2.0 * markov.correlation_time)))
+    if both < MATTERS * white:
+        return ()
+    inside = parameter_unit(RandomWalk.name, "coefficient", solution.unit)
+    unit = next(iter(shown_units(RandomWalk.name, "coefficient", solution.kind)), inside)
+    shown = both if unit == inside else converted(both, inside, unit)
+    word = quantity_name(RandomWalk.name, "coefficient", solution.kind).replace("_", " ")
+    what = (
+        f"Gauss-Markov noise with a correlation time of {number(markov.correlation_time, 2)} s is white to all that is "
+        f"slower: with it the {word} is {number(shown, 4)} {unit}".rstrip()
+    )
+    do = "Take that figure for a filter that runs slower, and the terms as they stand to simulate the samples"
+    return (Remark("white_with_filter", "info", what, do=do),)
+
+
+@dataclass(frozen=True, eq=False)
+class Solution:
+    """The fit of the terms that were chosen."""
+
+    problem: Problem  # Runs
+    candidates: tuple[str, ...]  # Terms that there were to choose from
+    table: tuple[Choice, ...]  # All choices, the one that was taken first
+    fitted: Fitted  # Sizes of its terms
+    sigma: Array  # shape (k, k): Covariance of the Allan variances
+    bread: Sandwich  # Covariance of the sizes
+    kind: Kind | None  # Of the sensor
+    unit: str  # Of the samples
+    p: float  # Probability of intervals
+
+
+def estimated(solution: Solution) -> tuple[TermEstimate, ...]:
+    """Return the terms that have a size, with intervals."""
+    problem, powers = solution.problem, solution.fitted.powers
+    u = solution.bread.u
+    found = []
+    for column, at in enumerate(np.flatnonzero(powers > 0.0).tolist()):
+        size = float(np.sqrt(powers[at]))
+        squared = interval_of(problem, solution.fitted, at, solution.bread, solution.p)
+        first = (size, float(0.5 * u[column] / size), Interval(_root(squared.lo), _root(squared.hi), solution.p))
+        if at == len(problem.names):
+            time = time_at(problem, solution.fitted.position)
+            between = interval_of(problem, solution.fitted, at + 1, solution.bread, solution.p)
+            found.append(_found(solution, GAUSS_MARKOV, first, (time, float(time * u[-1]), between)))
+        elif at >= len(LINEAR):
+            frequency = problem.lines[at - len(LINEAR)]
+            found.append(
+                _found(solution, Sinusoid.name, first, (frequency, 0.0, Interval(frequency, frequency, solution.p)))
+            )
+        else:
+            found.append(_found(solution, problem.names[at], first))
+    return tuple(found)
+
+
+def _found(solution: Solution, name: str, *values: tuple[float, float, Interval]) -> TermEstimate:
+    parameters = tuple(
+        Parameter(quantity_name(name, word, solution.kind), *value, parameter_unit(name, word, solution.unit))
+        for word, value in zip(TERMS[name].parameters, values, strict=True)
+    )
+    chosen = solution.table[0]
+    other = _rival(
+        solution.table, lambda choice: name not in choice.terms and not set(choice.terms) <= set(chosen.terms)
+    )
+    if name == Sinusoid.name or other is None:
+        return TermEstimate(name, "estimated", parameters)
+    gained = tuple(one for one in other.terms if one not in chosen.terms)
+    worse = other.criterion - chosen.criterion
+    return TermEstimate(name, "estimated", parameters, code="like_another", others=gained, worse=worse)
+
+
+def not_identified(solution: Solution, name: str) -> TermEstimate:
+    """Return a term that the record does not show: the reason, an upper limit, and the record that would show it."""
+    problem, fitted, first = solution.problem, solution.fitted, TERMS[name].parameters[0]
+    words = tuple(quantity_name(name, word, solution.kind) for word in TERMS[name].parameters)
+    found = TermEstimate(
+        name, "not_identified", (), words, unit=parameter_unit(name, first, solution.unit), record=problem.length
+    )
+    if name not in solution.candidates:
+        return replace(found, code="like_white")
+    at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
+    if name == GAUSS_MARKOV:
+        fitted = replace(fitted, position=_where_it_hides(problem, fitted))
+        limit_at = time_at(problem, fitted.position)
+    chosen = solution.table[0]
+    other = _rival(solution.table, lambda choice: name in choice.terms and not set(chosen.terms) <= set(choice.terms))
+    rival = None if other is None or name == GAUSS_MARKOV else other.fitted
+    power, needed = limit_and_record(problem, fitted, at, solution.sigma, rival)
+    added = next((choice for choice in solution.table if name in choice.terms), None)
+    worse = None if added is None else added.criterion - chosen.criterion
+    found = replace(found, upper_limit=_root(power), record_needed=needed, limit_at=limit_at, worse=worse)
+    if other is not None:
+        lost = tuple(one for one in chosen.terms if one not in other.terms)
+        return replace(found, code="like_another", others=lost, worse=other.criterion - chosen.criterion)
+    return replace(found, **_why_not(found, chosen))
+
+
+def _why_not(found: TermEstimate, chosen: Choice) -> dict[str, Any]:
+    """Return the code of the reason, and no length of a record where length is not what lacks."""
+    if found.name == Quantization.name and RandomWalk.name in chosen.terms:
+        return {"code": "hidden_by_white", "record_needed": None}
+    if found.upper_limit is None:
+        return {"code": "no_limit"}
+    if found.record_needed is None:
+        return {"code": "no_record"}
+    return {"code": "too_short" if found.record_needed > found.record else "small"}
+
+
+def _rival(table: tuple[Choice, ...], wanted: Callable[[Choice], bool]) -> Choice | None:
+    """Return the best choice of a kind, where it is nearly as good as the one that was taken."""
+    found = next((choice for choice in table[1:] if wanted(choice)), None)
+    return found if found is not None and found.criterion - table[0].criterion < PRICE else None
+
+
+def _where_it_hides(problem: Problem, fitted: Fitted) -> float:
+    """Position of the correlation time at which Gauss-Markov noise beside the others fits best; else the middle."""
+    best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))
+    return best.position if best.powers[-1] > 0.0 else 0.5 * (len(problem.table) - 1.0)
+
+
+def _root(power: float | None) -> float | None:
+    return None if power is None else float(np.sqrt(power))
+
+
+def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate:
+    """Return all parameters with their covariance: coefficients from powers, times from their logarithm."""
+    known = [parameter for term in found for parameter in term.parameters if parameter.u > 0.0]
+    fitted = solution.fitted
+    slopes = list(0.5 / np.sqrt(fitted.powers[fitted.powers > 0.0]))
+    if fitted.powers[-1] > 0.0:
+        slopes.append(time_at(solution.problem, fitted.position))
+    covariance = solution.bread.covariance * np.outer(slopes, slopes)
+    return Estimate(
+        _distinct([parameter.name for parameter in known]),
+        np.array([parameter.value for parameter in known]),
+        tuple(parameter.unit for parameter in known),
+        (Component("scatter of the noise itself", "A", 0.5 * (covariance + covariance.T)),),
+    )
+
+
+def _distinct(names: list[str]) -> tuple[Key, ...]:
+    """Return keys, numbered where a name appears more than once: amplitudes of several lines."""
+    counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
+    return tuple(
+        Key(name, power=count if names.count(name) > 1 else 0) for name, count in zip(names, counts, strict=True)
+    )

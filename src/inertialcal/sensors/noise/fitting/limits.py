@@ -1,24 +1,30 @@
-"""Upper limits of noise terms that a record does not show, and the record that would show them.
+"""Intervals and upper limits of noise terms by the profile of the cost, and the record that would show a missing term.
 
-A term that is not shown is added with a held power; its upper limit is where the cost has risen by the one-sided 95 %
-point over its least (``profile``), over all powers of the others: a rival that was chosen in its place may vanish.
-Where a choice with the term in place of a rival is nearly as good, the limit in that choice counts as well, and the
-larger of both is taken. Of Gauss-Markov noise the limit is that of sigma at the correlation time where it could hide
-best.
+An interval holds the values at which the least cost over all other unknowns rises by no more than ``stretch q / 2``: q
+is the point of chi-square with one degree of freedom, ``stretch`` the variance of the unknown over that for independent
+averaging times [1]_. The stretch is that of the terms *at the end of the interval*: the more a slow term holds, the
+more neighbouring averaging times share. The interval is unsymmetric where the cost is, and ends at zero where a term
+could be absent. Where the relative uncertainty is small the normal interval of the logarithm is the same.
 
-The choice of terms comes first, and has its price: of a term that many records show, those that miss it are those where
-it came out small, so that a plain limit of 95 % holds in 77 to 91 % of *them*. So the limit is that of an estimate
-which is known to lie below the size from which the term is named: the largest power p with
-``P(estimate < found | p) >= 0.05 P(estimate < named from | p)`` [1]_; and not more than the power that would be named
-in 95 % of such records, since those that miss larger ones are less than 5 % in all.
+A term that is not shown is added with a held power. Its upper limit is where the cost has risen by the one-sided 95 %
+point over its minimum, over all powers of the others: a rival chosen in its place may vanish. Where a choice with the
+term in place of a rival is nearly as good, the limit in that choice counts as well, and the larger is taken. For
+Gauss-Markov noise it is the limit of sigma at the correlation time where it could hide best.
+
+Choosing terms first has its price: where many records show a term, those that miss it are those in which it came out
+small, so that a plain limit of 95 % holds in 77 to 91 % of *them*. So the limit allows for an estimate known to lie
+below the size from which the term is named: the largest power p with
+``P(estimate < found | p) >= 0.05 P(estimate < named from | p)`` [2]_; but not more than the power named in 95 % of such
+records, since those that miss larger ones are less than 5 % in all.
 
 The record needed is that in which a term *at its upper limit* would have a power known to 25 %: the same averaging
-times with degrees of freedom as the longer record gives them, and longer ones. An estimate: the planner computes the
+times with the degrees of freedom of the longer record, and longer ones. An estimate: the planner computes the
 uncertainty of a planned record exactly.
 
 References
 ----------
-.. [1] J. D. Lee, D. L. Sun, Y. Sun and J. E. Taylor, Ann. Stat. 44 (2016) 907: inference after a choice by the data.
+.. [1] H. Geys, G. Molenberghs and L. M. Ryan, J. Am. Stat. Assoc. 94 (1999) 734: adjusted composite likelihood ratio.
+.. [2] J. D. Lee, D. L. Sun, Y. Sun and J. E. Taylor, Ann. Stat. 44 (2016) 907: inference after a choice by the data.
 """
 
 from __future__ import annotations
@@ -31,34 +37,40 @@ import numpy as np
 from scipy import optimize, special
 
 from ....core.estimate import Array
-from ..runs import Run
-from .likelihood import Fitted, column_at, covariance_of_runs, estimate, mean_of, sandwich, terms_of
+from ....core.results import Interval
+from .likelihood import (
+    Fitted,
+    Sandwich,
+    column_at,
+    covariance_of_runs,
+    estimate,
+    estimate_at,
+    mean_of,
+    sandwich,
+    terms_of,
+    time_at,
+)
 from .order import NAMES, PRICE, present, unknowns
-from .problem import GAUSS_MARKOV, Problem, expected
-from .profile import ROUGH, TOLERANCE, column_of, nearby
+from .problem import GAUSS_MARKOV, PER_E, Problem, Run, expected
 
 ONE_SIDED = 0.95  # of an upper limit
 POINT = float(special.ndtri(ONE_SIDED))
 FURTHEST = 1e6  # standard uncertainties: beyond, there is no limit
 KNOWN = 0.25  # relative uncertainty of a power in the record needed
 DOUBLINGS = 24  # of the record that are looked at
+NORMAL_BELOW = 0.1  # relative uncertainty, below which the logarithm of a value is taken as normal
+WIDEST = 40.0  # of the logarithm of a power: beyond, there is no end
+TOLERANCE = 0.01  # of the logarithm of an end, and of a limit in standard uncertainties
+ROUGH = 0.1  # the same, where the stretch is taken
+NEARBY = 16.0  # rows of the table of correlation times that are searched while another unknown is held
+STEEP = 1e6  # rise of the cost that is not looked into
+Held = Callable[[float], Fitted]  # least cost with one unknown held at a distance from its best
 
 
 def limit_and_record(
     problem: Problem, fitted: Fitted, at: int, sigma: Array, rival: Fitted | None = None
 ) -> tuple[float | None, float | None]:
     """Return the one-sided 95 % upper limit of the power of a term that was not chosen [unit^2], and the record needed.
-
-    Parameters
-    ----------
-    problem, fitted : Problem, Fitted
-        Runs, and the sizes of the terms chosen; of Gauss-Markov noise that was not chosen, ``position`` says which.
-    at : int
-        Column of the term.
-    sigma : ndarray, shape (k, k)
-        Covariance of the Allan variances.
-    rival : Fitted, optional
-        A choice with the term that is nearly as good.
 
     Returns
     -------
@@ -82,17 +94,7 @@ def limit_and_record(
 def _limit(
     problem: Problem, fitted: Fitted, at: int, scale: tuple[float, float], named: float | None
 ) -> tuple[float | None, float]:
-    """Return the upper limit of a power beside the terms of a choice, and the stretch there.
-
-    Parameters
-    ----------
-    problem, fitted, at : Problem, Fitted, int
-        As in `limit_and_record`.
-    scale : (float, float)
-        Standard uncertainty of a small power, and its stretch.
-    named : float or None
-        Power from which the term would have been chosen; None where that was not what kept it out.
-    """
+    """Return the upper limit of a power beside the terms of a choice, and the stretch there."""
     (u, stretch), linear = scale, at < len(problem.names)
     name = problem.names[at] if linear else GAUSS_MARKOV
     names = tuple(dict.fromkeys((*present(problem, fitted), name)))
@@ -177,3 +179,88 @@ def _edf_of_longer(run: Run, doublings: int) -> Array:
         back = min(i, doublings)
         edf[i] = run.edf[i - back] * 2.0 ** (doublings - back)
     return edf
+
+
+def crossing(
+    rise: Callable[[float], float], step: float, target: float, furthest: float, tolerance: float = TOLERANCE
+) -> float | None:
+    """Return the distance from zero, on the side of ``step``, where a rising function reaches the target.
+
+    None if it does not up to ``furthest``.
+    """
+    inside, outside = 0.0, step if abs(step) < abs(furthest) else furthest
+    while rise(outside) < target:
+        if abs(outside) >= abs(furthest):
+            return None
+        inside, outside = outside, 2.0 * outside if abs(2.0 * outside) < abs(furthest) else furthest
+
+    def beyond(x: float) -> float:  # nearly straight, where the rise is a parabola
+        return float(np.sqrt(np.clip(rise(x), 0.0, STEEP)) - np.sqrt(target))
+
+    return float(optimize.brentq(beyond, inside, outside, xtol=tolerance))
+
+
+def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: float) -> Interval:
+    """Return the interval of a power [unit^2] or of the correlation time [s].
+
+    A power ends at zero where its term could be absent; a time is open where the record does not bound it.
+    """
+    timed, column = at == len(fitted.powers), column_of(fitted, at)
+    best = time_at(problem, fitted.position) if timed else float(fitted.powers[at])
+    relative = float(bread.u[column]) / (1.0 if timed else best)
+    if relative < NORMAL_BELOW:
+        half = float(special.ndtri(0.5 * (1.0 + p))) * relative
+        return Interval(best * np.exp(-half), best * np.exp(half), p)
+    held = _time_held(problem, fitted) if timed else _power_held(problem, fitted, at, best)
+    furthest = (-WIDEST, WIDEST)
+    if timed:
+        furthest = (-fitted.position / PER_E, (len(problem.table) - 1.0 - fitted.position) / PER_E)
+    target, step = float(special.chdtri(1.0, 1.0 - p)), min(2.0 * relative, 1.0)
+    stretch = float(bread.stretch[column])
+    lo, hi = (
+        end_of(problem, held, at, fitted.cost, stretch, target, float(np.copysign(step, far)), far)[0]
+        for far in furthest
+    )
+    none = None if timed else 0.0
+    return Interval(none if lo is None else best * np.exp(lo), None if hi is None else best * np.exp(hi), p)
+
+
+def end_of(
+    problem: Problem, held: Held, at: int, least: float, stretch: float, target: float, step: float, furthest: float
+) -> tuple[float | None, float]:
+    """Return the distance at which the cost has risen by the target, None if it never does, and the stretch there."""
+
+    def rise(x: float) -> float:
+        return 2.0 * (held(x).cost - least)
+
+    first = crossing(rise, step, target * stretch, furthest, ROUGH)
+    if first is None:
+        return None, stretch
+    there = held(first)
+    if there.powers[min(at, len(there.powers) - 1)] <= 0.0:
+        return first, stretch
+    bread = sandwich(problem, there, covariance_of_runs(problem, there))
+    stretch = float(bread.stretch[column_of(there, at)])
+    return crossing(rise, first, target * stretch, furthest), stretch
+
+
+def column_of(fitted: Fitted, at: int) -> int:
+    """Return where an unknown stands among those of ``slopes_of``."""
+    return int(np.count_nonzero(fitted.powers[:at] > 0.0))
+
+
+def _power_held(problem: Problem, fitted: Fitted, at: int, best: float) -> Held:
+    names = present(problem, fitted)
+    within = nearby(problem, fitted)
+    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), 1, within))
+
+
+def _time_held(problem: Problem, fitted: Fitted) -> Held:
+    names = present(problem, fitted)
+    return lru_cache(lambda x: estimate_at(problem, names, fitted.position + x * PER_E))
+
+
+def nearby(problem: Problem, fitted: Fitted) -> tuple[float, float]:
+    """Return the positions of the correlation time that are searched while another unknown is held."""
+    last = len(problem.table) - 1.0
+    return max(fitted.position - NEARBY, 0.0), min(fitted.position + NEARBY, last)

@@ -13,8 +13,7 @@ from ....core.results import Interval, Row
 from ....core.show.frames import frame
 from ....core.show.rounding import with_uncertainty
 from ....core.show.tables import Block, Table, html, text
-from ..terms import TERMS, Term
-from ..units import converted, shown_units
+from ..terms import TERMS, Term, converted, shown_units
 from .goodness import ChiSquare
 
 if TYPE_CHECKING:
@@ -38,71 +37,33 @@ DOUBTS = {
 
 @dataclass(frozen=True)
 class Parameter:
-    """One parameter of a term.
+    """One parameter of a term."""
 
-    Parameters
-    ----------
-    name : str
-        The field's word: ``"angle_random_walk"``.
-    value, u : float
-        In ``unit``, inside units.
-    interval : Interval
-        Of the same unit.
-    unit : str
-        As ``core.units`` prints it.
-    """
-
-    name: str
+    name: str  # The field's word: ``"angle_random_walk"``
+    # In ``unit``, inside units
     value: float
     u: float
-    interval: Interval
-    unit: str
+    interval: Interval  # Of the same unit
+    unit: str  # As ``core.units`` prints it
 
 
 @dataclass(frozen=True)
 class TermEstimate:
-    """One term: its parameters, or why it has none.
+    """One term: its parameters, or why it has none."""
 
-    Parameters
-    ----------
-    name : str
-        Of ``terms``.
-    status : {"estimated", "not_identified"}
-        Whether the record shows it.
-    parameters : tuple of Parameter
-        Of an estimated term.
-    words : tuple of str
-        The field's words of the parameters of one that is not.
-    code : str
-        Key of `REASONS`: why not; of an estimated term ``"like_another"`` where others could be in its place.
-    others : tuple of str
-        Terms that it is not told from.
-    worse : float or None
-        By how much the criterion is worse with it, or with the others in its place.
-    upper_limit : float or None
-        One-sided 95 %, of its coefficient [``unit``].
-    unit : str
-        Of the limit.
-    record_needed : float or None
-        Length of a record that shows the term, were it at its limit [s].
-    record : float
-        Length of the present record [s].
-    limit_at : float or None
-        Correlation time that the limit of Gauss-Markov noise holds for [s].
-    """
-
-    name: str
-    status: Literal["estimated", "not_identified"]
-    parameters: tuple[Parameter, ...] = ()
-    words: tuple[str, ...] = ()
+    name: str  # Of ``terms``
+    status: Literal["estimated", "not_identified"]  # Whether the record shows it
+    parameters: tuple[Parameter, ...] = ()  # Of an estimated term
+    words: tuple[str, ...] = ()  # The field's words of the parameters of one that is not
+    # Key of `REASONS`: why not; of an estimated term ``"like_another"`` where others could be in its place
     code: str = ""
-    others: tuple[str, ...] = ()
-    worse: float | None = None
-    upper_limit: float | None = None
-    unit: str = ""
-    record_needed: float | None = None
-    record: float = 0.0
-    limit_at: float | None = None
+    others: tuple[str, ...] = ()  # Terms that it is not told from
+    worse: float | None = None  # By how much the criterion is worse with it, or with the others in its place
+    upper_limit: float | None = None  # One-sided 95 %, of its coefficient [``unit``]
+    unit: str = ""  # Of the limit
+    record_needed: float | None = None  # Length of a record that shows the term, were it at its limit [s]
+    record: float = 0.0  # Length of the present record [s]
+    limit_at: float | None = None  # Correlation time that the limit of Gauss-Markov noise holds for [s]
 
     @property
     def reason(self) -> str:

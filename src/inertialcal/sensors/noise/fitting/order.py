@@ -31,21 +31,11 @@ NAMES = tuple(term.name for term in LINEAR)
 
 @dataclass(frozen=True)
 class Choice:
-    """One choice of terms.
+    """One choice of terms."""
 
-    Parameters
-    ----------
-    terms : tuple of str
-        Their names.
-    criterion : float
-        Less is better; differences alone mean something.
-    fitted : Fitted
-        Their sizes.
-    """
-
-    terms: tuple[str, ...]
-    criterion: float
-    fitted: Fitted
+    terms: tuple[str, ...]  # Their names
+    criterion: float  # Less is better; differences alone mean something
+    fitted: Fitted  # Their sizes
 
 
 def choices(candidates: tuple[str, ...]) -> Iterator[tuple[str, ...]]:
