@@ -60,9 +60,9 @@ def found(tmp_path_factory: pytest.TempPathFactory, clean: str) -> dict[str, Any
 def test_scale_factors_and_g_sensitivity_are_those_of_the_unit(found: dict[str, Any]) -> None:
     rows = {(row["test"], row["quantity"], row["axis"]): row for row in found["results"] if not row["condition"]}
     for true in build(SMALL, 1).truth:
-        row = rows[true.test, true.quantity, true.axis]
+        row = rows[true.condition, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
-            tolerance = SCALE if true.test == "accelerometer" else 5.0 * SCALE
+            tolerance = SCALE if true.condition == "accelerometer" else 5.0 * SCALE
             assert row["unit"] == "%"
             assert row["value"] == pytest.approx(100.0 * true.value, abs=tolerance), true
         if true.quantity == "g_sensitivity" and abs(true.value) > 2e-4:
@@ -171,7 +171,7 @@ def test_labelled_parts_of_faces_and_turns(
     content = call_json(capsys, "positions", path, *SI, "--sections", sections, *STATED)
     rows = {(row["test"], row["quantity"], row["axis"]): row for row in content["results"] if not row["condition"]}
     for true in build(ONCE, 1).truth:
-        row = rows[true.test, true.quantity, true.axis]
+        row = rows[true.condition, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
             assert row["value"] == pytest.approx(100.0 * true.value, abs=5.0 * row["u"]), true
     assert "relative_to_fixture" not in {one["code"] for one in content["remarks"]}
@@ -181,9 +181,9 @@ def test_labelled_parts_of_faces_and_turns(
     form = {(row["test"], row["quantity"], row["axis"]): row["value"] for row in beside}
     for true in build(ONCE, 1).truth:
         if true.quantity == "scale_factor_error":
-            assert form[true.test, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
-        if true.quantity == "misalignment" and true.test == "accelerometer" and abs(true.value) > 8e-3:
-            assert form[true.test, "direction_cosine", true.axis] == pytest.approx(true.value, abs=6e-3), true
+            assert form[true.condition, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
+        if true.quantity == "misalignment" and true.condition == "accelerometer" and abs(true.value) > 8e-3:
+            assert form[true.condition, "direction_cosine", true.axis] == pytest.approx(true.value, abs=6e-3), true
     turned = call_json(capsys, "positions", path, *SI, "--sections", sections, "--turn", "-360 deg")
     assert "turn_sense" in {one["code"] for one in turned["remarks"]}
 

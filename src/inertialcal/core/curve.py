@@ -60,6 +60,8 @@ class Curve:
         Where it belongs to one recording: the name of it.
     picture : bool
         Only a picture shows it: ten digits are enough.
+    sensor : str
+        Kind of sensor, where one test has several.
 
     Raises
     ------
@@ -73,6 +75,7 @@ class Curve:
     of: str = ""
     recording: str = ""
     picture: bool = False
+    sensor: str = ""
 
     def __post_init__(self) -> None:
         lengths = {name: len(column.values) for name, column in self.columns.items()}
@@ -84,5 +87,6 @@ class Curve:
         head = {"name": self.name, "test": test, "axis": self.axis}
         head |= {"of": self.of} if self.of else {}
         head |= {"recording": self.recording} if self.recording else {}
+        head |= {"sensor": self.sensor} if self.sensor else {}
         columns = {name: {"unit": one.unit, "values": one.plain()} for name, one in self.columns.items()}
         return {**head, "columns": columns}

@@ -21,7 +21,7 @@ from typing import Literal
 
 from .errors import DataError
 from .results import Interval
-from .units import kind, parse_quantity, si_unit
+from .units import kind, parse_quantity, same_dimension, si_unit
 
 LEVEL = 0.95
 LONGEST = 400  # characters
@@ -133,6 +133,11 @@ class Asked:
         """The range, parsed."""
         return parse_condition(self.where)
 
+    def comparable(self, unit: str) -> bool:
+        """Return whether the limits are of the kind of a unit."""
+        stated = self.limit or self.lower or self.upper or ""
+        return same_dimension(parse_quantity(stated).unit, unit)
+
     def limits(self, unit: str, size: bool = False) -> tuple[float | None, float | None]:
         """Return the limits in a unit; a limit on either side is one above for a size, which is never negative.
 
@@ -155,8 +160,8 @@ class Verdict:
 
     Parameters
     ----------
-    requirement, test, axis : str
-        Which.
+    requirement, test, axis, sensor : str
+        Which; the kind of sensor where one test has several.
     at : float or None
         Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure.
     of : str
@@ -185,3 +190,4 @@ class Verdict:
     verdict: str
     reason: str = ""
     at_unit: str = "rad/s"
+    sensor: str = ""

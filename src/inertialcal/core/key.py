@@ -195,8 +195,8 @@ class Case(NamedTuple):
 
     @property
     def plain(self) -> bool:
-        """Whether it is the result of its quantity and axis, whatever the condition of the campaign."""
-        return self._replace(condition="") == PLAIN
+        """Whether it is the result of its quantity and axis, whatever the sensor and the condition of the campaign."""
+        return self._replace(condition="", sensor="") == PLAIN
 
     @property
     def place(self) -> str:

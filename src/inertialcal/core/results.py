@@ -91,6 +91,7 @@ class Row:
         return {
             "quantity": self.quantity,
             "axis": self.axis,
+            **({"sensor": self.key.sensor} if self.key.sensor else {}),
             "test": self.test,
             "condition": str(self.case),
             "value": finite(self.value),
@@ -111,7 +112,7 @@ class Row:
         key = key_of(str(row["quantity"]), str(row["axis"]))
         value, u, dof = (None if row[name] is None else float(row[name]) for name in ("value", "u", "dof"))
         return cls(
-            key._replace(sensor=case.sensor, at=case.at, power=case.times or key.power),
+            key._replace(sensor=str(row.get("sensor") or case.sensor), at=case.at, power=case.times or key.power),
             value, u, str(row["unit"]), dof,
             None if ends is None else Interval(ends["lo"], ends["hi"], ends["p"]),
             row["status"], reason_of(str(row["reason"])), str(row["test"]), case.condition, case.method, case.member,

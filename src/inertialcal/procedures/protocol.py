@@ -484,9 +484,9 @@ class Procedure(Generic[P, R, S]):
         """Return the result: pure."""
         raise NotImplementedError
 
-    def of_sensor(self, result: S, facts: Facts) -> S:
-        """Return a result as it is about the sensor of the test; the whole by default."""
-        return result
+    def by_sensor(self, result: S) -> Mapping[str, S]:
+        """Return the part of a result about each kind of sensor; the whole, without a name, where it holds one."""
+        return {"": result}
 
     def remarks(self, facts: Facts) -> Sequence[Remark]:
         """Return what there is to say of the sensor alone."""

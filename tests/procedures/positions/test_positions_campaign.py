@@ -15,6 +15,7 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.campaign_text import MARK
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import Recording
+from inertialcal.core.results import Row
 from inertialcal.files.models.model_json import read_model
 from inertialcal.procedures.positions import reduction as positions
 from inertialcal.procedures.positions.held_out.closed_loop import before_and_after, judges_of, loops_of
@@ -24,7 +25,7 @@ from inertialcal.statistics.closed_loop import judged, overall
 
 BENCH = Bench(positions=16, dwell=2.5, first=4.0, records=2)
 GYRO = ("gyro x at rest", "gyro y at rest", "gyro z at rest", "gyro, rotations")
-REQUIRED = '\n[[requirements]]\nid = "R1"\nquantity = "transition_error"\ntests = ["gyro_held_out"]\nupper = "2 deg"\n'
+REQUIRED = '\n[[requirements]]\nid = "R1"\nquantity = "transition_error"\ntests = ["imu_held_out"]\nupper = "2 deg"\n'
 
 
 def with_units(recording: Recording) -> Recording:
@@ -62,22 +63,29 @@ def test_models_of_both_sensors_are_made_and_judged(folder: Path, outcome: Outco
     assert outcome.verdict == "PASS"
     acc, gyro = (read_model(folder / "out" / name) for name in ("model.json", "model_gyro.json"))
     assert (acc.kind, gyro.kind, acc.judged, gyro.judged) == ("accelerometer", "gyro", True, True)
-    assert acc.provenance["bias_x"].recordings == ("acc_hand1",)
-    true = {(one.quantity, one.axis): one.value for one in build(BENCH, 1).truth if one.test == "accelerometer"}
+    assert acc.provenance["bias_x"].recordings == ("acc_hand1", "gyro_hand1")
+    true = {(one.quantity, one.axis): one.value for one in build(BENCH, 1).truth if one.condition == "accelerometer"}
     assert acc.bias[0] == pytest.approx(true["bias", "x"], abs=0.01)
     assert acc.matrix[0][2, 0] == pytest.approx(true["misalignment", "zx"], abs=2e-3)
 
 
-def test_results_tell_each_sensor_in_its_own_test(outcome: Outcome) -> None:
-    rows = [row for row in outcome.results["results"] if row["test"] in ("acc", "gyro")]
-    units = {(row["test"], row["quantity"]): row["unit"] for row in rows}
-    assert units["acc", "bias"] == "m/s^2"
+def test_one_test_gives_results_and_models_of_both_sensors_from_one_reduction(folder: Path, outcome: Outcome) -> None:
+    found = [Row.from_dict(row) for row in outcome.results["results"] if row["test"] == "imu"]
+    units = {(row.key.sensor, row.quantity): row.unit for row in found}
+    assert units["accelerometer", "bias"] == "m/s^2"
     assert units["gyro", "bias"] == "rad/s"
     assert units["gyro", "transition_error"] == "rad"
-    assert ("acc", "g_sensitivity") not in units
+    assert ("accelerometer", "g_sensitivity") not in units
+    bias = {(row.key.sensor, row.axis): row.value for row in found if row.quantity == "bias"}
+    for sensor, name in (("accelerometer", "model.json"), ("gyro", "model_gyro.json")):
+        model = read_model(folder / "out" / name)
+        assert [bias[sensor, axis] for axis in "xyz"] == list(model.bias)
+    prepared = prepare(check(folder).campaign, 0)
+    whole = positions.reduce(prepared.plan, prepared.readings)
+    assert {(r.key.sensor, r.axis): r.value for r in whole.rows() if r.quantity == "bias"} == bias
     curves = [(one["name"], one["test"]) for one in outcome.results["curves"]]
-    assert ("positions", "acc") in curves
-    assert ("transitions", "gyro") in curves
+    assert [one for one in curves if one[1] == "imu"] == [("positions", "imu"), ("transitions", "imu")]
+    assert [one.get("sensor") for one in outcome.results["covariances"]] == ["accelerometer", "gyro"] * 2
     assert {row["influence"] for row in outcome.results["standards"]} >= {"value", "rate"}  # told, as not stated
     json.dumps(outcome.results, allow_nan=False)
 
@@ -94,7 +102,7 @@ def test_report_shows_positions_and_transitions(folder: Path, outcome: Outcome) 
 
 
 def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:
-    fitted, held = (prepare(check(folder).campaign, number) for number in (1, 3))
+    fitted, held = (prepare(check(folder).campaign, number) for number in (0, 1))
     result = positions.reduce(fitted.plan, fitted.readings)
     assert result.gyro is not None
     right = judged(loops_of(result, [held.readings], "gyro"))
@@ -120,7 +128,7 @@ def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:
 
 
 def test_a_model_that_corrects_nothing_neither_passes_nor_fails(folder: Path) -> None:
-    fitted, held = (prepare(check(folder).campaign, number) for number in (1, 3))
+    fitted, held = (prepare(check(folder).campaign, number) for number in (0, 1))
     result = positions.reduce(fitted.plan, fitted.readings)
     assert result.gyro is not None
     sensor = result.gyro.sensor
@@ -132,10 +140,10 @@ def test_a_model_that_corrects_nothing_neither_passes_nor_fails(folder: Path) ->
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ('recordings = ["gyro_hand1", "acc_hand1"]', 'recordings = ["gyro_hand1"]', "no recording of accelerometers"),
+        ('recordings = ["acc_hand1", "gyro_hand1"]', 'recordings = ["gyro_hand1"]', "no recording of accelerometers"),
         (
-            'recordings = ["gyro_hand1", "acc_hand1"]',
-            'recordings = ["gyro_hand1", "acc_hand2"]',
+            'recordings = ["acc_hand1", "gyro_hand1"]',
+            'recordings = ["acc_hand2", "gyro_hand1"]',
             "use the same readings",
         ),
         (
@@ -144,7 +152,7 @@ def test_a_model_that_corrects_nothing_neither_passes_nor_fails(folder: Path) ->
             "2 orientations for 16 positions",
         ),
         ('file = "hand1.csv"\n', 'file = "hand1.csv"\norientations = ["faces"]\n', "deg away from any face"),
-        ('id = "gyro"\n', 'id = "gyro"\nplan = { turns = 3 }\n', "unknown key plan.turns"),
+        ('id = "imu"\n', 'id = "imu"\nplan = { turns = 3 }\n', "unknown key plan.turns"),
         ('use = "hold_out"', 'use = "fit"', "all for a fit of the positions of one sensor"),
     ],
 )

@@ -105,7 +105,7 @@ def corrections_for(test: Test, tests: Sequence[Test], results: Mapping[str, Res
 
 
 def reduce_test(prepared: Prepared) -> Result:
-    """Return the result of a test, as it is about its sensor.
+    """Return the result of a test.
 
     Raises
     ------
@@ -113,7 +113,7 @@ def reduce_test(prepared: Prepared) -> Result:
         As the procedure says.
     """
     procedure = procedure_of(prepared.test.procedure)
-    found: Result = procedure.of_sensor(procedure.reduce(prepared.plan, prepared.readings), prepared.facts)
+    found: Result = procedure.reduce(prepared.plan, prepared.readings)
     return found
 
 
@@ -145,8 +145,14 @@ class ReducedTest:
 
     @property
     def result(self) -> Result:
-        """Of its sensor."""
+        """Of all its sensors."""
         found: Result = self.tested.result
+        return found
+
+    @property
+    def parts(self) -> Mapping[str, Result]:
+        """The result by kind of sensor; under no name where the test has one sensor."""
+        found: Mapping[str, Result] = self.procedure.by_sensor(self.tested.result)
         return found
 
 

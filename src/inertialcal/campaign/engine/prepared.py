@@ -50,9 +50,16 @@ def placed(problem: Problem, campaign: Campaign, number: int) -> Problem:
     return replace(problem, where=where)
 
 
-def sensor_of(campaign: Campaign, test: Test) -> Sensor:
-    """Return the sensor that a test is about."""
-    return campaign.file.sensors[campaign.file.recordings[test.recordings[0]].sensor]
+def sensors_of(campaign: Campaign, test: Test) -> dict[str, Sensor]:
+    """Return the sensors of the recordings of a test, by name."""
+    names = (campaign.file.recordings[name].sensor for name in test.recordings)
+    return {name: campaign.file.sensors[name] for name in names}
+
+
+def sensor_of(campaign: Campaign, test: Test, kind: str = "") -> Sensor:
+    """Return the sensor of a test: of a kind, where the test has several, else the first."""
+    first, *others = sensors_of(campaign, test).values()
+    return next((one for one in others if one.kind == kind), first)
 
 
 def modelled_sensor(campaign: Campaign) -> Sensor:

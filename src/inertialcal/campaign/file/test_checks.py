@@ -37,6 +37,8 @@ def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Ite
     several = len({file.recordings[name].sensor for name in test.recordings if name in file.recordings}) > 1
     if several and not procedure.inputs.several_sensors:
         yield Problem(f"test {test.id!r}: recordings of different sensors", at("tests", number, "recordings"))
+    elif several:
+        yield from _same_kind(file, test, at("tests", number, "recordings"))
     values, problems = plan_values(test.procedure, test.plan, at("tests", number, "plan"))
     yield from problems
     axis = values.get("axis")
@@ -45,6 +47,19 @@ def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Ite
     if axis and sensors and axis not in sensors[0].axes:
         what = f"test {test.id!r}: plan.axis = {axis!r}, the sensor has {', '.join(sensors[0].axes)}"
         yield Problem(what, at("tests", number, "plan", "axis"), code="unknown_name")
+
+
+def _same_kind(file: CampaignFile, test: Test, where: str) -> Iterator[Problem]:
+    """Find two sensors of one kind in a test: their rows could not be told apart."""
+    named = dict.fromkeys(file.recordings[name].sensor for name in test.recordings if name in file.recordings)
+    by_kind: dict[str, list[str]] = {}
+    for name in named:
+        if name in file.sensors:
+            by_kind.setdefault(file.sensors[name].kind, []).append(name)
+    for kind, names in by_kind.items():
+        if len(names) > 1:
+            what = f"test {test.id!r}: {len(names)} {kind}s: {', '.join(names)}"
+            yield Problem(what, where, "a test takes one sensor of each kind", "Make a test for each", "wrong_value")
 
 
 def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:

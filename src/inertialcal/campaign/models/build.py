@@ -20,7 +20,7 @@ from ...procedures.protocol import Correction, Procedure, Tested
 from ...sensors.model.assemble import model_from
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import judged, overall
-from ..engine.prepared import placed, sensor_of
+from ..engine.prepared import placed, sensors_of
 from ..file.load import Campaign
 from ..file.schema import Test
 from ..file.sensors import Sensor
@@ -63,7 +63,8 @@ def build_models(
     by_sensor: dict[str, list[Test]] = {}
     for test in campaign.file.tests:
         if test.use == "fit" and procedure_of(test.procedure).makes_model:
-            by_sensor.setdefault(_name(campaign, test), []).append(test)
+            for name in sensors_of(campaign, test):
+                by_sensor.setdefault(name, []).append(test)
     if not by_sensor:
         return None
     _check(campaign, by_sensor)
@@ -71,7 +72,7 @@ def build_models(
     for name, tests in by_sensor.items():
         number = campaign.file.tests.index(tests[0])
         try:
-            made = _build(campaign, tests[0], reduced, corrections, residuals)
+            made = _build(campaign, name, tests[0].procedure, reduced, corrections, residuals)
         except InertialcalError as error:
             raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
         if made is not None:
@@ -82,44 +83,43 @@ def build_models(
 
 def _check(campaign: Campaign, by_sensor: Mapping[str, Sequence[Test]]) -> None:
     """Refuse a second model where a campaign makes one, and two procedures that both fit one sensor."""
-    first, *others = by_sensor.values()
+    _, *others = by_sensor.values()
     wrong = [test for tests in others for test in tests if not procedure_of(test.procedure).model_of_each]
     if wrong:
-        names = ", ".join(sorted(test.id for test in wrong))
+        names = ", ".join(sorted({test.id for test in wrong}))
         procedure = wrong[0].procedure.replace("_", " ")
         what = f"tests {names} are for a fit of another sensor: a campaign makes one model of a {procedure}"
         do = 'Give them use = "report_only", or their own campaign'
         raise PlanError(what, campaign.at("tests", campaign.file.tests.index(wrong[0])), do=do)
-    for tests in (first, *others):
+    for name, tests in by_sensor.items():
         other = next((test for test in tests if test.procedure != tests[0].procedure), None)
         if other is not None:
-            what = f"tests {tests[0].id!r} and {other.id!r} both fit the model of {_name(campaign, other)!r}"
+            what = f"tests {tests[0].id!r} and {other.id!r} both fit the model of {name!r}"
             do = 'Give one of them use = "report_only"'
             where = campaign.at("tests", campaign.file.tests.index(other))
             raise PlanError(what, where, "a sensor has one model", do, "plans_differ")
 
 
-def _name(campaign: Campaign, test: Test) -> str:
-    return campaign.file.recordings[test.recordings[0]].sensor
-
-
 def _build(
     campaign: Campaign,
-    first: Test,
+    name: str,
+    of_procedure: str,
     reduced: Reduced,
     corrections: Mapping[str, Correction],
     residuals: Mapping[str, Residual],
 ) -> JudgedModel | None:
-    """Make and judge the model of the sensor of a test, of all tests of its procedure; None where there is none."""
-    sensor, procedure = sensor_of(campaign, first), procedure_of(first.procedure)
-    mine = [test for test in campaign.file.tests if test.procedure == first.procedure
-            and sensor_of(campaign, test) is sensor]  # fmt: skip
+    """Make and judge the model of a sensor, of all tests of a procedure on it; None where there is none."""
+    sensor, procedure = campaign.file.sensors[name], procedure_of(of_procedure)
+    mine = [test for test in campaign.file.tests if test.procedure == of_procedure
+            and name in sensors_of(campaign, test)]  # fmt: skip
     fitted = [test for test in mine if test.use == "fit"]
     held = [test for test in mine if test.use == "hold_out"]
     matrix, bias = (_chosen(campaign, fitted, terms) for terms in (MATRIX, ("bias",)))
-    result, terms = _joint(procedure, [reduced[test.id] for test in matrix])
+    result, terms = _joint(procedure, [reduced[test.id] for test in matrix], sensor.kind)
     if {test.id for test in bias} != {test.id for test in matrix} and terms is not None:
-        terms = terms.with_bias_of(_joint(procedure, [reduced[test.id] for test in bias])[1] if bias else None)
+        terms = terms.with_bias_of(
+            _joint(procedure, [reduced[test.id] for test in bias], sensor.kind)[1] if bias else None
+        )
     if terms is None or terms.estimate is None:
         return None
     correction = _correction([*matrix, *bias, *held], corrections)
@@ -156,14 +156,15 @@ def _chosen(campaign: Campaign, fitted: Sequence[Test], terms: Sequence[str]) ->
 
 
 def _joint(
-    procedure: Procedure[Any, Any, Any], tests: Sequence[Tested[Any, Any, Any]]
+    procedure: Procedure[Any, Any, Any], tests: Sequence[Tested[Any, Any, Any]], kind: str
 ) -> tuple[Any, ModelTerms | None]:
-    """Return the result of tests reduced together, and the terms that it gives."""
+    """Return the result of tests reduced together, as it is about one kind of sensor, and the terms that it gives."""
     if not tests:
         return None, None
     made = procedure.joined(tests)
-    result = tests[0].result if made is None else procedure.of_sensor(procedure.reduce(*made), tests[0].facts)
-    return result, procedure.terms(result, tests)
+    parts = procedure.by_sensor(tests[0].result if made is None else procedure.reduce(*made))
+    result = parts.get(kind, parts.get(""))
+    return result, None if result is None else procedure.terms(result, tests)
 
 
 def _correction(tests: Sequence[Test], corrections: Mapping[str, Correction]) -> Correction | None:
@@ -210,7 +211,7 @@ def _share(campaign: Campaign, procedure: Procedure[Any, Any, Any]) -> float:
     """Return the share of the risk of a wrong verdict that is left to one sensor."""
     if not procedure.model_of_each:
         return 1.0
-    held = {_name(campaign, test) for test in campaign.file.tests if test.use == "hold_out"}
+    held = {name for test in campaign.file.tests if test.use == "hold_out" for name in sensors_of(campaign, test)}
     return 1.0 / max(len(held), 1)
 
 

@@ -24,7 +24,11 @@ ROUNDING = 1e-20  # share of a variance that cannot be told from none: 1e-10 of 
 
 
 def budget_rows(
-    test: str, estimate: Estimate | None, sensor_unit: str, figures: Sequence[BudgetFigure] | None = None
+    test: str,
+    estimate: Estimate | None,
+    sensor_unit: str,
+    figures: Sequence[BudgetFigure] | None = None,
+    sensor: str = "",
 ) -> list[dict[str, Any]]:
     """Return the sources of uncertainty of each figure, in the units of the campaign.
 
@@ -38,6 +42,8 @@ def budget_rows(
         As the campaign has it: ``"deg/s"``.
     figures : sequence of BudgetFigure, optional
         Those that have a budget; all values of the estimate by default.
+    sensor : str
+        Kind of sensor, where the test has several.
     """
     if estimate is None:
         return []
@@ -48,6 +54,7 @@ def budget_rows(
             share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
             if share > ROUNDING:
                 head = {"test": test, "quantity": figure.key.name, "axis": figure.key.axis}
+                head |= {"sensor": sensor} if sensor else {}
                 found.append(head | _row(figure, component, sensor_unit) | {"share": share})
     return found
 

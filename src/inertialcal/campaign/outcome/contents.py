@@ -50,14 +50,14 @@ def results_content(
         Of all tests.
     """
     rows = [
-        displayed(replace(row, condition=one.test.condition), sensor_of(campaign, one.test).unit)
+        displayed(replace(row, condition=one.test.condition), sensor_of(campaign, one.test, row.key.sensor).unit)
         for one in tested
         for row in one.rows
     ]
     for name, (unit, one) in named_models(campaign, modelled).items():
         rows += [displayed(replace(row, test=name), unit) for row in parameter_rows(one)]
     judged: list[tuple[Verdict, str]] = []
-    units = {one.test.id: sensor_of(campaign, one.test).unit for one in tested}
+    tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
     for requirement in campaign.file.requirements:
         found, more = judge(requirement, tested)
@@ -77,12 +77,19 @@ def results_content(
         "sequence": sequence_rows(prepared, unused),
         "exclusions": exclusion_rows(unused),
         "results": [row.to_dict() for row in rows],
-        "covariances": [c for one in tested if (c := _covariance(one)) is not None],
+        "covariances": [c for one in tested for kind in one.parts if (c := _covariance(one, kind)) is not None],
         "budgets": _budgets(campaign, tested, modelled),
         "curves": curves_content(campaign, tested, modelled),
         "remarks": [remark.to_dict() for remark in condensed(remarks)],
         "decision_rule": RULE,
-        "verdicts": [_verdict_row(verdict, units.get(verdict.test, unit), asked) for verdict, asked in judged],
+        "verdicts": [
+            _verdict_row(
+                verdict,
+                sensor_of(campaign, tests[verdict.test], verdict.sensor).unit if verdict.test in tests else unit,
+                asked,
+            )
+            for verdict, asked in judged
+        ],
         "closed_loop": closed_loop_content(campaign, modelled, unit),
         "verification": _verification(campaign, verdicts, modelled),
     }
@@ -93,19 +100,21 @@ def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: Judged
     """Return the budgets of all tests, then those of the model that is delivered."""
     found = []
     for one in tested:
-        unit = sensor_of(campaign, one.test).unit
-        found += budget_rows(one.test.id, one.result.estimate, unit, one.procedure.budgeted(one.result))
+        for kind, part in one.parts.items():
+            unit = sensor_of(campaign, one.test, kind).unit
+            found += budget_rows(one.test.id, part.estimate, unit, one.procedure.budgeted(part), kind)
     for name, (unit, made) in named_models(campaign, modelled).items():
         found += budget_rows(name, made.model.estimate, unit)
     return found
 
 
-def _covariance(one: ReducedTest) -> dict[str, Any] | None:
-    estimate: Estimate | None = one.result.estimate
+def _covariance(one: ReducedTest, kind: str) -> dict[str, Any] | None:
+    estimate: Estimate | None = one.parts[kind].estimate
     if estimate is None:
         return None
     return {
         "test": one.test.id,
+        **({"sensor": kind} if kind else {}),
         "names": list(estimate.names),
         "units": list(estimate.units),
         "matrix": estimate.covariance.tolist(),
@@ -122,6 +131,7 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
     at = None if verdict.at is None else ten_digits(float(convert([verdict.at], verdict.at_unit, shown)[0]))
     return {
         "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
+        **({"sensor": verdict.sensor} if verdict.sensor else {}),
         "at": at, "at_unit": shown if at is not None else "", "of": verdict.of,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else

@@ -33,8 +33,9 @@ def curves_content(
     """
     found = []
     for one in tested:
-        unit = sensor_of(campaign, one.test).unit
-        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.procedure.curves(one.result)]
+        for kind, part in one.parts.items():
+            unit = sensor_of(campaign, one.test, kind).unit
+            found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.procedure.curves(part)]
     for one in tested:
         unit = sensor_of(campaign, one.test).unit
         found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.curves]

@@ -91,9 +91,10 @@ def _open(asked: Asked) -> Verdict:
 
 def _figures(asked: Asked, about: Sequence[ReducedTest]) -> Iterator[Verdict]:
     for one in about:
-        for row in one.rows:
-            if row.quantity == asked.quantity and row.case.plain and asked.axis in (None, row.axis):
-                yield _figure(asked, one, row)
+        rows = [row for row in one.rows if row.quantity == asked.quantity and asked.axis in (None, row.axis)]
+        rows = [row for row in rows if row.case.plain]
+        comparable = [row for row in rows if asked.comparable(row.unit)] if len(one.parts) > 1 else []
+        yield from (_figure(asked, one, row) for row in comparable or rows)
 
 
 def _decided(one: ReducedTest, row: Row, size: bool, lower: float | None, upper: float | None) -> Decision:
@@ -111,15 +112,24 @@ def _figure(asked: Asked, one: ReducedTest, row: Row) -> Verdict:
     try:
         lower, upper = asked.limits(row.unit, size)
     except DataError as error:
-        return Verdict(*head, row.interval, None, None, "INCONCLUSIVE", error.problems[0].what)
+        return Verdict(*head, row.interval, None, None, "INCONCLUSIVE", error.problems[0].what, sensor=row.key.sensor)
     doubt = one.procedure.doubt(one.result, row.axis)
     below = row.status == "upper_limit" and row.value is not None and upper is not None and row.value <= upper
     if below and (lower is None or lower <= 0.0):
-        return Verdict(*head, row.interval, lower, upper, *_doubted("PASS", BELOW if size else row.reason.text, doubt))
+        return Verdict(
+            *head,
+            row.interval,
+            lower,
+            upper,
+            *_doubted("PASS", BELOW if size else row.reason.text, doubt),
+            sensor=row.key.sensor,
+        )
     if row.status != "estimated":
-        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", row.reason.text)
+        return Verdict(*head, row.interval, lower, upper, "INCONCLUSIVE", row.reason.text, sensor=row.key.sensor)
     found = _decided(one, row, size, lower, upper)
-    return Verdict(*head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt))
+    return Verdict(
+        *head, found.interval, lower, upper, *_doubted(found.status, found.reason, doubt), sensor=row.key.sensor
+    )
 
 
 def _doubted(status: str, reason: str, doubt: str) -> tuple[str, str]:

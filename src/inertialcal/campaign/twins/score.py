@@ -84,7 +84,9 @@ def truth_grid(rows: Sequence[Mapping[str, Any]], caption: str = "") -> Table:
 def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     estimate = with_uncertainty(row["value"], row["u"]) if row["inside"] is not None else "not estimated"
     word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
-    return row["test"], row["quantity"], row["axis"], estimate, number(row["truth"]), row["unit"], word
+    sensor = case_of(row["condition"]).sensor
+    quantity = f"{row['quantity']} ({sensor})" if sensor else row["quantity"]
+    return row["test"], quantity, row["axis"], estimate, number(row["truth"]), row["unit"], word
 
 
 @dataclass(frozen=True)

@@ -48,7 +48,7 @@ def positions_curve(result: Result) -> Curve:
     columns["between"] = Column(np.full(len(readings), between), "m/s^2")
     columns["left_out"] = Column([bool(one) for one in fitted.outliers])
     columns["where"] = Column(list(readings.where) or [""] * len(readings))
-    return Curve("positions", "", columns)
+    return Curve("positions", "", columns, sensor="accelerometer")
 
 
 def along(values: Array, up: Array) -> Array:
@@ -71,7 +71,7 @@ def transitions_curve(result: Result, gyro: FittedGyro) -> Curve:
     if without is not None:
         columns["error_without"] = Column(without, "rad")
     columns["left_out"] = Column([bool(one) for one in left])
-    return Curve("transitions", "", columns)
+    return Curve("transitions", "", columns, sensor="gyro")
 
 
 def angles_without(result: Result, gyro: FittedGyro) -> Array | None:

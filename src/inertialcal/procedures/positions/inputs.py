@@ -54,7 +54,7 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
     joined = [_joined(pair) for pair in pairs]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
     faces = any(_said(one).orientations == [FACES] for one in sources)
-    return _oriented(readings_from(plan, joined, sections, faces), parts)
+    return _oriented(readings_from(plan, joined, sections, faces), pairs)
 
 
 def _paired(parts: Sequence[Part], test: str) -> list[list[Part]]:
@@ -111,23 +111,29 @@ def _sections(pair: Sequence[Part], recording: Recording) -> tuple[Section, ...]
     return tuple(named_section(one.label, round(one.start), round(one.stop), turn) for one in said)
 
 
-def _oriented(readings: Readings, parts: Sequence[Part]) -> Readings:
-    """Return the readings with the directions that the entries say, those of all recordings in a row.
+def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:
+    """Return the readings with the directions that the entries give, recording after recording.
 
     Raises
     ------
     DataError
-        ``wrong_value`` if there are not as many as positions.
+        ``wrong_value`` if the entries of one recording differ, or there are not as many as positions.
     """
-    each = (_said(one.source).orientations for one in parts)
-    said = [one for one in each if one not in (None, [FACES])]
-    words = [word for one in said for word in one or ()]
+    words: list[str] = []
+    for pair in pairs:
+        each = [list(said) for one in pair if (said := _said(one.source).orientations) is not None]
+        if any(one != each[0] for one in each):
+            what = f"recordings {' and '.join(one.source.name for one in pair)} give different orientations"
+            do = "Give them once"
+            raise DataError(what, pair[0].source.file, "the unit lay in one way", do, "wrong_value")
+        words += each[0] if each and each[0] != [FACES] else []
     if not words:
         return readings
-    found = of_words(words, parts[0].source.file)
+    where = pairs[0][0].source.file
+    found = of_words(words, where)
     if len(found) != len(readings):
         listed = ", ".join(readings.where[:12]) + (", ..." if len(readings) > 12 else "")
         what = f"{len(found)} orientations for {len(readings)} positions"
         do = 'Give one for each, "?" for one that is not known; or plan = { shortest = ... } for other rests'
-        raise DataError(what, parts[0].source.file, f"they were found at: {listed}", do, "wrong_value")
+        raise DataError(what, where, f"they were found at: {listed}", do, "wrong_value")
     return replace(readings, direction=found if np.isfinite(found).any() else None)

@@ -10,13 +10,14 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
+    from ...core.axes import Kind
     from ...core.recording import Recording
+    from ...core.results import Row
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import EntryKey
     from ..model_terms import HeldOut, ModelTerms
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
-    from .of_sensor import OfSensor
     from .readings import Readings
     from .reduction import Result
 
@@ -32,7 +33,7 @@ QUANTITIES = {
 }
 
 
-class Positions(Procedure[Plan, "Readings", "OfSensor"]):
+class Positions(Procedure[Plan, "Readings", "Result"]):
     """Accelerometers and gyros from static positions and the rotations between them."""
 
     name = "positions"
@@ -70,34 +71,39 @@ class Positions(Procedure[Plan, "Readings", "OfSensor"]):
 
         return readings_of(plan, sources)
 
-    def reduce(self, plan: Plan, readings: Readings) -> Result:  # type: ignore[override] # of both triads
+    def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return what positions and rotations tell of both triads."""
         from .reduction import reduce
 
         return reduce(plan, readings)
 
-    def of_sensor(self, result: Result, facts: Facts) -> OfSensor:  # type: ignore[override]
-        """Return what it says of the sensor that the test is about."""
-        from .of_sensor import OfSensor
+    def by_sensor(self, result: Result) -> Mapping[str, Result]:
+        """Return the parts of the accelerometers and of the gyros."""
+        from dataclasses import replace
 
-        return OfSensor(result, facts.kind or "accelerometer")
+        kinds: tuple[Kind, ...] = ("accelerometer",) if result.gyro is None else ("accelerometer", "gyro")
+        return {kind: replace(result, sensor=kind) for kind in kinds}
+
+    def truths(self, result: Result) -> Sequence[Row]:
+        """Return the rows of all sensors."""
+        return result.rows()
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of its figures."""
         return QUANTITIES
 
-    def needs(self, influence: str, result: OfSensor) -> bool:
+    def needs(self, influence: str, result: Result) -> bool:
         """Return whether the test is subject to an influence that is not stated."""
         from .rows import missing
 
-        return influence in missing(result.whole)
+        return influence in missing(result)
 
-    def terms(self, result: OfSensor, tests: Sequence[Tested[Plan, Readings, OfSensor]]) -> ModelTerms | None:
+    def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
         """Return what is told of the sensor that the test is about."""
         from ...sensors.model.sensor_model import Provenance
         from ..model_terms import ModelTerms
 
-        found: SensorModel | None = result.model
+        found = result.models.get(result.sensor)
         if result.estimate is None or found is None or found.estimate is None:
             return None
         keys, origin = found.estimate.keys, Provenance(tests[0].id, tests[0].recordings)
@@ -108,9 +114,9 @@ class Positions(Procedure[Plan, "Readings", "OfSensor"]):
 
     def held_out(
         self,
-        result: OfSensor,
-        fitted: Sequence[Tested[Plan, Readings, OfSensor]],
-        held: Sequence[Tested[Plan, Readings, OfSensor]],
+        result: Result,
+        fitted: Sequence[Tested[Plan, Readings, Result]],
+        held: Sequence[Tested[Plan, Readings, Result]],
         model: SensorModel | None,
     ) -> HeldOut:
         """Return what positions and rotations held out say of the sensor."""
@@ -118,7 +124,7 @@ class Positions(Procedure[Plan, "Readings", "OfSensor"]):
         from ..model_terms import HeldOut
         from .held_out.closed_loop import loops_of
 
-        loops = loops_of(result.whole, [one.result.readings for one in held], result.kind)
+        loops = loops_of(result, [one.result.readings for one in held], result.sensor or "accelerometer")
         if loops:
             return HeldOut(loops)
         what = "what is held out has fewer than two positions: nothing is judged by them"

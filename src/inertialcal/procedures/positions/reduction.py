@@ -20,18 +20,21 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from typing import Literal
 
 import numpy as np
 
 from ...core.axes import AXES, Kind
+from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.remarks import Remark, gather
-from ...core.results import Row
+from ...core.results import Row, by_quantity
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
 from .checks import check_units, judged_scale, start_of
+from .curves import curves
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import at_rest
 from .fit.earth_rate import apart, joined
@@ -90,6 +93,8 @@ class Result:
         The same as models, for readings as they were recorded.
     remarks : tuple of Remark
         Findings.
+    sensor : str
+        Kind of sensor that this is the part of; empty for the whole.
     """
 
     plan: Plan
@@ -99,10 +104,22 @@ class Result:
     estimates: Mapping[str, Estimate]
     models: Mapping[str, SensorModel]
     remarks: tuple[Remark, ...]
+    sensor: Kind | Literal[""] = ""
+
+    @property
+    def estimate(self) -> Estimate | None:
+        """Estimate of the sensor that this is the part of; None for the whole, and where nothing was estimated."""
+        return self.estimates.get(self.sensor)
 
     def rows(self) -> tuple[Row, ...]:
-        """Rows of ``results.json``, SI."""
-        return tuple(rows(self))
+        """Rows of ``results.json``, SI: sensor by sensor, which their keys name."""
+        every = rows(self)
+        kinds = [self.sensor] if self.sensor else list(dict.fromkeys(row.key.sensor for row in every))
+        return tuple(row for kind in kinds for row in by_quantity([row for row in every if row.key.sensor == kind]))
+
+    def curves(self) -> list[Curve]:
+        """Return the curves of ``results.json``, SI: those of the sensor, or of both."""
+        return [one for one in curves(self) if self.sensor in ("", one.sensor)]
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: how much went in, the figures in SI, how many remarks."""

@@ -83,14 +83,11 @@ def _entry(name: str, sensor: str, file: str, recording: Recording, channels: Ma
 
 
 def _tests(sensors: Sequence[str], names: Sequence[str]) -> list[str]:
-    """Return a test a sensor; of several recordings the last one is held out."""
-    fitted, held = (list(names[:-1]), [names[-1]]) if len(names) > 1 else (list(names), [])
+    """Return a test of all sensors; of several recordings the last one is held out."""
+    fitted, held = (names[:-1], names[-1:]) if len(names) > 1 else (names, ())
     found = []
-    for use, own, ending in (("fit", fitted, ""), ("hold_out", held, "_held_out")):
-        for sensor in sensors if own else ():
-            others = [one for one in sensors if one != sensor] if sensor == "gyro" else []
-            listed = ", ".join(quoted(f"{one}_{name}") for one in (sensor, *others) for name in own)
-            found.append(
-                f'[[tests]]\nid = "{sensor}{ending}"\nprocedure = "positions"\nrecordings = [{listed}]\nuse = "{use}"\n'
-            )
+    for name, use, own in (("imu", "fit", fitted), ("imu_held_out", "hold_out", held)):
+        if own and sensors:
+            listed = ", ".join(quoted(f"{sensor}_{one}") for one in own for sensor in sensors)
+            found.append(f'[[tests]]\nid = "{name}"\nprocedure = "positions"\nrecordings = [{listed}]\nuse = "{use}"\n')
     return found

@@ -100,8 +100,8 @@ axes = ["x", "y", "z"]
 unit = "deg/s"
 
 {records}
-{_tests(fitted, "fit", "")}
-{_tests(held, "hold_out", "_held_out") if held else ""}\
+{_test("imu", fitted, "fit")}
+{_test("imu_held_out", held, "hold_out") if held else ""}\
 [[requirements]]
 id = "R1"
 {REQUIRED[rig]}"""
@@ -120,11 +120,7 @@ def _entry(bench: Bench, number: int, sensor: str) -> str:
     )
 
 
-def _tests(numbers: Sequence[int], use: str, ending: str) -> str:
-    """Return the tests of both sensors on some of the records: the first recording says which sensor it is about."""
-    acc, gyro = (", ".join(f'"{sensor}{number}"' for number in numbers) for sensor in SENSORS)
-    named = {"accelerometer": acc, "gyro": f"{gyro}, {acc}"}
-    return "\n".join(
-        f'[[tests]]\nid = "{kind}{ending}"\nprocedure = "positions"\nrecordings = [{names}]\nuse = "{use}"\n'
-        for kind, names in named.items()
-    )
+def _test(name: str, numbers: Sequence[int], use: str) -> str:
+    """Return a test of both sensors on some of the records."""
+    names = ", ".join(f'"{sensor}{number}"' for number in numbers for sensor in SENSORS)
+    return f'[[tests]]\nid = "{name}"\nprocedure = "positions"\nrecordings = [{names}]\nuse = "{use}"\n'

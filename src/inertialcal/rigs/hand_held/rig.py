@@ -194,30 +194,32 @@ def _middle(part: Part) -> tuple[int, int]:
 
 
 def true_values(bench: Bench, unit: Unit) -> tuple[TrueValue, ...]:
-    """Return the unit as the results name it, SI; the test is named by the kind of sensor."""
-    lower = bench.variant == "tumble"
-    found = [
-        *_linear("accelerometer", unit.acc_matrix, unit.acc_bias, "m/s^2", lower),
-        *_linear("gyro", unit.gyro_matrix, unit.gyro_bias, "rad/s", False),
-    ]
-    found += [
-        TrueValue("g_sensitivity", a + f, float(unit.g_sensitivity[i, j]), "rad/s/(m/s^2)", "gyro")
-        for i, a in enumerate(AXES)
-        for j, f in enumerate(AXES)
-    ]
-    return tuple(found)
-
-
-def _linear(kind: str, matrix: Array, bias: Array, unit: str, lower: bool) -> list[TrueValue]:
-    """Return scale factor errors, misalignments and biases of three sensors."""
-    own = np.diag(matrix)
-    pairs = [(i, j) for i in range(3) for j in range(3) if i > j or (i < j and not lower)]
-    cross = [(AXES[i] + AXES[j], float(matrix[i, j] / own[i])) for i, j in pairs]
-    return [
-        *(TrueValue("scale_factor_error", a, float(own[i] - 1.0), "1", kind) for i, a in enumerate(AXES)),
-        *(TrueValue("misalignment", pair, value, "rad", kind) for pair, value in cross),
-        *(TrueValue("bias", a, float(bias[i]), unit, kind) for i, a in enumerate(AXES)),
-    ]
+    """Return the unit as the results name it, SI; the condition is the kind of sensor."""
+    pairs = [(i, j) for i in range(3) for j in range(3) if i != j]
+    below = [(i, j) for i, j in pairs if i > j]
+    found = []
+    for kind, matrix, bias, bias_unit, cross in (
+        ("accelerometer", unit.acc_matrix, unit.acc_bias, "m/s^2", below if bench.variant == "tumble" else pairs),
+        ("gyro", unit.gyro_matrix, unit.gyro_bias, "rad/s", pairs),
+    ):
+        own = np.diag(matrix)
+        found += [
+            *(TrueValue("scale_factor_error", a, float(own[i] - 1.0), "1", "", kind) for i, a in enumerate(AXES)),
+            *(
+                TrueValue("misalignment", AXES[i] + AXES[j], float(matrix[i, j] / own[i]), "rad", "", kind)
+                for i, j in cross
+            ),
+            *(TrueValue("bias", a, float(bias[i]), bias_unit, "", kind) for i, a in enumerate(AXES)),
+        ]
+    g = unit.g_sensitivity
+    return (
+        *found,
+        *(
+            TrueValue("g_sensitivity", AXES[i] + AXES[j], float(g[i, j]), "rad/s/(m/s^2)", "", "gyro")
+            for i in range(3)
+            for j in range(3)
+        ),
+    )
 
 
 RIG = Rig("hand_held", TITLE, on_bench(build, Bench()), FAULTS)
