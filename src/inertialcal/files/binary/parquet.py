@@ -14,7 +14,7 @@ from ..reader import Reader
 from ..reader_errors import as_data_errors
 from ..source import Loaded, check_size
 from ..text.cells import judge
-from ..text.delimited import text_in_numbers
+from ..text.delimited import arrow_numbers, text_in_numbers
 
 MAGIC = b"PAR1"
 CELL = 8  # bytes of a value in memory
@@ -61,10 +61,9 @@ def _column(values: Any, field: Any, path: str) -> Column | str:
     kind, unit = values.type, _unit(field)
     if pa.types.is_dictionary(kind):
         values, kind = values.cast(kind.value_type), kind.value_type
-    empty = np.flatnonzero(values.is_null().to_numpy(zero_copy_only=False))
     if pa.types.is_timestamp(kind):
-        stamps = values.cast(pa.timestamp("ns")).to_numpy(zero_copy_only=False)
-        return Column(field.name, stamps.astype("datetime64[ns]"), unit, empty=empty)
+        stamps, empty = arrow_numbers(values.cast(pa.timestamp("ns")))
+        return Column(field.name, stamps, unit, empty=empty)
     if pa.types.is_duration(kind):
         values, unit = values.cast(pa.int64()), kind.unit
     elif pa.types.is_boolean(kind):
@@ -75,19 +74,14 @@ def _column(values: Any, field: Any, path: str) -> Column | str:
         return _text_column(values, field.name, unit, path)
     elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
         return str(field.name)
-    if len(empty) and not pa.types.is_floating(values.type):
+    if values.null_count and not pa.types.is_floating(values.type):
         values = values.cast(pa.float64(), safe=False)
-    numbers = np.array(values.to_numpy(zero_copy_only=False))
-    return _number_column(field.name, numbers, unit, empty)
-
-
-def _number_column(name: str, numbers: Any, unit: str | None, empty: Any) -> Column:
-    """Numbers, where NaN that is no null is a literal one."""
+    numbers, empty = arrow_numbers(values)
     if numbers.dtype.kind != "f":
-        return Column(name, numbers, unit)
-    literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)
+        return Column(field.name, numbers, unit)
+    literal = np.setdiff1d(np.flatnonzero(~np.isfinite(numbers)), empty, assume_unique=True)  # NaN that is no null
     numbers[literal] = np.nan
-    return Column(name, numbers, unit, empty=empty, not_a_number=literal)
+    return Column(field.name, numbers, unit, empty=empty, not_a_number=literal)
 
 
 def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
