@@ -23,10 +23,10 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import Recording
 from inertialcal.rigs.npsat1 import rig as npsat1
+from inertialcal.rigs.npsat1.campaign import AT_DEGC, degrees
 from inertialcal.rigs.npsat1.climate import TURN_OVER, Climate, followed, knots, side_of_path, vacuum_part
 from inertialcal.rigs.npsat1.faults import FAULTS
 from inertialcal.rigs.npsat1.logger import column, save_starts
-from inertialcal.rigs.npsat1.names import degrees
 from inertialcal.rigs.npsat1.reading import noise, polynomial_bias, readings, settled_bias
 from inertialcal.rigs.npsat1.recordings import WARMER_DEGC
 from inertialcal.rigs.npsat1.setup import (
@@ -56,7 +56,6 @@ from inertialcal.rigs.npsat1.tables import (
     VACUUM_VOLTS,
     WALK_DEG_H_SQRT_H,
 )
-from inertialcal.rigs.npsat1.tests import AT_DEGC
 from inertialcal.rigs.npsat1.unit import Run, Unit, draw_unit, powered_up
 from inertialcal.rigs.protocol import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL

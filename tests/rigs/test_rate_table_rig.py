@@ -20,9 +20,9 @@ from inertialcal.procedures.rate_table.fit.earth_input import earth_in_dwells
 from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.reduction import Plan
 from inertialcal.rigs import RIGS
+from inertialcal.rigs.parts.campaign import drawn_error
 from inertialcal.rigs.parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up
 from inertialcal.rigs.parts.noise import random_walk
-from inertialcal.rigs.parts.standards import drawn_error
 from inertialcal.rigs.parts.stepped_table import Motion, motion
 from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.rate_table import rig as rate_table

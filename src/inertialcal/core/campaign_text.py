@@ -1,11 +1,118 @@
-"""Words of campaign.toml that its writers and its reader share."""
+"""Campaign files as TOML that people read: tables from plain dicts, with comments, and lines that fit the page.
+
+A mapping that fits on one line is written on one; a longer one becomes a table. Long lists are wrapped.
+"""
 
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 
 FILE = "campaign.toml"
 MARK = "# FILL IN"  # at the end of a line that `init` could not fill in
+WIDTH = 120  # [characters]
+Path = tuple[str, ...]  # keys of a table
+
+
+@dataclass(frozen=True)
+class Noted:
+    """A value with comments.
+
+    Parameters
+    ----------
+    value : object
+        The value itself.
+    note : str
+        Comment at the end of its line.
+    above : str
+        Comment above it; may have several lines.
+    example : bool
+        Whether the value is commented out as a whole.
+    """
+
+    value: object
+    note: str = ""
+    above: str = ""
+    example: bool = False
+
+
+def toml_text(document: Mapping[str, object]) -> str:
+    """Return a document as TOML: plain values first, then a table for every mapping and every list of mappings."""
+    return "\n".join(_table((), document, Noted(document), "")) + "\n"
+
+
+def _table(path: Path, content: Mapping[str, object], noted: Noted, header: str) -> list[str]:
+    """Return the lines of a table: its values, then the tables inside it, each after a blank line."""
+    given = {key: _noted(value) for key, value in content.items()}
+    of_tables = len(path) == 1 and all(isinstance(one.value, Mapping) for one in given.values())
+    values: list[str] = []
+    tables: list[str] = []
+    for key, one in given.items():
+        below = (*path, _key(key))
+        lines = _assignment(below[-1], one)
+        if isinstance(one.value, Mapping) and (not path or of_tables or len(lines[-1]) > WIDTH):
+            tables += ["", *_table(below, one.value, one, f"[{'.'.join(below)}]")]
+        elif not path and isinstance(one.value, Sequence) and not isinstance(one.value, str):
+            for row in map(_noted, one.value):
+                if isinstance(row.value, Mapping):
+                    tables += ["", *_table(below, row.value, row, f"[[{below[0]}]]")]
+        else:
+            values += lines
+    lines = [f"{header}  # {noted.note}" if noted.note else header, *values, *tables] if header else [*values, *tables]
+    if header and not values and tables:
+        lines = tables[1:]  # a table of tables needs no header
+    return _commented(lines, noted)
+
+
+def _noted(value: object) -> Noted:
+    return value if isinstance(value, Noted) else Noted(value)
+
+
+def _commented(lines: list[str], noted: Noted) -> list[str]:
+    """Return lines below their comment, all of them commented out for an example."""
+    lines = [*(f"# {line}" for line in noted.above.splitlines()), *lines]
+    return [line if line.startswith("#") else f"# {line}".rstrip() for line in lines] if noted.example else lines
+
+
+def _assignment(key: str, noted: Noted) -> list[str]:
+    """Return the lines of a key with its value; a long list, or one with comments in it, is wrapped."""
+    behind = f"  # {noted.note}" if noted.note else ""
+    line = f"{key} = {_inline(noted.value)}"
+    items = [_noted(one) for one in noted.value] if isinstance(noted.value, list) else []
+    if not items or (len(line) <= WIDTH and not any(one.note for one in items)):
+        return _commented([line + behind], noted)
+    lines, row = [f"{key} = [{behind}"], " "
+    for one in items:
+        item = f" {_inline(one.value)},"
+        if row != " " and len(row) + len(item) > WIDTH:
+            lines.append(row)
+            row = " "
+        row += item
+        if one.note:
+            lines.append(f"{row}  # {one.note}")
+            row = " "
+    return _commented([*lines, *([row] if row != " " else []), "]"], noted)
+
+
+def _key(name: str) -> str:
+    import tomlkit  # noqa: PLC0415 - starts slowly
+
+    return tomlkit.key(name).as_string()
+
+
+def _inline(value: object) -> str:
+    """Return a value on one line."""
+    if isinstance(value, Noted):
+        return _inline(value.value)
+    if isinstance(value, Mapping):
+        pairs = [f"{_key(key)} = {_inline(one)}" for key, one in value.items()]
+        return f"{{ {', '.join(pairs)} }}"
+    if isinstance(value, list | tuple):
+        return f"[{', '.join(map(_inline, value))}]"
+    import tomlkit  # noqa: PLC0415 - starts slowly
+
+    return str(tomlkit.item(value).as_string())
 
 
 def quoted(text: str) -> str:

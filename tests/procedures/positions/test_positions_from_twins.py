@@ -10,7 +10,7 @@ import pytest
 
 from inertialcal.procedures.positions.reduction import Plan, Section, readings_from, reduce
 from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held, true_values
-from inertialcal.rigs.parts.standards import drawn_error
+from inertialcal.rigs.parts.campaign import drawn_error
 from inertialcal.statistics.intervals import coverage_factor, covers
 
 SHORT = replace(Bench(), dwell=2.5, first=5.0, sample_rate=50.0)

@@ -2,26 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from ..protocol import SEAL, SEED
+from ...core.axes import AXES
+from ...core.campaign_text import toml_text
+from ..parts.campaign import Content, campaign_head, channel_entries, standard_tables
 from .setup import Bench
 
-TIME = "unix_s"
 TITLES = {"hand_held": "Positions of a simulated IMU", "six_faces": "Six faces and three turns of a simulated IMU"}
-LAID = {"hand_held": "into many positions", "six_faces": "on its six faces, and turned about its axes"}
+ABOUT = {
+    "hand_held": "an IMU laid by hand into many positions",
+    "six_faces": "an IMU laid by hand on its six faces, and turned about its axes",
+}
 REQUIRED = {
-    "hand_held": """\
-text = "gravity, carried by the gyros through a turn by hand, arrives within half a degree (rms)"
-quantity = "transition_error"
-upper = "0.5 deg"
-""",
-    "six_faces": """\
-text = "scale factors within 5 % of the nominal ones"
-quantity = "scale_factor_error"
-lower = "-5 %"
-upper = "5 %"
-""",
+    "hand_held": {
+        "text": "gravity carried by the gyros through a turn by hand is within half a degree (rms)",
+        "quantity": "transition_error",
+        "upper": "0.5 deg",
+    },
+    "six_faces": {
+        "text": "scale factors within 5 % of the nominal ones",
+        "quantity": "scale_factor_error",
+        "lower": "-5 %",
+        "upper": "5 %",
+    },
 }
 SENSORS = {"acc": ("accelerometer", "m/s^2"), "gyro": ("gyro", "rad/s")}  # kind, and unit of the channels
 
@@ -51,76 +53,49 @@ def campaign_text(bench: Bench, rig: str, count: int) -> str:
     count : int
         Recordings.
     """
-    held = (count,) if bench.records > 1 and bench.copies == 1 else ()
-    fitted = [number for number in range(1, count + 1) if number not in held]
-    records = "\n".join(_entry(bench, number, sensor) for number in range(1, count + 1) for sensor in SENSORS)
-    fixture = ""
+    standards = {"gravity.value": bench.gravity_error, "clock.rate": bench.clock}
     if bench.variant == "ferraris":
-        fixture = f"""
-[standards.turn]
-angle = {{ u = "{bench.angle.u:g} rad", certificate = "{bench.angle.certificate}" }}
-
-[standards.fixture]
-orientation = {{ u = "{bench.orientation.u:g} rad", certificate = "{bench.orientation.certificate}" }}
-mounting = {{ u = "{bench.mounting.u:g} rad", certificate = "{bench.mounting.certificate}" }}
-"""
-    return f"""\
-# A simulated campaign: an IMU laid by hand {LAID[rig]}.
-# The true values lie in .truth/, which nothing but `inertialcal score` reads. Delete it, and `run` gives the same.
-schema = 1
-
-[campaign]
-id = "{rig}-{SEED}"
-title = "{TITLES[rig]}"
-source = "simulated: rig {rig}, seed {SEED}; truth sealed with SHA-256 {SEAL}"
-
-[item]
-maker = "inertialcal"
-part = "simulated IMU"
-serial = "{SEED}"
-
-[site]
-gravity = "{bench.gravity:g} m/s2"
-latitude = "{bench.latitude:g} rad"
-
-[standards.gravity]
-value = {{ u = "{bench.gravity_error.u:g} m/s2", certificate = "{bench.gravity_error.certificate}" }}
-
-[standards.clock]
-rate = {{ u = "{1e6 * bench.clock.u:g} ppm", certificate = "{bench.clock.certificate}" }}
-{fixture}
-[sensors.acc]
-kind = "accelerometer"
-axes = ["x", "y", "z"]
-unit = "m/s2"
-
-[sensors.gyro]
-kind = "gyro"
-axes = ["x", "y", "z"]
-unit = "deg/s"
-
-{records}
-{_test("imu", fitted, "fit")}
-{_test("imu_held_out", held, "hold_out") if held else ""}\
-[[requirements]]
-id = "R1"
-{REQUIRED[rig]}"""
-
-
-def _entry(bench: Bench, number: int, sensor: str) -> str:
-    """Return the entry of the channels of one sensor in a record."""
-    unit = SENSORS[sensor][1]
-    interval = f"{bench.pace / bench.sample_rate:g} s"
-    clock = f'column = "{TIME}", stamp = "end", interval = "{interval}", averaging = "{interval}"'
-    sections = f'sections = "{protocol_file(number)}"\n' if bench.variant == "ferraris" else ""
-    channels = ", ".join(f'{axis} = {{ column = "{sensor}_{axis}", unit = "{unit}" }}' for axis in "xyz")
-    return (
-        f'[recordings.{sensor}{number}]\nsensor = "{sensor}"\nfile = "{recording_file(number)}"\n'
-        f"clock = {{ {clock} }}\nchannels = {{ {channels} }}\n{sections}"
+        standards["turn.angle"] = bench.angle
+        standards["fixture.orientation"] = bench.orientation
+        standards["fixture.mounting"] = bench.mounting
+    units = {"accelerometer": "m/s2", "gyro": "deg/s"}
+    numbers = range(1, count + 1)
+    uses = {"fit": list(numbers)}
+    if bench.records > 1 and bench.copies == 1:
+        uses = {"fit": list(numbers[:-1]), "hold_out": [count]}
+    tests = [
+        {
+            "id": "imu" if use == "fit" else "imu_held_out",
+            "procedure": "positions",
+            "recordings": [f"{sensor}{number}" for number in own for sensor in SENSORS],
+            "use": use,
+        }
+        for use, own in uses.items()
+    ]
+    return toml_text(
+        {
+            **campaign_head(rig, "simulated IMU", TITLES[rig], ABOUT[rig]),
+            "site": {"gravity": f"{bench.gravity:g} m/s2", "latitude": f"{bench.latitude:g} rad"},
+            "standards": standard_tables(standards, {"1": "ppm"}),
+            "sensors": {
+                sensor: {"kind": kind, "axes": list(AXES), "unit": units[kind]} for sensor, (kind, _) in SENSORS.items()
+            },
+            "recordings": {
+                f"{sensor}{number}": _entry(bench, number, sensor) for number in numbers for sensor in SENSORS
+            },
+            "tests": tests,
+            "requirements": [{"id": "R1", **REQUIRED[rig]}],
+        }
     )
 
 
-def _test(name: str, numbers: Sequence[int], use: str) -> str:
-    """Return a test of both sensors on some of the records."""
-    names = ", ".join(f'"{sensor}{number}"' for number in numbers for sensor in SENSORS)
-    return f'[[tests]]\nid = "{name}"\nprocedure = "positions"\nrecordings = [{names}]\nuse = "{use}"\n'
+def _entry(bench: Bench, number: int, sensor: str) -> Content:
+    """Return the entry of the channels of one sensor in a record."""
+    interval = f"{bench.pace / bench.sample_rate:g} s"
+    entry: Content = {
+        "sensor": sensor,
+        "file": recording_file(number),
+        "clock": {"column": "unix_s", "stamp": "end", "interval": interval, "averaging": interval},
+        "channels": channel_entries({axis: f"{sensor}_{axis}" for axis in AXES}, SENSORS[sensor][1]),
+    }
+    return entry | ({"sections": protocol_file(number)} if bench.variant == "ferraris" else {})

@@ -13,7 +13,7 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.labelled import LabelledPart
-from ..parts.standards import drawn_error
+from ..parts.campaign import drawn_error
 from .motion import Leg, Part, turn_between
 from .setup import Bench
 

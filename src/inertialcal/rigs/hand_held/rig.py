@@ -18,7 +18,7 @@ from ...core.estimate import Array
 from ...core.labelled import labelled_csv
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
-from ..parts.standards import drawn_error
+from ..parts.campaign import drawn_error
 from ..protocol import Extra, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import campaign_text, protocol_file, recording_file

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-from ...core.influence import Influence
+from ...core.campaign_text import Noted, toml_text
 from ...core.recording import SECOND
 from ...core.times import instant_text
-from ..protocol import SEAL, SEED
+from ..parts.campaign import Content, campaign_head, standard_tables
 from .setup import LEAD, MASS, MERCURY_AMPLITUDE, RANGES, Bench, Run
 
-TIME, PULSES, TILT, TEMPERATURE = "unix_s", "pulses", "tilt_rad", "case_degc"
+PULSES, TILT, TEMPERATURE = "pulses", "tilt_rad", "case_degc"
 SCHEDULE = "schedule.csv"
 BEGIN = 1_272_412_800  # 2010-04-28 00:00:00 UTC [s]
 APART = 86_400  # from run to run [s]
@@ -27,85 +27,58 @@ def begin(number: int, run: Run) -> int:
 
 def campaign_text(bench: Bench) -> str:
     """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
-    runs = "\n".join(_recording(bench, number, run) for number, run in enumerate(bench.runs))
-    return f"{_head(bench)}\n{runs}\n{_test(bench)}"
+    title = "Scale factor of a simulated accelerometer from a moved mass"
+    about = "an accelerometer is calibrated with the attraction of a moved mass of lead"
+    stated, unit = RANGES[bench.range], "count/s/ug"
+    standards = {
+        "source_mass.density": bench.density,
+        "source_mass.placing": bench.placing,
+        "source_mass.gravitational_constant": bench.gravitational_constant,
+        "tilt_meter.mercury": bench.mercury,
+    }
+    chain = {"kind": "pulse_rate", "gate": f"{bench.gate_said:g} s", "scale_factor": f"{stated:g} {unit}"}
+    rows = f"A row is one dwell: {bench.dwell:g} s of pulses, then {bench.move:g} s to move the mass.\n"
+    mercury = f"{bench.lighter * MERCURY_AMPLITUDE:g} rad"
+    plan = {
+        "tilt": Noted("known", "the accelerometer feels a tilt of the pad as gravity times the tilt"),
+        "mercury": Noted(mercury, "tilt of the meter's mercury caused by the mass"),
+        "source": {"mass": f"{MASS:g} kg", "density": f"{LEAD:g} kg/m^3", "stand_off": f"{bench.stand_off_said:g} m"},
+        "high_g": {"scale_factor": f"{stated:g} {unit}", "u": f"{0.005 * stated:.4g} {unit}"},
+    }
+    test = {"id": "calibration", "procedure": "mass_attraction", "recordings": [run.name for run in bench.runs]}
+    requirement = {
+        "id": "R1",
+        "text": "scale factor within 10 % of the data sheet",
+        "quantity": "scale_factor",
+        "lower": f"{0.9 * stated:.4g} {unit}",
+        "upper": f"{1.1 * stated:.4g} {unit}",
+    }
+    recordings = {run.name: _entry(bench, number, run) for number, run in enumerate(bench.runs)}
+    return toml_text(
+        {
+            **campaign_head("mesa", "simulated electrostatic accelerometer", title, about),
+            "standards": standard_tables(standards),
+            "sensors": {"mesa": {"kind": "accelerometer", "axes": ["x"], "unit": "ug", "chain": chain}},
+            "recordings": Noted(recordings, above=f"{rows}Rows that the counter failed to read are missing."),
+            "tests": [test | {"plan": plan}],
+            "requirements": [requirement],
+        }
+    )
 
 
-def _stated(one: Influence, unit: str = "%") -> str:
-    u = f"{100.0 * one.u:.6g} %" if unit == "%" else f"{one.u:.6g} {unit}"
-    return f'{{ u = "{u}", certificate = "{one.certificate}" }}'
-
-
-def _head(bench: Bench) -> str:
-    return f"""\
-# A simulated campaign: an accelerometer is calibrated with the attraction of lead that is moved before it.
-# The true values lie in .truth/, which nothing but `inertialcal score` reads. Delete it, and `run` gives the same.
-schema = 1
-
-[campaign]
-id = "mesa-{SEED}"
-title = "Scale factor of a simulated accelerometer from a moved mass"
-source = "simulated: rig mesa, seed {SEED}; truth sealed with SHA-256 {SEAL}"
-
-[item]
-maker = "inertialcal"
-part = "simulated electrostatic accelerometer"
-serial = "{SEED}"
-
-[standards.source_mass]
-density = {_stated(bench.density)}
-placing = {_stated(bench.placing)}
-gravitational_constant = {_stated(bench.gravitational_constant)}
-
-[standards.tilt_meter]
-mercury = {_stated(bench.mercury, "rad")}
-
-[sensors.mesa]
-kind = "accelerometer"
-axes = ["x"]
-unit = "ug"
-chain = {{ kind = "pulse_rate", gate = "{bench.gate_said:g} s", scale_factor = "{RANGES[bench.range]:g} count/s/ug" }}
-
-# A row is a dwell: {bench.dwell:g} s of pulses, then {bench.move:g} s to move the mass.
-# Some readings were errors and are not there.
-"""
-
-
-def _recording(bench: Bench, number: int, run: Run) -> str:
-    clock = f'column = "{TIME}", stamp = "end", interval = "{bench.dwell + bench.move:g} s"'
-    moved = "" if run.moved else ", moved = false"
-    return f"""\
-[recordings.{run.name}]
-sensor = "mesa"
-file = "{recording_file(run)}"
-run = "{run.name}"
-clock = {{ {clock}, averaging = "{bench.dwell:g} s" }}
-mass = {{ schedule = "{SCHEDULE}", begin = "{instant_text(begin(number, run) * SECOND)}"{moved} }}
-[recordings.{run.name}.channels]
-x = {{ column = "{PULSES}", unit = "count" }}
-tilt = {{ column = "{TILT}", unit = "rad" }}
-temperature = {{ column = "{TEMPERATURE}", unit = "degC" }}
-"""
-
-
-def _test(bench: Bench) -> str:
-    names = ", ".join(f'"{run.name}"' for run in bench.runs)
-    stated = RANGES[bench.range]
-    return f"""\
-[[tests]]
-id = "calibration"
-procedure = "mass_attraction"
-recordings = [{names}]
-[tests.plan]
-tilt = "known"                 # a tilt of the pad is felt as gravity times it
-mercury = "{bench.lighter * MERCURY_AMPLITUDE:g} rad"  # that the mass tilts the mercury of the meter by
-source = {{ mass = "{MASS:g} kg", density = "{LEAD:g} kg/m^3", stand_off = "{bench.stand_off_said:g} m" }}
-high_g = {{ scale_factor = "{stated:g} count/s/ug", u = "{0.005 * stated:.4g} count/s/ug" }}
-
-[[requirements]]
-id = "R1"
-text = "scale factor within 10 % of the data sheet"
-quantity = "scale_factor"
-lower = "{0.9 * stated:.4g} count/s/ug"
-upper = "{1.1 * stated:.4g} count/s/ug"
-"""
+def _entry(bench: Bench, number: int, run: Run) -> Content:
+    """Return the entry of the recording of a run."""
+    moved: Content = {} if run.moved else {"moved": False}
+    times = {"interval": f"{bench.dwell + bench.move:g} s", "averaging": f"{bench.dwell:g} s"}
+    return {
+        "sensor": "mesa",
+        "file": recording_file(run),
+        "run": run.name,
+        "clock": {"column": "unix_s", "stamp": "end", **times},
+        "mass": {"schedule": SCHEDULE, "begin": instant_text(begin(number, run) * SECOND), **moved},
+        "channels": {
+            "x": {"column": PULSES, "unit": "count"},
+            "tilt": {"column": TILT, "unit": "rad"},
+            "temperature": {"column": TEMPERATURE, "unit": "degC"},
+        },
+    }

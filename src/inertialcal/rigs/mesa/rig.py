@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.recording import SECOND, Channel, Recording
 from ...physics.motion.schedule import Schedule
-from ..parts.standards import drawn_error
+from ..parts.campaign import drawn_error
 from ..protocol import Extra, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import PULSES, SCHEDULE, TEMPERATURE, TILT, begin, campaign_text, recording_file

@@ -2,128 +2,205 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Iterable
+from collections.abc import Iterator, Sequence
 
 from ...core.axes import AXES
-from ...core.influence import Influence
+from ...core.campaign_text import Noted, toml_text
 from ...sensors.catalogue import SLOPE, T_REFERENCE
-from ..parts.standards import standard_tables
-from ..protocol import SEAL, SEED
-from .logger import APPLIED, PRESSURE, column
-from .names import recording_file, recording_name
+from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
+from .logger import APPLIED, BEGIN, DAY, PRESSURE, column
 from .setup import (
+    AIR,
     AVERAGED,
     AVERAGING,
     CODES,
     INTERVAL,
     INVERTED,
     SCALE_FACTOR_V_PER_DEG_S,
+    VACUUM,
     VALID_VOLTS,
     Bench,
     nominal_volts,
 )
-from .tests import requirements_of, tests_of
 
-TIME = "unix_s"
+NAMES = {AIR: "thermal_ambient", VACUUM: "thermal_vacuum", "rate_table": "rate", "noise": "noise"}  # tests for the fit
+REFERENCE_DEGC = 20.0  # of the powers of temperature
+AT_DEGC = (-20.0, 0.0, 20.0, 60.0)  # where the bias is also reported
+CHANNELS = {"": "rate", "reference_": "ref", "temperature_": "temp", "temperature_reference_": "temp_ref"}
+CHANNELS |= {"validity_": "bit"}
+
+
+def degrees(temperature: float) -> str:
+    """Return a temperature as conditions and settings write it."""
+    return f"{temperature:g} degC"
+
+
+def recording_name(what: str, number: int) -> str:
+    """Return the name of a recording: of a condition, of an axis that is turned, at rest."""
+    return f"{what}_run{number}" if what in AXES else f"{what}_{number}"
+
+
+def recording_file(what: str, number: int) -> str:
+    """Return the file of a recording, in the campaign folder."""
+    return f"recordings/{recording_name(what, number)}.csv"
 
 
 def campaign_text(bench: Bench) -> str:
     """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
-    recordings = [text for part in bench.parts for text in _recordings(bench, part)]
-    tests = [text for part in bench.parts for text in tests_of(bench, part)]
-    return "\n".join([_head(bench), _standards(bench), _sensor(bench), *recordings, *tests, *requirements_of(bench)])
+    parts = {"thermal": (_chamber_entries, _thermal_tests), "rate_table": (_table_entries, _rate_table_tests)}
+    parts |= {"noise": (_static_entries, _noise_tests)}
+    recordings: Content = {}
+    tests: list[Noted] = []
+    for part in bench.parts:
+        entries_of, tests_of = parts[part]
+        recordings |= entries_of(bench)
+        tests += tests_of(bench)
+    title = "Thermal, vacuum, rate table and noise tests of a simulated rate-sensor suite"
+    about = "three rate sensors in a thermal chamber, on a rate table and at rest"
+    return toml_text(
+        {
+            **campaign_head("npsat1", "simulated rate-sensor suite", title, about),
+            "site": {"latitude": Noted(f"{bench.latitude_deg:g} deg", "geodetic")},
+            "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
+            "sensors": {"suite": _sensor(bench)},
+            "recordings": recordings,
+            "tests": tests,
+            "requirements": list(_requirements(bench)),
+        }
+    )
 
 
-def _head(bench: Bench) -> str:
-    return f"""\
-# A simulated campaign: three rate sensors in a thermal chamber, on a rate table and at rest.
-# The true values lie in .truth/, which nothing but `inertialcal score` reads. Delete it, and `run` gives the same.
-schema = 1
-
-[campaign]
-id = "npsat1-{SEED}"
-title = "Thermal, vacuum, rate table and noise tests of a simulated rate-sensor suite"
-source = "simulated: rig npsat1, seed {SEED}; truth sealed with SHA-256 {SEAL}"
-
-[item]
-maker = "inertialcal"
-part = "simulated rate-sensor suite"
-serial = "{SEED}"
-
-[site]
-latitude = "{bench.latitude_deg:g} deg"  # geodetic
-"""
-
-
-def _standards(bench: Bench) -> str:
-    """Return the tables of the standards; an error of each was drawn with this uncertainty."""
-    return "# Each error is one unknown value for the whole campaign.\n" + standard_tables(bench.standards, _entry)
+def _sensor(bench: Bench) -> Content:
+    mounting = [[sign if i == j else 0 for j in range(3)] for i, sign in enumerate(INVERTED)]
+    volts = {axis: f"{one:g} V" for axis, one in zip(AXES, nominal_volts(bench), strict=True)}
+    at = {axis: degrees(one) for axis, one in zip(AXES, T_REFERENCE, strict=True)}
+    chain = {
+        "kind": "adc",
+        "lsb": "5 V / 4095",
+        "counts": list(CODES),
+        "reference": "channel",
+        "scale_factor": f"{SCALE_FACTOR_V_PER_DEG_S:g} V/(deg/s)",
+        "validity_minimum": f"{VALID_VOLTS:g} V",
+        "thermometer": {"slope": f"{SLOPE:g} V/degC", "voltage": volts, "temperature": at},
+    }
+    about = f"Codes are means of {AVERAGED} conversions. A reading is valid while its built-in test is high."
+    return {
+        "kind": "gyro",
+        "axes": list(AXES),
+        "unit": "deg/s",
+        "range": ["-5 deg/s", "5 deg/s"],
+        "mounting": Noted(mounting, "sensor from body: x and z are mounted inverted"),
+        "chain": Noted(chain, above=about),
+    }
 
 
-def _entry(influence: Influence) -> str:
-    text = f"{100.0 * influence.u:.12g} %" if influence.unit == "1" else f"{influence.u:.12g} {influence.unit}"
-    return f"{{ u = {json.dumps(text)}, certificate = {json.dumps(influence.certificate)} }}"
+def _chamber_entries(bench: Bench) -> Content:
+    gauge = {PRESSURE: ("pressure", "Torr")}
+    return {
+        recording_name(where, number): _entry(bench, where, number, recording_name(where, number), gauge)
+        for where in bench.chambers
+        for number in range(1, bench.chamber_runs + 1)
+    }
 
 
-def _sensor(bench: Bench) -> str:
-    rows = ", ".join(str([sign if i == j else 0 for j in range(3)]) for i, sign in enumerate(INVERTED))
-    voltage = ", ".join(f'{axis} = "{volts:g} V"' for axis, volts in zip(AXES, nominal_volts(bench), strict=True))
-    at = ", ".join(f'{axis} = "{degc:g} degC"' for axis, degc in zip(AXES, T_REFERENCE, strict=True))
-    return f"""\
-[sensors.suite]
-kind = "gyro"
-axes = ["x", "y", "z"]
-unit = "deg/s"
-range = ["-5 deg/s", "5 deg/s"]
-mounting = [{rows}]  # sensor from body: x and z are mounted inverted
-
-# Codes are means of {AVERAGED} conversions. A reading counts while its built-in test is high.
-[sensors.suite.chain]
-kind = "adc"
-lsb = "5 V / 4095"
-counts = {list(CODES)}
-reference = "channel"
-scale_factor = "{SCALE_FACTOR_V_PER_DEG_S:g} V/(deg/s)"
-validity_minimum = "{VALID_VOLTS:g} V"
-thermometer = {{ slope = "{SLOPE:g} V/degC", voltage = {{ {voltage} }}, temperature = {{ {at} }} }}
-"""
-
-
-def _recordings(bench: Bench, part: str) -> list[str]:
-    """Return the recordings of a part of the campaign, a table each."""
-    if part == "thermal":
-        gauge = [f'pressure = {{ column = "{PRESSURE}", unit = "Torr" }}']
-        named = [(where, number) for where in bench.chambers for number in range(1, bench.chamber_runs + 1)]
-        return [_recording(bench, where, number, recording_name(where, number), gauge) for where, number in named]
-    if part == "rate_table":
-        applied = [f'applied = {{ column = "{APPLIED}", unit = "deg/s" }}']
-        runs = range(1, bench.table_runs + 1)
-        return [_recording(bench, axis, number, f"table_{number}", applied) for number in runs for axis in AXES]
-    runs = range(1, bench.static_runs + 1)
-    return [_recording(bench, "static", number, recording_name("static", number), []) for number in runs]
-
-
-def _recording(bench: Bench, what: str, number: int, run: str, others: Iterable[str]) -> str:
-    channels = ", ".join([*others, *_channels(bench)])
-    axis = f'axis = "{what}"\n' if what in AXES else ""
-    return f"""\
-[recordings.{recording_name(what, number)}]
-sensor = "suite"
-file = "{recording_file(what, number)}"
-{axis}run = "{run}"  # power-up
-clock = {{ column = "{TIME}", stamp = "end", interval = "{INTERVAL} s", averaging = "{AVERAGING:g} s" }}
-channels = {{ {channels} }}
-"""
-
-
-def _channels(bench: Bench) -> list[str]:
-    kinds = {"": "rate", "reference_": "ref", "temperature_": "temp", "temperature_reference_": "temp_ref"}
-    kinds |= {"validity_": "bit"}
-    if not bench.reference_saved:
-        del kinds["reference_"]
-    return [
-        f'{prefix}{axis} = {{ column = "{column(what, axis)}", unit = "count" }}'
-        for prefix, what in kinds.items()
+def _table_entries(bench: Bench) -> Content:
+    applied = {APPLIED: ("applied", "deg/s")}
+    return {
+        recording_name(axis, number): {"axis": axis} | _entry(bench, axis, number, f"table_{number}", applied)
+        for number in range(1, bench.table_runs + 1)
         for axis in AXES
-    ]
+    }
+
+
+def _static_entries(bench: Bench) -> Content:
+    names = {number: recording_name("static", number) for number in range(1, bench.static_runs + 1)}
+    return {name: _entry(bench, "static", number, name, {}) for number, name in names.items()}
+
+
+def _entry(bench: Bench, what: str, number: int, run: str, others: dict[str, tuple[str, str]]) -> Content:
+    """Return the entry of a recording; ``others``: columns -> channel and unit, besides those of the sensors."""
+    kinds = {prefix: name for prefix, name in CHANNELS.items() if bench.reference_saved or prefix != "reference_"}
+    columns = {f"{prefix}{axis}": column(name, axis) for prefix, name in kinds.items() for axis in AXES}
+    return {
+        "sensor": "suite",
+        "file": recording_file(what, number),
+        "run": Noted(run, "power-up"),
+        "clock": {"column": "unix_s", "stamp": "end", "interval": f"{INTERVAL} s", "averaging": f"{AVERAGING:g} s"},
+        "channels": {channel: {"column": name, "unit": unit} for name, (channel, unit) in others.items()}
+        | channel_entries(columns, "count"),
+    }
+
+
+def _test(name: str, procedure: str, use: str, recordings: Sequence[str], about: str, **settings: object) -> Noted:
+    test: Content = {"id": name, "procedure": procedure, "use": use, "recordings": list(recordings)}
+    return Noted(test | settings, above=about)
+
+
+def _thermal_tests(bench: Bench) -> Iterator[Noted]:
+    """Yield the tests over temperature, in air and in vacuum, each with its hold-out test."""
+    stands = attitude(
+        bench.chamber_tilt_deg, bench.u_chamber_tilt_deg, bench.chamber_azimuth_deg, bench.u_chamber_azimuth_deg
+    )
+    at = [degrees(one) for one in AT_DEGC]
+    plan = {"at": at, "reference_temperature": degrees(REFERENCE_DEGC), "attitude": stands}
+    last = BEGIN + DAY * (bench.chamber_runs + 1)
+    shared = BEGIN + DAY * (bench.chamber_fit_runs - 1) + 7_200  # in the last recording of the fit
+    for where in bench.chambers:
+        names = [recording_name(where, number) for number in range(1, bench.chamber_runs + 1)]
+        fit, held = names[: bench.chamber_fit_runs], names[bench.chamber_fit_runs :]
+        settings: Content = {"condition": where}
+        against = {"against": NAMES[AIR]} if where == VACUUM and AIR in bench.chambers else {}
+        early: Content = {}
+        late: Content = {}
+        if bench.overlapping and where == AIR:
+            held = [*held, fit[-1]]
+            early, late = {"windows": [[BEGIN, last]]}, {"windows": [[shared, last]]}
+        about = f"Bias over temperature in {'air' if where == AIR else 'vacuum'}"
+        yield _test(NAMES[where], "thermal", "fit", fit, about, **settings, **against, **early, plan=plan)
+        if held:
+            about = "Hold-out: the same on power-ups that the fit does not use"
+            yield _test(f"{NAMES[where]}_check", "thermal", "hold_out", held, about, **settings, **late, plan=plan)
+
+
+def _rate_table_tests(bench: Bench) -> Iterator[Noted]:
+    """Yield the tests on the rate table: fit, hold-out, and all recordings less the reading at rest."""
+    names = [recording_name(axis, number) for number in range(1, bench.table_runs + 1) for axis in AXES]
+    fitted = len(AXES) * bench.table_fit_runs
+    fit, held = names[:fitted], names[fitted:]
+    stands = attitude(bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg)
+    after = {"after": [NAMES[AIR]]} if "thermal" in bench.parts and AIR in bench.chambers else {}
+    plan: Content = {"attitude": stands}
+    yield _test(
+        NAMES["rate_table"], "rate_table", "fit", fit, "The model is fitted on these power-ups", **after, plan=plan
+    )
+    if held:
+        about = "Hold-out: the model is judged on power-ups that the fit does not use"
+        yield _test("rate_check", "rate_table", "hold_out", held, about, **after, plan=plan)
+    if bench.zero_reference:
+        about = "All power-ups, less the reading at rest"
+        plan = plan | {"zero_reference": True}
+        yield _test("rate_from_rest", "rate_table", "report_only", names, about, plan=plan)
+
+
+def _noise_tests(bench: Bench) -> Iterator[Noted]:
+    yield _test(NAMES["noise"], "static_noise", "fit", list(_static_entries(bench)), "Noise of the unit at rest")
+
+
+def _requirements(bench: Bench) -> Iterator[Content]:
+    """Yield the requirements that the tests of the campaign can judge."""
+    rate = {"quantity": "rate_error", "of": "dwell_mean", "limit": "5 %", "where": "abs(rate) >= 0.1 deg/s"}
+    if "rate_table" in bench.parts:
+        text = "error of rate within 5 % from 0.1 deg/s on, means over 60 s, reading at rest"
+        if bench.zero_reference:
+            yield {"id": "R1", "text": f"{text} subtracted", **rate, "zero_reference": True}
+        yield {"id": "R2", "text": f"{text} not subtracted", **rate, "zero_reference": False}
+    if "thermal" in bench.parts:
+        low, high = map(degrees, bench.required_degc)
+        yield {
+            "id": "R3",
+            "text": "bias within 0.4 deg/s over temperature",
+            "quantity": "bias",
+            "limit": "0.4 deg/s",
+            "tests": [NAMES[AIR]],
+            "where": f"temperature >= {low} and temperature <= {high}",
+        }

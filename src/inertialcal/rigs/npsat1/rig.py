@@ -18,9 +18,8 @@ import numpy as np
 from ...core.recording import Recording
 from ..protocol import Rig, Twin, on_bench
 from . import TITLE
-from .campaign import campaign_text
+from .campaign import campaign_text, recording_file
 from .faults import FAULTS
-from .names import recording_file
 from .recordings import chamber_recording, static_recording, table_recordings
 from .setup import AIR, Bench
 from .truth import drawn_of, true_values

@@ -13,10 +13,9 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ..protocol import Drawn, TrueValue
-from .names import NAMES, degrees
+from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, degrees
 from .reading import polynomial_bias
 from .setup import AIR, AVERAGING, VACUUM
-from .tests import AT_DEGC, REFERENCE_DEGC
 from .unit import Unit, reference_volts
 
 MODEL_DEGC = np.array([-30.0, 0.0, 40.0, 70.0])  # four points tell a cubic

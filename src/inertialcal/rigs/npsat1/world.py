@@ -9,8 +9,8 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...physics.earth import earth_rate, level_to_table
+from ..parts.campaign import drawn_error
 from ..parts.gyro_bench import mounted
-from ..parts.standards import drawn_error
 from ..protocol import Drawn
 from .setup import Bench
 

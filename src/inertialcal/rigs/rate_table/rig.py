@@ -25,9 +25,9 @@ from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...physics.earth import level_to_table
+from ..parts.campaign import drawn_error
 from ..parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up, readings
 from ..parts.noise import random_walk
-from ..parts.standards import drawn_error
 from ..parts.stepped_table import Motion, motion
 from ..protocol import Drawn, Rig, TrueValue, Twin, on_bench
 from . import TITLE

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 
 from ...core.axes import AXES
-from ...core.influence import Influence
+from ...core.campaign_text import Noted, toml_text
+from ...core.estimate import Array
 from ...core.recording import SECOND
-from ..parts.standards import standard_tables
-from ..protocol import SEAL, SEED
-from ..sams_tsh_model.campaign import model_text
+from ..parts.campaign import Content, by_axis, campaign_head, channel_entries, standard_tables
 from .setup import (
     CODES,
+    GAINS,
     REFERENCE_TEMPERATURE,
     SCALE_FACTOR_V_PER_G,
     THERMOMETER_V_PER_DEGC,
@@ -24,10 +22,10 @@ from .setup import (
     chain,
 )
 
-TIME = "unix_s"
 RECORDING = "flip"
 FILE = f"recordings/{RECORDING}.csv"
 BEGIN = 824_817_600  # 1996-02-20 12:00:00 UTC [s]
+EACH_ERROR = "Each standard has one unknown error for the whole campaign, or one for each axis."
 
 Stated = tuple[float, float, float]  # start and stop [s], angle [deg]
 
@@ -65,141 +63,112 @@ def campaign_text(bench: Bench, head: Head, model: Drawing | None = None) -> str
     model : Drawing, optional
         What the engineer knows of the head, from the ground.
     """
-    sensor = _sensor(bench, head) if model is None else _sensor_with_model(bench, head, model)
-    tests = [_test(bench)] if model is None else [_test(bench), TEST_OF_MODEL.format(settle=bench.settle)]
-    return "\n".join([HEAD, _standards(bench), sensor, _recording(bench), *tests, REQUIREMENT])
-
-
-HEAD = f"""\
-# A simulated campaign: a triaxial head turned by half a turn and back, in orbit.
-# The true values lie in .truth/, which nothing but `inertialcal score` reads. Delete it, and `run` gives the same.
-schema = 1
-
-[campaign]
-id = "sams_tsh-{SEED}"
-title = "In-orbit flip of a simulated triaxial sensor head"
-source = "simulated: rig sams_tsh, seed {SEED}; truth sealed with SHA-256 {SEAL}"
-
-[item]
-maker = "inertialcal"
-part = "simulated triaxial sensor head"
-serial = "{SEED}"
-"""
-
-
-def _standards(bench: Bench) -> str:
-    """Return the tables of the standards; an error of each was drawn with this uncertainty."""
-    return "# Each error is one unknown value for the whole campaign, or one for each axis.\n" + standard_tables(
-        bench.standards, _entry
+    about = "a triaxial head turned by half a turn and back, in orbit"
+    title = "In-orbit flip of a simulated triaxial sensor head"
+    plan: Content = {"axis": "x", "settle": f"{bench.settle:g} s"}
+    test: Content = {"procedure": "flip", "recordings": [RECORDING]}
+    tests: list[object] = [{"id": "flip", **test, "plan": Noted(plan, "x: axis of the turn")}]
+    if model is not None:
+        corrected = {"id": "corrected", **test, "plan": plan | {"corrected": True}}
+        why = "The same, with the bias of the ground model subtracted: what remains is the error of that model"
+        tests.append(Noted(corrected, above=why))
+    units = {"m/s^2": "ug", "rad": "deg"}
+    requirement = {
+        "id": "R1",
+        "text": "ambient acceleration below 50 ug",
+        "quantity": "ambient_acceleration",
+        "limit": "50 ug",
+    }
+    return toml_text(
+        {
+            **campaign_head("sams_tsh", "simulated triaxial sensor head", title, about),
+            "standards": Noted(standard_tables(bench.standards, units), above=EACH_ERROR),
+            "sensors": {
+                "head": {
+                    "kind": "accelerometer",
+                    "axes": list(AXES),
+                    "unit": "ug",
+                    "chain": _chain(bench, head, model),
+                }
+            },
+            "recordings": {RECORDING: _entry(bench)},
+            "tests": tests,
+            "requirements": [requirement],
+        }
     )
 
 
-def _entry(influence: Influence) -> str:
-    sizes = {"1": (100.0, "%"), "m/s^2": (1.0 / UG, "ug"), "rad": (float(np.degrees(1.0)), "deg")}
-    by, unit = sizes.get(influence.unit, (1.0, influence.unit))
-    return (
-        f"{{ u = {json.dumps(f'{influence.u * by:.12g} {unit}')}, certificate = {json.dumps(influence.certificate)} }}"
-    )
-
-
-def _sensor(bench: Bench, head: Head) -> str:
-    return f"{_kind(bench)}chain = {{ {', '.join(_chain(bench, head))} }}\n"
-
-
-def _sensor_with_model(bench: Bench, head: Head, model: Drawing) -> str:
-    """Return the sensor with its chain as tables: a table in one line cannot be gone on with."""
-    settings = _chain(bench, head)
+def _chain(bench: Bench, head: Head, model: Drawing | None) -> Noted:
+    """Return the signal chain, with the ground model where there is one."""
+    gain = dict(zip(AXES, map(int, bench.gains), strict=True))
+    scale_factor = by_axis([f"{value:g} V/g" for value in SCALE_FACTOR_V_PER_G])
+    ground: Content = {}
+    if model is not None:
+        ground = {"order": bench.ground, "ground": _ground_model(head, model)}
     if bench.saved != "count":
-        factors = [f"{value:g} V/g" for value in SCALE_FACTOR_V_PER_G]
-        settings += [f"gain = {{ {_gain_text(bench)} }}", f"scale_factor = {_each(factors)}"]
-    lines = "\n".join([*settings, f'order = "{bench.ground}"'])
-    return f"{_kind(bench)}\n[sensors.head.chain]\n{lines}\n\n{model_text(head, model)}"
-
-
-def _kind(bench: Bench) -> str:
-    axes = ", ".join(f'"{axis}"' for axis in AXES)
-    kind = f'[sensors.head]\nkind = "accelerometer"\naxes = [{axes}]\nunit = "ug"\n'
-    if bench.saved != "count":
-        return kind
+        said: Content = {} if model is None else {"gain": gain, "scale_factor": scale_factor}
+        return Noted({"kind": "none", **said, **ground})
+    content: Content = {
+        "kind": "adc",
+        "lsb": "10 V / 65536",
+        "counts": list(CODES),
+        "gain": gain,
+        "zero": by_axis([_microvolts(value) for value in np.asarray(chain(bench, head).zero)]),
+        "scale_factor": scale_factor,
+        "thermometer": {"slope": f"{THERMOMETER_V_PER_DEGC:g} V/degC", "voltage": "0 V", "temperature": "0 degC"},
+    }
     hold = f"scale factors hold at {REFERENCE_TEMPERATURE:g} degC"
-    return f"{kind}# The zero of the electronics is that of a shorted input; {hold}.\n"
+    return Noted(content | ground, above=f"The zero of the electronics is that of a shorted input; {hold}.")
 
 
-def _gain_text(bench: Bench) -> str:
-    return ", ".join(f"{axis} = {gain:g}" for axis, gain in zip(AXES, bench.gains, strict=True))
+def _ground_model(head: Head, model: Drawing) -> Content:
+    pairs = [(i, j) for i in range(3) for j in range(3) if i != j]
+    return {
+        "reference_temperature": f"{REFERENCE_TEMPERATURE:g} degC",
+        "source": "simulated: made on the ground",
+        "misalignment": {f"{AXES[i]}{AXES[j]}": _polynomial(model.cross[:, i, j], "rad") for i, j in pairs},
+        "gains": {
+            f"{gain:g}": {
+                "bias": {axis: _polynomial(model.bias[:, i] / UG, "ug") for i, axis in enumerate(AXES)},
+                "scale_factor": {axis: _polynomial(model.scale[at, :, i], "V/g") for i, axis in enumerate(AXES)},
+                "zero": by_axis([_microvolts(value) for value in head.zero[at]]),
+            }
+            for at, gain in enumerate(GAINS)
+        },
+    }
 
 
-def _chain(bench: Bench, head: Head) -> list[str]:
-    """Return the settings of the chain."""
-    if bench.saved != "count":
-        return ['kind = "none"']
-    known = chain(bench, head)
-    return [
-        'kind = "adc"',
-        'lsb = "10 V / 65536"',
-        f"counts = {list(CODES)}",
-        f"gain = {{ {_gain_text(bench)} }}",
-        f"zero = {_each([f'{1e6 * value:.6g} uV' for value in np.asarray(known.zero)])}",
-        f"scale_factor = {_each([f'{value:g} V/g' for value in SCALE_FACTOR_V_PER_G])}",
-        f'thermometer = {{ slope = "{THERMOMETER_V_PER_DEGC:g} V/degC", voltage = "0 V", temperature = "0 degC" }}',
-    ]
+def _microvolts(volts: float) -> str:
+    return f"{1e6 * volts:.6g} uV"
 
 
-def _each(texts: list[str]) -> str:
-    return "{ " + ", ".join(f'{axis} = "{text}"' for axis, text in zip(AXES, texts, strict=True)) + " }"
+def _polynomial(coefficients: Array, unit: str) -> list[str]:
+    """Return coefficients in powers of the temperature, from the constant on."""
+    units = [unit, *(f"{unit}/degC" + (f"^{power}" if power > 1 else "") for power in range(1, len(coefficients)))]
+    return [f"{value:.12g} {one}" for value, one in zip(coefficients, units, strict=True)]
 
 
-def _recording(bench: Bench) -> str:
+def _entry(bench: Bench) -> Content:
+    """Return the entry of the recording, with the windows beside each turn."""
     warm = "count" if bench.saved == "count" else "degC"
-    units = dict.fromkeys(AXES, bench.said) | dict.fromkeys([f"temperature_{axis}" for axis in AXES], warm)
-    units |= dict.fromkeys([f"gain_{axis}" for axis in AXES], "1") if bench.gain_recorded else {}
-    channels = ", ".join(f'{name} = {{ column = "{name}", unit = "{unit}" }}' for name, unit in units.items())
-    rows = ",\n".join(
-        f'  {{ start = "{instant(start)}", stop = "{instant(stop)}", angle = "{angle:g} deg", flip = "1" }}'
+    channels = channel_entries({axis: axis for axis in AXES}, bench.said)
+    channels |= channel_entries({f"temperature_{axis}": f"temperature_{axis}" for axis in AXES}, warm)
+    if bench.gain_recorded:
+        channels |= channel_entries({f"gain_{axis}": f"gain_{axis}" for axis in AXES}, "1")
+    positions = [
+        {"start": instant(start), "stop": instant(stop), "angle": f"{angle:g} deg", "flip": "1"}
         for start, stop, angle in windows(bench)
-    )
-    return f"""\
-[recordings.{RECORDING}]
-sensor = "head"
-file = "{FILE}"
-clock = {{ column = "{TIME}", stamp = "middle", interval = "{1.0 / bench.rate:g} s" }}
-channels = {{ {channels} }}
-positions = [  # the windows beside each turn
-{rows},
-]
-"""
-
-
-def _test(bench: Bench) -> str:
-    return f"""\
-[[tests]]
-id = "flip"
-procedure = "flip"
-recordings = ["{RECORDING}"]
-plan = {{ axis = "x", settle = "{bench.settle:g} s" }}  # x: of the turn
-"""
-
-
-TEST_OF_MODEL = """\
-# The same, after the bias of the ground model was taken off: what is left is the error of that model.
-[[tests]]
-id = "corrected"
-procedure = "flip"
-recordings = ["flip"]
-plan = {{ axis = "x", settle = "{settle:g} s", corrected = true }}
-"""
+    ]
+    return {
+        "sensor": "head",
+        "file": FILE,
+        "clock": {"column": "unix_s", "stamp": "middle", "interval": f"{1.0 / bench.rate:g} s"},
+        "positions": Noted(positions, "the windows before and after each turn"),
+        "channels": channels,
+    }
 
 
 def instant(seconds: float) -> str:
     """Return a time of the record as UTC."""
     stamp = np.datetime64(round((BEGIN + seconds) * SECOND), "ns")
     return f"{stamp.astype('datetime64[ms]')}Z"
-
-
-REQUIREMENT = """\
-[[requirements]]
-id = "R1"
-text = "ambient acceleration below 50 ug"
-quantity = "ambient_acceleration"
-limit = "50 ug"
-"""

@@ -18,8 +18,8 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
+from ..parts.campaign import drawn_error
 from ..parts.head_turn import course, felt, swung
-from ..parts.standards import drawn_error
 from .campaign import windows
 from .head import hysteresis, noise, polynomial, temperature_course, through_filters
 from .orbit_ambient import RINGING, add_arm, add_push, line, slow_variation

@@ -22,7 +22,7 @@ from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...sensors.noise.simulate import simulate
 from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, quantity_name
-from ..parts.standards import drawn_error
+from ..parts.campaign import drawn_error
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import campaign_text, recording_file
