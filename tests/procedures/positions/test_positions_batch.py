@@ -15,15 +15,16 @@ from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.show.tables import Table
 from inertialcal.procedures.positions.lot import batch as module
-from inertialcal.procedures.positions.lot.batch import Form, positions_batch
-from inertialcal.procedures.positions.lot.batch_result import (
+from inertialcal.procedures.positions.lot.batch import (
     FEW,
     ILL_POSED,
     NO_SCATTER,
     OK,
     OTHER_UNIT,
     STATUS,
+    Form,
     PositionsBatch,
+    positions_batch,
 )
 from inertialcal.statistics.intervals import covers
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.estimate import Estimate
-from inertialcal.procedures.positions.fit.at_rest import INSIDE, at_rest, sources_of
-from inertialcal.procedures.positions.fit.earth_rate import apart
+from inertialcal.procedures.positions.fit.at_rest import INSIDE, apart, at_rest, sources_of
 from inertialcal.procedures.positions.reduction import Plan, Triad, reduce, simulate
 from inertialcal.procedures.positions.simulation import FACES
 from positions_truths import FIXTURE_PLAN, FULL, PLAN, TURNED, G

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from inertialcal.core.constants import EARTH_ROTATION_RATE
-from inertialcal.procedures.positions.fit.earth_rate import LEVEL, apart, joined, level_covariance
-from inertialcal.procedures.positions.fit.rotation_errors import Problem
+from inertialcal.procedures.positions.fit.at_rest import LEVEL, apart, joined, level_covariance
+from inertialcal.procedures.positions.fit.rotations import Problem
 from inertialcal.procedures.positions.reduction import Plan, Readings, reduce, simulate
 from positions_truths import BY_HAND, G
 

@@ -6,8 +6,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.positions.fit.levels import HIDDEN, level_sources, summed
-from inertialcal.procedures.positions.fit.linear_sensor import Source
+from inertialcal.procedures.positions.fit.linear_sensor import HIDDEN, Source, level_sources, summed
 from inertialcal.statistics.intervals import coverage_factor, covers
 from inertialcal.statistics.two_levels import fit_two_levels
 

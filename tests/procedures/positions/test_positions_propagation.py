@@ -12,7 +12,7 @@ import pytest
 
 from inertialcal.core.estimate import Array
 from inertialcal.procedures.positions.fit.accelerometer import Fitted
-from inertialcal.procedures.positions.fit.earth_rate import LEVEL, apart
+from inertialcal.procedures.positions.fit.at_rest import LEVEL, apart
 from inertialcal.procedures.positions.fit.gyro import MODEL, fit_gyro, problem_of
 from inertialcal.procedures.positions.gravity import local_gravity
 from inertialcal.procedures.positions.reduction import Readings, Result, reduce, simulate

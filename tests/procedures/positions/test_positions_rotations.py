@@ -15,20 +15,21 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions.fit._kernels_transitions import through
 from inertialcal.procedures.positions.fit.attitudes import Packed, carried, packed
-from inertialcal.procedures.positions.fit.rotation_errors import (
+from inertialcal.procedures.positions.fit.rotations import (
     ANGLE,
     GYRO_NOISE,
     ORIENTATION,
     POSITIONS,
     Problem,
+    Rotated,
     angles,
     by_positions,
     by_rest,
     ends_of,
     errors,
     known_errors,
+    solve,
 )
-from inertialcal.procedures.positions.fit.rotations import Rotated, solve
 from inertialcal.procedures.positions.reduction import Plan, Rotation
 
 EYE = np.eye(3)

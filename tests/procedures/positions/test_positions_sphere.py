@@ -7,8 +7,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX
-from inertialcal.procedures.positions.fit.sphere import (
+from inertialcal.procedures.positions.fit.accelerometer import (
     NAMES,
     check_plane,
     converged,
@@ -19,6 +18,7 @@ from inertialcal.procedures.positions.fit.sphere import (
     told_forward,
     variances,
 )
+from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX
 
 G = 9.80
 STEP = 1e-5

@@ -17,7 +17,7 @@ import numpy as np
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from .fit.gyro import FittedGyro, fit_gyro
-from .fit.rotation_errors import across
+from .fit.rotations import across
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -56,7 +56,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:
         """Return the plan: gravity and height of the site, where the plan says none."""
         from ...core.errors import PlanError
-        from .orientations.site import site_problems
+        from .gravity import site_problems
 
         place = {"gravity": facts.gravity, "height": facts.height or 0.0} | dict(values)
         plan = Plan(**place, latitude=facts.latitude, standards=facts.standards)

@@ -33,22 +33,19 @@ from ...core.results import Row, by_quantity
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
-from .checks import check_units, judged_scale, start_of
+from .checks import check_units, judged_scale, remarks_of, start_of
 from .curves import curves
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
-from .fit.at_rest import at_rest
-from .fit.earth_rate import apart, joined
+from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import LinearSensor, rounded_scale, with_ideal
 from .gravity import by_axis, local_gravity
-from .orientations.labels import check_names, missing_faces
+from .orientations.text import check_names, missing_faces
 from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
-from .quantities import estimate, model
 from .readings import Readings, Rotation, Triad
 from .recordings import Section, on_faces, readings_from
-from .remarks import remarks_of
-from .rows import rows, used_angles
+from .rows import estimate, model, rows, used_angles
 from .simulation import Truth, simulate
 
 __all__ = [

@@ -16,7 +16,7 @@ from ....core.labelled import LabelledPart
 from ....core.recording import SECOND, Recording
 from ....files import read
 from ....files.text.table import read_table
-from ..orientations.site import site_problems, turn_problems
+from ..gravity import site_problems, turn_problems
 from ..orientations.text import direction_of, runs_of, sections_of, turn_of
 from ..plan import Plan
 from ..readings import Readings

@@ -17,13 +17,10 @@ from ..gravity import local_gravity
 from ..plan import Plan
 from ..readings import Readings, Rotation
 from .accelerometer import Fitted, mounting_source
-from .at_rest import AtRest, at_rest, sources_of
+from .at_rest import VERTICAL, AtRest, Carried, apart, at_rest, earth_in_g, sources_of
 from .attitudes import Packed, packed
-from .earth_rate import VERTICAL, Carried, apart, earth_in_g
-from .levels import level_sources
-from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source
-from .rotation_errors import Problem, angles, ends_of
-from .rotations import BETWEEN, Rotated, solve
+from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source, level_sources
+from .rotations import BETWEEN, Problem, Rotated, angles, ends_of, solve
 
 NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"

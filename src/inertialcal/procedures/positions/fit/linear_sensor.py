@@ -6,21 +6,28 @@ are in the order A_xx, A_xy, A_xz, A_yx, ..., A_zz, b_x, b_y, b_z; of the gyros 
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import linalg
 
 from ....core.axes import AXES
 from ....core.estimate import Array
 from ....core.influence import Influence
 from ....core.key import Key, Origin, Reason
+from ....statistics.two_levels import TwoLevels
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)
 MATRIX = tuple(Key("scale_factor_error", p[0]) if p[0] == p[1] else Key("misalignment", p) for p in PAIRS)
 BIAS = tuple(Key("bias", a) for a in AXES)
 G_SENSITIVITY = tuple(Key("g_sensitivity", p) for p in PAIRS)
+FEWEST = 1.0  # degrees of freedom by which something is judged at all
+HIDDEN = "hidden"  # level of a bound on a scatter that nothing shows
+SMALLEST = 1e-4  # singular value over the largest one
+USELESS = 0.05  # standard uncertainty of a combination of size one, above which it is not told
+TAKES_PART = 0.03  # share of a parameter in a combination, below which it is told
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,3 +117,161 @@ def rounded_scale(sensor: LinearSensor, told: NDArray[np.bool_]) -> Array:
     found = np.abs(np.where(told, sensor.ideal * np.diag(sensor.matrix), sensor.ideal))
     power = 10.0 ** (np.floor(np.log10(found)) - 1.0)
     return np.asarray(np.round(found / power) * power)
+
+
+def level_sources(
+    fit: TwoLevels, back: Array, stated: Mapping[str, Influence], between: str, share: float = 1.0
+) -> list[Source]:
+    """Return the sources of the numbers ``back @ coefficients``.
+
+    Parameters
+    ----------
+    fit : TwoLevels
+        Its known sources by their names.
+    back : ndarray, shape (q, p)
+        Numbers per coefficient.
+    stated : mapping of str to Influence
+        Those of the known sources that are of Type B.
+    between : str
+        Name of the scatter between readings.
+    share : float
+        By which the variances of the known sources that are not stated are multiplied.
+    """
+    parts = {name: _moved(back, part) for name, part in fit.parts.items()}
+    per_square = fit.by_between(back)
+    own = [np.diag(part) for name, part in parts.items() if name not in stated]
+    judged = sum(own, fit.between**2 * np.diag(per_square))
+    whole = np.diag(back @ fit.covariance @ back.T)
+    dof = _ratio(whole, judged) ** 2 * fit.dof_of(back)
+    hidden = dof < FEWEST
+    seen = _scatter(per_square, np.where(hidden, 0.0, fit.between**2))
+    unseen = _scatter(per_square, np.where(hidden, max(fit.hidden, fit.between**2), 0.0))
+    squares = sum([(share * one) ** 2 for one in own], np.diag(seen) ** 2)
+    with np.errstate(invalid="ignore"):
+        each = dof * _ratio(squares, (whole - judged + share * judged) ** 2)
+    each[hidden | np.isnan(each)] = np.inf
+    found = [
+        Source(between, "A", seen, each),
+        Source(f"{between}, as much as may be hidden", "A", unseen, level=HIDDEN),
+    ]
+    for name, part in parts.items():
+        if name in stated:
+            found.append(Source(name, "B", part, np.inf, stated[name]))
+        else:
+            found.append(Source(name, "A", share * part, each))
+    return [one for one in found if np.any(np.diag(one.covariance) > 0.0)]
+
+
+def _scatter(per_square: Array, square: Array) -> Array:
+    return np.asarray(np.outer(np.sqrt(square), np.sqrt(square)) * per_square)
+
+
+def _ratio(a: Array, b: Array) -> Array:
+    """Return a / b, infinite where both are zero: nothing is judged there."""
+    return np.asarray(np.divide(a, b, out=np.full(len(a), np.inf), where=b > 0.0))
+
+
+def summed(groups: Sequence[Sequence[Source]]) -> list[Source]:
+    """Return sources of one name as one: variances add, degrees of freedom by Welch and Satterthwaite."""
+    found: dict[str, Source] = {}
+    for one in (source for group in groups for source in group):
+        before = found.get(one.name)
+        found[one.name] = one if before is None else _sum(before, one)
+    return list(found.values())
+
+
+def _sum(a: Source, b: Source) -> Source:
+    covariance = a.covariance + b.covariance
+    with np.errstate(divide="ignore", invalid="ignore"):
+        weight = np.diag(a.covariance) ** 2 / a.dof + np.diag(b.covariance) ** 2 / b.dof
+        dof = np.where(weight > 0.0, np.diag(covariance) ** 2 / weight, np.inf)
+    return replace(a, covariance=covariance, dof=dof)
+
+
+def _moved(back: Array, covariance: Array) -> Array:
+    whole = back @ covariance @ back.T
+    return np.asarray(0.5 * (whole + whole.T))
+
+
+@dataclass(frozen=True, eq=False)
+class Observed:
+    """What is told.
+
+    Parameters
+    ----------
+    rank, count : int
+        Combinations that are told, of how many.
+    condition : float
+        Largest over smallest singular value of those that are told.
+    told : ndarray of bool, shape (p,)
+        Parameters that take no part in a combination that is not.
+    kept : ndarray, shape (p, rank)
+        Directions that are told, in scaled parameters.
+    combinations : tuple of str
+        Those that are not, in words.
+    parts : tuple of frozenset of Key
+        Parameters that take part in each of them.
+    """
+
+    rank: int
+    count: int
+    condition: float
+    told: NDArray[np.bool_]
+    kept: Array
+    combinations: tuple[str, ...]
+    parts: tuple[frozenset[Key], ...]
+
+    @property
+    def whole(self) -> bool:
+        """Whether everything is told."""
+        return self.rank == self.count
+
+
+def observed(scaled: Array, names: Sequence[Key], scatter: float) -> Observed:
+    """Return what a scaled Jacobian can tell.
+
+    Parameters
+    ----------
+    scaled : ndarray, shape (n, p)
+        Derivatives of the readings by scaled parameters, all in one unit.
+    names : sequence of Key
+        Of the parameters.
+    scatter : float
+        Standard deviation of a reading, in that unit.
+    """
+    n, p = scaled.shape
+    padded = scaled if n >= p else np.vstack([scaled, np.zeros((p - n, p))])
+    s, rows = np.linalg.svd(padded, full_matrices=False)[1:]
+    good = (s > SMALLEST * s[0]) & (scatter < USELESS * s) if s[0] > 0.0 else np.zeros(p, dtype=bool)
+    lost = rows[~good].T
+    told = np.sqrt(np.sum(lost**2, axis=1)) < TAKES_PART
+    rank = int(np.sum(good))
+    condition = float(s[good].max() / s[good].min()) if rank else np.inf
+    simple = list(_simple(lost, names))
+    words, parts = tuple(map(_in_words, simple)), tuple(map(_parts, simple))
+    return Observed(rank, p, condition, told, rows[good].T, words, parts)
+
+
+def _simple(lost: Array, names: Sequence[Key]) -> Iterator[list[tuple[float, Key]]]:
+    """Yield each combination with as few parameters in it as can be, the largest with factor one."""
+    if not lost.shape[1]:
+        return
+    pivots = linalg.qr(lost.T, mode="r", pivoting=True)[1][: lost.shape[1]]
+    simple = lost @ np.linalg.inv(lost[pivots])
+    for vector in simple.T:
+        largest = vector[np.argmax(np.abs(vector))]
+        yield [(factor, names[i]) for i, factor in enumerate(vector / largest) if abs(factor) > TAKES_PART]
+
+
+def _parts(terms: Sequence[tuple[float, Key]]) -> frozenset[Key]:
+    return frozenset(name for _, name in terms)
+
+
+def _in_words(terms: Sequence[tuple[float, Key]]) -> str:
+    return " ".join(_term(factor, name, k == 0) for k, (factor, name) in enumerate(terms))
+
+
+def _term(factor: float, name: Key, first: bool) -> str:
+    sign = "-" if factor < 0.0 else "" if first else "+"
+    size = "" if abs(abs(factor) - 1.0) < 0.005 else f"{abs(factor):.2g} "
+    return f"{sign}{size}{name}" if first else f"{sign} {size}{name}"

@@ -1,12 +1,23 @@
 """Matrix of the gyros from rotations: between static positions, where gravity tells the end, or by a known angle.
 
-Errors and derivatives stand in ``rotation_errors``. The errors known of each rotation are the noise of the gyros over
-the time that it takes, the errors of both positions, the stated uncertainties of turns; the scatter between rotations
-beside it is of one unknown size (``statistics.two_levels``).
+The rate is ``w = W z`` with ``z = reading - b - G f``, W the inverse of A. Between positions i and j gravity, seen from
+the body, is carried by the rate; where it arrives must agree with what the accelerometers then read::
+
+    e = E_j C(w) u_i - E_j u_j          u: unit vectors of specific force, E_j: two axes across u_j
+
+of which the part along gravity is lost: a turn about the vertical tells nothing. A turn by a known angle about a known
+axis of the body tells three numbers, ``e = W (integral of z) - angle * axis``: linear in the rate, with no attitude in
+it, so that only a turn whose axis stays where it is named is described.
+
+Rows: those of transitions first, two each, then those of turns, three each [rad].
+
+Known beforehand of each rotation: the noise of the gyros over the time that it takes, the errors of both positions, the
+stated uncertainties of turns. The scatter between rotations is of one unknown size (``statistics.two_levels``).
 """
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,28 +27,21 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
-from .linear_sensor import MATRIX
-from .observability import Observed, observed
+from ..readings import Rotation
+from .attitudes import Packed, carried
+from .linear_sensor import MATRIX, Observed, observed
 from .outliers import found_outliers
-from .rotation_errors import (
-    ANGLE,
-    ORIENTATION,
-    Errors,
-    Problem,
-    by_positions,
-    by_rest,
-    errors,
-    known_errors,
-    noise_variances,
-)
 
 BETWEEN = "scatter between rotations"
+ANGLE, ORIENTATION = "turn.angle", "fixture.orientation"
 STEPS, HALVINGS = 40, 10
 SETTLED = 1e-10
 ROUNDS = 4  # of leaving out and looking again
 REFINED, REFINEMENTS = 1e-8, 6  # step of W from which its weights no longer move it; at most so many
 
 Flags = NDArray[np.bool_]
+GYRO_NOISE = "noise of the gyros over a rotation"
+POSITIONS = "errors of the positions at both ends"
 
 
 @dataclass(frozen=True, eq=False)
@@ -186,3 +190,180 @@ def _two_levels(plan: Plan, problem: Problem, here: Errors, told: Array, kept: F
 def _seen(problem: Problem, by_W: Array, kept: Flags) -> Observed:
     scatter = float(np.sqrt(np.mean(noise_variances(problem)[kept])))
     return observed(by_W[kept], MATRIX, scatter)
+
+
+@dataclass(frozen=True, eq=False)
+class Ends:
+    """Specific force at both ends of transitions: unit vectors (k, 3), numbers of the positions (k,), axes across."""
+
+    start: Array
+    stop: Array
+    before: NDArray[np.int64]
+    after: NDArray[np.int64]
+    across: Array
+
+
+def ends_of(transitions: Sequence[Rotation], up: Array) -> Ends:
+    """Return where gravity is at both ends of transitions; ``up``, shape (m, 3): unit vectors of all positions."""
+    before = np.array([one.before for one in transitions], dtype=np.int64)
+    after = np.array([one.after for one in transitions], dtype=np.int64)
+    return Ends(up[before], up[after], before, after, across(up[after]))
+
+
+def across(u: Array) -> Array:
+    """Return two unit vectors across each of some, shape (k, 2, 3)."""
+    least = np.eye(3)[np.argmin(np.abs(u), axis=1)]
+    first = np.cross(u, least)
+    first /= np.linalg.norm(first, axis=1)[:, None]
+    return np.stack([first, np.cross(u, first)], axis=1)
+
+
+@dataclass(frozen=True, eq=False)
+class Problem:
+    """All that is needed to find W: transitions, turns, and what is known of their errors.
+
+    Parameters
+    ----------
+    moves, ends : Packed, Ends
+        Transitions.
+    turns, turned : Packed, ndarray (t, 3)
+        Turns and their known vectors [rad].
+    noise : ndarray, shape (3,)
+        White noise of the gyros: standard deviation of a sample at rest [rad/s].
+    up_variance : ndarray, shape (m,)
+        Of the unit vectors of the positions, about each axis across [rad^2].
+    """
+
+    moves: Packed
+    ends: Ends
+    turns: Packed
+    turned: Array
+    noise: Array
+    up_variance: Array
+
+    @property
+    def sizes(self) -> tuple[int, int]:
+        """Numbers of transitions and turns."""
+        return len(self.moves.first) - 1, len(self.turns.first) - 1
+
+    @property
+    def group(self) -> NDArray[np.int64]:
+        """Rotation of each row."""
+        k, t = self.sizes
+        return np.concatenate([np.repeat(np.arange(k), 2), k + np.repeat(np.arange(t), 3)])
+
+
+@dataclass(frozen=True, eq=False)
+class Errors:
+    """Errors of all rows, and what changes them.
+
+    Parameters
+    ----------
+    e : ndarray, shape (rows,)
+        [rad]
+    by_W : ndarray, shape (rows, 9)
+        Derivatives by W, row by row.
+    by_start : ndarray, shape (2 k, 3)
+        Derivatives of those of transitions by the unit vector at the start.
+    """
+
+    e: Array
+    by_W: Array  # noqa: N815 - W as in the equations
+    by_start: Array
+
+
+def errors(problem: Problem, W: Array) -> Errors:
+    """Return the errors of all rows for a W."""
+    ends, (C, by_z) = problem.ends, carried(problem.moves, W, problem.moves.z)
+    end = np.einsum("kij,kj->ki", C, ends.start)
+    e = np.einsum("kai,ki->ka", ends.across, end)
+    by_W = _lever(ends, end) @ by_z.reshape(-1, 3, 9)
+    total = problem.turns.sums[0]
+    by_W_turn = np.einsum("ij,tl->tijl", np.eye(3), total)
+    return Errors(
+        np.concatenate([e.ravel(), (total @ W.T - problem.turned).ravel()]),
+        np.concatenate([by_W.reshape(-1, 9), by_W_turn.reshape(-1, 9)]),
+        (ends.across @ C).reshape(-1, 3),
+    )
+
+
+def _lever(ends: Ends, end: Array) -> Array:
+    """Change of the errors of transitions by a small rotation of the body at the end, shape (k, 2, 3)."""
+    x, y, z = end.T
+    zero = np.zeros(len(end))
+    cross = np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+    return np.asarray(ends.across @ cross)
+
+
+def by_rest(problem: Problem, W: Array) -> Array:
+    """Return the derivatives of all rows by bias, then by g-sensitivity row by row, shape (rows, 12)."""
+    moves, ends = problem.moves, problem.ends
+    C, integrals = carried(moves, W, np.column_stack([np.ones(len(moves.f)), moves.f]))
+    lever = _lever(ends, np.einsum("kij,kj->ki", C, ends.start))
+    moved = (lever @ integrals.reshape(-1, 3, 12)).reshape(-1, 2, 3, 4)
+    found = -np.einsum("kajl,jr->kalr", moved, W)  # l: one, then the components of f; r: gyro
+    _, force, time = problem.turns.sums
+    found_turn = -np.einsum("jr,tl->tjlr", W, np.column_stack([time, force]))
+    return np.concatenate([_in_order(found), _in_order(found_turn)])
+
+
+def _in_order(found: Array) -> Array:
+    """Return derivatives (k, a, 4, gyro) by one and f as rows by bias and by g-sensitivity, shape (k a, 12)."""
+    by_bias, by_g = found[:, :, 0], np.swapaxes(found[:, :, 1:], 2, 3).reshape(*found.shape[:2], 9)
+    return np.concatenate([by_bias, by_g], axis=2).reshape(-1, 12)
+
+
+def by_positions(problem: Problem, by_start: Array) -> Array:
+    """Return the derivatives of all rows by the unit vectors of all positions, shape (rows, m, 3)."""
+    k, t = problem.sizes
+    ends, rows = problem.ends, np.arange(2 * k)
+    wide = np.zeros((2 * k + 3 * t, len(problem.up_variance), 3))
+    wide[rows, np.repeat(ends.before, 2)] += by_start
+    wide[rows, np.repeat(ends.after, 2)] -= ends.across.reshape(-1, 3)
+    return wide
+
+
+def known_errors(plan: Plan, problem: Problem, by_start: Array) -> dict[str, Array]:
+    """Return the covariances of all rows that are known, by source."""
+    k, t = problem.sizes
+    found = {GYRO_NOISE: noise_variances(problem)}
+    if k:
+        found[POSITIONS] = _position_covariance(problem, by_start)
+    angle, pose = plan.standards.get(ANGLE), plan.standards.get(ORIENTATION)
+    if t and angle is not None:
+        found[ANGLE] = _turn_covariance(problem, angle.u, along=True)
+    if t and pose is not None:
+        found[ORIENTATION] = _turn_covariance(problem, pose.u, along=False)
+    return found
+
+
+def noise_variances(problem: Problem) -> Array:
+    """Variances of the rows by the noise of the gyros."""
+    noise = float(np.mean(problem.noise**2))
+    return noise * np.concatenate([np.repeat(problem.moves.squares, 2), np.repeat(problem.turns.squares, 3)])
+
+
+def _position_covariance(problem: Problem, by_start: Array) -> Array:
+    wide = by_positions(problem, by_start)
+    scaled = (wide * np.sqrt(problem.up_variance)[None, :, None]).reshape(len(wide), -1)
+    return np.asarray(scaled @ scaled.T)
+
+
+def _turn_covariance(problem: Problem, u: float, along: bool) -> Array:
+    k, t = problem.sizes
+    covariance = np.zeros((2 * k + 3 * t, 2 * k + 3 * t))
+    for row, vector in enumerate(problem.turned):
+        outer = np.outer(vector, vector) / max(float(vector @ vector), 1e-300)
+        own = outer if along else float(vector @ vector) * (np.eye(3) - outer)
+        at = slice(2 * k + 3 * row, 2 * k + 3 * row + 3)
+        covariance[at, at] = u**2 * own
+    return covariance
+
+
+def angles(problem: Problem, W: Array) -> Array:
+    """Angle between where gravity was carried to and where it is, of each transition [rad], shape (k,)."""
+    if not problem.sizes[0]:
+        return np.empty(0)
+    end = np.einsum("kij,kj->ki", carried(problem.moves, W)[0], problem.ends.start)
+    sine = np.linalg.norm(np.cross(end, problem.ends.stop), axis=1)
+    return np.asarray(np.arctan2(sine, np.sum(end * problem.ends.stop, axis=1)))

@@ -9,7 +9,7 @@ import numpy as np
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ..fit.gyro import problem_of
-from ..fit.rotation_errors import angles
+from ..fit.rotations import angles
 from ..gravity import local_gravity
 from ..plan import Plan
 from ..readings import Readings

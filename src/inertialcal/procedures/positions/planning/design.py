@@ -30,7 +30,7 @@ from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import PlanError
 from ....core.estimate import Array
 from ....core.key import Key
-from ..fit.observability import observed
+from ..fit.linear_sensor import observed
 
 MOST = 200  # positions that a person lays
 FAINT = 1e-6  # information that a position is compared with, where no other tells yet; below, rounding decides
