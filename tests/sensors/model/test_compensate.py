@@ -14,11 +14,10 @@ from inertialcal.core.estimate import Array
 from inertialcal.sensors import _kernels
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model import compensate as module
-from inertialcal.sensors.model.compensate import compensate, first_order, outside
+from inertialcal.sensors.model.compensate import compensate, felt_range, first_order, outside
 from inertialcal.sensors.model.equation import Conditions, condition_columns, curve, offset, predict
 from inertialcal.sensors.model.nonlinearity import rising_branch
 from inertialcal.sensors.model.sensor_model import SensorModel
-from inertialcal.sensors.model.uniqueness import felt_range
 from random_models import conditions, inputs, random_model
 
 IDENTITY = 1e-12  # of full scale

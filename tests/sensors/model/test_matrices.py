@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.sensors.model.compensate import compensate
-from inertialcal.sensors.model.matrices import inverted, mixed
+from inertialcal.sensors.model.compensate import compensate, felt_range
+from inertialcal.sensors.model.equation import inverted, mixed
 from inertialcal.sensors.model.sensor_model import SensorModel
-from inertialcal.sensors.model.uniqueness import felt_range
 
 
 @pytest.mark.parametrize("k", [1, 2, 3, 4])

@@ -12,10 +12,9 @@ from inertialcal.core.estimate import Array, Component, Estimate
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.equation import Conditions, condition_columns, predict
-from inertialcal.sensors.model.sensitivity import point, reading_by
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.sensors.model.terms import values, with_values
-from inertialcal.sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
+from inertialcal.sensors.model.uncertainty import compensated_uncertainty, point, reading_by, without_uncertainty
 from random_models import conditions, inputs, random_model
 
 SEEDS = st.integers(0, 2**32 - 1)

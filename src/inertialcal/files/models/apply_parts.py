@@ -22,10 +22,10 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.units import divide
+from ...sensors.model.compensate import check_unique
 from ...sensors.model.equation import Columns, curve, needed
 from ...sensors.model.nonlinearity import endless_slope, rising_branch
 from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, equation
-from ...sensors.model.uniqueness import check_unique
 
 LONGEST = 200  # characters of a text from the model
 WIDTH = 96  # of a comment

@@ -1,24 +1,48 @@
-"""Noise of one axis: its curves, spectra and terms, from all records together."""
+"""Noise of one axis: its Allan deviations, spectra, disturbances and terms, from all records together.
+
+Disturbances are found by ``signals.record_quality``. A disturbed sample counts as missing; a remark gives how many.
+Drift stays in: how much of a warm-up to leave out is the user's choice.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from ...core.errors import DataError, Problem
+from ...core.estimate import Array
 from ...core.remarks import Remark
+from ...core.show.rounding import number
+from ...core.units import factor
 from ...sensors.noise.fitting.estimator import fit
-from ...sensors.noise.fitting.noise_fit import NoiseFit
-from ...signals.allan import Allan
-from .deviations import FITTED, fitted, shown
-from .doubts import doubt_of, fault_of
+from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
+from ...sensors.noise.fitting.problem import run_of
+from ...sensors.noise.terms import sample_unit
+from ...signals.allan import Allan, allan
+from ...signals.codes import coarse_steps
+from ...signals.names import Deviation
+from ...signals.record_quality import BadSegment, record_quality
+from ...signals.spectrum import Agreement, Line, Lines, Spectrum, compare_allan, find_lines, psd
 from .plan import Plan
 from .readings import Readings, Run
-from .records.disturbances import Looked, looked_through
-from .records.usable import check_usable
-from .spectra import Spectral, lines_to_fit, spectral
+
+FITTED: Deviation = "overlapping"  # that the terms are fitted to
+INTERVAL = 0.95  # of the deviations
+UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
+CUT = 1e-3  # share of samples at the end of the range from which the noise that is left is no longer whole
+LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias
+FEWEST = 200  # samples from which a disturbance can be told
+LISTED = 3  # stretches that are named
+LONGEST = 2**17  # samples of a segment of Welch's method: lines are narrow enough, and long records cost little
+PARTS = 8  # of a record, in the length of a segment
+MOST_LINES = 6  # taken into a fit
+TOLD = ("constant", "gaps")  # by the Allan deviation already
+LISTED = 4  # lines that a remark names
+SAME = 2.0  # spacings that a line may lie apart in two records
+NOISELESS = {"rate_ramp"}  # terms that scatter nothing
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,30 +81,27 @@ class AxisNoise:
 
 
 def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
-    """Return the noise of one axis.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is asked for.
-    readings : Readings
-        All records.
-    axis : str
-        Which.
-    """
+    """Return the noise of one axis."""
     records, problems, remarks = _each(plan, readings, axis)
     if not records:
         return AxisNoise(axis, (), None, problems[0], (), (*remarks, *_no_terms(axis, problems[0])))
     lines = lines_to_fit([one.spectral for one in records])
     try:
-        found_terms, lines = _with_lines(plan, records, lines)
+        try:
+            found_terms = _fitted(plan, records, lines)
+        except DataError as error:  # the lines may leave the chosen terms without noise
+            if error.problems[0].code != "no_noise" or not lines or plan.terms is not None:
+                raise
+            lines = ()
+            found_terms = _fitted(plan, records, lines)
     except DataError as error:
         problem = error.problems[0]
         return AxisNoise(axis, tuple(records), None, problem, lines, (*remarks, *_no_terms(axis, problem)))
     remarks += [
         Remark(one.code, one.severity, f"{axis}: {one.what}", "", 1, one.do, axis) for one in found_terms.remarks
     ]
-    records = [_with_own(plan, one, lines, len(records)) for one in records]
+    if len(records) > 1:
+        records = [_with_own(plan, one, lines) for one in records]
     return AxisNoise(axis, tuple(records), found_terms, None, lines, (*remarks, *_tested(axis, found_terms)))
 
 
@@ -95,15 +116,20 @@ def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], li
         try:
             found = _recorded(plan, run, axis)
             others.append(found)
-            check_usable(plan, found.curve)
+            run_of(found.curve, 0, sample_unit(plan.kind, plan.unit))
         except DataError as error:
             problems.append(error.problems[0])
-            remarks += [_not_used(axis, problems[-1], run)] if several else []
+            if several:
+                what = f"{axis}: record not used: {problems[-1].what}"
+                remarks.append(Remark("record_not_used", "warning", what, run.name, do=problems[-1].do))
             continue
         usable.append(found)
     for found in usable or others:
-        told = (*found.looked.remarks, *_curve_remarks(found))
-        remarks += [one.at(found.run.name) if several else one for one in told]
+        own = dict.fromkeys((*found.curve.remarks, *found.shown.remarks, *found.spectral.remarks))
+        excluded = found.looked.left_out + found.run.left_out(axis)  # has remarks of its own
+        gaps = int(found.curve.missing[0]) > excluded
+        shown = (*found.looked.remarks, *(one for one in own if one.code != "gaps" or gaps))
+        remarks += [one.at(found.run.name) if several else one for one in shown]
     return usable or others, problems, remarks
 
 
@@ -117,41 +143,18 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     return Recorded(run, looked, curve, asked, replace(found, remarks=(*told, *found.remarks)))
 
 
-def _curve_remarks(found: Recorded) -> list[Remark]:
-    """Remarks of curves and spectrum, each once; samples that were left out on purpose are said to be so already."""
-    told = dict.fromkeys((*found.curve.remarks, *found.shown.remarks, *found.spectral.remarks))
-    left_out = found.looked.left_out + found.run.left_out(found.curve.names[0])
-    missing = int(found.curve.missing[0]) > left_out
-    return [one for one in told if one.code != "gaps" or missing]
-
-
 def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -> NoiseFit:
     terms = "auto" if plan.terms is None else tuple(plan.terms)
     curves = [one.curve for one in records]
     return fit(curves, plan.kind, terms=terms, lines=lines, axis=0, unit=plan.unit)
 
 
-def _with_lines(
-    plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]
-) -> tuple[NoiseFit, tuple[float, ...]]:
-    """Return the fit and the lines in it: none where terms chosen beside them are without noise."""
+def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...]) -> Recorded:
+    """Return the record with the terms of it alone."""
     try:
-        return _fitted(plan, records, lines), lines
-    except DataError as error:
-        if error.problems[0].code != "no_noise" or not lines or plan.terms is not None:
-            raise
-    return _fitted(plan, records, ()), ()
-
-
-def _with_own(plan: Plan, one: Recorded, lines: tuple[float, ...], several: int) -> Recorded:
-    """Return the record with its own terms, where it is one of several."""
-    if several < 2:
-        return one
-    try:
-        own = _fitted(plan, [one], lines)
+        return replace(one, own=_fitted(plan, [one], lines))
     except DataError:
         return one
-    return Recorded(one.run, one.looked, one.curve, one.shown, one.spectral, own)
 
 
 def _no_terms(axis: str, problem: Problem) -> tuple[Remark, ...]:
@@ -163,20 +166,219 @@ def _no_terms(axis: str, problem: Problem) -> tuple[Remark, ...]:
 
 def _tested(axis: str, found: NoiseFit) -> tuple[Remark, ...]:
     """Say what the tests gave that found nothing amiss."""
-    ways = ((found.residual, "the terms explain the Allan deviation"), (found.agreement, "the records agree"))
-    warned = {one.code for one in found.remarks}
-    codes = ("terms_do_not_explain", "runs_disagree")
-    return tuple(
-        Remark(
-            "tested",
-            "info",
-            f"{axis}: {what} (chi-square {test.statistic:.1f} with {test.dof} degrees of freedom, p = {test.p:.2g})",
-        )
-        for (test, what), code in zip(ways, codes, strict=True)
-        if test is not None and code not in warned
+    ways = (
+        ("terms_do_not_explain", found.residual, "the terms explain the Allan deviation"),
+        ("runs_disagree", found.agreement, "the records agree"),
+    )
+    remarks = []
+    for code, test, what in ways:
+        if test is not None and code not in found.fit_warnings:
+            chi = f"chi-square {test.statistic:.1f} with {test.dof} degrees of freedom, p = {test.p:.2g}"
+            remarks.append(Remark("tested", "info", f"{axis}: {what} ({chi})"))
+    return tuple(remarks)
+
+
+def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> Allan:
+    """Return the deviation at octaves that terms are fitted to [SI]."""
+    return _allan(plan, run, axis, there, FITTED, "octave")
+
+
+def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> tuple[Allan, tuple[Remark, ...]]:
+    """Return the deviation that was asked for, at octaves where no averaging time that was asked for fits."""
+    try:
+        return _allan(plan, run, axis, there, plan.deviation, plan.seconds or plan.taus), ()
+    except DataError as error:
+        if not plan.seconds:
+            raise
+        what = f"{axis}: {error.problems[0].what}: octaves are shown"
+    found = _allan(plan, run, axis, there, plan.deviation, "octave")
+    return found, (Remark("taus_not_shown", "warning", what, do="Ask for shorter ones, or record longer"),)
+
+
+def _allan(
+    plan: Plan,
+    run: Run,
+    axis: str,
+    there: NDArray[np.bool_],
+    deviation: Deviation,
+    taus: str | Sequence[float],
+) -> Allan:
+    """Return a deviation, from the samples in the type of the file: whole numbers are summed exactly."""
+    return allan(
+        run.values[axis],
+        run.interval,
+        quantity=run.quantity,
+        deviation=deviation,
+        taus=taus,
+        averaging=run.averaging,
+        scale=run.scale[axis],
+        present=None if there.all() else there,
+        p=INTERVAL,
+        names=(axis,),
+        unit=UNITS[plan.kind] if plan.kind else plan.unit,
     )
 
 
-def _not_used(axis: str, problem: Problem, run: Run) -> Remark:
-    what = f"{axis}: this record is not used: {problem.what}"
-    return Remark("record_not_used", "warning", what, run.name, do=problem.do)
+def doubt_of(found: NoiseFit | None) -> str:
+    """Return what a fit's own tests speak against it; empty where they do not."""
+    return " and ".join(DOUBTS[code] for code in (found.fit_warnings if found is not None else ()))
+
+
+def fault_of(run: Run, axis: str) -> str:
+    """Return what samples that are no readings make of the figures: stuck ones that were kept, too many cut ones."""
+    for one in run.faults:
+        if one.axis == axis and one.code == "stuck" and not one.left_out:
+            return "stuck samples were kept in"
+        if one.axis == axis and one.code == "saturated" and one.count > CUT * len(run):
+            return "its noise is cut at the end of the range"
+    return ""
+
+
+@dataclass(frozen=True, eq=False)
+class Looked:
+    """One record of one axis, looked through."""
+
+    rates: Array  # shape (n,): SI; NaN where a sample is missing or left out
+    bad: tuple[BadSegment, ...]  # Disturbances
+    left_out: int  # Samples left out for them
+    remarks: tuple[Remark, ...]  # What is suspicious
+
+
+def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
+    """Return the samples of one axis as rates, without its disturbances."""
+    rates = run.rates(axis)
+    if np.count_nonzero(np.isfinite(rates)) < FEWEST:
+        return Looked(rates, (), 0, ())
+    quality = record_quality(rates, run.interval)
+    bad = tuple(one for one in quality.bad if one.axis == 0)
+    left_out = 0
+    if plan.disturbed == "leave_out":
+        before = int(np.count_nonzero(np.isfinite(rates)))
+        rates = quality.cleaned()[:, 0] if bad else rates
+        left_out = before - int(np.count_nonzero(np.isfinite(rates)))
+    remarks = []
+    if quality.moving:
+        what = f"{axis}: not at rest, or its level steps: these terms are those of the motion"
+        do = "Record the sensor standing still, or choose a part at rest"
+        remarks.append(Remark("not_at_rest", "warning", what, do=do))
+    if bad:
+        spans = [f"{number(run.time(one.first), 6)} .. {number(run.time(one.last), 6)} s" for one in bad[:LISTED]]
+        spans += ["..."] if len(bad) > LISTED else []
+        worst = number(max(one.peak for one in bad), 3)
+        fate = f"left out: {left_out} of {len(run)} samples" if left_out else "kept in"
+        what = f"{axis}: disturbed at {', '.join(spans)}, by up to {worst} times the noise; {fate}"
+        do = "" if left_out else "Leave them out, or record again undisturbed"
+        remarks.append(Remark("disturbed", "warning", what, count=len(bad), do=do))
+    times, unit = 1.0, plan.unit or "file units"
+    if plan.kind is not None:
+        inside, unit = LEVELS[plan.kind]
+        times = factor(inside, unit)
+    third = f"the first {duration(run.length / 3.0)}"
+    remarks += [one.remark(axis, times, unit, third) for one in quality.drifts if one.significant]
+    remarks += coarse_steps(rates, axis)
+    return Looked(rates, bad, left_out, tuple(remarks))
+
+
+@dataclass(frozen=True, eq=False)
+class Spectral:
+    """What the spectrum of one record of one axis tells; None where it could not be made."""
+
+    spectrum: Spectrum | None  # SI
+    lines: Lines | None  # That stand out of its noise
+    agreement: Agreement | None  # Whether the Allan deviation agrees with it
+    remarks: tuple[Remark, ...]  # What is suspicious
+
+
+def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str) -> Spectral:
+    """Return the spectrum of rates, its lines, and whether the Allan deviation agrees with it."""
+    segment = LONGEST if plan.spectrum == "welch" and len(rates) // PARTS > LONGEST else None
+    try:
+        spectrum = psd(
+            rates,
+            interval,
+            plan.spectrum,
+            segment=segment if plan.segment is None else round(plan.segment / interval),
+        )
+    except DataError as error:
+        what = f"{axis}: no spectrum: {error.problems[0].what}"
+        return Spectral(None, None, None, (Remark("no_spectrum", "info", what, do=error.problems[0].do, axis=axis),))
+    remarks = [
+        Remark(one.code, one.severity, f"{axis}: {one.what}", "", one.count, one.do, axis)
+        for one in spectrum.remarks
+        if one.code not in TOLD
+    ]
+    lines = find_lines(spectrum) if plan.lines else None
+    agreement = compare_allan(spectrum, curve)
+    if lines is not None and len(lines):  # one remark on all of them, the strongest first
+        found = sorted(lines.found, key=lambda line: -line.ratio)
+        named = [
+            f"{line.name}{'' if line.kind == 'line' else ' (broad)'}, {number(line.ratio, 3)} times the noise around it"
+            for line in found[:LISTED]
+        ]
+        more = f"; {len(found) - LISTED} more" if len(found) > LISTED else ""
+        what = f"{axis}: lines in the spectrum ({len(found)}): {'; '.join(named)}{more}"
+        do = "Find the source: mains, fans, resonances; the fit includes lines, but not broad peaks"
+        remarks.append(Remark("lines", "warning", what, do=do, axis=axis))
+    remarks += [
+        Remark(one.code, one.severity, one.what.replace("axis 0", axis, 1), do=one.do, axis=axis)
+        for one in agreement.remarks
+        if one.code != "allan_not_compared"
+    ]
+    return Spectral(spectrum, lines, agreement, tuple(remarks))
+
+
+def lines_to_fit(found: Sequence[Spectral]) -> tuple[float, ...]:
+    """Return the frequencies of the lines that bend an Allan deviation most, rising [Hz]."""
+    weighed: list[tuple[float, Line, float]] = [
+        (line.amplitude**2 / line.frequency, line, one.spectrum.spacing)
+        for one in found
+        if one.lines is not None and one.spectrum is not None
+        for line in one.lines.found
+        if line.kind == "line"
+    ]
+    chosen: list[float] = []
+    for _, line, spacing in sorted(weighed, key=lambda one: -one[0]):
+        if all(abs(line.frequency - other) > SAME * spacing for other in chosen) and len(chosen) < MOST_LINES:
+            chosen.append(line.frequency)
+    return tuple(sorted(chosen))
+
+
+def check(plan: Plan, readings: Readings) -> None:
+    """Refuse, at the cost of Allan deviations alone, records that no terms can be told from.
+
+    Raises
+    ------
+    DataError
+        As ``reduce``: if no record of any axis is long enough, with some noise, or the terms have none (``no_noise``).
+    """
+    if plan.terms is not None and set(plan.terms) <= NOISELESS:
+        what = f"terms: {', '.join(plan.terms) or 'none'}, without noise"
+        raise DataError(what, why="nothing would scatter", do='Add "random_walk"', code="no_noise")
+    problems: dict[str, Problem] = {}
+    for axis in readings.axes:
+        for run in readings.records:
+            try:
+                run_of(fitted(plan, run, axis, run.there(axis)), 0, sample_unit(plan.kind, plan.unit))
+            except DataError as error:
+                problems.setdefault(axis, error.problems[0])
+            else:
+                return
+    raise DataError(problems_of(problems, readings))
+
+
+def problems_of(found: Mapping[str, Problem], readings: Readings) -> list[Problem]:
+    """Return why no axis has terms, each reason once, with the axes that it holds for."""
+    alike: dict[Problem, list[str]] = {}
+    for axis, problem in found.items():
+        alike.setdefault(problem, []).append(axis)
+    recorded = f"{duration(readings.length)} recorded, {len(readings.records[0])} samples a record"
+    return [
+        Problem(
+            f"no noise terms of {', '.join(names)}: {problem.what}",
+            readings.records[0].name,
+            problem.why or recorded,
+            problem.do or "Record the sensor standing still, for longer",
+            problem.code,
+        )
+        for problem, names in alike.items()
+    ]

@@ -26,8 +26,7 @@ from ...sensors.noise.expected import Deviation, expected_variance, sampled_spec
 from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit
 from ...signals.spectrum import Spectrum
-from .axis_noise import AxisNoise, Recorded
-from .deviations import INTERVAL
+from .axis_noise import INTERVAL, AxisNoise, Recorded
 from .record_length import reaches
 from .rows import FILE_UNIT
 
@@ -43,13 +42,7 @@ WAYS: Mapping[str, Deviation] = {
 
 
 def curves(result: Result) -> list[Curve]:
-    """Return the curves of all axes and records.
-
-    Parameters
-    ----------
-    result : Result
-        Of the test.
-    """
+    """Return the curves of all axes and records."""
     found: list[Curve] = []
     for one in result.axes:
         found += [_allan(result, one, record) for record in one.records]
@@ -61,7 +54,16 @@ def curves(result: Result) -> list[Curve]:
             if record.spectral.spectrum is not None
         ]
         if one.fit is not None:
-            found.append(_record_length(result, one))
+            known = reaches(result.plan, one)
+            wanted = [None if r.relative_error is None else result.plan.relative_error for r in known]
+            columns = {
+                "term": Column([reach.quantity for reach in known]),
+                "relative_error": Column([reach.relative_error for reach in known], "1"),
+                "wanted": Column(wanted, "1"),
+                "record": Column([reach.record for reach in known], "s", shown="h"),
+                "needed": Column([reach.needed for reach in known], "s", shown="h"),
+            }
+            found.append(Curve("record_length", one.axis, columns))
     return found
 
 
@@ -70,13 +72,7 @@ def _unit(result: Result) -> str:
 
 
 def density_unit(unit: str) -> str:
-    """Return the unit of a density of samples in a unit.
-
-    Parameters
-    ----------
-    unit : str
-        Of samples.
-    """
+    """Return the unit of a density of samples in a unit."""
     return f"({FILE_UNIT})^2/Hz" if unit == FILE_UNIT else divide(power(unit, 2), "Hz")
 
 
@@ -131,12 +127,17 @@ def _spectrum(result: Result, one: AxisNoise, record: Recorded, spectrum: Spectr
     unit = density_unit(_unit(result))
     frequency, density, edf = spectrum.smoothed(PER_DECADE)
     tail = 0.5 * (1.0 - INTERVAL)
+    lines, in_lines = record.spectral.lines, [False] * len(frequency)
+    if lines is not None and lines.marked.any():  # bands that hold a part of a line
+        marked = spectrum.frequency[lines.marked[:, 0]]
+        edges = np.concatenate([[0.0], 0.5 * (frequency[1:] + frequency[:-1]), [np.inf]])
+        in_lines = [bool(np.any((marked > a) & (marked <= b))) for a, b in pairwise(edges)]
     columns = {
         "frequency": Column(frequency, "Hz"),
         "density": Column(density[:, 0], unit),
         "lo": Column(density[:, 0] * edf / special.chdtri(edf, tail), unit),
         "hi": Column(density[:, 0] * edf / special.chdtri(edf, 1.0 - tail), unit),
-        "line": Column(_in_lines(record, spectrum, frequency)),
+        "line": Column(in_lines),
     }
     terms = () if one.fit is None else tuple(t for t in one.fit.terms if not isinstance(t, Sinusoid | RateRamp))
     if one.fit is not None and terms:
@@ -147,25 +148,3 @@ def _spectrum(result: Result, one: AxisNoise, record: Recorded, spectrum: Spectr
             )
         columns["all"] = Column(sampled_spectrum(terms, frequency, run.interval, run.averaging), unit)
     return Curve("spectrum", one.axis, columns, of=result.plan.spectrum, recording=record.run.name)
-
-
-def _in_lines(record: Recorded, spectrum: Spectrum, frequency: Array) -> list[bool]:
-    """Return which bands hold a part of a line."""
-    lines = record.spectral.lines
-    if lines is None or not lines.marked.any():
-        return [False] * len(frequency)
-    marked = spectrum.frequency[lines.marked[:, 0]]
-    edges = np.concatenate([[0.0], 0.5 * (frequency[1:] + frequency[:-1]), [np.inf]])
-    return [bool(np.any((marked > a) & (marked <= b))) for a, b in pairwise(edges)]
-
-
-def _record_length(result: Result, one: AxisNoise) -> Curve:
-    found = reaches(result.plan, one)
-    columns = {
-        "term": Column([reach.quantity for reach in found]),
-        "relative_error": Column([reach.relative_error for reach in found], "1"),
-        "wanted": Column([result.plan.relative_error if r.relative_error is not None else None for r in found], "1"),
-        "record": Column([reach.record for reach in found], "s", shown="h"),
-        "needed": Column([reach.needed for reach in found], "s", shown="h"),
-    }
-    return Curve("record_length", one.axis, columns)

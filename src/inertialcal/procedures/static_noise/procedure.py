@@ -60,9 +60,9 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the records at rest, a record a recording or a window."""
-        from .records.at_rest import AtRest
-        from .records.recordings import readings_from
-        from .records.usable import check
+        from .axis_noise import check
+        from .readings import AtRest
+        from .recordings import readings_from
 
         found = [
             AtRest(one, {axis: axis for axis in AXES if axis in one.names}, name=label, shown=source.facts.unit)
@@ -106,7 +106,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of the noise terms: sizes, in the units of data sheets."""
-        from .units import SENSORS, data_sheet_units
+        from .rows import SENSORS, data_sheet_units
 
         units = {kind: data_sheet_units(kind) for kind in SENSORS}
         names = dict.fromkeys(name for own in units.values() for name in own)
@@ -117,7 +117,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
 
     def budgeted(self, result: Result) -> Sequence[BudgetFigure]:
         """Return all terms if the scale factor takes part; else the scatter of the noise is all there is."""
-        from .scale import SCALE
+        from .rows import SCALE
 
         return super().budgeted(result) if result.plan.standards.get(SCALE) else []
 

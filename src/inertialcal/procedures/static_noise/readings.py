@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...core.recording import Recording
 from ...core.remarks import Remark
+from ...sensors.noise.simulate import simulate as samples_of
+from ...sensors.noise.terms import Term
 from ...signals.names import Quantity
+from .plan import Plan
 
 
 @dataclass(frozen=True)
@@ -46,35 +50,17 @@ class Run:
         return len(next(iter(self.values.values())))
 
     def there(self, axis: str) -> NDArray[np.bool_]:
-        """Return where an axis has a sample, shape (n,).
-
-        Parameters
-        ----------
-        axis : str
-            Which.
-        """
+        """Return where an axis has a sample, shape (n,)."""
         found: NDArray[np.bool_] = np.isfinite(self.values[axis])
         given = self.present.get(axis)
         return found if given is None else found & given
 
     def left_out(self, axis: str) -> int:
-        """Return how many samples of an axis are left out, since they are no readings.
-
-        Parameters
-        ----------
-        axis : str
-            Which.
-        """
+        """Return how many samples of an axis are left out, since they are no readings."""
         return sum(one.count for one in self.faults if one.axis == axis and one.left_out)
 
     def time(self, sample: int) -> float:
-        """Return when a sample was taken, since the first of the recording, warm-up included [s].
-
-        Parameters
-        ----------
-        sample : int
-            Counted from 0, after the warm-up.
-        """
+        """Return when a sample was taken, since the first of the recording, warm-up included [s]."""
         if self.clock is not None:
             return float(self.clock[sample])
         return (self.warm_up + sample) * self.interval
@@ -85,23 +71,11 @@ class Run:
         return len(self) * self.interval
 
     def to_rate(self, axis: str) -> float:
-        """Return the rate [SI] that a value of 1 means.
-
-        Parameters
-        ----------
-        axis : str
-            Which.
-        """
+        """Return the rate [SI] that a value of 1 means."""
         return self.scale[axis] if self.quantity == "rate" else self.scale[axis] / self.interval
 
     def rates(self, axis: str) -> Array:
-        """Return the samples of an axis as rates [SI], shape (n,); NaN where one is missing.
-
-        Parameters
-        ----------
-        axis : str
-            Which.
-        """
+        """Return the samples of an axis as rates [SI], shape (n,); NaN where one is missing."""
         found: Array = self.values[axis].astype(np.float64) * self.to_rate(axis)
         there = self.present.get(axis)
         if there is not None:
@@ -134,3 +108,46 @@ class Readings:
     def length(self) -> float:
         """Of all records together [s]."""
         return sum(run.length for run in self.records)
+
+
+@dataclass(frozen=True, eq=False)
+class AtRest:
+    """A recording of a sensor at rest."""
+
+    recording: Recording  # With its channels
+    channels: Mapping[str, str]  # Which channel is which axis
+    # SI unit a unit of the channel; 1 where not said
+    scale: Mapping[str, float] = field(default_factory=dict[str, float])
+    quantity: Quantity = "rate"  # What its samples are
+    name: str = ""  # For messages; its file where not given
+    shown: str = ""  # Unit that samples are told in; that of the channel where not given
+
+    @property
+    def place(self) -> str:
+        """Name of the recording, for messages."""
+        return self.name or self.recording.source.path or "recording"
+
+
+@dataclass(frozen=True)
+class Truth:
+    """Terms of each axis, and how they are recorded."""
+
+    terms: Mapping[str, tuple[Term, ...]]  # Of each axis [SI]
+    samples: int  # Of each record
+    interval: float  # From sample to sample [s]
+    averaging: float | None = None  # What each sample is the mean of [s]; the interval by default
+    runs: int = 1  # Records
+
+
+def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
+    """Return records of the terms, after the warm-up of the plan."""
+    skipped = int(np.ceil(plan.warm_up / truth.interval - 1e-9))
+    scale = dict.fromkeys(truth.terms, 1.0)
+    runs = []
+    for number in range(truth.runs):
+        drawn = {
+            axis: samples_of(terms, truth.samples + skipped, truth.interval, rng, truth.averaging)[skipped:]
+            for axis, terms in truth.terms.items()
+        }
+        runs.append(Run(drawn, {}, scale, truth.interval, truth.averaging, "rate", f"run {number + 1}", skipped))
+    return Readings(tuple(runs))

@@ -34,15 +34,7 @@ class Reach:
 
 
 def reaches(plan: Plan, found: AxisNoise) -> tuple[Reach, ...]:
-    """Return what the records tell of each term of an axis; nothing where there are no terms.
-
-    Parameters
-    ----------
-    plan : Plan
-        Its ``relative_error`` is what is wanted.
-    found : AxisNoise
-        The axis.
-    """
+    """Return what the records tell of each term of an axis; nothing where there are no terms."""
     if found.fit is None:
         return ()
     record = max(one.run.length for one in found.records)
@@ -70,15 +62,7 @@ def _planned(plan: Plan, found: AxisNoise, name: str) -> float | None:
 
 
 def sentence(reach: Reach, wanted: float) -> str:
-    """Return what to say of one term: how well it is known, and how long to record.
-
-    Parameters
-    ----------
-    reach : Reach
-        Of the term.
-    wanted : float
-        Relative error that was asked for (1).
-    """
+    """Return what to say of one term: how well it is known, and how long to record."""
     name = reach.quantity.replace("_", " ")
     if reach.relative_error is None:
         why = f"{name}: not found, {reach.reason}"

@@ -29,18 +29,13 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import Sinusoid, quantity_name
-from .axis_noise import AxisNoise, Recorded, noise_of
-from .bounds import interval_at
+from .axis_noise import AxisNoise, Recorded, check, noise_of, problems_of
 from .curves import curves as curves_of
 from .plan import INFLUENCES, Plan
-from .readings import Readings, Run
+from .readings import AtRest, Readings, Run, Truth, simulate
 from .record_length import Reach, reaches, sentence
-from .records.at_rest import AtRest
-from .records.recordings import readings_from
-from .records.usable import check, problems_of
-from .rows import FILE_UNIT, quantity_units, rows
-from .scale import SCALE, with_scale
-from .simulation import Truth, simulate
+from .recordings import readings_from
+from .rows import FILE_UNIT, SCALE, interval_at, quantity_units, rows, with_scale
 
 __all__ = [
     "FILE_UNIT",
@@ -93,25 +88,11 @@ class Result:
         return curves_of(self)
 
     def interval_at(self, row: Row, p: float) -> Interval | None:
-        """Return the interval of another probability of an estimated row; None where it has none.
-
-        Parameters
-        ----------
-        row : Row
-            One of the estimated rows without a condition.
-        p : float
-            Probability between both ends.
-        """
+        """Return the interval of another probability of an estimated row; None where it has none."""
         return interval_at(self, row, p)
 
     def doubt(self, axis: str) -> str:
-        """Return why figures of an axis may not hold; empty where nothing speaks against them.
-
-        Parameters
-        ----------
-        axis : str
-            Its name.
-        """
+        """Return why figures of an axis may not hold; empty where nothing speaks against them."""
         return next((one.doubt for one in self.axes if one.axis == axis), "")
 
     def sentences(self) -> Iterator[tuple[str, str]]:
@@ -140,13 +121,6 @@ class Result:
 
 def reduce(plan: Plan, readings: Readings) -> Result:
     """Find the noise terms of each axis.
-
-    Parameters
-    ----------
-    plan : Plan
-        What is asked for.
-    readings : Readings
-        Records of the sensor at rest.
 
     Raises
     ------

@@ -8,32 +8,41 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from functools import cache
+from types import MappingProxyType
+from typing import TYPE_CHECKING, get_args
+
+import numpy as np
+from scipy import special
 
 from ...core.axes import Kind
+from ...core.errors import DataError
+from ...core.estimate import Component, Estimate
+from ...core.influence import Influence, Standards
 from ...core.key import At, Key, Member, Reason
 from ...core.results import Interval, Row, not_estimated
+from ...core.units import normalise
+from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
-from ...sensors.noise.terms import TERMS, Sinusoid, parameter_unit, quantity_name, sample_unit
+from ...sensors.noise.terms import TERMS, GaussMarkov, Sinusoid, parameter_unit, quantity_name, sample_unit, shown_units
 from ...statistics.intervals import t_interval
-from .axis_noise import AxisNoise, Recorded
-from .doubts import doubt_of
-from .scale import widened
+from .axis_noise import AxisNoise, Recorded, doubt_of
+
+if TYPE_CHECKING:
+    from .reduction import Result
 
 if TYPE_CHECKING:
     from .reduction import Result
 
 FILE_UNIT = "file unit"  # of samples whose unit nobody said
+SCALE = "sensor.scale_factor"
+SOURCE = "scale factor of the sensor"
+TIME = quantity_name(GaussMarkov.name, "correlation_time", None)
+SENSORS: tuple[Kind, ...] = get_args(Kind)
 
 
 def rows(result: Result) -> Iterator[Row]:
-    """Yield all rows, SI, or in the unit of the file where the kind is not known.
-
-    Parameters
-    ----------
-    result : Result
-        Of the test.
-    """
+    """Yield all rows, SI, or in the unit of the file where the kind is not known."""
     for found in result.axes:
         yield from _of_axis(result, found)
         for record in found.records:
@@ -113,17 +122,7 @@ def _lines(result: Result, axis: str, record: Recorded, several: bool) -> Iterat
 
 
 def unit_of(term: str, parameter: str, kind: Kind | None, file_unit: str) -> str:
-    """Return the unit of a parameter inside: SI, or made of the unit of the file.
-
-    Parameters
-    ----------
-    term, parameter : str
-        Of ``sensors.noise.terms``.
-    kind : {"gyro", "accelerometer"} or None
-        Of the sensor.
-    file_unit : str
-        Of the samples where the kind is None; empty where nobody said.
-    """
+    """Return the unit of a parameter inside: SI, or made of the unit of the file."""
     unit = sample_unit(kind, file_unit)
     if unit or parameter in {"correlation_time", "frequency"}:
         return parameter_unit(term, parameter, unit)
@@ -132,18 +131,96 @@ def unit_of(term: str, parameter: str, kind: Kind | None, file_unit: str) -> str
 
 
 def quantity_units(kind: Kind | None, file_unit: str) -> dict[str, str]:
-    """Return the unit inside of every quantity that noise terms have; lines are not among them.
-
-    Parameters
-    ----------
-    kind : {"gyro", "accelerometer"} or None
-        Of the sensor.
-    file_unit : str
-        Of the samples where the kind is None; empty where nobody said.
-    """
+    """Return the unit inside of every quantity that noise terms have; lines are not among them."""
     return {
         quantity_name(name, parameter, kind): unit_of(name, parameter, kind, file_unit)
         for name, term in TERMS.items()
         if name != Sinusoid.name
         for parameter in term.parameters
     }
+
+
+def interval_at(result: Result, row: Row, p: float) -> Interval | None:
+    """Return the interval of probability ``p`` of an estimated row, by the same profile of the fit."""
+    if row.interval is not None and row.interval.p == p:
+        return row.interval
+    one = next((axis for axis in result.axes if axis.axis == row.axis), None)
+    if one is None or one.fit is None:
+        return None
+    names = tuple(dict.fromkeys(term.name for term in one.fit.terms if not isinstance(term, Sinusoid)))
+    curves = [record.curve for record in one.records]
+    try:
+        again = fit(curves, result.plan.kind, terms=names, lines=one.lines, axis=0, unit=result.plan.unit, p=p)
+    except DataError:
+        return None
+    found = next((other for other in again.rows(row.axis) if other.quantity == row.quantity), None)
+    return None if found is None else widened(found, result.plan.standards).interval
+
+
+def relative(standards: Standards) -> float:
+    """Return the relative standard uncertainty of the scale factor; 0 where none is stated."""
+    influence: Influence | None = standards.get(SCALE)
+    return 0.0 if influence is None else influence.u
+
+
+def widened(row: Row, standards: Standards) -> Row:
+    """Return the row with what the scale factor adds to its uncertainty and interval."""
+    own = relative(standards)
+    if own == 0.0 or row.value is None:
+        return row
+    u = None if row.u is None else float(np.hypot(row.u, own * row.value))
+    interval = _interval(row, own)
+    value = interval.hi if row.status == "upper_limit" and interval is not None else row.value
+    return replace(row, value=value, u=u, interval=interval)
+
+
+def _interval(row: Row, own: float) -> Interval | None:
+    interval, value = row.interval, row.value
+    if interval is None or value is None:
+        return interval
+    more = float(special.ndtri(0.5 * (1.0 + interval.p))) * own
+
+    def end(at: float | None) -> float | None:
+        if at is None or at <= 0.0 or value <= 0.0:
+            return at
+        log = np.log(at / value)
+        return float(value * np.exp(np.copysign(np.hypot(log, more), log if log else 1.0)))
+
+    return Interval(end(interval.lo), end(interval.hi), interval.p)
+
+
+def with_scale(estimate: Estimate, standards: Standards) -> Estimate:
+    """Return the estimate with the scale factor as one more source, shared by all sizes; times do not feel it."""
+    influence = standards.get(SCALE)
+    if influence is None or influence.u == 0.0:
+        return estimate
+    sized = np.array([0.0 if key.quantity == TIME else 1.0 for key in estimate.keys]) * estimate.values
+    covariance = influence.u**2 * np.outer(sized, sized)
+    component = Component(
+        influence.origin(SOURCE), "B", covariance, influence.dof, influence.distribution, influence.stated
+    )
+    return replace(estimate, components=(*estimate.components, component))
+
+
+@cache
+def data_sheet_units(kind: Kind) -> MappingProxyType[str, str]:
+    """Return the unit that each quantity of noise is shown in: ``angle_random_walk`` in ``deg/sqrt(h)``."""
+    inside = quantity_units(kind, "")
+    found = {}
+    for name, term in TERMS.items():
+        for parameter in term.parameters:
+            quantity = quantity_name(name, parameter, kind)
+            if quantity in inside:
+                shown = shown_units(name, parameter, kind)
+                found[quantity] = normalise(shown[0]) if shown else inside[quantity]
+    return MappingProxyType(found)
+
+
+def second_unit(quantity: str, kind: Kind) -> str:
+    """Return another unit that data sheets give a quantity in; empty where there is none."""
+    for name, term in TERMS.items():
+        for parameter in term.parameters:
+            if quantity_name(name, parameter, kind) == quantity:
+                shown = shown_units(name, parameter, kind)
+                return normalise(shown[1]) if len(shown) > 1 else ""
+    return ""

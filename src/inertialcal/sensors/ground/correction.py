@@ -19,7 +19,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ..chain.converter import wide
-from ..model.matrices import mixed
+from ..model.equation import mixed
 from .model import STEPS, GroundModel
 
 CHUNK = 262_144  # rows at a time

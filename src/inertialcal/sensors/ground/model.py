@@ -29,8 +29,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..model.equation import away_from_reference, condition_columns, matrix_at, needed, offset
-from ..model.matrices import inverted
+from ..model.equation import away_from_reference, condition_columns, inverted, matrix_at, needed, offset
 from ..model.sensor_model import SensorModel
 
 Order = Literal["jointly", "bias_first"]

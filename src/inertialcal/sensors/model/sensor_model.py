@@ -39,8 +39,17 @@ from ...core.estimate import Array, Estimate
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Details, Table, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension
-from .checks import check_axes, check_estimate, check_needs, check_ranges, read_only_term
-from .terms import SHAPES, Parameter, parameters, values
+from .terms import (
+    SHAPES,
+    Parameter,
+    check_axes,
+    check_estimate,
+    check_needs,
+    check_ranges,
+    parameters,
+    read_only_term,
+    values,
+)
 
 INPUT_UNIT: dict[str, str] = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 

@@ -31,7 +31,7 @@ REASONS = {
 }  # why a term is not identified
 DOUBTS = {
     "terms_do_not_explain": "the terms do not explain the Allan deviation",
-    "runs_disagree": "the runs do not agree",
+    "runs_disagree": "the records do not agree",
 }  # codes of remarks after which no figure of a fit may be relied on, and what to say beside one
 
 

@@ -1,0 +1,311 @@
+"""Records of a sensor at rest, from recordings: put on the grid of their sample interval, the warm-up left out.
+
+Averaging times are counted off in samples, so samples must stand where they were taken. Stamps that are repeated or run
+backwards are refused; gaps become missing samples. Where the stamps say when packets arrived, or a sample rate was said
+in their place, the samples are taken as evenly spaced, which is remarked: gaps are then not seen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.recording import SECOND
+from ...core.remarks import Remark, gather
+from ...core.show.rounding import number
+from ...core.units import factor
+from ...signals.allan import on_grid
+from ...signals.codes import levels_of, rails
+from ...signals.record_quality import BadSegment, stuck_stretches
+from ...signals.time.time_axis import TimeAxis, analyse
+from .plan import Plan
+from .readings import AtRest, Fault, Readings, Run
+
+LARGEST = 1e60  # reading: beyond it fourth powers overflow
+FLAG = "flag"  # where the sample interval comes from, when the user said it
+NOT_TIME = "not_time"  # remark of reading on a column that was taken for no time
+AGREES = 0.01  # relative difference of intervals that is passed over
+NO_GAP = 1.4  # sample intervals: a longer step is a gap
+FEWEST = 2  # samples of a record
+SAME_TIME = 1e-3  # relative difference of averaging time and sample interval that is that of two clocks
+LISTED = 3  # stretches of an axis that are named
+Mask = NDArray[np.bool_]
+
+
+def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
+    """Return the records of a test.
+
+    Raises
+    ------
+    DataError
+        If there is none (``no_records``) or they differ in their axes (``wrong_column``); if one has no sample interval
+        (``no_time``), stamps that are repeated (``time_repeated``) or run backwards (``time_backwards``), a channel
+        of text (``wrong_column``) or of impossible size (``wrong_value``), averages that overlap (``averaging_time``),
+        or nothing left after the warm-up (``nothing_left``).
+    """
+    if not recordings:
+        raise DataError("no recordings of a sensor at rest", code="no_records")
+    axes = tuple(recordings[0].channels)
+    for one in recordings:
+        if tuple(one.channels) != axes:
+            what = f"axes {', '.join(one.channels)}, the first recording has {', '.join(axes)}"
+            raise DataError(what, one.place, do="Name recordings of the same axes", code="wrong_column")
+    found = [_run(plan, one) for one in recordings]
+    several = len(recordings) > 1
+    remarks = [
+        remark.at(one.place) if several else remark
+        for one, (_, told) in zip(recordings, found, strict=True)
+        for remark in told
+    ]
+    read = [remark for one in recordings for remark in one.recording.remarks]
+    return Readings(tuple(run for run, _ in found), gather([*read, *remarks]))
+
+
+def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
+    grid = grid_of(one)
+    averaging = averaging_of(one, grid.interval)
+    values: dict[str, NDArray[Any]] = {}
+    present: dict[str, NDArray[np.bool_]] = {}
+    for axis, name in one.channels.items():
+        values[axis], there = _samples(one, name, grid)
+        if there is not None:
+            present[axis] = there
+    quantity = one.quantity
+    if quantity == "angle":  # unsigned codes as signed ones, so that a step back is one
+        signed = {axis: x.astype(np.int64) if x.dtype.kind == "u" else x for axis, x in values.items()}
+        values = {axis: np.diff(x) for axis, x in signed.items()}
+        present = {axis: there[1:] & there[:-1] for axis, there in present.items()}
+        quantity = "increment"
+    skipped, remarks = max(int(np.ceil(plan.warm_up / grid.interval - 1e-9)), 0), list(grid.remarks)
+    if skipped:
+        length = number(len(next(iter(values.values()))) * grid.interval)
+        if skipped >= len(next(iter(values.values()))):
+            what = f"a warm-up of {number(plan.warm_up)} s, the record is {length} s long"
+            raise DataError(what, one.place, do="Leave out less", code="nothing_left")
+        what = f"the first {number(plan.warm_up)} s of {length} s are left out: the warm-up"
+        remarks.append(Remark("warm_up_left_out", "info", what))
+    run = Run(
+        {axis: data[skipped:] for axis, data in values.items()},
+        {axis: there[skipped:] for axis, there in present.items()},
+        {axis: one.scale.get(axis, 1.0) for axis in values},
+        grid.interval,
+        averaging,
+        quantity,
+        one.place,
+        skipped,
+        None if grid.clock is None else grid.clock[len(one.recording) - len(next(iter(values.values()))) + skipped :],
+    )
+    run, bad = without_faults(plan, run, {axis: _told(one, axis, present.get(axis), skipped) for axis in values})
+    return run, [*remarks, *bad]
+
+
+def _samples(one: AtRest, name: str, grid: Grid) -> tuple[NDArray[Any], NDArray[np.bool_] | None]:
+    """Return the samples of a channel on the grid, and where there is one; None where there is one everywhere."""
+    data = one.recording.channel(name).data
+    if data.dtype.kind not in "iuf":
+        raise DataError(f"column {name!r} holds no numbers", one.place, code="wrong_column")
+    largest = float(np.max(np.abs(data, where=np.isfinite(data), out=np.zeros(len(data))), initial=0.0))
+    if largest > LARGEST:
+        what = f"column {name!r} reaches {largest:.3g}"
+        raise DataError(what, one.place, "no sensor reads so much", "Look at the file", "wrong_value")
+    stamps = one.recording.time_ns
+    if not grid.placed or stamps is None:
+        return data, None
+    try:
+        return on_grid(data, stamps, grid.interval)
+    except DataError as error:
+        first = error.problems[0]
+        where = f"{one.place}: {first.where}" if first.where else one.place
+        raise DataError(first.what, where, first.why, first.do, first.code) from None
+
+
+def _told(one: AtRest, axis: str, present: NDArray[np.bool_] | None, skipped: int) -> Told:
+    """Return how samples of an axis are told: in which unit, and at which row of the file."""
+    channel, first = one.recording.channel(one.channels[axis]), one.recording.first_row
+    own, shown = channel.unit or "", one.shown or channel.unit or ""
+
+    def row(sample: int) -> int:
+        at = skipped + sample
+        return first + (at if present is None else int(np.count_nonzero(present[:at]))) if first else 0
+
+    return Told(factor(own, shown) if own and shown else 1.0, shown, row)
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """How samples stand in time."""
+
+    interval: float  # From sample to sample [s]
+    placed: bool = False  # Whether the stamps put them on the grid of it
+    # shape (n,): Time of each since the first [s], for messages, where samples are taken as evenly spaced
+    clock: Array | None = None
+    remarks: tuple[Remark, ...] = ()  # What to say
+
+
+def grid_of(one: AtRest) -> Grid:
+    """Return the sample interval, whether samples are to be put on its grid by their stamps, and what to say.
+
+    Raises
+    ------
+    DataError
+        If it has no sample interval (``no_time``), or stamps that are repeated or run backwards.
+    """
+    recording = one.recording
+    given = recording.sample_interval
+    stamps = recording.time_ns
+    if given is None or not given > 0.0:
+        seen = "; ".join(remark.what for remark in recording.remarks if remark.code == NOT_TIME)
+        what = "sample interval not known" + (f": {seen}" if seen else "")
+        do = "Sort the rows, or add" if seen else "Add"
+        do += " the sample rate (--sample-rate HZ) or the time column (--time-column)"
+        raise DataError(what, one.place, "averaging times are counted in samples", do, "no_time")
+    if stamps is None or len(stamps) < FEWEST:
+        return Grid(given)
+    mean = (int(stamps[-1]) - int(stamps[0])) / SECOND / (len(stamps) - 1)
+    steps = np.diff(stamps)
+    even = steps.min() > 0 and steps.max() <= NO_GAP * given * SECOND and steps.mean() > 0.9 * given * SECOND
+    if recording.interval_from != FLAG and even:  # the quick answer for most records
+        return Grid(mean)
+    axis = analyse(stamps)
+    if recording.interval_from == FLAG:
+        what = "sample rate given: samples taken as evenly spaced, time stamps not used"
+        if axis.lost + len(axis.repeated) + len(axis.backward):
+            bad = f"{len(axis.repeated)} repeated and {len(axis.backward)} backward stamps"
+            what += f", though they show {axis.lost} missing sample(s), {bad}"
+            return Grid(given, False, recording.seconds, (Remark("stamps_not_used", "warning", what, one.place),))
+        return Grid(given, False, recording.seconds, (Remark("stamps_not_used", "info", what, one.place),))
+    regular = axis.pattern == "regular" and axis.interval is not None
+    _refuse_disorder(axis, one, regular)
+    if not regular or axis.interval is None:
+        what = "time stamps are those of packets: samples taken as evenly spaced, gaps cannot be seen"
+        return Grid(given, False, recording.seconds, (Remark("stamps_not_used", "warning", what, one.place),))
+    uneven = len(axis.gaps) > 0 or abs(axis.interval - given) > AGREES * given
+    return Grid(given, True) if uneven else Grid(mean)
+
+
+def _refuse_disorder(axis: TimeAxis, one: AtRest, regular: bool) -> None:
+    """Refuse stamps that run backwards, and repeated ones where each stamp means its own sample."""
+    why = "averaging times are counted in samples, in order of time"
+    if len(axis.backward):
+        what, at, code = f"{len(axis.backward)} stamp(s) run backwards", axis.backward, "time_backwards"
+    elif regular and len(axis.repeated):
+        what, at, code = f"{len(axis.repeated)} repeated stamp(s)", axis.repeated, "time_repeated"
+    else:
+        return
+    row = one.recording.first_row
+    place = f"{one.recording.source.path}:{row + int(at[0])}" if row else f"{one.place}: sample {int(at[0]) + 1}"
+    do = "Sort the record, remove duplicates, or give the sample rate (--sample-rate HZ) to ignore the stamps"
+    raise DataError(what, place, why, do, code)
+
+
+def averaging_of(one: AtRest, interval: float) -> float | None:
+    """Return the averaging time of a sample [s]: the sample interval, where they differ only as two clocks do.
+
+    A user gives both times by one clock, and the stamps may be those of another: their ratio counts.
+
+    Raises
+    ------
+    DataError
+        If averages overlap, or last no time.
+    """
+    said = one.recording.averaging_time
+    if said is None:
+        return None
+    stated = one.recording.sample_interval or interval
+    scaled = said * interval / stated if abs(stated / interval - 1.0) <= AGREES else said
+    if abs(scaled / interval - 1.0) <= SAME_TIME:
+        return interval
+    if not 0.0 < scaled <= interval:
+        what = f"an averaging time of {number(said)} s every {number(interval)} s"
+        why = "overlapping averages share their noise, and 0 s averages nothing"
+        do = "Give the averaging time of a sample: at most the sample interval"
+        raise DataError(what, one.place, why, do, "averaging_time")
+    return scaled
+
+
+@dataclass(frozen=True)
+class Told:
+    """How a sample of an axis is told."""
+
+    times: float  # What a value is multiplied by
+    unit: str  # Of the product; empty where nobody said
+    row: Callable[[int], int]  # Gives the row of the file of a sample; 0 where it has none
+
+    def value(self, value: float) -> str:
+        """Return a value with its unit."""
+        return f"{number(value * self.times, 5)} {self.unit}".strip()
+
+
+@dataclass(frozen=True, eq=False)
+class _Bad:
+    """Samples of one axis that are no readings: masks of shape (n,), and the values at the ends of the range."""
+
+    stretches: tuple[BadSegment, ...]
+    stuck: Mask
+    saturated: Mask
+    ends: tuple[float, ...]
+
+
+def without_faults(plan: Plan, run: Run, told: Mapping[str, Told]) -> tuple[Run, list[Remark]]:
+    """Return a record without the samples that are no readings, and what there is to say of them."""
+    found = {axis: _bad(run, axis) for axis in run.values}
+    found = {axis: bad for axis, bad in found.items() if bad.stretches or bad.ends}
+    if not found:
+        return run, []
+    left_out = plan.disturbed == "leave_out"
+    fate = "left out" if left_out else "kept in"
+    remarks = [_stuck(run, axis, bad, told[axis], fate) for axis, bad in found.items() if bad.stretches]
+    remarks += _saturated(run, found, told, fate)
+    faults = tuple(
+        Fault(axis, code, int(mask.sum()), left_out)
+        for axis, bad in found.items()
+        for code, mask in (("stuck", bad.stuck), ("saturated", bad.saturated))
+        if mask.any()
+    )
+    if not left_out:
+        return replace(run, faults=faults), remarks
+    present = {axis: run.there(axis) & ~bad.stuck & ~bad.saturated for axis, bad in found.items()}
+    return replace(run, present={**run.present, **present}, faults=faults), remarks
+
+
+def _bad(run: Run, axis: str) -> _Bad:
+    values, there = run.values[axis], run.there(axis)
+    stretches = stuck_stretches(np.where(there, values.astype(np.float64), np.nan), run.interval)
+    stuck = np.zeros(len(values), dtype=bool)
+    for one in stretches:
+        stuck[one.first : one.last + 1] = there[one.first : one.last + 1]
+    rest = there & ~stuck
+    ends = tuple(rail.value for rail in rails(levels_of(values[rest]))) if rest.any() else ()
+    return _Bad(stretches, stuck, rest & np.isin(values, ends) if ends else np.zeros_like(stuck), ends)
+
+
+def _stuck(run: Run, axis: str, bad: _Bad, told: Told, fate: str) -> Remark:
+    """Return one remark on the stuck stretches of an axis, the longest first."""
+    places = []
+    for one in bad.stretches[:LISTED]:
+        value = told.value(float(run.values[axis][one.first]))
+        row = f" (row {told.row(one.first)})" if told.row(one.first) else ""
+        places.append(f"at {value} from {number(run.time(one.first), 6)} s to {number(run.time(one.last), 6)} s{row}")
+    more = "; ..." if len(bad.stretches) > LISTED else ""
+    what = f"{axis}: stuck {'; '.join(places)}{more}: {int(bad.stuck.sum())} of {len(run)} samples {fate}"
+    return Remark("stuck", "warning", what, count=len(bad.stretches), do="Look at the wiring and at the logger")
+
+
+def _saturated(run: Run, found: Mapping[str, _Bad], told: Mapping[str, Told], fate: str) -> list[Remark]:
+    """Return one remark on the samples of all axes that lie at an end of the range."""
+    each = [
+        f"{axis} {int(bad.saturated.sum())} at {' and '.join(map(told[axis].value, bad.ends))}"
+        for axis, bad in found.items()
+        if bad.ends
+    ]
+    if not each:
+        return []
+    what = f"saturated: samples lie at the end of the range: {', '.join(each)}, of {len(run)}; {fate}"
+    do = "Noise that reaches so far is cut, and seems too small: change the range"
+    return [Remark("saturated", "warning", what, do=do)]

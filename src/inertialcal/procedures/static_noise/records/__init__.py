@@ -1,1 +1,0 @@
-"""Records at rest: their clock, faults and disturbances."""
