@@ -262,16 +262,16 @@ def without_faults(plan: Plan, run: Run, told: Mapping[str, Told]) -> tuple[Run,
     fate = "left out" if left_out else "kept in"
     remarks = [_stuck(run, axis, bad, told[axis], fate) for axis, bad in found.items() if bad.stretches]
     remarks += _saturated(run, found, told, fate)
-    faults = tuple(
-        Fault(axis, code, int(mask.sum()), left_out)
-        for axis, bad in found.items()
-        for code, mask in (("stuck", bad.stuck), ("saturated", bad.saturated))
-        if mask.any()
-    )
+    faults = []
+    for axis, bad in found.items():
+        if bad.stuck.any():
+            faults.append(Fault(axis, "stuck", int(bad.stuck.sum()), left_out))
+        if bad.saturated.any():
+            faults.append(Fault(axis, "saturated", int(bad.saturated.sum()), left_out))
     if not left_out:
-        return replace(run, faults=faults), remarks
+        return replace(run, faults=tuple(faults)), remarks
     present = {axis: run.there(axis) & ~bad.stuck & ~bad.saturated for axis, bad in found.items()}
-    return replace(run, present={**run.present, **present}, faults=faults), remarks
+    return replace(run, present={**run.present, **present}, faults=tuple(faults)), remarks
 
 
 def _bad(run: Run, axis: str) -> _Bad:
