@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .campaign.calls.rate_table import rate_table
+    from .campaign.calls.nouns import rate_table, thermal
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
     from .procedures.sine.files import sine
     from .procedures.static_noise.files.allan import allan
     from .procedures.static_noise.files.psd import psd
-    from .procedures.thermal.files import thermal
     from .report.plot import plot
 
 __all__ = [
@@ -71,7 +70,7 @@ _HOMES = {
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
     "flip": ("procedures.flip.files.call", "flip"),
-    "thermal": ("procedures.thermal.files", "thermal"),
+    "thermal": ("campaign.calls.nouns", "thermal"),
     "mass_attraction": ("procedures.mass_attraction.files", "mass_attraction"),
     "load_model": ("campaign.models.find", "load_model"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
@@ -83,7 +82,7 @@ _HOMES = {
     "simulate": ("campaign.twins.twin", "simulate"),
     "write": ("files.write.recording", "write"),
     "info": ("campaign.start.info", "info"),
-    "rate_table": ("campaign.calls.rate_table", "rate_table"),
+    "rate_table": ("campaign.calls.nouns", "rate_table"),
     "read": ("files", "read"),
     "read_table": ("files.text.table", "read_table"),
     "run": ("campaign.engine.run", "run"),

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from importlib import import_module
+from pathlib import Path
 from typing import Any
 
 from typer.core import TyperCommand, TyperGroup
@@ -42,6 +43,15 @@ def _planners() -> dict[str, tuple[str, Command]]:
     """Return procedure and declaration of each test that can be planned."""
     named = {name: procedure_of(name).planner for name in procedure_names()}
     return {one.word: (name, one) for name, one in named.items() if one is not None}
+
+
+def _noun(name: str, declared: Command) -> Callable[..., Any]:
+    """Return the function of a noun: made of the settings of its procedure, unless it has a module of its own."""
+    if (Path(__file__).parent / "nouns" / f"{name}.py").exists():  # until all are made
+        return _function(name, name, declared.word)
+    from .nouns.factory import command_of
+
+    return command_of(procedure_of(name), declared)
 
 
 def _function(name: str, default: str, word: str) -> Callable[..., Any]:
@@ -107,7 +117,7 @@ class Root(_Lazy):
             return Planners(name=PLAN.word, help=PLAN.help, no_args_is_help=True, rich_markup_mode=None)
         if cmd_name in _nouns():
             name, declared = _nouns()[cmd_name]
-            return _built(_function(name, name, cmd_name), cmd_name, declared.help)
+            return _built(_noun(name, declared), cmd_name, declared.help)
         return _verb(cmd_name) if cmd_name in FIRST | VERBS else None
 
 

@@ -37,6 +37,10 @@ class Setting:
         Settings of its own: their dataclass.
     above, least, most : float or None
         Limits: it is larger than ``above``, no smaller than ``least``, no larger than ``most``.
+    pairs : bool
+        ``NAME=VALUE``, which may be repeated; in Python a mapping.
+    flag_name : str
+        Name on the command line where that is another one.
     """
 
     name: str
@@ -55,11 +59,27 @@ class Setting:
     above: float | None = None
     least: float | None = None
     most: float | None = None
+    pairs: bool = False
+    flag_name: str = ""
 
     @property
     def option(self) -> str:
         """Name on the command line."""
-        return self.name.replace("_", "-")
+        return self.flag_name or self.name.replace("_", "-")
+
+    @property
+    def type_text(self) -> str:
+        """Type as documentation has it: a quantity is text with its unit."""
+        own = f"{{{', '.join(map(repr, self.choices))}}}" if self.choices else "bool" if self.flag else ""
+        own = own or ("dict" if self.table else "mapping of str to str" if self.pairs else "")
+        own = own or (self.number.__name__ if self.number else "str")
+        return f"{f'sequence of {own}' if self.many else own}, optional"
+
+    @property
+    def described(self) -> str:
+        """Help with choices, example and default."""
+        words = f"One of: {', '.join(self.choices)}." if self.choices else ""
+        return " ".join(part for part in (self.help, words, f"Like {self.example}." if self.example else "") if part)
 
     @property
     def written(self) -> str:
@@ -78,11 +98,12 @@ def setting(
     above: float | None = None,
     least: float | None = None,
     most: float | None = None,
+    option: str = "",
 ) -> Any:
-    """Return a field of a Plan: one sentence on it, its unit, its limits, how to write it."""
+    """Return a field of a Plan: one sentence on it, its unit, its limits, how to write it, its option."""
     given: Mapping[str, object] = {
         "help": help, "unit": unit, "difference": difference, "example": example, "above": above, "least": least,
-        "most": most,
+        "most": most, "option": option,
     }  # fmt: skip
     kept = {name: value for name, value in given.items() if value not in ("", None)}
     if callable(default):
@@ -120,5 +141,6 @@ def _setting(one: Field[Any], hint: Any) -> Setting:
         one.name, str(meta.get("help", "")), str(meta.get("example", "")), unit, "difference" in meta, many,
         inner is bool, choices, number, None if default is MISSING else default, needed, hint,
         inner if isinstance(inner, type) and is_dataclass(inner) else None,
-        meta.get("above"), meta.get("least"), meta.get("most"),
+        meta.get("above"), meta.get("least"), meta.get("most"), get_origin(kind) in (dict, Mapping),
+        meta.get("option", ""),
     )  # fmt: skip

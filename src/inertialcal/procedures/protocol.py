@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from ..files.text.table import Table
     from ..sensors.model.sensor_model import SensorModel
     from .entries import Entry, EntryKey, SaidSensor, SaidTest
+    from .given import Described, GivenFile
     from .model_terms import HeldOut, ModelTerms
     from .suggestions import Claim, Draft, FolderFile, Suggestion
 
@@ -251,6 +252,55 @@ R = TypeVar("R", bound="WithRemarks | None")
 S = TypeVar("S", bound=Result)
 
 
+class Reduced(Protocol):
+    """What a noun found in its files, as commands and plots see it."""
+
+    @property
+    def rows(self) -> Sequence[Row]:
+        """The figures, in the unit of the sensor."""
+        ...
+
+    @property
+    def results(self) -> Mapping[str, Any]:
+        """Content of ``results.json``."""
+        ...
+
+    @property
+    def result(self) -> Any:
+        """Of the procedure, SI."""
+        ...
+
+    @property
+    def plan(self) -> Any:
+        """Of the procedure."""
+        ...
+
+    @property
+    def inputs(self) -> Mapping[str, str]:
+        """SHA-256 by path."""
+        ...
+
+    @property
+    def columns(self) -> Mapping[str, str]:
+        """Which column was taken for what."""
+        ...
+
+    @property
+    def remarks(self) -> Sequence[Remark]:
+        """What reading and reducing brought up."""
+        ...
+
+    @property
+    def unit(self) -> str:
+        """Of the readings."""
+        ...
+
+    @property
+    def shown(self) -> Any:
+        """Settings of what is shown (``Procedure.shown_type``)."""
+        ...
+
+
 class Correction(Protocol):
     """What a later test takes off its recordings: all at once, since its unknowns are common to them."""
 
@@ -433,6 +483,8 @@ class Procedure(Generic[P, R, S]):
     planner: Command | None = None
     command_module: str = ""
     plan_type: type[P]
+    said_type: type[object] | None = None  # its noun's own settings on a file: a dataclass of settings
+    shown_type: type[object] | None = None  # its noun's own settings on what is shown
     inputs: InputSpec
     influences: Mapping[str, str] = {}
     uses: frozenset[str] = frozenset({"fit", "report_only"})
@@ -445,6 +497,20 @@ class Procedure(Generic[P, R, S]):
     makes_model: bool = False  # what is fitted becomes the model of the sensor
     model_of_each: bool = False  # several sensors of a campaign may each have one
     takes_corrections: bool = False  # readings may have taken off what another test found
+
+    # ---- from a file to what a campaign says of it -----------------------------------------------------------------
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return what a file is taken for, sensor by sensor: its channels, by names and units, by default.
+
+        Raises
+        ------
+        UsageError
+            If that is not clear.
+        """
+        from .given import described  # noqa: PLC0415
+
+        return [described(given, self.inputs)]
 
     # ---- from what was said to readings -----------------------------------------------------------------------
 
@@ -616,6 +682,30 @@ class Procedure(Generic[P, R, S]):
     def truths(self, result: S) -> Sequence[Row] | None:
         """Return rows that are held against the truth of a rig; None where the estimate says all."""
         return None
+
+    # ---- what its noun prints and writes, beyond tables and figures ---------------------------------------------
+
+    def report(self, found: Reduced) -> str | None:
+        """Return what its command prints; None for the table of the figures."""
+        return None
+
+    def content(self, found: Reduced) -> Mapping[str, object]:
+        """Return what its command adds to ``--json``."""
+        return {}
+
+    def writes(self, output: Path) -> bool:
+        """Return whether ``-o`` names something that it writes itself; else it is a figure."""
+        return False
+
+    def write(self, found: Reduced, output: Path) -> list[str]:
+        """Write what ``-o`` names; return a line for each file.
+
+        Raises
+        ------
+        StoreError
+            If it cannot be written.
+        """
+        raise NotImplementedError
 
     # ---- files that nobody has said anything of ---------------------------------------------------------------------
 

@@ -1,1 +1,1 @@
-"""A rate table of files without a campaign."""
+"""A procedure on files, Recordings or arrays: they become a campaign, which is reduced as any other."""

@@ -12,11 +12,13 @@ from ...procedures import procedure_of
 from ..file.load import Campaign
 from ..file.schema import Test
 from ..file.sensors import Sensor
-from ..inputs.sources import Folder
+from ..inputs.sources import Folder, Store
 from .engine import Prepared, corrections_for, prepare_test
 
 
-def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = None) -> Prepared:
+def prepare(
+    campaign: Campaign, number: int, found: Mapping[str, Any] | None = None, store: Store | None = None
+) -> Prepared:
     """Return readings and plan of one test; problems get the place of the test where they have none.
 
     Parameters
@@ -27,11 +29,13 @@ def prepare(campaign: Campaign, number: int, found: Mapping[str, Any] | None = N
         Of the test.
     found : mapping of str to Result, optional
         Of tests that were reduced before, by name: what a test comes after is taken off. Without them nothing is.
+    store : Store, optional
+        That holds its files; by default the folder of the campaign.
     """
     file, test = campaign.file, campaign.file.tests[number]
     try:
         corrections = [] if found is None else corrections_for(test, file.tests, found)
-        prepared = prepare_test(file, test, campaign.standards, Folder(campaign.folder), corrections)
+        prepared = prepare_test(file, test, campaign.standards, store or Folder(campaign.folder), corrections)
         inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
         return replace(prepared, readings=replace(prepared.readings, remarks=inside))
     except InertialcalError as error:

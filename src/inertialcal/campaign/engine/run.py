@@ -16,6 +16,7 @@ from ...core.show.tables import Block, Table, html, text
 from ...procedures import procedure_of
 from ...report.page import report_html
 from ..file.load import Campaign, load
+from ..inputs.sources import Store
 from ..models.build import build_models, model_files
 from ..models.judged import JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
@@ -180,9 +181,55 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     campaign = load(folder)
     if write:
         check_writable(campaign.folder)
+    whole = reduce_campaign(campaign, None, progress)
+    before = previous(campaign.folder)
+    if write:
+        swap_in(campaign.folder, _files(campaign, whole.results, whole.modelled, whole.inputs, str(folder)))
+    return Outcome(campaign, whole.results, whole.inputs, whole.verdict, changes(before, whole.results))
+
+
+@dataclass(frozen=True, eq=False)
+class Whole:
+    """A campaign that was reduced and judged.
+
+    Parameters
+    ----------
+    tested : list of ReducedTest
+        Its tests.
+    modelled : JudgedModel or None
+        Model of each sensor and closed loop.
+    results, inputs, verdict
+        As `Outcome` has them.
+    """
+
+    tested: list[ReducedTest]
+    modelled: JudgedModel | None
+    results: dict[str, Any]
+    inputs: dict[str, str]
+    verdict: str
+
+
+def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Progress | None = None) -> Whole:
+    """Reduce every test of a campaign and judge its requirements.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        Read from a folder, or made of what a noun was given.
+    store : Store, optional
+        That holds its files; by default its folder.
+    progress : callable, optional
+        As `run` takes it.
+
+    Raises
+    ------
+    PlanError, DataError
+        If the campaign or a recording is refused.
+    """
     tell = progress or (lambda done, total, what: None)
-    prepared, tested, remarks = _reduce_all(campaign, tell)
-    inputs = {"campaign.toml": campaign.sha256} | {p: h for one in prepared for p, h in one.inputs.items()}
+    prepared, tested, remarks = _reduce_all(campaign, store, tell)
+    own = {"campaign.toml": campaign.sha256} if campaign.sha256 else {}
+    inputs = own | {p: h for one in prepared for p, h in one.inputs.items()}
     tell(len(tested), len(tested), "model and requirements")
     reduced = {one.test.id: one.tested for one in tested}
     residuals = hold_out_residuals(campaign, reduced)
@@ -198,13 +245,12 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
         stated.append(modelled.whole_verdict)
     verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
     results["verdict"] = verdict or None
-    before = previous(campaign.folder)
-    if write:
-        swap_in(campaign.folder, _files(campaign, results, modelled, inputs, str(folder)))
-    return Outcome(campaign, results, inputs, verdict, changes(before, results))
+    return Whole(tested, modelled, results, inputs, verdict)
 
 
-def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
+def _reduce_all(
+    campaign: Campaign, store: Store | None, tell: Progress
+) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
     tests = campaign.file.tests
     ready: dict[int, Prepared] = {}
     results: dict[str, Any] = {}
@@ -215,7 +261,7 @@ def _reduce_all(campaign: Campaign, tell: Progress) -> tuple[list[Prepared], lis
         if any(name not in results for name in test.after):
             continue  # what it comes after was refused, which says why
         try:
-            ready[number] = prepare(campaign, number, results)
+            ready[number] = prepare(campaign, number, results, store)
             results[test.id] = reduce_test(ready[number])
         except InertialcalError as error:
             problems[number] = tuple(placed(problem, campaign, number) for problem in error.problems)
@@ -249,4 +295,4 @@ def _files(
     }
 
 
-__all__ = ["EXIT", "Outcome", "check", "run"]
+__all__ = ["EXIT", "Outcome", "Whole", "check", "reduce_campaign", "run"]

@@ -17,13 +17,13 @@ from .test_checks import after_checks, against_checks, overlap_checks, procedure
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
 
 
-def cross_checks(folder: Path, file: CampaignFile, at: At) -> list[Problem]:
+def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Problem]:
     """Return everything that does not fit together.
 
     Parameters
     ----------
-    folder : Path
-        Of the campaign.
+    folder : Path or None
+        Of the campaign; None where files may lie anywhere.
     file : CampaignFile
         Valid by itself.
     at : callable

@@ -13,13 +13,13 @@ from .schema import CampaignFile
 from .sensors import Sensor
 
 
-def ground_checks(folder: Path, file: CampaignFile, at: At) -> Iterator[Problem]:
+def ground_checks(folder: Path | None, file: CampaignFile, at: At) -> Iterator[Problem]:
     """Yield what is wrong with ground models, or with what is done with them.
 
     Parameters
     ----------
-    folder : Path
-        Of the campaign.
+    folder : Path or None
+        Of the campaign; None where files may lie anywhere.
     file : CampaignFile
         Valid by itself.
     at : callable
@@ -42,20 +42,20 @@ def _takes_model(procedure: str) -> bool:
     return procedure in procedure_names() and procedure_of(procedure).inputs.ground_model != "refused"
 
 
-def _model(folder: Path, name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
+def _model(folder: Path | None, name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
     key = "model" if sensor.chain.model is not None else "ground"
     where = at("sensors", name, "chain", key)
     if sensor.kind != "accelerometer":
         what = f"sensors.{name}.chain.{key}: a ground model is of a head of accelerometers"
         yield Problem(what, where, do="Leave it out; for a gyro: inertialcal compensate", code="wrong_value")
         return
-    if sensor.chain.model is not None and not _is_inside(folder, sensor.chain.model):
+    if folder is not None and sensor.chain.model is not None and not _is_inside(folder, sensor.chain.model):
         what = f"sensors.{name}.chain.model: {sensor.chain.model!r} lies outside the campaign folder"
         do = "Copy the file into the campaign folder"
         yield Problem(what, where, "a campaign must be complete in its folder", do, "outside")
         return
     try:
-        chain_model(sensor, folder)
+        chain_model(sensor, folder or Path())
     except InertialcalError as error:
         first = error.problems[0]
         file = f" = {sensor.chain.model!r}" if sensor.chain.model is not None else ""

@@ -15,8 +15,8 @@ from ...core.campaign_text import FILE, MARK
 from ...core.errors import DataError, PlanError, Problem
 from ...core.influence import Influence, Standards
 from ...core.schema.standards import STANDARDS
+from ...core.schema.toml import At, key_lines, nearest_line, parse_toml
 from ...core.schema.toml import Path as KeyPath
-from ...core.schema.toml import key_lines, nearest_line, parse_toml
 from .cross_checks import cross_checks
 from .schema import CampaignFile
 
@@ -33,8 +33,8 @@ class Campaign:
         What it says, SI.
     standards : mapping of Influence
         By ``"standard.quantity"``.
-    lines : dict
-        Line of each key.
+    lines : dict or None
+        Line of each key; None for a campaign that is in no file.
     sha256 : str
         Of campaign.toml.
     """
@@ -42,12 +42,12 @@ class Campaign:
     folder: Path
     file: CampaignFile
     standards: Standards
-    lines: dict[KeyPath, int]
+    lines: dict[KeyPath, int] | None
     sha256: str
 
     def at(self, *path: str | int) -> str:
         """Place of a key, for messages: ``"campaign.toml:12"``."""
-        return place(self.lines, path)
+        return "" if self.lines is None else place(self.lines, path)
 
 
 def place(lines: dict[KeyPath, int], path: KeyPath) -> str:
@@ -81,7 +81,7 @@ def load(folder: str | Path) -> Campaign:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:
         raise PlanError(list(_problems(error, document, lines))) from None
-    standards, problems = _standards(file, lines)
+    standards, problems = standards_of(file, lambda *key: place(lines, key))
     problems += cross_checks(root, file, lambda *key: place(lines, key))
     if problems:
         raise PlanError(problems)
@@ -136,12 +136,13 @@ def _element(annotation: Any) -> Any:
     return arguments[-1] if arguments else None
 
 
-def _standards(file: CampaignFile, lines: dict[KeyPath, int]) -> tuple[dict[str, Influence], list[Problem]]:
+def standards_of(file: CampaignFile, at: At) -> tuple[dict[str, Influence], list[Problem]]:
+    """Return the standards of a campaign by ``"standard.quantity"``, and what is wrong with them."""
     found, problems = {}, []
     for standard, quantities in file.standards.items():
         known = STANDARDS.get(standard, {})
         for name, entry in quantities.items():
-            where = place(lines, ("standards", standard, name))
+            where = at("standards", standard, name)
             if name not in known:
                 have = ", ".join(f"{one}.{two}" for one, inner in STANDARDS.items() for two in inner)
                 what = f"unknown key standards.{standard}.{name}"

@@ -35,7 +35,9 @@ def sensor_checks(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
         yield Problem(what, at("sensors", name, "chain"), do=error.problems[0].do, code="wrong_value")
 
 
-def recording_checks(folder: Path, file: CampaignFile, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
+def recording_checks(
+    folder: Path | None, file: CampaignFile, name: str, entry: CommonKeys, at: At
+) -> Iterator[Problem]:
     """Find a recording without sensor or file, or in units that do not fit."""
     if entry.sensor not in file.sensors:
         do = f"There are: {', '.join(file.sensors)}"
@@ -62,13 +64,15 @@ def recording_checks(folder: Path, file: CampaignFile, name: str, entry: CommonK
         yield from _channel_units(name, entry, sensor, at)
 
 
-def _other_files(folder: Path, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
+def _other_files(folder: Path | None, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
     for key, said in own_keys(entry):
         if key.file is not None:
             yield from _file(folder, name, key.file(said), at("recordings", name, key.name))
 
 
-def _file(folder: Path, name: str, given: str, where: str) -> Iterator[Problem]:
+def _file(folder: Path | None, name: str, given: str, where: str) -> Iterator[Problem]:
+    if folder is None:
+        return
     try:
         root = folder.resolve()
         path = (root / given).resolve()

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_type_hints
 
 from pydantic import Field, create_model, field_validator, model_validator
 
-from ...core.schema.quantities import Duration, Unit
+from ...core.schema.quantities import Duration, Frequency, Unit
 from ...core.schema.words import Axis, Name, Strict, Text
 from ...core.times import read_instant
 from ...procedures import loaded_procedures
@@ -19,12 +19,15 @@ from ...procedures.protocol import Role
 
 
 class Clock(Strict):
-    """clock = {...}: which column is time, and which part of its averaging window a stamp means."""
+    """clock = {...}: which column is time, what a stamp means, which part of the recording is read."""
 
     column: Text | None = None
     stamp: Literal["start", "middle", "end"] = "middle"
     interval: Duration | None = None
     averaging: Duration | None = None
+    sample_rate: Frequency | None = None
+    start: Text | None = None
+    stop: Text | None = None
     mission_start: str | None = None
 
     @field_validator("mission_start")

@@ -137,8 +137,9 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
         what = f"clock.interval is {clock.interval:g} s, but the stamps are {seen:g} s apart"
         raise DataError(what, recording.source.path, do="Mend the one that is wrong", code="clock_disagrees")
     interval = clock.interval or seen
-    recording = replace(recording, sample_interval=interval, averaging_time=clock.averaging)
-    shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (clock.averaging or 0.0)
+    averaging = clock.averaging if clock.averaging is not None else recording.averaging_time
+    recording = replace(recording, sample_interval=interval, averaging_time=averaging)
+    shift = {"start": 0.5, "middle": 0.0, "end": -0.5}[clock.stamp] * (averaging or 0.0)
     if recording.time_ns is None or shift == 0.0:
         return recording
     return replace(recording, time_ns=recording.time_ns + round(shift * SECOND))

@@ -64,6 +64,15 @@ class Store(Protocol):
         ...
 
 
+def reading_of(entry: RecordingEntry) -> dict[str, Any]:
+    """Return what an entry says of how its file is read, as `files.read` takes it."""
+    clock = entry.clock or Clock()
+    return {
+        "time_column": clock.column, "sample_rate": clock.sample_rate, "start": clock.start, "stop": clock.stop,
+        "mission_start": clock.mission_start, "frame": entry.frame,
+    }  # fmt: skip
+
+
 @dataclass(frozen=True)
 class Folder:
     """A campaign folder."""
@@ -72,8 +81,7 @@ class Folder:
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording as its file has it."""
-        clock = entry.clock or Clock()
-        return read(self.folder / entry.file, time_column=clock.column, frame=entry.frame, required=required)
+        return read(self.folder / entry.file, required=required, **reading_of(entry))
 
     def table(self, file: str) -> Table:
         """Return a reduced table."""

@@ -9,7 +9,7 @@ from typing import Any
 from ...core.estimate import Estimate
 from ...core.judging import Verdict
 from ...core.remarks import Remark, condensed
-from ...core.results import finite
+from ...core.results import Row, finite
 from ...core.units import convert, factor
 from ...procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
 from ..engine.engine import Prepared, ReducedTest
@@ -49,11 +49,7 @@ def results_content(
     remarks : sequence of Remark
         Of all tests.
     """
-    rows = [
-        displayed(replace(row, condition=one.test.condition), sensor_of(campaign, one.test, row.key.sensor).unit)
-        for one in tested
-        for row in one.rows
-    ]
+    rows = displayed_rows(campaign, tested)
     for name, (unit, one) in named_models(campaign, modelled).items():
         rows += [displayed(replace(row, test=name), unit) for row in parameter_rows(one)]
     judged: list[tuple[Verdict, str]] = []
@@ -94,6 +90,15 @@ def results_content(
         "verification": _verification(campaign, verdicts, modelled),
     }
     return results, verdicts
+
+
+def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:
+    """Return the rows of tests in the units of their sensors, each with the condition of its test."""
+    return [
+        displayed(replace(row, condition=one.test.condition), sensor_of(campaign, one.test, row.key.sensor).unit)
+        for one in tested
+        for row in one.rows
+    ]
 
 
 def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None) -> list[dict[str, Any]]:

@@ -1,1 +1,1 @@
-"""Commands that work on files: a noun is a test."""
+"""Nouns: the commands of procedures, made of their settings."""

@@ -72,3 +72,14 @@ class Plan:
     input_range: tuple[float, float] | None = fact("Ends of the range [rad/s].", "sensor", None)
     scale_factor: Mapping[str, float] | None = fact("Ideal scale factor of each sensor [V/(rad/s)].", "sensor", None)
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+
+@dataclass(frozen=True)
+class Columns:
+    """Which column of a file is what, where its name does not say it."""
+
+    applied: str | None = setting("Column with the rate of the table.", None, example="rate_dps")
+    reading: Mapping[str, str] = setting("Column with the reading, or AXIS=COLUMN.", dict[str, str], example="x=x_dps")
+    scatter: str | None = setting("Column with the scatter within the dwell.", None, example="std_dps")
+    run: str | None = setting("Column with the power-up run.", None, example="run_id")
+    group: str | None = setting("Column with the sample set.", None, example="set")

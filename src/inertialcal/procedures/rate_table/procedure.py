@@ -22,7 +22,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Columns, Plan
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
+    from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
@@ -70,9 +71,15 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     makes_model = takes_corrections = True
-    inputs = InputSpec(("gyro",), (Role("applied", "angular_rate", "rad/s", by_axis=False),), table="rows")
     chosen_by = "Choose by windows, or give rows.group"
+    said_type = Columns
     inputs = InputSpec(("gyro",), (Role("applied", "", "rad/s", by_axis=False),), table="rows")
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return what a file is taken for: a table of dwells, or a recording of a table turned in steps."""
+        from .given import described
+
+        return [described(given)]
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
         """Return what is taken: before a correction, temperatures by the body axis whose sensor feels them."""

@@ -71,7 +71,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     corrects = set_against = True
     counts_dwells = False
     inputs = InputSpec(
-        ("gyro",),
+        ("gyro", "accelerometer"),
         (Role("temperature", "temperature", "degC", required=True), Role("pressure", "pressure", "Pa", by_axis=False)),
         voltages=True,
         by_body=True,

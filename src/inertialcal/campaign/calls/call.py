@@ -1,0 +1,426 @@
+"""A procedure on files, Recordings or arrays, by a command or from Python: a campaign of its own, never written.
+
+What is given becomes a campaign document (`document`), which is validated and reduced as `run` does it: the same plan,
+facts, sources, path and figures to the last bit.
+"""
+
+from __future__ import annotations
+
+import inspect
+import shutil
+import tomllib
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, fields
+from functools import cached_property, partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from pydantic import ValidationError
+
+from ...core.campaign_text import FILE
+from ...core.errors import InertialcalError, Problem, StoreError, UsageError
+from ...core.remarks import Remark, gather
+from ...core.results import Row
+from ...core.schema.settings import settings_values
+from ...core.settings import Setting, settings_of
+from ...core.show.frames import frame_of_rows
+from ...core.show.result_tables import estimate_table, remarks_line
+from ...core.show.tables import Block, html, text
+from ...files.time.plausible import time_remarks
+from ...procedures import procedure_of
+from ...procedures.given import GivenFile, Said
+from ...procedures.protocol import Procedure
+from ..engine.engine import ReducedTest
+from ..engine.run import Whole, reduce_campaign
+from ..file.cross_checks import cross_checks
+from ..file.load import Campaign, standards_of
+from ..file.schema import CampaignFile
+from ..outcome.contents import displayed_rows
+from .document import Document, document_of, toml_text
+from .given import Files, Given, files_of
+
+if TYPE_CHECKING:
+    from pandas import DataFrame
+
+
+RETURNS = """
+Returns
+-------
+Reduced
+    Figures, remarks, and what was used.
+
+Raises
+------
+UsageError
+    If a setting is wrong, or it is not clear what a file holds.
+DataError
+    If a file cannot be read, or cannot carry the answer.
+"""
+
+
+@dataclass(frozen=True, eq=False)
+class Reduced:
+    """What a procedure found in the files that it was given.
+
+    Parameters
+    ----------
+    procedure : str
+        Its name.
+    rows : tuple of Row
+        The figures, in the unit of the sensor.
+    inputs : mapping of str to str
+        SHA-256 by path.
+    columns : mapping of str to str
+        Which column was taken for what, in the first file.
+    remarks : tuple of Remark
+        What reading and reducing brought up.
+    whole : Whole
+        Tests with plan, readings and result (SI), model, content of ``results.json``.
+    document : dict
+        The campaign that the call stands for.
+    files : Files
+        What was given.
+    shown : object
+        Settings of what is shown (``Procedure.shown_type``).
+    """
+
+    procedure: str
+    rows: tuple[Row, ...]
+    inputs: Mapping[str, str]
+    columns: Mapping[str, str]
+    remarks: tuple[Remark, ...]
+    whole: Whole
+    document: Document
+    files: Files
+    shown: Any = None
+
+    @property
+    def tests(self) -> list[ReducedTest]:
+        """The test of the files, and that of the files held out."""
+        return self.whole.tested
+
+    @property
+    def result(self) -> Any:
+        """Of the procedure, SI."""
+        return self.tests[0].result
+
+    @property
+    def plan(self) -> Any:
+        """Of the procedure."""
+        return self.tests[0].tested.plan
+
+    @property
+    def unit(self) -> str:
+        """Of the sensor's readings."""
+        return self.tests[0].tested.facts.unit
+
+    @cached_property
+    def results(self) -> dict[str, Any]:
+        """Content of ``results.json``."""
+        return self.whole.results
+
+    def to_frame(self) -> DataFrame:
+        """Return a pandas DataFrame, a row a figure."""
+        return frame_of_rows(self.rows)
+
+    def parts(self) -> tuple[Block, ...]:
+        """Return what is shown: which column is what, the figures, how many remarks."""
+        procedure = procedure_of(self.procedure)
+        taken = ", ".join(f"{what} = {name}" for what, name in self.columns.items())
+        rows = [row.to_dict() for row in self.rows if not row.case.beside]
+        count = len(self.inputs)
+        caption = f"{procedure.kind_of_test or self.procedure.replace('_', ' ')}: {count} file{'s'[: count != 1]}"
+        return (f"columns: {taken}", *estimate_table(rows, caption), *remarks_line(self.remarks))
+
+    def __str__(self) -> str:
+        """Return what is shown as text."""
+        return text(self.parts())
+
+    __repr__ = __str__
+
+    def _repr_html_(self) -> str:
+        """Return what is shown for a notebook."""
+        return html(self.parts())
+
+    def write_campaign(self, folder: str | Path) -> Path:
+        """Write what was used as a campaign: its file, and copies of the recordings.
+
+        Returns
+        -------
+        Path
+            Of campaign.toml: ``run`` on its folder gives the same figures.
+
+        Raises
+        ------
+        StoreError
+            If the folder holds a campaign, or cannot be written.
+        """
+        return write_campaign(self.document, self.files, Path(folder))
+
+
+def call(
+    name: str,
+    given: Given | Sequence[Given],
+    settings: Mapping[str, Any],
+    *,
+    held_out: Sequence[str | Path] = (),
+    options: bool = False,
+) -> Reduced:
+    """Return what a procedure finds in files, Recordings or arrays.
+
+    Parameters
+    ----------
+    name : str
+        Of the procedure.
+    given : path, Recording, array of shape (n,) or (n, 3), or several
+        What it is made of.
+    settings : mapping of str to object
+        What was said: of the recordings and their sensor (`procedures.given.Said`), the procedure's own of a file, its
+        plan, and of what is shown. Quantities are text with a unit.
+    held_out : sequence of path
+        Files that the model is judged on.
+    options : bool
+        Messages speak of options, not of arguments.
+
+    Raises
+    ------
+    UsageError
+        If a setting is wrong, or it is not clear what a file holds.
+    DataError
+        If a file cannot be read, or cannot carry the answer.
+    """
+    procedure = procedure_of(name)
+    parts = split_settings(procedure, settings)
+    said = _made(Said, parts["said"])
+    names, files = files_of(given, said)
+    held = [str(one) for one in held_out]
+    given_files = [
+        GivenFile(
+            one,
+            said,
+            parts["own"],
+            parts["plan"],
+            partial(files.read, one),
+            partial(files.table, one),
+            has_rows=one not in files.held,
+            options=options,
+        )
+        for one in [*names, *held]
+    ]
+    plan = _plan(procedure, parts["plan"], options)
+    try:
+        document, columns = document_of(procedure, given_files, plan, held)
+        campaign = campaign_of(document)
+        whole = reduce_campaign(campaign, files)
+    except InertialcalError as error:
+        read = [(one, files.held[one].source.sha256) for one in names if one in files.held]
+        error.inputs = error.inputs or tuple(read)
+        raise
+    rows = tuple(displayed_rows(campaign, whole.tested))
+    timed = [remark for one in files.held.values() for remark in time_remarks(one)]
+    judged = [] if whole.modelled is None else [remark for one in whole.modelled.every for remark in one.remarks]
+    remarks = gather([*(remark for one in whole.tested for remark in one.result.remarks), *judged, *timed])
+    shown = None if procedure.shown_type is None else _made(procedure.shown_type, parts["shown"])
+    return Reduced(procedure.name, rows, whole.inputs, columns, remarks, whole, document, files, shown)
+
+
+def settings_by_group(procedure: Procedure[Any, Any, Any]) -> dict[str, tuple[Setting, ...]]:
+    """Return the settings of a noun by what they are of: the recordings, the file, the plan, what is shown."""
+    own = {"plan": procedure.plan_type, "own": procedure.said_type, "said": Said, "shown": procedure.shown_type}
+    found: dict[str, tuple[Setting, ...]] = {}
+    names: set[str] = set()
+    for group, kind in own.items():
+        every = () if kind is None else settings_of(kind)
+        found[group] = tuple(one for one in every if one.name not in names)
+        names |= {one.name for one in every}
+    return found
+
+
+def split_settings(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any]) -> dict[str, dict[str, Any]]:
+    """Return the settings that were given, by group.
+
+    Raises
+    ------
+    UsageError
+        If there is no such setting.
+    """
+    groups = settings_by_group(procedure)
+    found: dict[str, dict[str, Any]] = {group: {} for group in groups}
+    home = {one.name: group for group, kind in groups.items() for one in kind}
+    every = {one.name: one for kind in groups.values() for one in kind}
+    for name, value in given.items():
+        if name not in home:
+            raise UsageError(f"no setting {name!r}", do=f"There are: {', '.join(home)}", code="unknown_name")
+        if value is not None:
+            one = every[name]
+            found[home[name]][name] = _named_values(value) if one.pairs else value
+    return found
+
+
+def _named_values(value: Any) -> Mapping[str, str]:
+    """Return values by name; what has none stands under itself."""
+    if isinstance(value, Mapping):
+        return value
+    return {one: one for one in ([value] if isinstance(value, str) else value)}
+
+
+def _made(kind: type[Any], given: Mapping[str, Any]) -> Any:
+    """Return settings as their dataclass."""
+    known = {one.name for one in fields(kind)}
+    return kind(**{name: value for name, value in given.items() if name in known})
+
+
+def _plan(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any], options: bool) -> dict[str, Any]:
+    """Return the settings of the plan as a campaign has them; what is wrong is said in the words of the caller.
+
+    Raises
+    ------
+    UsageError
+        If a setting cannot be meant.
+    """
+    known = {one.name: one for one in settings_of(procedure.plan_type)}
+    plan = {name: _as_said(known[name], value, options) for name, value in given.items()}
+    _, problems = settings_values(procedure.plan_type, plan, lambda *_: "")
+    if problems:
+        raise UsageError([_in_words(one, options) for one in problems])
+    return plan
+
+
+def _as_said(one: Setting, value: Any, options: bool) -> Any:
+    """Return a setting as a campaign has it: lists for sequences, inline tables from their text, numbers with units."""
+    if one.table is not None and isinstance(value, str):
+        try:
+            return tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            name = f"--{one.option}" if options else one.name
+            do = f"Write it like {one.example}"
+            raise UsageError(f"{name}: {value!r} is not a TOML table", do=do, code="wrong_value") from None
+    if one.many:
+        return [value] if isinstance(value, str | int | float) else list(value)
+    return value
+
+
+def _in_words(problem: Problem, options: bool) -> Problem:
+    what = problem.what
+    name, colon, rest = what.partition(":")
+    if options and colon:
+        what = f"--{name.replace('_', '-')}:{rest}"
+    return Problem(what, "", problem.why, problem.do, problem.code)
+
+
+def campaign_of(document: Document) -> Campaign:
+    """Return a document as a campaign.
+
+    Raises
+    ------
+    UsageError
+        With every problem.
+    """
+    try:
+        file = CampaignFile.model_validate(document)
+    except ValidationError as error:
+        problems = []
+        for entry in error.errors(include_url=False, include_context=False, include_input=False):
+            key = ".".join(str(part) for part in entry["loc"])
+            what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
+            problems.append(Problem(f"{key}: {what}", code="wrong_value"))
+        raise UsageError(problems) from None
+    standards, problems = standards_of(file, lambda *key: "")
+    problems += cross_checks(None, file, lambda *key: "")
+    if problems:
+        raise UsageError(problems)
+    return Campaign(Path(), file, standards, None, "")
+
+
+def write_campaign(document: Document, files: Files, folder: Path) -> Path:
+    """Write a document with copies of its recordings as a campaign folder; return the path of its file.
+
+    Raises
+    ------
+    StoreError
+        If there is a campaign, or the folder cannot be written.
+    """
+    from ...files.write.recording import write  # noqa: PLC0415
+
+    path = folder / FILE
+    if path.exists():
+        raise StoreError(f"{path} exists", do="Name another folder", code="exists")
+    recordings: dict[str, Any] = {}
+    sensors = {name: dict(sensor) for name, sensor in document["sensors"].items()}
+    try:
+        (folder / "recordings").mkdir(parents=True, exist_ok=True)
+        placed: dict[str, str] = {}
+        for name, entry in document["recordings"].items():
+            source = entry["file"]
+            if source not in placed:
+                placed[source] = _placed(source, files, folder, set(placed.values()), write)
+            recordings[name] = {**entry, "file": placed[source]}
+            for key, value in entry.items():  # files that say more of it: a schedule
+                if isinstance(value, Mapping) and isinstance(value.get("file"), str):
+                    inner = _placed(value["file"], files, folder, set(placed.values()), write)
+                    recordings[name][key] = {**value, "file": inner}
+        for sensor in sensors.values():
+            chain = sensor.get("chain", {})
+            if "model" in chain:
+                sensor["chain"] = {
+                    **chain,
+                    "model": _placed(chain["model"], files, folder, set(placed.values()), write),
+                }
+        path.write_text(toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8")
+    except OSError as error:
+        raise StoreError(f"cannot write {folder}: {error.strerror}", code="not_writable") from None
+    return path
+
+
+def _placed(source: str, files: Files, folder: Path, taken: set[str], write: Callable[..., Any]) -> str:
+    """Copy a file into a campaign folder, or write a recording there; return its path inside."""
+    origin = Path(source)
+    stem = origin.name if origin.exists() else f"{origin.name}.parquet"
+    name, count = f"recordings/{stem}", 2
+    while name in taken:
+        name, count = f"recordings/{count}_{stem}", count + 1
+    if origin.is_dir():
+        shutil.copytree(origin, folder / name)
+    elif origin.exists():
+        shutil.copyfile(origin, folder / name)
+    else:
+        write(files.held[source], folder / name)
+    return name
+
+
+def function_of(name: str) -> Callable[..., Reduced]:
+    """Return a procedure as a function: its settings are its arguments and its documentation."""
+    procedure = procedure_of(name)
+    groups = settings_by_group(procedure)
+
+    def function(
+        recordings: Given | Sequence[Given], /, *, hold_out: Sequence[str | Path] = (), **given: Any
+    ) -> Reduced:
+        return call(name, recordings, given, held_out=hold_out)
+
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    first = inspect.Parameter("recordings", inspect.Parameter.POSITIONAL_ONLY)
+    every = [one for group in groups.values() for one in group]
+    named = [inspect.Parameter(one.name, keyword, default=None) for one in every]
+    if "hold_out" in procedure.uses:
+        named.append(inspect.Parameter("hold_out", keyword, default=()))
+    function.__signature__ = inspect.Signature([first, *named])  # type: ignore[attr-defined]
+    function.__name__ = function.__qualname__ = procedure.commands[0].word.replace("-", "_")
+    function.__module__ = "inertialcal"
+    function.__doc__ = documentation(procedure)
+    return function
+
+
+def documentation(procedure: Procedure[Any, Any, Any]) -> str:
+    """Return the documentation of a noun's function, made of its settings."""
+    lines = [procedure.title, "", "Parameters", "----------", "recordings : path, Recording, array, or several",
+             "    Files in any format that ``inertialcal.read`` takes."]  # fmt: skip
+    for group in settings_by_group(procedure).values():
+        for one in group:
+            lines += [f"{one.name} : {one.type_text}", f"    {one.described}"]
+    if "hold_out" in procedure.uses:
+        lines += ["hold_out : sequence of path, optional", "    Files that the model is judged on."]
+    return "\n".join([*lines, RETURNS])
+
+
+__all__ = ["Reduced", "call", "campaign_of", "documentation", "function_of", "write_campaign"]

@@ -1,0 +1,234 @@
+"""The campaign that a call stands for, as text: what `run` would read from campaign.toml.
+
+Every way in becomes this document: what a noun was given is described by its procedure (`Procedure.described`), or
+taken from another campaign (``like``). It says all that was used, so from a folder it gives the same figures.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path, PurePath
+from typing import Any
+
+from ...core.campaign_text import FILE
+from ...core.errors import UsageError
+from ...procedures.given import Described, GivenFile, Said
+from ...procedures.protocol import Procedure
+from ..file.load import load
+
+Document = dict[str, Any]
+SCHEMA = 1
+
+
+def document_of(
+    procedure: Procedure[Any, Any, Any],
+    given: Sequence[GivenFile],
+    plan: Mapping[str, Any],
+    held_out: Sequence[str] = (),
+) -> tuple[Document, dict[str, str]]:
+    """Return a campaign with a test of all files, and one of those held out; and which column is what.
+
+    Parameters
+    ----------
+    procedure : Procedure
+        Of the tests.
+    given : sequence of GivenFile
+        Files, with what was said.
+    plan : mapping
+        Settings, as text.
+    held_out : sequence of str
+        Names of the files that the model is judged on.
+
+    Raises
+    ------
+    UsageError
+        If it is not clear what a file holds.
+    """
+    said = given[0].said
+    like = None if said.like is None else _Like(said.like)
+    sensors: dict[str, dict[str, Any]] = {} if like is None else like.document["sensors"]
+    document: Document = {
+        "schema": SCHEMA, "campaign": {"id": procedure.name}, "site": _site(said),
+        "standards": _standards(said), "sensors": sensors, "recordings": {}, "tests": [],
+    }  # fmt: skip
+    if like is not None:
+        for table in ("site", "standards"):
+            document[table] = _over(like.document.get(table, {}), document[table])
+    columns: dict[str, str] = {}
+    uses: dict[str, dict[str, Any]] = {}
+    for one in given:
+        found = [like.entry(one, procedure.name)] if like is not None else list(procedure.described(one))
+        for each in found:
+            name = _named(one, each, document["recordings"], several=len(found) > 1)
+            sensor = each.entry.get("sensor") or _sensor(sensors, each)
+            own = {"sensor": sensor, "file": one.name} | each.entry | _reading(one.said, each.entry)
+            document["recordings"][name] = own
+            columns = columns or each.columns
+            test = uses.setdefault("hold_out" if one.name in held_out else "fit", {"recordings": [], "plan": {}})
+            test["recordings"].append(name)
+            test["plan"] |= each.plan
+            if each.windows:
+                test.setdefault("windows", []).extend(each.windows)
+    used = {entry["sensor"] for entry in document["recordings"].values()}
+    document["sensors"] = {name: sensor for name, sensor in sensors.items() if name in used}
+    for use, test in uses.items():
+        head = {"id": procedure.name if use == "fit" else f"{procedure.name}_held_out", "procedure": procedure.name}
+        document["tests"].append({**head, "use": use, **test, "plan": test["plan"] | dict(plan)})
+    return document, columns
+
+
+def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return how the file is read, and the power-up, as an entry says them."""
+    if "channels" not in entry:
+        return {}
+    clock = {
+        "column": said.time_column, "averaging": said.averaging, "start": said.start, "stop": said.stop,
+        "sample_rate": None if said.sample_rate is None else f"{said.sample_rate!r} Hz",
+        "mission_start": said.mission_start,
+    }  # fmt: skip
+    clock = {**entry.get("clock", {}), **{name: value for name, value in clock.items() if value is not None}}
+    found: dict[str, Any] = {"clock": clock} if clock else {}
+    if said.frame is not None:
+        found["frame"] = said.frame
+    return found | ({"run": "1"} if said.one_run else {})
+
+
+def _site(said: Said) -> dict[str, str]:
+    given = {"latitude": said.latitude, "gravity": said.gravity, "height": said.height}
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def _standards(said: Said) -> dict[str, Any]:
+    found: dict[str, dict[str, Any]] = {}
+    for name, u in said.standard.items():
+        standard, _, quantity = name.partition(".")
+        found.setdefault(standard, {})[quantity] = {"u": u}
+    return found
+
+
+def _over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+    """Return one table over another, tables inside them too."""
+    merged = dict(below)
+    for name, value in above.items():
+        own = merged.get(name)
+        nested = isinstance(value, Mapping) and isinstance(own, Mapping) and "u" not in value
+        merged[name] = _over(own, value) if nested and isinstance(own, Mapping) else value
+    return merged
+
+
+def _named(one: GivenFile, each: Described, taken: Mapping[str, Any], several: bool) -> str:
+    """Return a name for a recording: that of its file, with the kind of sensor where a file has several."""
+    stem = re.sub(r"[^A-Za-z0-9_.-]", "_", PurePath(one.name).name.split(".")[0]).strip("_.-")[:40] or "recording"
+    wanted = f"{stem}_{each.sensor['kind']}" if several else stem
+    count = 2
+    name = wanted
+    while name in taken:
+        name, count = f"{wanted}_{count}", count + 1
+    return name
+
+
+def _sensor(sensors: dict[str, dict[str, Any]], each: Described) -> str:
+    """Return the sensor of a recording: the one of its kind, with all axes that any file has."""
+    name = str(each.sensor["kind"])
+    known = sensors.setdefault(name, dict(each.sensor))
+    known["axes"] = [axis for axis in ("x", "y", "z") if axis in {*known["axes"], *each.sensor["axes"]}]
+    return name
+
+
+class _Like:
+    """A campaign whose sensors, channels, site, standards and plans other files have."""
+
+    def __init__(self, folder: str | Path) -> None:
+        self.folder = Path(folder)
+        load(self.folder)  # refuses what is wrong with it
+        self.document: Document = tomllib.loads((self.folder / FILE).read_text(encoding="utf-8-sig"))
+
+    def entry(self, one: GivenFile, procedure: str) -> Described:
+        """Return the entry of a file: that of the same file name, else one of the procedure's with its columns.
+
+        Raises
+        ------
+        UsageError
+            If none fits, or several that differ.
+        """
+        entries: dict[str, dict[str, Any]] = self.document["recordings"]
+        tests = [test for test in self.document["tests"] if test["procedure"] == procedure]
+        tests.sort(key=lambda test: test.get("use", "fit") != "fit")
+        read = {name: test for test in reversed(tests) for name in test["recordings"]}
+        fits = {name: entries[name] for name in read if PurePath(entries[name]["file"]).name == PurePath(one.name).name}
+        named = bool(fits)
+        fits = fits or {name: entries[name] for name in read if self._has_columns(one, entries[name])}
+        kept = {name: {key: value for key, value in entry.items() if key not in {"file", "run", "source"}}
+                for name, entry in fits.items()}  # fmt: skip
+        if not kept or len({repr(entry) for entry in kept.values()}) > 1:
+            found = ", ".join(kept)
+            what = (
+                f"{one.name}: {f'recordings {found} fit, and differ' if kept else 'no recording fits'} in {self.folder}"
+            )
+            do = f"Tests of {procedure} read: {', '.join(read) or 'nothing'}. Give the file the name that one has there"
+            raise UsageError(what, do=do, code="unknown_name")
+        name = next(iter(fits))
+        entry = {key: value for key, value in fits[name].items() if key != "file" and (named or key != "run")}
+        channels = entry.get("channels", {})
+        taken = {what: str(channel["column"]) for what, channel in channels.items()}
+        plan = read[name].get("plan", {})
+        sensor = self.document["sensors"][entry["sensor"]]
+        self._check_own_model(sensor)
+        return Described(entry, sensor, taken, plan)
+
+    def _has_columns(self, one: GivenFile, entry: Mapping[str, Any]) -> bool:
+        names = set(one.recording.names) if "channels" in entry else set(one.table.names)
+        wanted = [one["column"] for one in entry.get("channels", {}).values()]
+        return bool(wanted) and names.issuperset(wanted)
+
+    def _check_own_model(self, sensor: dict[str, Any]) -> None:
+        """Let a ground model be found: its file lies in the folder of that campaign."""
+        chain = sensor.get("chain", {})
+        if "model" in chain and not Path(chain["model"]).is_absolute():
+            chain["model"] = str((self.folder / chain["model"]).resolve())
+
+
+def toml_text(document: Document) -> str:
+    """Return a document as the text of campaign.toml."""
+    import tomlkit  # noqa: PLC0415 - starts slowly
+
+    text = tomlkit.document()
+    for name, value in document.items():
+        if name in ("sensors", "recordings"):
+            text[name] = tomlkit.table(is_super_table=True)
+            for key, one in value.items():
+                text[name][key] = _table(one)
+        elif name == "tests":
+            text[name] = tomlkit.aot()
+            for test in value:
+                text[name].append(_table(test))
+        elif not isinstance(value, Mapping):
+            text[name] = value
+        elif value:
+            text[name] = _table(value)
+    return tomlkit.dumps(text)
+
+
+def _table(values: Mapping[str, Any]) -> Any:
+    import tomlkit  # noqa: PLC0415 - starts slowly
+
+    made = tomlkit.table()
+    for name, value in values.items():
+        made[name] = _inline(value)
+    return made
+
+
+def _inline(value: Any) -> Any:
+    import tomlkit  # noqa: PLC0415 - starts slowly
+
+    if not isinstance(value, Mapping):
+        return [_inline(one) for one in value] if isinstance(value, list) else value
+    made = tomlkit.inline_table()
+    for name, one in value.items():
+        made[name] = _inline(one)
+    return made
+
+
+__all__ = ["Document", "document_of", "toml_text"]

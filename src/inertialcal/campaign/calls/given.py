@@ -1,0 +1,137 @@
+"""What a call was given, as a store of a campaign: each file is read once, as was said."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from ...core.axes import AXES
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array
+from ...core.recording import Channel, Recording
+from ...core.units import kind, normalise
+from ...files import read, read_table
+from ...files.source import load as load_file
+from ...files.text.table import Table
+from ...procedures.given import Said
+from ..file.recordings import RecordingEntry
+
+T = TypeVar("T")
+Given = str | Path | Recording | Array
+# Units of whole groups, where a unit is given without a name.
+GROUPS = {"angular_rate": ("gyro",), "acceleration": ("acc",)}
+
+
+@dataclass(frozen=True, eq=False)
+class Files:
+    """Files and recordings by the name that messages use: a ``Store``.
+
+    Parameters
+    ----------
+    said : Said
+        How they are read.
+    held : dict of str to Recording
+        That were given, or have been read.
+    """
+
+    said: Said
+    held: dict[str, Recording] = field(default_factory=dict[str, Recording])
+    folder: Path | None = Path()
+
+    def read(self, name: str) -> Recording:
+        """Return a recording."""
+        if name not in self.held:
+            said = self.said
+            units = {group: unit for key, unit in said.unit.items() for group in _groups(key, unit)}
+            self.held[name] = read(
+                name, units=units, sample_rate=said.sample_rate, time_column=said.time_column, start=said.start,
+                stop=said.stop, mission_start=said.mission_start, frame=said.frame,
+            )  # fmt: skip
+        return self.held[name]
+
+    def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
+        """Return a recording; a literal NaN in a required column is refused with its row."""
+        found = self.read(entry.file)
+        needed = [found.channel(name).data for name in required]
+        empty = any(np.isnan(data).any() for data in needed if data.dtype.kind == "f")
+        if empty and Path(entry.file).exists():
+            read(entry.file, required=required, time_column=self.said.time_column, frame=self.said.frame)
+        return found
+
+    def table(self, file: str) -> Table:
+        """Return the rows of a file."""
+        if not Path(file).exists():
+            raise DataError(
+                f"{file}: a table of rows is needed, not a recording", do="Give the file", code="wrong_value"
+            )
+        return read_table(file)
+
+    def has(self, file: str) -> bool:
+        """Return whether there is such a file."""
+        return Path(file).is_file()
+
+    def read_file(self, file: str, read_it: Callable[[Any], T]) -> tuple[T, str]:
+        """Return what another file says, and its SHA-256."""
+        return read_it(Path(file)), load_file(Path(file)).sha256
+
+
+def files_of(given: Given | Sequence[Given], said: Said) -> tuple[list[str], Files]:
+    """Return names of what was given, and the store that holds it.
+
+    Raises
+    ------
+    UsageError
+        If nothing is given, or a file twice: a copy is no second run.
+    DataError
+        If an array comes without its sample rate.
+    """
+    several = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
+    if not several:
+        raise UsageError("no file", do="Name a recording")
+    files = Files(said)
+    names: list[str] = []
+    known: set[str] = set()
+    for number, one in enumerate(several, 1):
+        if isinstance(one, str | Path):
+            name, identity = str(one), str(Path(one).resolve())
+        elif isinstance(one, Recording):
+            name, identity = one.source.path or f"recording_{number}", str(id(one))
+            files.held[name] = one
+        else:
+            name, identity = f"array_{number}", str(id(one))
+            files.held[name] = _of_array(np.asarray(one), said)
+        if identity in known or name in names:
+            raise UsageError(f"{name}: given twice", why="a copy is not a second run", code="duplicate_id")
+        known.add(identity)
+        names.append(name)
+    return names, files
+
+
+def _of_array(values: Array, said: Said) -> Recording:
+    """Return an array of shape (n,) or (n, up to 3) as a recording with channels x, y, z."""
+    columns = values[:, None] if values.ndim == 1 else values
+    if columns.ndim != 2 or columns.shape[1] > len(AXES):
+        raise DataError(f"array of shape {values.shape}, need (n,) or (n, 3)", code="wrong_value")
+    if said.sample_rate is None:
+        raise DataError("an array has no time", do="Add sample_rate=... [Hz]", code="no_time")
+    unit = next(iter(said.unit.values()), None)
+    spoken = None if unit is None else normalise(unit)
+    channels = tuple(
+        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name)
+        for i, name in enumerate(AXES[: columns.shape[1]])
+    )
+    return Recording(channels, sample_interval=1.0 / said.sample_rate, interval_from="flag")
+
+
+def _groups(name: str, unit: str) -> Sequence[str]:
+    """Return which columns a unit is of: those named; all of its kind for a unit without a name."""
+    if name != unit:
+        return (name,)
+    return GROUPS.get(kind(unit), ())
+
+
+__all__ = ["Files", "Given", "files_of"]

@@ -1,0 +1,21 @@
+"""Nouns as functions of Python: ``inertialcal.thermal`` and the like, made of the settings when first used.
+
+Their signatures for type checkers stand in ``nouns.pyi``, which ``python -m inertialcal.campaign.calls.stubs`` writes.
+"""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ...procedures import procedure_names, procedure_of
+from .call import Reduced, function_of
+
+__all__ = ["Reduced"]
+
+
+def __getattr__(name: str) -> Any:
+    """Return the function of a noun."""
+    for one in procedure_names():
+        if name in {declared.word.replace("-", "_") for declared in procedure_of(one).commands}:
+            return function_of(one)
+    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

@@ -1,0 +1,101 @@
+"""The command of a procedure, made of its settings: one factory for all nouns."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from ...core.settings import Setting, settings_of
+from ...procedures.given import Said
+from ...procedures.protocol import Command, Procedure
+from ..options import Json, Quiet
+
+Files = Annotated[list[Path], typer.Argument(help="Recordings, or tables of readings.", show_default=False)]
+OUTPUT = {
+    "output": (Annotated[Path | None, typer.Option("--output", "-o", show_default=False,
+                         help="Write a figure: .png, .svg or .pdf, by the ending.")], None),
+    "figure": (Annotated[str | None, typer.Option(help="Which figure; the first that has data if not given.")], None),
+    "figure_axis": (Annotated[str | None, typer.Option(help="Axis of the figure: x, y or z.")], None),
+    "campaign": (Annotated[Path | None, typer.Option(show_default=False,
+                           help="Write what was used as a campaign into this folder.")], None),
+    "as_json": (Json, False),
+    "quiet": (Quiet, False),
+}  # fmt: skip
+HOLD_OUT = Annotated[
+    list[Path] | None, typer.Option("--hold-out", help="File that the model is judged on; repeatable.")
+]
+
+
+def command_of(procedure: Procedure[Any, Any, Any], declared: Command) -> Callable[..., int]:
+    """Return the command of a procedure, for the parser: options are its settings."""
+    groups = {"plan": procedure.plan_type, "own": procedure.said_type, "said": Said, "shown": procedure.shown_type}
+    settings = {one.name: one for kind in reversed(groups.values()) if kind is not None for one in settings_of(kind)}
+    ordered = {
+        one.name: settings[one.name] for kind in groups.values() if kind is not None for one in settings_of(kind)
+    }
+
+    def command(**given: Any) -> int:
+        from .run import run_noun
+
+        return run_noun(procedure, declared, ordered, given)
+
+    parameters: dict[str, tuple[Any, Any]] = {"files": (Files, inspect.Parameter.empty)}
+    parameters |= {name: option_of(one) for name, one in ordered.items()} | OUTPUT
+    if "hold_out" in procedure.uses:
+        parameters["hold_out"] = (HOLD_OUT, None)
+    return with_options(command, parameters)
+
+
+def with_options(command: Callable[..., int], parameters: dict[str, tuple[Any, Any]]) -> Callable[..., int]:
+    """Return a function that takes anything with the signature that the parser makes options of."""
+    keyword = inspect.Parameter.KEYWORD_ONLY
+    command.__signature__ = inspect.Signature(  # type: ignore[attr-defined]
+        [
+            inspect.Parameter(name, keyword, default=default, annotation=kind)
+            for name, (kind, default) in parameters.items()
+        ]
+    )
+    command.__annotations__ = {name: kind for name, (kind, _) in parameters.items()}
+    return command
+
+
+def option_of(one: Setting) -> tuple[Any, Any]:
+    """Return annotation and default of an option: quantities are text with a unit, nothing given is None."""
+    default = default_text(one)
+    more = [f"Default: {default}." if default else "", "May be repeated." if one.many or one.pairs else ""]
+    described = " ".join(part for part in (one.described, *more) if part)
+    name = f"--{one.option}"
+    if one.flag:
+        return Annotated[
+            bool | None, typer.Option(f"{name}/--no-{one.option}", help=described, show_default=False)
+        ], None
+    kind: Any = Literal[one.choices] if one.choices else one.number or str
+    if one.many or one.pairs:  # the parser takes no list of words: they are checked with the settings
+        inner: Any = str if one.choices or one.pairs else kind
+        kind = list[inner]
+    option = typer.Option(name, help=described, show_default=False, autocompletion=_completion(one))
+    return Annotated[kind | None, option], None
+
+
+def default_text(one: Setting) -> str:
+    """Return the default of a setting as help shows it; empty where it has none."""
+    if one.default is None or callable(one.default) or one.needed:
+        return ""
+    return f"{one.default:g} {one.unit}" if one.unit and isinstance(one.default, float) else str(one.default)
+
+
+def _completion(one: Setting) -> Callable[[str], Sequence[str]] | None:
+    if not (one.many and one.choices):
+        return None
+
+    def words(incomplete: str) -> list[str]:
+        return [word for word in one.choices if word.startswith(incomplete)]
+
+    return words
+
+
+__all__ = ["command_of", "default_text", "option_of", "with_options"]

@@ -1,0 +1,304 @@
+"""What a noun is given: a file, a Recording or an array, and what the caller says of it.
+
+Every way in becomes a campaign document first: sensors, entries of recordings, a plan, as text. `described` says what a
+recording of channels is, by names and units against the ``InputSpec`` of a procedure. Nothing is guessed: what is not
+clear is asked for, all of it at once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+from ..core.axes import AXES, Kind
+from ..core.errors import UsageError
+from ..core.settings import setting
+from ..core.units import divide, kind, normalise, parse_quantity
+
+if TYPE_CHECKING:
+    from ..core.recording import Recording
+    from ..files.text.table import Table
+    from .protocol import InputSpec, Role
+
+GROUP: dict[str, str] = {"gyro": "gyro", "accelerometer": "acc"}  # as units and columns are named by people
+KIND_OF_UNIT: dict[str, str] = {"gyro": "angular_rate", "accelerometer": "acceleration"}
+EXAMPLE = {"angular_rate": "deg/s", "acceleration": "m/s2", "temperature": "degC", "pressure": "Pa"}
+SPOKEN = {"gyro": ("deg/s", "rad/s", "deg/h"), "accelerometer": ("m/s^2", "g", "mg", "ug")}
+
+
+@dataclass(frozen=True)
+class Said:
+    """What every noun can be told of its recordings, their sensor, the site and the standards."""
+
+    column: Mapping[str, str] = setting(
+        "Column of a channel: x=COLUMN, temperature=COLUMN; else told by the names.", dict[str, str], example="x=wx"
+    )
+    unit: Mapping[str, str] = setting(
+        "Unit of a column or group, or of the sensor's readings.", dict[str, str], example="gyro=deg/s"
+    )
+    sensor: str | None = setting("Which sensors of the file: gyro or acc.", None, example="acc")
+    sample_rate: float | None = setting("Samples per second, where the file has no time; or in its place.", None)
+    time_column: str | None = setting("Name, or number from 1, of the column with the time.", None)
+    start: str | None = setting(
+        "Only from this time on: UTC, GMT day of year (2014/295/09:36:36), mission elapsed time, seconds.",
+        None, option="from",
+    )  # fmt: skip
+    stop: str | None = setting("Only before this time, written like --from.", None, option="to")
+    mission_start: str | None = setting("When mission elapsed time (DDD/HH:MM:SS) is zero, in UTC.", None)
+    frame: str | None = setting("Axes of a PAD recording: data (as they are) or sensor (turned to them).", None)
+    averaging: str | None = setting(
+        "What each sample is the mean of, where that is not the sample interval.", None, example="1 s"
+    )
+    one_run: bool = setting("All files are of one power-up; else each has its own.", False)
+    chain: str | None = setting(
+        "From counts to the unit of the sensor: a TOML file with the keys of a campaign's chain, or the table itself.",
+        None, example='{ kind = "adc", lsb = "5 V / 4095", counts = [0, 4095] }',
+    )  # fmt: skip
+    scale_factor: str | None = setting("Nominal scale factor of the sensor.", None, example="0.5 V/(deg/s)")
+    input_range: str | None = setting("Largest input of the sensor.", None, example="5 deg/s")
+    latitude: str | None = setting("Geodetic latitude of the site.", None, example="36.6 deg")
+    gravity: str | None = setting("Gravity at the site.", None, example="9.799 m/s2")
+    height: str | None = setting("Height of the site above sea level.", None, example="120 m")
+    standard: Mapping[str, str] = setting(
+        "Standard uncertainty of a standard.", dict[str, str], example='rate_table.rate="0.05 %"'
+    )
+    like: str | None = setting(
+        "Campaign folder: sensor, chain, channels, site, standards and plan as it has them for such a file.", None
+    )
+
+
+@dataclass(frozen=True, eq=False)
+class GivenFile:
+    """One file, or one recording in memory, with all that was said.
+
+    Parameters
+    ----------
+    name : str
+        Path as typed, or ``"recording 1"``.
+    said : Said
+        Of all files.
+    own : mapping of str to object
+        What was said with the procedure's own options (``Procedure.said_type``), those that were given.
+    plan : mapping of str to object
+        Settings of the plan that were given.
+    read, read_rows : callable
+        The recording; its rows as a table.
+    has_rows : bool
+        It is a file, which has rows.
+    options : bool
+        The caller types options, not arguments of Python.
+    """
+
+    name: str
+    said: Said
+    own: Mapping[str, Any]
+    plan: Mapping[str, Any]
+    read: Callable[[], Recording]
+    read_rows: Callable[[], Table]
+    has_rows: bool = True
+    options: bool = True
+
+    @cached_property
+    def recording(self) -> Recording:
+        """As its file has it."""
+        return self.read()
+
+    @cached_property
+    def table(self) -> Table:
+        """Its rows."""
+        return self.read_rows()
+
+    def add(self, option: str, example: str) -> str:
+        """Return how the caller says a setting: ``--axis x``, or ``axis='x'``."""
+        if self.options:
+            return f"--{option.replace('_', '-')} {example}"
+        name, equals, value = example.partition("=")
+        return f"{option}={{{name!r}: {value!r}}}" if equals else f"{option}={example!r}"
+
+
+@dataclass(frozen=True)
+class Described:
+    """What a file is taken for, as a campaign says it.
+
+    Parameters
+    ----------
+    entry : dict
+        Of the recording, without ``sensor`` and ``file``.
+    sensor : dict
+        ``kind``, ``axes``, ``unit``, ``chain``, ...
+    columns : dict of str to str
+        Which column is what, for people.
+    plan : dict
+        Settings that follow from it.
+    windows : list of [str, str]
+        Of the test.
+    """
+
+    entry: dict[str, Any]
+    sensor: dict[str, Any]
+    columns: dict[str, str]
+    plan: dict[str, Any] = field(default_factory=dict[str, Any])
+    windows: list[list[str]] = field(default_factory=list[list[str]])
+
+
+def bare(named: Mapping[str, str]) -> str | None:
+    """Return what was given without a name, as ``--unit deg/s``; None where nothing was."""
+    return next((value for name, value in named.items() if name == value), None)
+
+
+def described(given: GivenFile, spec: InputSpec) -> Described:
+    """Return what a recording of channels is: which column is which channel, in which unit.
+
+    Raises
+    ------
+    UsageError
+        If that is not clear, or a unit is missing: all that is missing at once.
+    """
+    recording, columns = given.recording, given.said.column
+    sensor = sensor_kind(given, spec)
+    roles = {name: one for one in spec.roles
+             for name in (one.name, *(f"{one.name}_{axis}" for axis in AXES if one.by_axis))}  # fmt: skip
+    chain = chain_said(given)
+    voltages = ("reference", "temperature_reference") if chain.get("kind", "none") != "none" else ()
+    known = [*AXES, *roles, *(f"{name}_{axis}" for name in voltages for axis in AXES), *voltages]
+    if chain:
+        known += [name for name in ("temperature", *(f"temperature_{axis}" for axis in AXES)) if name not in known]
+    if wrong := [what for what in columns if what not in known]:
+        raise UsageError(f"column {wrong[0]!r}", do=f"There are: {', '.join(known)}", code="unknown_name")
+    have = ", ".join(recording.names)
+    axes = {axis: columns[axis] for axis in AXES if axis in columns} or _axes(recording, sensor)
+    if not axes:
+        what = f"{given.name}: cannot tell which column is which axis of the {sensor}; it has {have}"
+        raise UsageError(what, do=f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
+    taken = axes | {what: name for what, name in columns.items() if what not in AXES}
+    for role in spec.roles:
+        if not any(what == role.name or what.startswith(f"{role.name}_") for what in taken):
+            found = _of_role(recording, role.kind, role.name)
+            if role.required and not found:
+                what = f"{given.name}: cannot tell which column is the {role.name}; it has {have}"
+                raise UsageError(what, do=f"Add: {given.add('column', f'{role.name}=COLUMN')}", code="no_column")
+            taken |= found
+    counted = chain.get("kind", "none") != "none"
+    units = {what: _unit(recording, name, counted) for what, name in taken.items()}
+    wanted = {what: _kinds(what, roles.get(what), sensor, counted) for what in taken}
+    bad = [what for what in taken if units[what] is None or kind(units[what] or "") not in wanted[what]]
+    if bad:
+        raise UsageError(*_no_unit(given, taken, wanted, bad, sensor), code="no_unit")
+    channels = {what: {"column": name, "unit": units[what]} for what, name in taken.items()}
+    spoken = spoken_unit(sensor, chain) if counted else str(units[next(iter(axes))])
+    return Described({"channels": channels}, sensor_said(given, sensor, [*axes], spoken), taken)
+
+
+def sensor_kind(given: GivenFile, spec: InputSpec) -> Kind:
+    """Return which sensors a file is of: as said, by the unit of a named column, else the first that it has.
+
+    Raises
+    ------
+    UsageError
+        If the procedure takes no such sensors.
+    """
+    words = {GROUP[one]: one for one in spec.kinds} | {one: one for one in spec.kinds}
+    if given.said.sensor is not None:
+        if given.said.sensor not in words:
+            do = f"There are: {', '.join(dict.fromkeys(words))}"
+            raise UsageError(f"sensor {given.said.sensor!r}", do=do, code="unknown_name")
+        return words[given.said.sensor]
+    recording = given.recording
+    named = [recording.channel(name).unit for axis, name in given.said.column.items() if axis in AXES]
+    for one in spec.kinds:
+        if any(unit is not None and kind(unit) == KIND_OF_UNIT[one] for unit in named):
+            return one
+    there = {channel.quantity for channel in recording.channels if channel.axis in AXES}
+    return next((one for one in spec.kinds if GROUP[one] in there), spec.kinds[0])
+
+
+def chain_said(given: GivenFile) -> dict[str, Any]:
+    """Return the chain that was said, as a campaign has it; empty where none was.
+
+    Raises
+    ------
+    UsageError
+        If the text is no TOML table, or the file cannot be read.
+    """
+    import tomllib  # noqa: PLC0415
+    from pathlib import Path  # noqa: PLC0415
+
+    text = given.said.chain
+    chain: dict[str, Any] = {}
+    if text is not None:
+        try:
+            path = Path(text)
+            inline = text.lstrip().startswith("{")
+            chain = tomllib.loads(f"chain = {text}" if inline else path.read_text(encoding="utf-8"))
+            chain = chain.get("chain", chain)
+        except OSError as error:
+            raise UsageError(f"chain: cannot read {text}: {error.strerror}", code="missing_file") from None
+        except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+            raise UsageError(f"chain: not TOML: {error}", where="" if inline else text, code="not_toml") from None
+    if given.said.scale_factor is not None:
+        chain = {"kind": "none"} | chain | {"scale_factor": given.said.scale_factor}
+    return chain
+
+
+def sensor_said(given: GivenFile, sensor: Kind, axes: Sequence[str], unit: str) -> dict[str, Any]:
+    """Return a sensor as a campaign has it."""
+    said: dict[str, Any] = {"kind": sensor, "axes": list(axes), "unit": unit}
+    if given.said.input_range is not None:
+        largest = given.said.input_range
+        said["range"] = [f"-{largest.lstrip('+-')}", largest.lstrip("+-")]
+    chain = chain_said(given)
+    return said | ({"chain": chain} if chain else {})
+
+
+def spoken_unit(sensor: Kind, chain: Mapping[str, Any]) -> str:
+    """Return the unit that people speak of a sensor in counts: that of its scale factor."""
+    given = chain.get("scale_factor")
+    text = next(iter(given.values())) if isinstance(given, Mapping) and given else given
+    if text:
+        unit = parse_quantity(str(text)).unit
+        for one in SPOKEN[sensor]:
+            if unit in {divide(volts, one) for volts in ("V", "mV", "count", "count/s")}:
+                return normalise(one)
+    return normalise(SPOKEN[sensor][0])
+
+
+def _axes(recording: Recording, sensor: Kind) -> dict[str, str]:
+    found = [one for one in recording.channels if one.axis in AXES and one.quantity in (GROUP[sensor], "")]
+    named = {one.axis: one.name for one in found}
+    return named if len(named) == len(found) else {}
+
+
+def _kinds(what: str, role: Role | None, sensor: Kind, counted: bool) -> tuple[str, ...]:
+    """Return the kinds of unit that a channel may have."""
+    if what in AXES:
+        return ("count",) if counted else (KIND_OF_UNIT[sensor],)
+    own = ("count",) if role is None else (role.kind or KIND_OF_UNIT[sensor],)
+    return (*own, "count") if counted and what.startswith("temperature") else own
+
+
+def _of_role(recording: Recording, quantity: str, name: str) -> dict[str, str]:
+    """Return the one channel of a quantity, or that of each axis."""
+    found = [one for one in recording.channels if one.quantity == quantity]
+    if len(found) == 1:
+        return {name: found[0].name}
+    by_axis = {f"{name}_{one.axis}": one.name for one in found if one.axis in AXES}
+    return by_axis if len(by_axis) == len(found) else {}
+
+
+def _unit(recording: Recording, column: str, counted: bool) -> str | None:
+    unit = recording.channel(column).unit
+    return "count" if unit is None and counted else unit
+
+
+def _no_unit(
+    given: GivenFile, taken: Mapping[str, str], wanted: Mapping[str, Sequence[str]], bad: Sequence[str], sensor: Kind
+) -> tuple[str, str, str, str]:
+    channels = {taken[what]: given.recording.channel(taken[what]).unit for what in bad}
+    names = ", ".join(f"{name!r} ({unit or '?'})" for name, unit in channels.items())
+    counted = {"count", "V"} & set(channels.values())
+    why = f"counts and volts need the chain of the sensor: {given.add('chain', 'CHAIN.toml')}" if counted else ""
+    groups = dict.fromkeys((GROUP[sensor] if what in AXES else what, wanted[what][0]) for what in bad)
+    do = " ".join(given.add("unit", f"{name}={EXAMPLE.get(unit, unit)}") for name, unit in groups)
+    return f"{given.name}: unit missing or of the wrong kind: {names}", "", why, f"Add: {do}"

@@ -1,0 +1,174 @@
+"""What a file of a rate table is taken for: a table of dwells, or a recording of a table turned in steps.
+
+Told by the names and units of its columns. Which axis was turned is never taken from the numbers; where it is not said,
+the message names the axis that follows the table.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from ...core.axes import AXES
+from ...core.errors import UsageError
+from ...core.recording import Recording
+from ...core.units import convert, kind, normalise
+from ...files.info.table_columns import Guess, guess
+from ..given import Described, GivenFile, bare, chain_said, sensor_said, spoken_unit
+from .recordings import APPLIED
+
+SAMPLES_A_STEP = 3.0  # fewer samples between changes of the table's rate: not a recording of steps
+FOLLOWS = 0.9  # correlation with the table above which an axis is named as the one that follows
+
+
+def described(given: GivenFile) -> Described:
+    """Return what a file of a rate table is.
+
+    Raises
+    ------
+    UsageError
+        If it is not clear which column is what, in which unit, or which axis was turned.
+    """
+    names = guess(given.table) if given.has_rows else Guess()
+    applied = given.own.get("applied") or names.applied
+    of_rows = any(given.own.get(name) for name in ("scatter", "run", "group"))
+    if not given.has_rows or (not of_rows and applied is not None and _is_stepped(given.recording, applied)):
+        return _recorded(given, str(applied or APPLIED))
+    return _table(given, names)
+
+
+def _is_stepped(recording: Recording, applied: str) -> bool:
+    """Tell whether a file is a recording on a clock whose table rate goes in steps, not a row a dwell."""
+    if recording.sample_interval is None or recording.time_ns is None or applied not in recording.names:
+        return False
+    rate = np.asarray(recording.channel(applied).data, dtype=float)
+    steps = np.count_nonzero(np.diff(rate[np.isfinite(rate)]) != 0.0) + 1
+    return bool(len(recording) >= SAMPLES_A_STEP * steps)
+
+
+def _table(given: GivenFile, names: Guess) -> Described:
+    """Return a table of dwells: all that is missing is asked for at once."""
+    said, turned = given.own, given.plan.get("axis")
+    if turned is not None and names.axis is not None:
+        what = f"{given.name}: column {names.axis!r} and {given.add('axis', turned)} both give the axis that was turned"
+        raise UsageError(what, do="Leave one out", code="wrong_value")
+    reading = _reading(said.get("reading"), names)
+    missing: list[tuple[str, str, str]] = []
+    if said.get("applied") is None and names.applied is None:
+        missing.append(("cannot tell which column is the applied rate", given.add("applied", "COLUMN"), "no_column"))
+    only = [axis for axis, name in names.by_axis.items() if name == reading]
+    axis = turned or (None if names.axis else only[0] if len(only) == 1 else None)
+    if reading is None:
+        listed = f"{len(names.readings)} columns can be the reading"
+        have = f" ({', '.join(names.readings)})" if names.readings else f"; it has {', '.join(given.table.names)}"
+        missing.append((f"{listed}{have}", given.add("reading", "COLUMN"), "no_column"))
+    if axis is None and names.axis is None:
+        missing.append(("axis not given", given.add("axis", "x"), "no_axis"))
+    unit = bare(given.said.unit) or next(iter(given.said.unit.values()), None) or names.unit
+    if unit is None:
+        missing.append(("unit of rate and reading not given", given.add("unit", "deg/s"), "no_unit"))
+    if missing or unit is None:
+        options = " ".join(dict.fromkeys(option for _, option, _ in missing))
+        what = f"{given.name}: {'; '.join(what for what, _, _ in missing)}"
+        raise UsageError(what, do=f"Add: {options}", code=missing[0][2])
+    rows: dict[str, Any] = {
+        "applied": said.get("applied") or names.applied, "reading": reading, "unit": normalise(unit),
+        "scatter": said.get("scatter") or (names.scatter if isinstance(reading, str) else None),
+        "run": said.get("run") or names.run, "group": said.get("group") or names.group,
+        "samples": names.samples, "axis": None if turned else names.axis,
+    }  # fmt: skip
+    rows = {name: value for name, value in rows.items() if value is not None}
+    chain = chain_said(given)
+    counted = kind(rows["unit"]) in {"count", "voltage"}
+    spoken = spoken_unit("gyro", chain) if counted else rows["unit"]
+    if kind(spoken) != "angular_rate":
+        do = f"Add: {given.add('unit', 'deg/s')}"
+        raise UsageError(f"unit {unit!r} is not a unit of angular rate", do=do, code="no_unit")
+    if counted:
+        rows["applied_unit"] = given.table.unit(rows["applied"]) or spoken
+    shown = {f"{what} {key}".strip(): str(name) for what, value in rows.items()
+             for key, name in (value.items() if isinstance(value, dict) else [("", value)])}  # fmt: skip
+    plan = {"axis": axis} if axis else {}
+    return Described({"rows": rows}, sensor_said(given, "gyro", AXES, spoken), shown | plan, plan)
+
+
+def _reading(said: Mapping[str, str] | None, names: Guess) -> str | dict[str, str] | None:
+    """Return the column of the reading, or one an axis; None where it is not clear."""
+    if said:
+        by_axis = {axis: said[axis] for axis in AXES if axis in said}
+        return by_axis or next(iter(said.values()))
+    if len(names.by_axis) > 1:
+        return dict(names.by_axis)
+    return names.readings[0] if len(names.readings) == 1 or (names.by_axis and names.readings) else None
+
+
+def _recorded(given: GivenFile, applied: str) -> Described:
+    """Return a recording of a stepped table."""
+    recording, axis = given.recording, given.plan.get("axis")
+    by_axis = _channels(given, applied)
+    if not by_axis:
+        what = f"{given.name}: cannot tell which column is which axis of the gyro; it has {', '.join(recording.names)}"
+        raise UsageError(what, do=f"Add: {given.add('reading', 'x=COLUMN')}", code="no_column")
+    chain = chain_said(given)
+    counted = chain.get("kind", "none") != "none"
+    unit = bare(given.said.unit)
+    own = {name: unit or recording.channel(name).unit for name in (applied, *by_axis.values())}
+    rates = [applied] if counted else [applied, *by_axis.values()]
+    if any(one is None or kind(one) != "angular_rate" for one in (own[name] for name in rates)):
+        have = ", ".join(f"{name} ({recording.channel(name).unit or '?'})" for name in rates)
+        why = f"counts and volts need the chain of the sensor: {given.add('chain', 'CHAIN.toml')}"
+        do = f"Add: {given.add('unit', 'deg/s')}"
+        raise UsageError(
+            f"{given.name}: rate or reading without a unit of angular rate: {have}", "", why, do, "no_unit"
+        )
+    turned = axis or (next(iter(by_axis)) if len(by_axis) == 1 else None)
+    if turned is None:
+        hint = _following(recording, applied, by_axis)
+        do = f"Add: {given.add('axis', hint[-1:] or 'x')}"
+        raise UsageError(f"{given.name}: axis not given{hint}", do=do, code="no_axis")
+    units = {name: "count" if counted and name != applied else str(own[name]) for name in own}
+    columns = {APPLIED: applied, **by_axis}
+    channels = {what: {"column": name, "unit": normalise(units[name])} for what, name in columns.items()}
+    spoken = spoken_unit("gyro", chain) if counted else units[next(iter(by_axis.values()))]
+    sensor = sensor_said(given, "gyro", [*by_axis], normalise(spoken))
+    return Described({"channels": channels, "axis": turned}, sensor, columns | {"axis": turned})
+
+
+def _channels(given: GivenFile, applied: str) -> dict[str, str]:
+    """Return the gyro's channels by axis, as said or by their names."""
+    said: Mapping[str, str] = given.own.get("reading") or {
+        axis: one for axis, one in given.said.column.items() if axis in AXES
+    }
+    recording = given.recording
+    if said:
+        axis = given.plan.get("axis")
+        found = {name if name in AXES else axis or recording.channel(one).axis: one for name, one in said.items()}
+        for one in found.values():
+            recording.channel(one)  # refused by its name where there is none
+    else:
+        rates = [c for c in recording.channels if c.name != applied and c.quantity in ("gyro", "") and c.axis in AXES]
+        found = {c.axis: c.name for c in rates}
+        if len(found) != len(rates):
+            return {}
+    return {one: found[one] for one in AXES if one in found}
+
+
+def _following(recording: Recording, applied: str, by_axis: Mapping[str, str]) -> str:
+    """Say which axis follows the table, ending in its letter; empty where none clearly does."""
+    rate = _in_si(recording, applied)
+    found: list[tuple[float, float, str]] = []
+    for axis, name in by_axis.items():
+        values = _in_si(recording, name)
+        use = np.isfinite(rate) & np.isfinite(values)
+        if use.any() and np.ptp(rate[use]) > 0.0 and np.ptp(values[use]) > 0.0:
+            found.append((abs(float(np.corrcoef(rate[use], values[use])[0, 1])), float(np.std(values[use])), axis))
+    following = max((one for one in found if one[0] > FOLLOWS), key=lambda one: one[1], default=None)
+    return "" if following is None else f"; {applied!r} is followed by {following[2]}"
+
+
+def _in_si(recording: Recording, name: str) -> Any:
+    channel = recording.channel(name)
+    known = channel.unit is not None and kind(channel.unit) == "angular_rate"
+    return convert(channel.data, channel.unit if known and channel.unit else "rad/s", "rad/s")
