@@ -47,8 +47,14 @@ class Thermometer:
 class Plan:
     """How the test was made and how it is to be reduced."""
 
-    order: int | None = setting("Of the polynomial; where not given, chosen on what is held out.", None, example="3")
-    largest_order: int = setting("Largest order that comes into question.", 5, above=0, example="5")
+    order: int | None = setting(
+        "Of the polynomial; where not given, chosen on what is held out.",
+        None,
+        least=0,
+        most=LARGEST_ORDER,
+        example="3",
+    )
+    largest_order: int = setting("Largest order that comes into question.", 5, above=0, most=LARGEST_ORDER, example="5")
     reference_temperature: float = setting(
         "Powers are those of the temperature less this.", 20.0, unit="degC", example="20 degC"
     )
