@@ -59,7 +59,7 @@ from inertialcal.rigs.npsat1.tables import (
 from inertialcal.rigs.npsat1.unit import Run, Unit, draw_unit, powered_up
 from inertialcal.rigs.protocol import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
-from inertialcal.sensors.chain.from_counts import Converted, convert
+from inertialcal.sensors.chain.conversion import Converted, convert
 
 DEG = np.pi / 180.0
 EXACT = {name: Influence(0.0, influence.unit) for name, influence in Bench().standards.items()}

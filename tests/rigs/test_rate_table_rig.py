@@ -28,7 +28,7 @@ from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.faults import FAULTS
 from inertialcal.rigs.rate_table.setup import CODES, REFERENCE, Bench, chain, draw_gyro
-from inertialcal.sensors.chain.from_counts import convert
+from inertialcal.sensors.chain.conversion import convert
 from inertialcal.sensors.model.sensor_model import SensorModel
 
 EXACT = {name: Influence(0.0, unit) for name, unit in (

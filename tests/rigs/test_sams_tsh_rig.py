@@ -26,7 +26,7 @@ from inertialcal.rigs.sams_tsh.record import record
 from inertialcal.rigs.sams_tsh.reduced import aligned, reduced, reduced_bench
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 from inertialcal.rigs.sams_tsh.setup import CODES, UG, draw_head
-from inertialcal.sensors.chain.from_counts import convert as from_counts
+from inertialcal.sensors.chain.conversion import convert as from_counts
 
 RATE = 25.0
 AXES = ("x", "y", "z")

@@ -176,7 +176,10 @@ def flight_unit() -> PublishedSensor:
 def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> SensorModel:
     """M = I + errors, and K0(T) = b_in_run + b_cons in powers of T - T_ref of each axis."""
     to_rad = factor("deg/s", "rad/s")
-    powers = np.array([_in_degrees(row, v) for row, v in zip(B_IN_RUN, V_NOMINAL, strict=True)])
+    nominal = zip(
+        B_IN_RUN, V_NOMINAL, strict=True
+    )  # volts over volts of the temperature channel, to powers of T - T_ref
+    powers = np.array([Polynomial(row)(Polynomial([v, SLOPE])).coef for row, v in nominal])
     in_run = powers * deg_s_per_volt * to_rad
     span = 5.0 * to_rad
     model = SensorModel(
@@ -193,15 +196,6 @@ def _flight_model(errors: np.ndarray, deg_s_per_volt: float, state: str) -> Sens
         temperature_range=TEMPERATURES,
         source=f"{BADESCU}, Table 15, {state}",
     )
-    return _without_covariance(model)
-
-
-def _in_degrees(row: tuple[float, ...], v_nominal: float) -> np.ndarray:
-    """Volts in powers of T - T_ref, from volts in powers of the temperature channel's volts."""
-    return np.asarray(Polynomial(row)(Polynomial([v_nominal, SLOPE])).coef)
-
-
-def _without_covariance(model: SensorModel) -> SensorModel:
     names = [one.name for one in model.parameters]
     return replace(
         model,

@@ -7,9 +7,8 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.sensors.catalogue import flight_unit, mesa, sams_head
+from inertialcal.sensors.chain.conversion import convert, to_counts, to_temperature_counts
 from inertialcal.sensors.chain.converter import Chain, Thermometer, pulse_counter
-from inertialcal.sensors.chain.from_counts import convert
-from inertialcal.sensors.chain.to_counts import to_counts, to_temperature_counts
 
 CODES = st.lists(st.tuples(*[st.integers(1, 4094)] * 3), min_size=1, max_size=30)
 REFERENCES = st.integers(1900, 2200)

@@ -175,7 +175,7 @@ def test_temperatures_beyond_the_range_are_counted(samples: tuple[Array, Array, 
         ({"gain": None}, "the ground model needs the gain"),
         ({"temperature": None}, "no temperature of the head"),
         ({"applied": ["offset"]}, "no step 'offset'"),
-        ({"applied": ["bias"], "keep_bias": True}, "taken off before, and is to be left in"),
+        ({"applied": ["bias"], "keep_bias": True}, "removed before"),
     ],
 )
 def test_what_is_refused(given: dict[str, Any], words: str, samples: tuple[Array, Array, Array]) -> None:

@@ -7,8 +7,8 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Channel, Recording
+from inertialcal.sensors.ground.correction import correct_recording
 from inertialcal.sensors.ground.model import GroundModel, Polynomials
-from inertialcal.sensors.ground.recordings import correct_recording
 from inertialcal.sensors.model.sensor_model import SensorModel
 
 BASE = SensorModel("accelerometer", ("x", "y"), np.ones(2), "m/s^2", np.array([[1.0, 0.01], [0.0, 1.0]]), np.zeros(2),

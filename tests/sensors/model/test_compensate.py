@@ -393,7 +393,7 @@ def test_matrix_that_turns_over_inside_the_temperature_range_is_refused() -> Non
 def test_curve_that_turns_inside_the_range_is_refused_and_beyond_it_is_not() -> None:
     """r = u - 0.1 u^2 turns at u = 5."""
     model = plain(second_order=np.array([0.0, -0.1]), input_range=np.array([[-6.0, 6.0]] * 2))
-    with pytest.raises(DataError, match=r"y sensor's slope comes down to -0.2") as caught:
+    with pytest.raises(DataError, match=r"y sensor's slope falls to -0.2") as caught:
         compensate(model, np.zeros((1, 2)))
     assert caught.value.problems[0].code == "not_unique"
     narrow = replace(model, input_range=np.array([[-4.0, 4.0]] * 2))
@@ -405,12 +405,12 @@ def test_cross_axis_input_counts_towards_the_range() -> None:
     matrix = np.array([[1.0, 0.0], [1.0, 1.0]])
     model = plain(matrix=matrix, second_order=np.array([0.0, -0.1]), input_range=np.array([[-3.0, 3.0]] * 2))
     np.testing.assert_allclose(felt_range(model.matrix, model.input_range), [[-3, 3], [-6, 6]])  # type: ignore[arg-type]
-    with pytest.raises(DataError, match="slope comes down"):
+    with pytest.raises(DataError, match="slope falls"):
         compensate(model, np.zeros((1, 2)))
 
 
 def test_curve_that_turns_needs_an_input_range() -> None:
-    with pytest.raises(DataError, match="y sensor's curve turns and the model has no input range") as caught:
+    with pytest.raises(DataError, match="y sensor's curve turns, and the model has no input range") as caught:
         compensate(plain(second_order=np.array([0.0, -0.1])), np.zeros((1, 2)))
     assert caught.value.problems[0].code == "no_validity_range"
 

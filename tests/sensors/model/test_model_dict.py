@@ -77,7 +77,7 @@ def broken(change: dict[str, Any], drop: str = "") -> dict[str, Any]:
     [
         (broken({"schema_version": 2}), "schema_version", "schema version 2 is not known"),
         (broken({}, "schema_version"), "schema_version", "schema version None is not known"),
-        (broken({"format": "kalibr"}), "schema", "no model"),
+        (broken({"format": "kalibr"}), "schema", "not a model"),
         (broken({"direction": "inverse"}), "schema", "direction reads 'inverse'"),
         (broken({"matrix_order": "row = axis that is turned"}), "schema", "matrix_order reads"),
         (broken({"unit": "deg/s"}), "schema", "unit 'deg/s' for a"),

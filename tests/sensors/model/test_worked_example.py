@@ -13,7 +13,7 @@ import pytest
 
 from inertialcal.core.recording import Channel, Recording
 from inertialcal.sensors.catalogue import flight_unit
-from inertialcal.sensors.chain.from_counts import convert
+from inertialcal.sensors.chain.conversion import convert
 from inertialcal.sensors.model.compensate import compensate
 from inertialcal.sensors.model.on_recordings import apply_chain, compensate_recording
 

@@ -12,7 +12,7 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import convert, kind, si_unit
 from ...sensors.chain.converter import Chain
-from ...sensors.ground.recordings import PREDICTED
+from ...sensors.ground.correction import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
 from ..file.recordings import OF_CHAIN, ROLES, Clock, RecordingEntry
 from ..file.schema import Test

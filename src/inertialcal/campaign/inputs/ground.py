@@ -14,8 +14,8 @@ from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 from ...core.units import parse_quantity, si_unit
 from ...files.models.model_file import load_model_file
+from ...sensors.ground.correction import correct_recording
 from ...sensors.ground.model import STEPS, GroundModel, Polynomials
-from ...sensors.ground.recordings import correct_recording
 from ...sensors.model.sensor_model import SensorModel
 from ...signals.segmentation.block_statistics import block_statistics
 from ...signals.segmentation.gain_changes import gain_changes

@@ -24,8 +24,8 @@ from ...files import read, read_table
 from ...files.source import load as load_file
 from ...files.text.table import Table
 from ...procedures.protocol import Facts, InputSpec
+from ...sensors.chain.conversion import convert as convert_counts
 from ...sensors.chain.converter import Chain
-from ...sensors.chain.from_counts import convert as convert_counts
 from ..file.recordings import Clock, RecordingEntry
 from ..file.schema import Site, Test
 from ..file.sensors import Sensor

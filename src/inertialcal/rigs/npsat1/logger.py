@@ -13,7 +13,7 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
-from ...sensors.chain.to_counts import to_temperature_counts
+from ...sensors.chain.conversion import to_temperature_counts
 from ..parts.gyro_bench import averaged_codes
 from .setup import AVERAGED, AVERAGING, CODES, INTERVAL, STEP, Bench, chain, thermometer
 from .unit import Unit, reference_volts

@@ -17,8 +17,8 @@ from scipy.spatial.transform import Rotation
 
 from ...core.estimate import Array
 from ...physics.earth import earth_rate_in_dwell
+from ...sensors.chain.conversion import to_counts
 from ...sensors.chain.converter import Chain
-from ...sensors.chain.to_counts import to_counts
 from ...sensors.model.equation import predict
 from ...sensors.model.sensor_model import SensorModel
 from .noise import random_walk, white

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
-from ...sensors.chain.to_counts import to_counts, to_temperature_counts
+from ...sensors.chain.conversion import to_counts, to_temperature_counts
 from ..protocol import Drawn, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import BEGIN, FILE, campaign_text

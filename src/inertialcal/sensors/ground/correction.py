@@ -9,21 +9,24 @@ are not corrected for it, and a remark says so.
 
 from __future__ import annotations
 
-from collections.abc import Collection, Iterator, Sequence
-from dataclasses import dataclass
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
+from ...core.units import convert
 from ..chain.converter import wide
 from ..model.equation import mixed
 from .model import STEPS, GroundModel
 
 CHUNK = 262_144  # rows at a time
-WORDS = {"bias": "bias", "scale_factor": "scale factor", "misalignment": "misalignment"}
+TEMPERATURE, GAIN = "temperature", "gain"
+PREDICTED = "predicted_"  # before the axis: bias that the ground model predicts
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +68,13 @@ def correct(
         ``missing_temperature``, ``missing_gain``; ``no_polynomial`` for a gain that the model has not;
         ``wrong_step`` for an unknown step; ``bias_applied`` if it is to be left in and was taken off before.
     """
-    _check(applied, keep_bias)
+    unknown = [step for step in applied if step not in STEPS]
+    if unknown:
+        raise DataError(f"no step {unknown[0]!r}", do=f"There are: {', '.join(STEPS)}", code="wrong_step")
+    if keep_bias and "bias" in applied:
+        what = "the bias is to be kept, but the model's bias was removed before"
+        why = "a flip then finds the error of that model, not the bias of the head"
+        raise DataError(what, why=why, do="Set plan.corrected = true", code="bias_applied")
     k = len(ground.axes)
     r = wide("readings", readings, k)
     warm = None if temperature is None else wide("temperature", temperature, k, len(r))
@@ -79,19 +88,6 @@ def correct(
         out[rows], predicted[rows] = _at_one_gain(ground, r[rows], here, gains, unread, applied, keep_bias)
     out[:, [axis in unread for axis in ground.axes]] = np.nan
     return Corrected(out, predicted, tuple(_remarks(ground, r, out, warm, unread, applied)))
-
-
-def _check(applied: Collection[str], keep_bias: bool) -> None:
-    unknown = [step for step in applied if step not in STEPS]
-    if unknown:
-        raise DataError(f"no step {unknown[0]!r}", do=f"There are: {', '.join(STEPS)}", code="wrong_step")
-    if keep_bias and "bias" in applied:
-        raise DataError(
-            "the bias of a model was taken off before, and is to be left in",
-            why="what a flip finds is the error of that model, not the bias of the head",
-            do="Say plan.corrected = true",
-            code="bias_applied",
-        )
 
 
 def _at_one_gain(
@@ -140,30 +136,105 @@ def _by_gain(
 def _remarks(
     ground: GroundModel, r: Array, out: Array, warm: Array | None, unread: Sequence[str], applied: Collection[str]
 ) -> Iterator[Remark]:
-    done = [WORDS[step] for step in STEPS if step in applied]
+    done = [step.replace("_", " ") for step in STEPS if step in applied]
     if done:
         words = " and ".join(", ".join(done).rsplit(", ", 1))
-        what = f"{words} of the ground model not applied: that was done before"
+        what = f"{words} of the ground model not applied: already done"
         yield Remark("applied_before", "info", what)
     if unread and "misalignment" not in applied and len(unread) < len(ground.axes):
-        what = f"{', '.join(unread)} not read: the other axes are not corrected for the misalignment towards it"
+        what = f"{', '.join(unread)} has no readings: the other axes are not corrected for misalignment towards it"
         yield Remark("misalignment_left_out", "warning", what)
     read = np.array([axis not in unread for axis in ground.axes])
     lost = np.any(np.isnan(out) & ~np.isnan(r) & read, axis=1)
     if lost.any():
-        what = "a temperature, a gain or the reading of an axis is missing that the ground model needs: left empty"
+        what = "temperature, gain or another axis missing, which the ground model needs: left empty"
         yield Remark("condition_missing", "warning", what, f"sample {int(np.argmax(lost))}", int(np.sum(lost)))
-    yield from _beyond(ground.base.temperature_range, warm)
-
-
-def _beyond(ends: tuple[float, float] | None, warm: Array | None) -> Iterator[Remark]:
-    """Count the samples at temperatures that the model was not made for."""
+    ends = ground.base.temperature_range
     if ends is None or warm is None:
         return
     beyond = np.any((warm < ends[0]) | (warm > ends[1]), axis=1)
     count = int(np.count_nonzero(beyond))
     if count:
         between = f"{ends[0]:g} to {ends[1]:g} degC"
-        what = f"{count} of {len(beyond)} samples beyond the temperature range of the ground model ({between})"
-        do = "The model extrapolates there: a polynomial of fourth order may be far off"
+        what = f"{count} of {len(beyond)} samples outside the temperature range of the ground model ({between})"
+        do = "The model extrapolates there: a fourth-order polynomial may be far off"
         yield Remark("outside_temperature_range", "warning", what, f"sample {int(np.argmax(beyond))}", count, do)
+
+
+def correct_recording(
+    ground: GroundModel,
+    recording: Recording,
+    gains: Mapping[str, float],
+    *,
+    applied: Collection[str] = (),
+    keep_bias: bool = False,
+) -> Recording:
+    """Return the recording of a head after a ground model.
+
+    Parameters
+    ----------
+    recording : Recording
+        Axes in the input unit; ``temperature_x``, ... or ``temperature`` [degC], and ``gain_x``, ... or ``gain`` over
+        time, where they are there.
+    gains : mapping of str to float
+        Of the axes whose gain was not recorded; empty where it is not known.
+    applied, keep_bias
+        As ``ground_correction.correct`` takes them.
+
+    Returns
+    -------
+    Recording
+        The axes corrected, and ``predicted_x``, ... [input unit] of each; the other channels as they are.
+
+    Raises
+    ------
+    DataError
+        As ``ground_correction.correct``.
+    """
+    n = len(recording)
+    read = [axis for axis in ground.axes if axis in recording.names]
+    readings = np.full((n, len(ground.axes)), np.nan)
+    for axis in read:
+        readings[:, ground.axes.index(axis)] = recording.channel(axis).data
+    done = correct(
+        ground,
+        readings,
+        temperature=_each(recording, ground.axes, TEMPERATURE, "degC"),
+        gain=_gain(recording, ground.axes, gains),
+        applied=applied,
+        keep_bias=keep_bias,
+    )
+    unit = ground.base.unit
+    made = {}
+    for axis in read:
+        own = done.readings[:, ground.axes.index(axis)].copy()
+        made[axis] = replace(recording.channel(axis), data=own)
+    told = tuple(
+        Channel(PREDICTED + axis, done.predicted[:, ground.axes.index(axis)].copy(), unit, "model", axis)
+        for axis in read
+    )
+    channels = tuple(made.get(channel.name, channel) for channel in recording.channels)
+    return replace(recording, channels=(*channels, *told), remarks=(*recording.remarks, *done.remarks))
+
+
+def _each(recording: Recording, axes: Sequence[str], what: str, unit: str) -> Array | None:
+    """Return a channel of each axis, or one for all, shape (n, k); NaN for an axis that has none."""
+    names = [next((one for one in (f"{what}_{axis}", what) if one in recording.names), "") for axis in axes]
+    if not any(names):
+        return None
+    found = np.full((len(recording), len(axes)), np.nan)
+    for i, name in enumerate(names):
+        if name:
+            channel = recording.channel(name)
+            found[:, i] = convert(channel.data, channel.unit or unit, unit)
+    return found
+
+
+def _gain(recording: Recording, axes: Sequence[str], stated: Mapping[str, float]) -> Array | None:
+    """Return the gain of each axis, over time where it was recorded, shape (k,) or (n, k)."""
+    recorded = _each(recording, axes, GAIN, "1")
+    fixed = np.array([stated.get(axis, np.nan) for axis in axes])
+    if recorded is None:
+        return fixed if stated else None
+    has = [any(name in recording.names for name in (f"{GAIN}_{axis}", GAIN)) for axis in axes]
+    return np.where(has, recorded, fixed)

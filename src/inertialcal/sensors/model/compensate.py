@@ -205,8 +205,30 @@ def check_unique(model: SensorModel, columns: Columns) -> None:
             do="Look at the misalignments of the model",
             code="not_invertible",
         )
-    if not model.linear:
-        _check_curves(model, matrices)
+    if model.linear:
+        return
+    bent = curve(model)
+    if model.input_range is None:
+        ends = rising_branch(bent)
+        if np.all(np.isinf(ends)):
+            return
+        axis = model.axes[int(np.argmax(np.any(np.isfinite(ends), axis=1)))]
+        raise DataError(
+            f"the {axis} sensor's curve turns, and the model has no input range",
+            why="beyond the turn two inputs give one reading",
+            do="Give input_range",
+            code="no_validity_range",
+        )
+    slope = smallest_slope(bent, felt_range(matrices, model.input_range))
+    worst = int(np.argmin(slope))
+    if slope[worst] < LOWEST_SLOPE:
+        raise DataError(
+            f"the {model.axes[worst]} sensor's slope falls to {slope[worst]:.3g} inside the validity range, "
+            f"need {LOWEST_SLOPE:g} or more",
+            why="two inputs give one reading",
+            do="Narrow input_range, or fit a lower order",
+            code="not_unique",
+        )
 
 
 def _matrices(model: SensorModel, columns: Columns) -> Array:
@@ -225,31 +247,6 @@ def _extremes(temperature: Array, reference: Array) -> tuple[float, float]:
     given = temperature[np.isfinite(temperature)]
     given = given if given.size else reference
     return float(given.min()), float(given.max())
-
-
-def _check_curves(model: SensorModel, matrices: Array) -> None:
-    bent = curve(model)
-    if model.input_range is None:
-        ends = rising_branch(bent)
-        if np.all(np.isinf(ends)):
-            return
-        axis = model.axes[int(np.argmax(np.any(np.isfinite(ends), axis=1)))]
-        raise DataError(
-            f"the {axis} sensor's curve turns and the model has no input range",
-            why="beyond the turn two inputs give one reading",
-            do="Give input_range",
-            code="no_validity_range",
-        )
-    slope = smallest_slope(bent, felt_range(matrices, model.input_range))
-    worst = int(np.argmin(slope))
-    if slope[worst] < LOWEST_SLOPE:
-        raise DataError(
-            f"the {model.axes[worst]} sensor's slope comes down to {slope[worst]:.3g} inside the validity range, "
-            f"need {LOWEST_SLOPE:g} or more",
-            why="two inputs give one reading",
-            do="Narrow input_range, or fit a lower order",
-            code="not_unique",
-        )
 
 
 def felt_range(matrices: Array, input_range: Array) -> Array:

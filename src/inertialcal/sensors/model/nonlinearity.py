@@ -72,24 +72,13 @@ def rising_branch(curve: Curve) -> Array:
     for i in range(len(ends)):
         for column, side in ((0, -1.0), (1, 1.0)):
             # side * u = d > 0: slope = c0 + c1 d + c2 d^2
-            c0 = 1.0 + 0.5 * side * curve.asymmetry[i]
-            ends[i, column] = side * _first_zero(c0, 2.0 * side * curve.second[i], 3.0 * curve.third[i])
+            # its root nearest to zero is 2 c0 / (-c1 + sqrt(c1^2 - 4 c0 c2)): keeps its digits, and holds for c2 = 0
+            c0, c1, c2 = 1.0 + 0.5 * side * curve.asymmetry[i], 2.0 * side * curve.second[i], 3.0 * curve.third[i]
+            discriminant = c1 * c1 - 4.0 * c0 * c2
+            denominator = -c1 + np.sqrt(discriminant) if discriminant >= 0.0 else 0.0
+            root = 2.0 * c0 / denominator if denominator > 0.0 else np.inf
+            ends[i, column] = side * (0.0 if c0 <= 0.0 else root)
     return ends
-
-
-def _first_zero(c0: float, c1: float, c2: float) -> float:
-    """Smallest d >= 0 where c0 + c1 d + c2 d^2 comes down to zero; infinite where it does not.
-
-    The root nearest to zero is 2 c0 / (-c1 + sqrt(c1^2 - 4 c0 c2)): this form keeps its digits and holds for
-    c2 = 0 too.
-    """
-    discriminant = c1 * c1 - 4.0 * c0 * c2
-    if c0 <= 0.0:
-        return 0.0
-    if discriminant < 0.0:
-        return np.inf
-    denominator = -c1 + np.sqrt(discriminant)
-    return 2.0 * c0 / denominator if denominator > 0.0 else np.inf
 
 
 def inverse(curve: Curve, readings: Array) -> Array:
@@ -109,18 +98,15 @@ def inverse(curve: Curve, readings: Array) -> Array:
         u: Array = readings / np.where(rate > 0.0, rate, np.nan)
     bent = np.flatnonzero((curve.second != 0.0) | (curve.third != 0.0))
     if bent.size:
-        picked = Curve(curve.asymmetry[bent], curve.second[bent], curve.third[bent])
-        u[:, bent] = _iterated(picked, readings[:, bent])
-    return u
-
-
-def _iterated(curve: Curve, readings: Array) -> Array:
-    branch = rising_branch(curve)
-    u = approached(curve, branch, readings)
-    row, sensor = np.nonzero(np.isnan(u))
-    if row.size:
-        alone = Curve(curve.asymmetry[sensor], curve.second[sensor], curve.third[sensor])
-        u[row, sensor] = bracketed(alone, branch[sensor], endless_slope(curve, branch)[sensor], readings[row, sensor])
+        picked, own = Curve(curve.asymmetry[bent], curve.second[bent], curve.third[bent]), readings[:, bent]
+        branch = rising_branch(picked)
+        found = approached(picked, branch, own)
+        row, sensor = np.nonzero(np.isnan(found))
+        if row.size:
+            alone = Curve(picked.asymmetry[sensor], picked.second[sensor], picked.third[sensor])
+            lowest = endless_slope(picked, branch)[sensor]
+            found[row, sensor] = bracketed(alone, branch[sensor], lowest, own[row, sensor])
+        u[:, bent] = found
     return u
 
 

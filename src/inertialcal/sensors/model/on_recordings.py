@@ -20,8 +20,8 @@ from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import convert as to_unit
 from ...core.units import same_dimension
+from ..chain.conversion import convert
 from ..chain.converter import Chain
-from ..chain.from_counts import convert
 from .compensate import compensate, outside
 from .equation import Conditions
 from .sensor_model import SensorModel, check_item, to_readings

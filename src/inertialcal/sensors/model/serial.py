@@ -16,6 +16,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
+from ...core.results import finite
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
 from .terms import SHAPES
 
@@ -70,7 +71,16 @@ def from_dict(content: Mapping[str, Any]) -> SensorModel:
         ``schema_version`` for a version not known here; ``schema`` if a key is missing, unknown or of the wrong
         kind, or the words that fix the meaning of the numbers differ; and as `SensorModel`.
     """
-    _check_words(content)
+    if content.get("format") != FORMAT:
+        raise DataError("not a model: wrong or missing key format", do=f"Need {FORMAT!r}", code="schema")
+    version = content.get("schema_version")
+    if version != SCHEMA_VERSION:
+        what = f"schema version {version!r} is not known"
+        do = f"This version reads {SCHEMA_VERSION}: use the version of inertialcal that wrote the file"
+        raise DataError(what, do=do, code="schema_version")
+    for key, words in WORDS.items():
+        if content.get(key) != words:
+            raise DataError(f"{key} reads {content.get(key)!r}, need {words!r}", code="schema")
     try:
         return _model(content)
     except (KeyError, TypeError, ValueError, AttributeError) as error:
@@ -82,32 +92,20 @@ def from_dict(content: Mapping[str, Any]) -> SensorModel:
         ) from None
 
 
-def _check_words(content: Mapping[str, Any]) -> None:
-    if content.get("format") != FORMAT:
-        raise DataError("no model: the key format does not say so", do=f"Need {FORMAT!r}", code="schema")
-    version = content.get("schema_version")
-    if version != SCHEMA_VERSION:
-        raise DataError(
-            f"schema version {version!r} is not known",
-            do=f"This version reads {SCHEMA_VERSION}: use the version of inertialcal that wrote the file",
-            code="schema_version",
-        )
-    for key, words in WORDS.items():
-        if content.get(key) != words:
-            raise DataError(f"{key} reads {content.get(key)!r}, need {words!r}", code="schema")
-
-
 def _model(content: Mapping[str, Any]) -> SensorModel:
     terms = content["terms"]
     unknown = sorted(set(terms) - set(SHAPES))
     if unknown:
         raise DataError(f"unknown term(s): {', '.join(unknown)}", code="schema")
+    arrays: dict[str, Any] = {
+        name: None if terms[name] is None else np.array(terms[name], dtype=float) for name in SHAPES
+    }
     model = SensorModel(
         kind=content["kind"],
         axes=tuple(content["axes"]),
         item=Item(**content["item"]),
         **{name: content[name] for name in PLAIN},
-        **{name: _array(terms[name]) for name in SHAPES},
+        **arrays,
         temperature_range=_pair(content["temperature_range"]),
         pressure_range=_pair(content["pressure_range"]),
         estimate=None if content["estimate"] is None else _estimate(content["estimate"]),
@@ -132,7 +130,7 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
                 "source": one.source,
                 "kind": one.kind,
                 "covariance": one.covariance.tolist(),
-                "dof": _dof_to_plain(one.dof),
+                "dof": [finite(dof) for dof in one.dof] if isinstance(one.dof, np.ndarray) else finite(one.dof),
                 "distribution": one.distribution,
                 "stated": None if one.stated is None else {"u": float(one.stated[0]), "unit": one.stated[1]},
             }
@@ -149,23 +147,12 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
             np.array(one["covariance"], dtype=float),
             _dof(one["dof"]),
             one["distribution"],
-            _stated(one.get("stated")),
+            None if one.get("stated") is None else (float(one["stated"]["u"]), str(one["stated"]["unit"])),
         )
         for one in content["components"]
     )
     values = np.array(content["values"], dtype=float)
     return Estimate(tuple(content["names"]), values, tuple(content["units"]), components)
-
-
-def _dof_to_plain(dof: Array | float) -> Any:
-    if isinstance(dof, np.ndarray):
-        return [None if math.isinf(one) else float(one) for one in dof]
-    return None if math.isinf(dof) else float(dof)
-
-
-def _stated(plain: Any) -> tuple[float, str] | None:
-    """Own uncertainty of a source; models written before it was kept do not have it."""
-    return None if plain is None else (float(plain["u"]), str(plain["unit"]))
 
 
 def _dof(plain: Any) -> Array | float:
@@ -176,10 +163,6 @@ def _dof(plain: Any) -> Array | float:
 
 def _list(value: Any) -> Any:
     return None if value is None else np.asarray(value, dtype=float).tolist()
-
-
-def _array(value: Any) -> Any:
-    return None if value is None else np.array(value, dtype=float)
 
 
 def _pair(value: Any) -> tuple[float, float] | None:
