@@ -669,8 +669,8 @@ MUTANTS = (
     ),
     Mutant(
         "control.py",
-        "2.0 * float(special.stdtr(min(dof, 1e9), -abs(t)))",
-        "float(special.stdtr(min(dof, 1e9), abs(t)))",
+        "2.0 * float(special.stdtr(min(dof, LARGEST), -abs(t)))",
+        "float(special.stdtr(min(dof, LARGEST), abs(t)))",
         "test_flip_probabilities",
     ),
     Mutant(
@@ -925,9 +925,9 @@ MUTANTS = (
         "test_sine_command",
     ),
     Mutant(
-        "result.py",
-        "dof = self.fit.dof * (total / own) ** 4",
-        "dof = self.fit.dof * (own / total) ** 4",
+        "reduction.py",
+        "dof = dof * (total / own) ** 4",
+        "dof = dof * (own / total) ** 4",
         "test_sine_command",
     ),
     Mutant(
@@ -983,7 +983,7 @@ MUTANTS = (
         "test_hand_held_rig",
     ),
     Mutant(
-        "head.py", "white *= density * np.sqrt(0.5 * rate)", "white *= density * np.sqrt(rate)", "test_sams_tsh_rig"
+        "record.py", "white *= density * np.sqrt(0.5 * rate)", "white *= density * np.sqrt(rate)", "test_sams_tsh_rig"
     ),
 )
 

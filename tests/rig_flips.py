@@ -17,10 +17,12 @@ import numpy as np
 from inertialcal.core.axes import AXES
 from inertialcal.core.influence import Influence
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.procedures.flip.reduction import FlipRecording, Plan, Result, Window, readings_from, reduce
+from inertialcal.procedures.flip.dwells.quiet import Window
+from inertialcal.procedures.flip.dwells.recordings import FlipRecording, readings_from
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.reduction import Result, reduce
 from inertialcal.rigs.sams_tsh.campaign import windows
-from inertialcal.rigs.sams_tsh.record import Record
-from inertialcal.rigs.sams_tsh.reduced import reduced, reduced_bench
+from inertialcal.rigs.sams_tsh.record import Record, reduced, reduced_bench
 from inertialcal.rigs.sams_tsh.setup import Bench
 from inertialcal.statistics.intervals import contains, t_interval
 

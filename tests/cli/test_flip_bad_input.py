@@ -29,7 +29,7 @@ RUN = {
     "missing_position": (4, "missing position: x, y, z were read at 0 deg only"),
     "at_rails": (0, "at an end of the converter"),
     "magnitude": (4, "less than the bias of any head"),
-    "robot_arm": (0, "Something else moved there (robot arm, crew)"),
+    "robot_arm": (0, "Something else moved (robot arm, crew)"),
     "wrong_sign": (0, "Check the positions and the sign of each axis"),
 }
 
@@ -157,7 +157,7 @@ def a_word(cells: np.ndarray) -> None:
     ("change", "status", "words"),
     [
         (gain_changes, 0, "level and scatter of y change by a factor of 0.1"),
-        (one_is_impossible, 0, "x: sample 1001 reads 9.81e+30 m/s^2, which no accelerometer does"),
+        (one_is_impossible, 0, "x: sample 1001 reads 9.81e+30 m/s^2, too large for an accelerometer"),
         (time_goes_back, 3, "the time goes back by 19.8 s"),
         (a_word, 3, "text 'lost' in number column 'x'"),
     ],

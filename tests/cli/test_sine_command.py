@@ -115,7 +115,7 @@ def test_averaging_of_a_sine_is_put_back(tmp_path: Path) -> None:
     assert of(ic.sine(file, period="480 s"), "amplitude").value == pytest.approx(0.9003, abs=1e-3)
     found = ic.sine(file, period="480 s", averaging="120 s")
     assert of(found, "amplitude").value == pytest.approx(1.0, abs=1e-3)
-    assert "9.97 % less of the drive, which is put back" in str(found.remarks[-1])
+    assert "9.97 % less of the drive, which is corrected" in str(found.remarks[-1])
 
 
 def test_phase_is_that_of_the_record_also_where_its_first_reading_is_missing(tmp_path: Path) -> None:

@@ -23,7 +23,6 @@ from inertialcal.core.results import Interval, Row
 from inertialcal.core.units import kind, normalise
 from inertialcal.procedures import PROCEDURES, all_quantities, protocol
 from inertialcal.procedures.display import display_unit
-from inertialcal.procedures.flip.left_out import left_out
 from inertialcal.procedures.flip.plan import Plan as FlipPlan
 from inertialcal.procedures.protocol import Exclusion, Procedure, Quantity, budget_figures
 
@@ -160,7 +159,8 @@ def test_a_flip_names_the_axis_that_it_did_not_read() -> None:
     said = Remark("gain_changed", "warning", "y is not read", axis="y")
     nothing = {axis: np.array([np.nan, 0.0]) for axis in "xy"}
     readings: Any = SimpleNamespace(remarks=(said,), outputs=nothing, where=("a: window 1", "a: window 2"))
-    (one,) = left_out(FlipPlan(), readings)
+    test: Any = SimpleNamespace(plan=FlipPlan(), readings=readings)
+    (one,) = PROCEDURES["flip"].exclusions(test)
     assert (one.axis, one.place, one.rule, one.dwell) == ("y", "a: window 1", "gain_changed", True)
 
 

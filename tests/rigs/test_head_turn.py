@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.procedures.flip.separation.positions import rotation
+from inertialcal.procedures.flip.separation.equations import rotation
 from inertialcal.rigs.parts.head_turn import course, felt, swung
 
 SECONDS = np.arange(5000) / 100.0

@@ -20,10 +20,22 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.sams_tsh import rig as sams_tsh
 from inertialcal.rigs.sams_tsh.campaign import BEGIN, FILE, windows
-from inertialcal.rigs.sams_tsh.head import hysteresis, low_pass, noise, polynomial, temperature_course, through_filters
-from inertialcal.rigs.sams_tsh.orbit_ambient import add_arm, add_push, line, slow_variation
-from inertialcal.rigs.sams_tsh.record import record
-from inertialcal.rigs.sams_tsh.reduced import aligned, reduced, reduced_bench
+from inertialcal.rigs.sams_tsh.record import (
+    add_arm,
+    add_push,
+    aligned,
+    hysteresis,
+    line,
+    low_pass,
+    noise,
+    polynomial,
+    record,
+    reduced,
+    reduced_bench,
+    slow_variation,
+    temperature_course,
+    through_filters,
+)
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
 from inertialcal.rigs.sams_tsh.setup import CODES, UG, draw_head
 from inertialcal.sensors.chain.conversion import convert as from_counts

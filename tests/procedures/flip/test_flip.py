@@ -17,9 +17,12 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.core.units import factor
 from inertialcal.procedures import PROCEDURES
-from inertialcal.procedures.flip.reduction import MeanOf, Plan, Readings, Result, readings_of_means, reduce
+from inertialcal.procedures.flip.inputs import MeanOf, readings_of_means
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.readings import Readings
+from inertialcal.procedures.flip.reduction import Result, reduce
 from inertialcal.procedures.flip.separation.equations import separate
-from inertialcal.procedures.flip.separation.standards import patterns
+from inertialcal.procedures.flip.separation.uncertainty import patterns
 
 UG = factor("ug", "m/s^2")
 ROUNDING = 0.005  # ug, half of the last printed digit of Table 3
@@ -291,12 +294,12 @@ def test_a_drift_is_fitted_where_three_dwells_carry_it(drift: str) -> None:
 
 
 def test_a_drift_that_cannot_be_told_is_refused() -> None:
-    with pytest.raises(DataError, match=r"2 dwells of a flip cannot carry a drift of bias: .*bias_rate_y"):
+    with pytest.raises(DataError, match=r"2 dwells of a flip cannot determine a drift of bias .*bias_rate_y"):
         reduce(Plan(drift="bias"), turned(np.radians([0.0, 180.0])))
     three = turned(np.radians([0.0, 180.0, 0.0]))
-    with pytest.raises(DataError, match="the temperature of a dwell is missing"):
+    with pytest.raises(DataError, match="a dwell has no temperature"):
         reduce(Plan(drift="temperature"), three)
-    with pytest.raises(DataError, match="the time of a dwell is missing"):
+    with pytest.raises(DataError, match="a dwell has no time"):
         reduce(Plan(drift="ambient"), replace(three, time=None))
 
 

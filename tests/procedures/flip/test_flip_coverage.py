@@ -13,9 +13,10 @@ import pytest
 
 from inertialcal.core.errors import UsageError
 from inertialcal.core.recording import SECOND
+from inertialcal.procedures.flip.dwells.recordings import FlipRecording, readings_from
 from inertialcal.procedures.flip.files.record import found_windows
-from inertialcal.procedures.flip.reduction import FlipRecording, readings_from, reduce
-from inertialcal.rigs.sams_tsh.orbit_ambient import ARM_FADE
+from inertialcal.procedures.flip.reduction import reduce
+from inertialcal.rigs.sams_tsh.record import ARM_FADE
 from inertialcal.statistics.intervals import covers
 from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_of
 

@@ -12,7 +12,10 @@ from scipy.spatial.transform import Rotation
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.key import Key
-from inertialcal.procedures.flip.reduction import Plan, Quiet, Readings, Result, Truth, reduce, simulate
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.readings import Quiet, Readings
+from inertialcal.procedures.flip.reduction import Result, reduce
+from inertialcal.procedures.flip.simulation import Truth, simulate
 from inertialcal.statistics.intervals import contains, covers, t_interval
 
 UG = 9.80665e-6

@@ -14,16 +14,11 @@ from hypothesis import strategies as st
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.core.units import factor
-from inertialcal.procedures.flip.reduction import (
-    MeanOf,
-    Plan,
-    Readings,
-    Result,
-    Truth,
-    readings_of_means,
-    reduce,
-    simulate,
-)
+from inertialcal.procedures.flip.inputs import MeanOf, readings_of_means
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.readings import Readings
+from inertialcal.procedures.flip.reduction import Result, reduce
+from inertialcal.procedures.flip.simulation import Truth, simulate
 
 UG = factor("ug", "m/s^2")
 ROUNDING = 0.005  # ug: Table 3 has two decimals

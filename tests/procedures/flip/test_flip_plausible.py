@@ -7,8 +7,8 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import SECOND, Channel, Recording, Source
-from inertialcal.procedures.flip.dwells.plausible import LARGEST, is_reading, readable
-from inertialcal.procedures.flip.reduction import MeanOf, readings_of_means
+from inertialcal.procedures.flip.dwells.disturbances import LARGEST, is_reading, readable
+from inertialcal.procedures.flip.inputs import MeanOf, readings_of_means
 
 
 def recording(y: list[float], seconds: list[float] | None = None) -> Recording:
@@ -46,7 +46,7 @@ def test_what_a_reading_can_be(value: float, is_one: bool) -> None:
 @pytest.mark.parametrize(
     ("bad", "words"),
     [
-        (MeanOf("y", 0.0, 1e300, where="t.csv:2"), "mean of y is 1e.300 m/s.2, which no accelerometer reads"),
+        (MeanOf("y", 0.0, 1e300, where="t.csv:2"), "mean of y is 1e.300 m/s.2, too large for an accelerometer"),
         (MeanOf("y", 0.0, 0.0, half_widths=((0.95, 1e300),), where="t.csv:2"), "half width 0.95 of y is"),
         (MeanOf("y", 0.0, 0.0, others={"median": -1e300}, where="t.csv:2"), "median of y is"),
     ],

@@ -9,7 +9,6 @@ import pytest
 
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import NO_REASON, Key
-from inertialcal.procedures.flip.plan import Plan
 from inertialcal.procedures.flip.readings import Quiet
 from inertialcal.procedures.flip.separation.control import _p
 from inertialcal.procedures.flip.separation.pooling import Flip, _against_noise
@@ -62,7 +61,7 @@ def test_pairs_elsewhere_have_the_mean_square_about_zero() -> None:
         weights,
         np.array([[0.0, 1.0], [2.0, 3.0]]),
     )
-    covariance, dof, _ = _pairs(Plan(), record, "y", np.array([[0.5, -0.5]]))
+    covariance, dof, _ = _pairs(record, "y", np.array([[0.5, -0.5]]))
     halves = [0.5 * (reading[start] - reading[start + 2]) for start in range(3, n - 2, 3)]  # beside the dwells' own
     assert dof[0] == len(halves)
     assert covariance[0, 0] == pytest.approx(np.mean(np.square(halves)))

@@ -12,8 +12,11 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.core.remarks import Remark
-from inertialcal.procedures.flip.dwells.windows import half_widths, low_passed
-from inertialcal.procedures.flip.reduction import FlipRecording, Plan, Readings, Window, readings_from, reduce
+from inertialcal.procedures.flip.dwells.quiet import Window
+from inertialcal.procedures.flip.dwells.recordings import FlipRecording, half_widths, low_passed, readings_from
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.readings import Readings
+from inertialcal.procedures.flip.reduction import reduce
 from inertialcal.statistics.intervals import coverage_factor
 
 INTERVAL = 0.04  # [s]
@@ -86,14 +89,6 @@ def test_the_spike_of_the_turn_is_not_in_the_noise() -> None:
     assert max(np.abs(quiet.means["y"] - B["y"])) < 10.0
     assert np.all(quiet.angle == np.where(quiet.times < TURN, 0.0, math.pi))
     assert quiet.weights.sum(axis=1) == pytest.approx([1.0, 1.0])
-
-
-def test_only_what_is_named_quiet_shows_the_noise() -> None:
-    stretch = (ORIGIN + 100 * SECOND, ORIGIN + 300 * SECOND)
-    one = FlipRecording(head(), placed(*LONG), quiet=(stretch,), name="head")
-    times = readings_from(Plan(), [one]).quiet[0].times
-    beside = times[(times < 400.0) | (times > 1100.0)]
-    assert (beside.min(), beside.max()) == pytest.approx((105.0, 295.0))
 
 
 def test_a_long_record_is_cut_to_the_blocks_about_its_windows() -> None:

@@ -15,8 +15,12 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.core.units import factor
-from inertialcal.procedures.flip.reduction import MeanOf, Plan, Readings, Truth, readings_of_means, reduce, simulate
+from inertialcal.procedures.flip.inputs import MeanOf, readings_of_means
+from inertialcal.procedures.flip.plan import Plan
+from inertialcal.procedures.flip.readings import Readings
+from inertialcal.procedures.flip.reduction import reduce
 from inertialcal.procedures.flip.side_by_side import same_dwells, side_by_side
+from inertialcal.procedures.flip.simulation import Truth, simulate
 
 UG = factor("ug", "m/s^2")
 LAST = 0.0016  # ug: differences of half sums of three decimals

@@ -1,9 +1,9 @@
-"""Curves of a flip's result, SI: what its figures show.
+"""Curves of a flip's result, SI: the data of its figures.
 
 ``flip_dwells``
-    Each dwell of an axis: position, time, reading, what the flip's result says it should read, and its residual.
+    Each dwell of an axis: position, time, reading, its value by the flip's result, and the residual.
 ``quiet``
-    Of each recording: the block means of an axis that the noise was found from, with the position.
+    Of each recording: the block means of an axis behind its noise, with the position.
 """
 
 from __future__ import annotations
@@ -19,8 +19,7 @@ from ...core.estimate import Array
 from ...core.key import Key
 from .plan import Plan
 from .readings import Quiet, Readings
-from .separation.equations import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, Separated
-from .separation.positions import directions, rotation
+from .separation.equations import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, Separated, directions, rotation
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -37,42 +36,33 @@ def curves(result: Result) -> list[Curve]:
 def _dwells(result: Result, axis: str) -> Curve:
     readings = result.readings
     reading = readings.outputs[axis]
-    expected = _expected(result, axis)
-    time = readings.time if readings.time is not None else np.full(len(readings), np.nan)
-    return Curve(
-        "flip_dwells",
-        axis,
-        {
-            "flip": Column([str(label) for label in readings.flip]),
-            "angle": Column(readings.angle, "rad"),
-            "time": Column(time, "s"),
-            "reading": Column(reading, UNIT),
-            "expected": Column(expected, UNIT),
-            "residual": Column(reading - expected, UNIT),
-            "place": Column(list(readings.where) if readings.where else [""] * len(readings)),
-        },
-    )
-
-
-def _expected(result: Result, axis: str) -> Array:
-    """Return what a flip's own result makes of each dwell, drifts left out; NaN where it was not separated."""
-    found = np.full(len(result.readings), np.nan)
+    expected = np.full(len(readings), np.nan)
     for one in result.flips:
-        own = np.flatnonzero(result.readings.flip == one.label)
-        found[own] = _model(result.plan, result.readings, one.separated[0], axis, own)
-    return found
+        own = np.flatnonzero(readings.flip == one.label)
+        expected[own] = _expected(result.plan, readings, one.separated[0], axis, own)
+    columns = {
+        "flip": Column([str(label) for label in readings.flip]),
+        "angle": Column(readings.angle, "rad"),
+        "time": Column(readings.time if readings.time is not None else np.full(len(readings), np.nan), "s"),
+        "reading": Column(reading, UNIT),
+        "expected": Column(expected, UNIT),
+        "residual": Column(reading - expected, UNIT),
+        "place": Column(list(readings.where) if readings.where else [""] * len(readings)),
+    }
+    return Curve("flip_dwells", axis, columns)
 
 
-def _model(plan: Plan, readings: Readings, one: Separated, axis: str, own: NDArray[np.intp]) -> Array:
+def _expected(plan: Plan, readings: Readings, one: Separated, axis: str, own: NDArray[np.intp]) -> Array:
+    """Return the reading of each dwell by a flip's own result, drifts left out; NaN where it was not separated."""
     angle = readings.angle[own]
     if axis == plan.axis:
         read = np.isfinite(readings.outputs[axis][own])
-        told = directions(angle[read])
-        parts = [one.value(Key(name, axis)) or 0.0 for name in (CONTROL, QUADRATURE)][: told.shape[1]]
+        turned = directions(angle[read])
+        parts = [one.value(Key(name, axis)) or 0.0 for name in (CONTROL, QUADRATURE)][: turned.shape[1]]
         level = one.value(Key(READING, axis))
-        found = np.full(len(own), np.nan)
-        found[read] = (np.nan if level is None else level) + told @ np.array(parts)
-        return found
+        expected = np.full(len(own), np.nan)
+        expected[read] = (np.nan if level is None else level) + turned @ np.array(parts)
+        return expected
     bias = one.value(Key(BIAS, axis))
     if bias is None:
         return np.full(len(own), np.nan)
@@ -82,11 +72,10 @@ def _model(plan: Plan, readings: Readings, one: Separated, axis: str, own: NDArr
 
 def _quiet(one: Quiet, axis: str) -> Curve:
     one = one.of(axis)
-    used = np.any(one.weights > 0.0, axis=0)
     columns = {
         "time": Column(one.times, "s"),
         "mean": Column(one.means[axis], UNIT),
         "angle": Column(one.angle, "rad"),
-        "used": Column(used),
+        "used": Column(np.any(one.weights > 0.0, axis=0)),
     }
     return Curve("quiet", axis, columns, recording=one.name)

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any, cast
 
 import numpy as np
 
+from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import Recording
@@ -17,12 +18,54 @@ from ...core.times import read_elapsed, read_instant
 from ...core.units import convert, factor, kind, si_unit
 from ...files.text.table import Table
 from ..protocol import Source
-from .dwells.plausible import readable
+from .dwells.disturbances import is_reading, readable
 from .dwells.quiet import Window
 from .dwells.recordings import FlipRecording
 from .entry import FlipEntry, Means, Position
-from .readings import Readings
-from .tables import MeanOf, readings_of_means
+from .readings import HalfWidths, Readings
+
+
+@dataclass(frozen=True)
+class MeanOf:
+    """One mean of a table.
+
+    Parameters
+    ----------
+    axis : str
+        That reads.
+    angle : float
+        Position [rad].
+    mean : float
+        [m/s^2].
+    flip : str
+        Which flip.
+    half_widths : tuple of (float, float)
+        Probability and half width [m/s^2] of each t-interval that is given.
+    temperature : float
+        [degC]; NaN where not given.
+    others : mapping of str to float
+        The same by other statistics [m/s^2].
+    dwell : str
+        Tells dwells of one flip and position apart; empty where there is one.
+    time : float
+        Middle of the dwell [s]; NaN where not given.
+    where : str
+        File and row.
+    predicted : float
+        Bias that a ground model predicts in the dwell [m/s^2]; NaN where not given.
+    """
+
+    axis: str
+    angle: float
+    mean: float
+    flip: str = "1"
+    half_widths: tuple[tuple[float, float], ...] = ()
+    temperature: float = math.nan
+    others: Mapping[str, float] | None = None
+    dwell: str = ""
+    time: float = math.nan
+    where: str = ""
+    predicted: float = math.nan
 
 
 def readings_of_means_tables(sources: Sequence[Source]) -> Readings:
@@ -33,7 +76,7 @@ def readings_of_means_tables(sources: Sequence[Source]) -> Readings:
     DataError
         ``nothing_left`` if no row is in the groups of the test; as `means_of`.
     """
-    found: list[MeanOf] = []
+    used: list[MeanOf] = []
     remarks: list[Remark] = []
     for source in sources:
         table, means = source.table(), cast("FlipEntry", source.entry).means
@@ -41,12 +84,12 @@ def readings_of_means_tables(sources: Sequence[Source]) -> Readings:
         rows = means_of(table, means, source.file)
         chosen = [one for one in rows if source.groups is None or one.flip in source.groups]
         source.chose(len(chosen))
-        found += chosen
+        used += chosen
         remarks += [*table.remarks, *table.missing(means.mean)]
-    if not found:
+    if not used:
         what = f"test {sources[0].test!r}: no row is in its groups ({', '.join(sources[0].groups or ())})"
         raise DataError(what, code="nothing_left")
-    readings = readings_of_means(found)
+    readings = readings_of_means(used)
     return replace(readings, remarks=(*remarks, *readings.remarks))
 
 
@@ -58,72 +101,137 @@ def means_of(table: Table, means: Means, file: str) -> list[MeanOf]:
     DataError
         If a column is missing, a position has no angle (``wrong_value``), or an axis is none of x, y, z.
     """
-    angles = means.angles
+    scale = factor(means.unit, si_unit(means.unit))
     values = convert(table.numbers(means.mean), means.unit, si_unit(means.unit))
     axes, positions = table.text(means.axis), table.text(means.position)
     flips = table.text(means.flip) if means.flip else ("1",) * len(table)
     warm = table.numbers(means.temperature) if means.temperature else [math.nan] * len(table)
-    scale = factor(means.unit, si_unit(means.unit))
-    told = _predicted(table, means)
+    predicted: Array = np.full(len(table), math.nan)
+    if means.predicted is not None:  # in the unit of its header, else that of the means
+        own = table.unit(means.predicted)
+        unit = own if own is not None and kind(own) == kind(means.unit) else means.unit
+        predicted = table.numbers(means.predicted) * factor(unit, si_unit(unit))
     widths = {float(p): table.numbers(column, required=False) * scale for p, column in means.half_widths.items()}
-    found = []
+    rows = []
     for i, row in enumerate(table.rows):
         where = f"{file}:{row}"
-        if positions[i] not in angles:
+        if positions[i] not in means.angles:
             what = f"column {means.position!r}: position {positions[i]!r} has no angle"
-            raise DataError(what, where, do=f"means.angles has: {', '.join(angles)}", code="wrong_value")
+            raise DataError(what, where, do=f"means.angles has: {', '.join(means.angles)}", code="wrong_value")
         given = tuple((p, float(width[i])) for p, width in widths.items() if math.isfinite(width[i]))
-        found.append(
-            MeanOf(
-                axes[i].lower(),
-                angles[positions[i]],
-                float(values[i]),
-                flips[i],
-                given,
-                float(warm[i]),
-                where=where,
-                predicted=float(told[i]),
-            )
-        )
-    return found
-
-
-def _predicted(table: Table, means: Means) -> Array:
-    """Return the bias that a ground model predicts, SI, shape (n,); in the unit of the means, or that of its head."""
-    if means.predicted is None:
-        return np.full(len(table), math.nan)
-    own = table.unit(means.predicted)
-    unit = own if own is not None and kind(own) == kind(means.unit) else means.unit
-    return table.numbers(means.predicted) * factor(unit, si_unit(unit))
+        angle, temperature = means.angles[positions[i]], float(warm[i])
+        rows.append(MeanOf(axes[i].lower(), angle, float(values[i]), flips[i], given, temperature,
+                           where=where, predicted=float(predicted[i])))  # fmt: skip
+    return rows
 
 
 def turned_head(source: Source) -> FlipRecording:
-    """Return a recording with the windows that its entry gives.
+    """Return a recording with the windows of its entry.
 
     Raises
     ------
     DataError
         ``wrong_time`` if a time is not on the clock of the recording.
     """
-    name, entry = source.name, cast("FlipEntry", source.entry)
+    entry = cast("FlipEntry", source.entry)
     recording = readable(source.recordings()[0][1])
     begin = None if entry.clock is None else entry.clock.mission_start
     origin = None if begin is None else read_instant(begin)
-    return FlipRecording(
-        recording, tuple(_window(one, recording, name, origin) for one in entry.positions or ()), name=name
+    return FlipRecording(recording, windows_of(entry.positions or (), recording, source.name, origin), source.name)
+
+
+def windows_of(
+    given: Sequence[Position], recording: Recording, name: str, origin: int | None = None
+) -> tuple[Window, ...]:
+    """Return windows on the clock of their recording.
+
+    Parameters
+    ----------
+    given : sequence of Position
+        As an entry has them.
+    recording : Recording
+        Whose clock.
+    name : str
+        Of the recording.
+    origin : int, optional
+        Zero of mission elapsed time [ns].
+
+    Raises
+    ------
+    DataError
+        ``wrong_time`` if a time is not on that clock.
+    """
+
+    def instant(text: Any) -> int:
+        try:
+            return read_instant(text, origin) if recording.epoch == "utc" else read_elapsed(text)
+        except ValueError as error:
+            clock = "UTC" if recording.epoch == "utc" else "elapsed time, without a date"
+            why = f"the clock of {recording.source.path or name} is {clock}"
+            raise DataError(f"recordings.{name}.positions: {error}", why=why, code="wrong_time") from None
+
+    return tuple(Window(instant(one.start), instant(one.stop), one.angle, one.flip) for one in given)
+
+
+def readings_of_means(means: Sequence[MeanOf]) -> Readings:
+    """Return the dwells of a table of means.
+
+    Raises
+    ------
+    DataError
+        If there is none, an axis is unknown (``wrong_value``), a position is not finite (``wrong_value``), a mean is
+        beyond any accelerometer (``wrong_value``), or an axis stands twice in a dwell (``repeated_row``).
+    """
+    if not means:
+        raise DataError("no dwells", why="there is nothing to separate", code="no_dwells")
+    groups: dict[tuple[str, str, float], dict[str, MeanOf]] = {}
+    for one in means:
+        _check(one)
+        dwell = groups.setdefault((one.flip, one.dwell, one.angle), {})
+        if one.axis in dwell:
+            what = f"axis {one.axis} stands twice at {math.degrees(one.angle):.6g} deg of flip {one.flip}"
+            do = "Name the dwell, where a position is repeated within a flip"
+            raise DataError(what, one.where, f"the first is {dwell[one.axis].where or 'above'}", do, "repeated_row")
+        dwell[one.axis] = one
+    return _pivoted(list(groups), list(groups.values()))
+
+
+def _check(one: MeanOf) -> None:
+    if one.axis not in AXES:
+        raise DataError(f"axis {one.axis!r}", one.where, do="Need x, y or z", code="wrong_value")
+    if not math.isfinite(one.angle):
+        raise DataError(f"position {one.angle}", one.where, do="Need the turn from position 0", code="wrong_value")
+    numbers = {"mean": one.mean, "predicted bias": one.predicted} | {f"half width {p:g}": w for p, w in one.half_widths}
+    for name, value in {**numbers, **dict(one.others or {})}.items():
+        if not is_reading(value):
+            what = f"{name} of {one.axis} is {value:.3g} m/s^2, too large for an accelerometer"
+            raise DataError(what, one.where, do="Mend the number, or its unit", code="wrong_value")
+
+
+def _pivoted(keys: list[tuple[str, str, float]], dwells: list[dict[str, MeanOf]]) -> Readings:
+    every = [one for dwell in dwells for one in dwell.values()]
+    axes = [axis for axis in AXES if any(one.axis == axis for one in every)]
+
+    def table(value: Callable[..., float | None], *key: object) -> dict[str, Array]:
+        rows = {axis: [value(dwell[axis], *key) if axis in dwell else None for dwell in dwells] for axis in axes}
+        return {axis: np.array(values, dtype=np.float64) for axis, values in rows.items()}
+
+    given = [[one.time for one in dwell.values() if math.isfinite(one.time)] for dwell in dwells]
+    time = np.array([float(np.mean(own)) if own else math.nan for own in given])
+    names = dict.fromkeys(name for one in every for name in one.others or {})
+    probabilities = sorted({p for one in every for p, _ in one.half_widths})
+    return Readings(
+        angle=np.array([angle for _, _, angle in keys]),
+        flip=np.array([flip for flip, _, _ in keys]),
+        outputs=table(lambda one: one.mean),
+        others={name: table(lambda one, name: (one.others or {}).get(name), name) for name in names},
+        half_widths=tuple(HalfWidths(p, table(lambda one, p: dict(one.half_widths).get(p), p)) for p in probabilities),
+        time=time if np.isfinite(time).any() else None,
+        temperature=_known(table(lambda one: one.temperature)),
+        predicted=_known(table(lambda one: one.predicted)),
+        where=tuple(next(iter(dwell.values())).where for dwell in dwells) if any(one.where for one in every) else (),
     )
 
 
-def _window(given: Position, recording: Recording, name: str, origin: int | None) -> Window:
-    start, stop = (_instant(one, recording, name, origin) for one in (given.start, given.stop))
-    return Window(start, stop, given.angle, given.flip)
-
-
-def _instant(given: Any, recording: Recording, name: str, origin: int | None) -> int:
-    """Return an instant on the clock of the recording [ns]; ``origin``: where mission elapsed time is zero."""
-    try:
-        return read_instant(given, origin) if recording.epoch == "utc" else read_elapsed(given)
-    except ValueError as error:
-        clock = "UTC" if recording.epoch == "utc" else "elapsed time, without a date"
-        why = f"the clock of {recording.source.path or name} is {clock}"
-        raise DataError(f"recordings.{name}.positions: {error}", why=why, code="wrong_time") from None
+def _known(values: Mapping[str, Array]) -> dict[str, Array]:
+    return {axis: one for axis, one in values.items() if np.isfinite(one).any()}

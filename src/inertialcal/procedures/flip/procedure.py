@@ -33,6 +33,9 @@ QUANTITIES = dict.fromkeys(
     Quantity(READING),
 )  # fmt: skip
 
+RULES = {"settling": ("settle", "window"), "no_reading": ("no_reading", "sample")}  # remark: rule, what it counts
+UNREAD = {"dwell_incomplete": "missing", "gain_changed": "gain"}  # remark: rule by which an axis is not read
+
 
 class Flip(Procedure[Plan, "Readings", "Result"]):
     """Bias and ambient acceleration of a head that was turned."""
@@ -78,10 +81,24 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return QUANTITIES
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
-        """Yield starts of windows and samples as remarks count them, then the dwells that an axis is not read in."""
-        from .left_out import left_out
+        """Yield starts of windows and samples as remarks count them, then the dwells in which an axis is not read."""
 
-        return left_out(test.plan, test.readings)
+        def decided(key: str) -> str:
+            value = getattr(test.plan, key, None)
+            return f"rule: {key}" if value is None else f"rule: {key} = {value:g}"
+
+        readings = test.readings
+        for number, remark in enumerate(readings.remarks):
+            if remark.code in RULES:
+                key, counts = RULES[remark.code]
+                yield Exclusion(remark.code, decided(key), remark.what, remark.where, count=remark.count,
+                                counts=counts, place_in_list=number)  # fmt: skip
+        for axis, values in readings.outputs.items():
+            why = next((one for one in readings.remarks if one.code in UNREAD and one.axis == axis), None)
+            for i, value in enumerate(values if why else ()):
+                if why and value != value:  # noqa: PLR0124 - NaN
+                    place = readings.where[i] if readings.where else ""
+                    yield Exclusion(why.code, decided(UNREAD[why.code]), why.what, place, axis, dwell=True)
 
     def called(self, result: Result, key: Key) -> Key:
         """Return the key of a value: what is left after a ground model is the error of that model."""
@@ -97,10 +114,17 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return side_by_side(result, other.result, other.id)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
-        """Return what a test found, as one sentence."""
-        from .finding import finding
+        """Return the largest bias, and the error of the control axis."""
+        from ...core.show.sentence import Cited, Quoted, error_sentence, estimated, largest, largest_of
 
-        return finding(rows)
+        biases = largest_of(("bias", "model_bias_error"), rows)
+        control = largest(estimated(rows, "control_error"))
+        if not biases:
+            return error_sentence(rows)
+        if control is None:
+            return biases
+        return (*biases, "; control axis ", Quoted(control["axis"]), " reads ", Cited(control),
+                " of the turn, where zero is right")  # fmt: skip
 
     def entry_keys(self) -> Sequence[EntryKey]:
         """Return ``means`` and ``positions``."""

@@ -28,37 +28,12 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from .curves import curves as curves_of
-from .dwells.quiet import Window
-from .dwells.recordings import FlipRecording, readings_from, windows
 from .plan import INFLUENCES, Plan
-from .readings import HalfWidths, Quiet, Readings
-from .rows import MODEL_BIAS, rows
+from .readings import Readings
+from .rows import rows
 from .separation.control import checks
 from .separation.pooling import Flip, differences, flips_of, pooled
-from .separation.standards import missing
-from .simulation import Truth, simulate
-from .tables import MeanOf, readings_of_means
-
-__all__ = [
-    "INFLUENCES",
-    "MODEL_BIAS",
-    "Flip",
-    "FlipRecording",
-    "HalfWidths",
-    "MeanOf",
-    "Plan",
-    "Quiet",
-    "Readings",
-    "Result",
-    "Truth",
-    "Window",
-    "readings_from",
-    "readings_of_means",
-    "reduce",
-    "rows",
-    "simulate",
-    "windows",
-]
+from .separation.uncertainty import missing
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,31 +106,20 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         raise DataError("no axis was read in any dwell", code="not_read")
     flips = flips_of(plan, readings)
     whole = pooled(plan, readings, flips)
-    others = {name: _by(plan, readings, name) for name in readings.others if _read(readings, name)}
-    remarks = [*readings.remarks, *checks(plan, readings, flips, whole), *differences(flips), *_doubts(plan, flips)]
-    return Result(plan, readings, flips, whole, others, gather(remarks))
-
-
-def _read(readings: Readings, name: str) -> bool:
-    return any(np.isfinite(one).any() for one in readings.others[name].values())
-
-
-def _by(plan: Plan, readings: Readings, name: str) -> Flip:
-    other = readings.by(name)
-    return pooled(plan, other, flips_of(plan, other))
-
-
-def _doubts(plan: Plan, flips: tuple[Flip, ...]) -> list[Remark]:
-    found = []
+    others = {}
+    for name, outputs in readings.others.items():
+        if any(np.isfinite(one).any() for one in outputs.values()):
+            other = readings.by(name)
+            others[name] = pooled(plan, other, flips_of(plan, other))
+    remarks = [*readings.remarks, *checks(plan, readings, flips, whole), *differences(flips)]
     for one in flips:
         if one.estimate is None:
-            what = f"no uncertainty: {one.reason}"
             do = "Give the recordings, long before and after the turn"
             place = f"flip {one.label}" if len(flips) > 1 else ""
-            found.append(Remark("no_noise_model", "warning", what, place, do=do))
-    left = missing(plan)
-    if left:
-        effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in left)
+            remarks.append(Remark("no_noise_model", "warning", f"no uncertainty: {one.reason}", place, do=do))
+    unstated = missing(plan)
+    if unstated:
+        effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in unstated)
         what = f"standards without a stated uncertainty: {effects}: results are relative to the fixture"
-        found.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
-    return found
+        remarks.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
+    return Result(plan, readings, flips, whole, others, gather(remarks))

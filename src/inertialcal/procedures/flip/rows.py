@@ -1,43 +1,58 @@
 """Rows of a flip's result: every quantity with its uncertainty, or the reason why there is none.
 
-Where a ground model's prediction is given, ``predicted_bias`` with ``bias_shift`` or ``corrected_bias`` (``orbit``).
+Rows without method or member are the result, all flips pooled; ``Member("flip", "1")`` marks each of several; methods
+``median`` and ``low_pass`` other statistics of the same windows. Where a ground model's prediction is given there are
+``predicted_bias`` with ``bias_shift`` or ``corrected_bias`` (``separation.orbit``).
 
-Conditions: none for the result, all flips pooled; ``"flip 1"`` for each of several; ``"median"`` and ``"low_pass"`` for
-other statistics of the same windows; ``"as_published"`` for the document's own way (with several flips, of each:
-``"as_published, flip 1"``).
+The textbook rows follow TM-106980: half difference and half sum of a flip of two positions half a turn apart [1]_::
+
+    G = (M_0 - M_pi) / 2        B = (M_0 + M_pi) / 2        accuracy: sum of the half widths of both intervals
+
+The report states t-intervals of ten sub-means within a dwell; noise slower than a dwell is not in them, so the accuracy
+of a single flip is not an uncertainty of its bias.
+
+References
+----------
+.. [1] Chestney and Sicker, NASA TM-106980, 1996, eq. (1)-(7), Tables 3 to 6, 20 to 22; t-intervals in the text.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...core.key import Key, Member, Method, Reason
-from ...core.results import Row, not_estimated
+from ...core.results import Interval, Row, not_estimated
 from ...statistics.intervals import t_interval
 from .plan import Plan
-from .published import published_rows
-from .separation.equations import AMBIENT, BIAS, CONTROL, READING
+from .readings import Readings
+from .separation.equations import AMBIENT, BIAS, CONTROL, READING, SAME, directions
 from .separation.orbit import CORRECTED, PREDICTED, SHIFT, Against, against_model
 from .separation.pooling import Flip, units
-from .separation.standards import missing
+from .separation.uncertainty import missing
 
 if TYPE_CHECKING:
     from .reduction import Result
 
-MODEL_BIAS = "model_bias_error"  # what a ground model leaves of the bias
+UNIT = "m/s^2"
+MODEL_BIAS = "model_bias_error"  # of a ground model
 ALONG = Reason("along_turn", "not turned: bias and ambient acceleration along the turn are one (see reading)")
-NO_STATISTIC = Reason("no_statistic", "its own uncertainty is not worked out: see that of the mean")
+NO_STATISTIC = Reason("no_statistic", "no uncertainty for this statistic: see that of the mean")
 DOUBTED = Reason(
-    "magnitude", "readings of a size that orbit and head cannot have (remark `magnitude`): their unit is in doubt"
+    "magnitude", "readings too large or too small for a head in orbit (remark `magnitude`): check the unit"
 )
-PREDICTION = "of the ground model, taken as it is: the readings do not say how well it is known"
+PREDICTION = "prediction of the ground model, without its uncertainty: the readings do not contain it"
+ACCURACY = "accuracy"
+REASON = Reason("limits", "accuracy as the sum of both half widths, noise taken as white within a dwell")
+WIDTH = Reason("width", "the sum of both half widths itself")
 
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI."""
+    bias = MODEL_BIAS if result.plan.corrected else BIAS
     found = _of_flip(result, result.whole)
     several = len(result.flips) > 1
     for one in result.flips if several else ():
@@ -47,32 +62,16 @@ def rows(result: Result) -> list[Row]:
         found += _of_flip(result, other, Method(name))
     for name, why in result.readings.reasons.items():
         if name not in result.others:
-            found += [not_estimated(key, "m/s^2", Reason("no_window", why), Method(name)) for key in _wanted(result)]
+            for axis in result.readings.axes:
+                keys = (Key(CONTROL if axis == result.plan.axis else AMBIENT, axis), Key(bias, axis))
+                found += [not_estimated(key, UNIT, Reason("no_window", why), Method(name)) for key in keys]
     for one in result.flips:
-        own = published_rows(result.plan, result.readings, one.label, _called(result.plan, BIAS))
-        found += [replace(row, member=Member("flip", one.label)) for row in own] if several else own
-    doubted = any(remark.code == "magnitude" for remark in result.remarks)
-    return [_doubted(row) for row in found] if doubted else found
-
-
-def _doubted(row: Row) -> Row:
-    """Return the row without its uncertainty: in a wrong unit it is wrong, too."""
-    if row.status == "not_estimated":
-        return row
-    return replace(row, u=None, dof=None, interval=None, status="not_estimated", reason=DOUBTED)
-
-
-def _wanted(result: Result) -> list[Key]:
-    """Quantities that a flip should give of each axis that was read."""
-    found = []
-    for axis in result.readings.axes:
-        first = CONTROL if axis == result.plan.axis else AMBIENT
-        found += [Key(first, axis), Key(_called(result.plan, BIAS), axis)]
+        member = Member("flip", one.label) if several else None
+        found += [replace(row, member=member) for row in textbook_rows(result.plan, result.readings, one.label, bias)]
+    if any(remark.code == "magnitude" for remark in result.remarks):  # in a wrong unit an uncertainty is wrong, too
+        doubted = {"u": None, "dof": None, "interval": None, "status": "not_estimated", "reason": DOUBTED}
+        found = [row if row.status == "not_estimated" else replace(row, **doubted) for row in found]  # type: ignore[arg-type]
     return found
-
-
-def _called(plan: Plan, quantity: str) -> str:
-    return MODEL_BIAS if plan.corrected and quantity == BIAS else quantity
 
 
 def _of_flip(result: Result, one: Flip, method: Method = Method.RESULT, member: Member | None = None) -> list[Row]:
@@ -86,50 +85,73 @@ def _of_flip(result: Result, one: Flip, method: Method = Method.RESULT, member: 
     return found
 
 
+def _called(plan: Plan, quantity: str) -> str:
+    return MODEL_BIAS if plan.corrected and quantity == BIAS else quantity
+
+
 def _against_model(result: Result) -> list[Row]:
-    """Return what a ground model predicts, and how far the flip is off it, or what both make together."""
+    """Return the prediction of a ground model, and the shift from it or the bias corrected by it."""
+
+    def text(own: str, one: Against) -> str:  # with the flips that have a prediction, where not all of them have
+        some = not one.label and len(one.flips) < len(result.flips)
+        parts = (own, f"of flip {', '.join(one.flips)} alone: no prediction for the others" if some else "")
+        return "; ".join(part for part in parts if part)
+
     found = []
     for one in against_model(result.plan, result.readings, result.flips):
         member = Member("flip", one.label) if one.label else None
-        told = "; ".join(part for part in (PREDICTION, _some(result, one)) if part)
-        found.append(Row(Key(PREDICTED, one.axis), one.predicted, None, "m/s^2", status="not_estimated",
-                         reason=Reason("taken_as_is", told), member=member))  # fmt: skip
+        reason = Reason("taken_as_is", text(PREDICTION, one))
+        found.append(Row(Key(PREDICTED, one.axis), one.predicted, None, UNIT, status="not_estimated",
+                         reason=reason, member=member))  # fmt: skip
         if one.quantity:
             row = _row(result, one.flip, one.flip.keys.index(one.key), member=member, called=one.quantity)
-            told = "; ".join(part for part in (row.reason.text, _some(result, one)) if part)
-            found.append(replace(row, reason=Reason(row.reason.code, told)))
+            found.append(replace(row, reason=Reason(row.reason.code, text(row.reason.text, one))))
         elif not one.label:
             key = Key(CORRECTED if result.plan.corrected else SHIFT, one.axis)
-            found.append(not_estimated(key, "m/s^2", ALONG))
+            found.append(not_estimated(key, UNIT, ALONG))
     return found
-
-
-def _some(result: Result, one: Against) -> str:
-    """Name the flips that have a prediction, where not all of them have."""
-    some = not one.label and len(one.flips) < len(result.flips)
-    return f"of flip {', '.join(one.flips)} alone: no prediction for the others" if some else ""
 
 
 def _row(
     result: Result, one: Flip, at: int, method: Method = Method.RESULT, member: Member | None = None, called: str = ""
 ) -> Row:
-    key, unit = one.keys[at], units([one.keys[at]])[0]
-    key = key._replace(quantity=called or _called(result.plan, key.quantity))
+    own, unit = one.keys[at], units([one.keys[at]])[0]
+    key = own._replace(quantity=called or _called(result.plan, own.quantity))
     value = float(one.values[at])
     if one.estimate is None:
         reason = one.reason if method is Method.RESULT else NO_STATISTIC
         return Row(key, value, None, unit, status="not_estimated", reason=reason, method=method, member=member)
     u, dof = float(one.estimate.u[at]), float(one.estimate.dof[at])
+    limits = ["bias and ambient acceleration together"] if own.quantity == READING else []
+    limits += ["relative to the fixture"] if missing(result.plan) else []
     return Row(
         key, value, u, unit, dof if np.isfinite(dof) else None, t_interval(value, u, dof),
-        reason=_limits(result, one.keys[at]), method=method, member=member,
+        reason=Reason("limits", "; ".join(limits)), method=method, member=member,
     )  # fmt: skip
 
 
-def _limits(result: Result, key: Key) -> Reason:
-    parts = ["bias and ambient acceleration together"] if key.quantity == READING else []
-    parts += ["relative to the fixture"] if missing(result.plan) else []
-    return Reason("limits", "; ".join(parts))
+def textbook_rows(plan: Plan, readings: Readings, flip: str, bias: str) -> Iterator[Row]:
+    """Yield half difference, half sum (called ``bias``) and accuracy of each axis of a flip of two positions.
 
-
-__all__ = ["MODEL_BIAS", "rows"]
+    Only for positions half a turn apart whose half widths are given.
+    """
+    for axis in readings.axes:
+        own = np.flatnonzero((readings.flip == flip) & np.isfinite(readings.outputs[axis]))
+        angle = readings.angle[own]
+        if len(own) != 2 or abs(float(np.ptp(angle)) - np.pi) >= SAME or directions(angle).shape[1] != 1:
+            continue
+        pair = own if np.cos(angle[0]) > 0.0 else own[::-1]
+        m_0, m_pi = (float(readings.outputs[axis][k]) for k in pair)
+        difference = CONTROL if axis == plan.axis else AMBIENT
+        values = {difference: 0.5 * (m_0 - m_pi), bias: 0.5 * (m_0 + m_pi)}
+        for one in readings.half_widths:
+            half = float(one.values[axis][pair].sum())
+            if not np.isfinite(half):
+                continue
+            for quantity, value in values.items():
+                interval = Interval(value - half, value + half, one.p)
+                yield Row(Key(quantity, axis), value, None, UNIT, interval=interval, reason=REASON,
+                          method=Method.TEXTBOOK)  # fmt: skip
+            values = {}
+            key = Key(f"{ACCURACY}_{100.0 * one.p:g}", axis)
+            yield Row(key, half, None, UNIT, status="not_estimated", reason=WIDTH, method=Method.TEXTBOOK)

@@ -1,13 +1,13 @@
-"""Readings of a flip whose truth is known.
+"""Simulated readings of a flip.
 
 The noise is drawn as samples of one second, white and 1/f. Its mean over the quiet record counts as bias, as in
-``uncertainty``, and is taken off: ``Truth.bias`` is the mean bias over that record.
+``uncertainty``, and is removed: ``Truth.bias`` is the mean bias over that record.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from ...core.recording import SECOND
 from .dwells.quiet import Window, quiet_of, stretches
 from .plan import Plan
 from .readings import Readings
-from .separation.positions import rotation, slope, tilted
+from .separation.equations import rotation, slope, tilted
 
 STEP = 1.0  # [s]
 LONGER = 4  # than the record is drawn, so that its ends do not meet
@@ -52,21 +52,15 @@ class Truth:
 
 
 def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
-    """Return the readings of one flip in the middle of a record; errors of the plan's standards are drawn.
-
-    Parameters
-    ----------
-    plan : Plan
-        Axis, block length, and how large the errors of angle, axis, zero and scale factor are.
-    truth : Truth
-        Head and test.
-    rng : numpy.random.Generator
-        All draws come from it.
-    """
+    """Return the readings of one flip in the middle of a record; errors of the plan's standards are drawn."""
     count = round(truth.record / STEP)
     time_ns = np.asarray((np.arange(count) + 0.5) * STEP * SECOND, dtype=np.int64)
-    given = _windows(truth)
-    parts = stretches(given, 0, round(truth.record * SECOND), None)
+    step = truth.dwell + truth.turn
+    start = 0.5 * (truth.record - len(truth.angles) * step + truth.turn)  # windows around the middle of the record
+    starts = [round((start + i * step) * SECOND) for i in range(len(truth.angles))]
+    dwell = round(truth.dwell * SECOND)
+    given = [Window(start, start + dwell, angle) for start, angle in zip(starts, truth.angles, strict=True)]
+    parts = stretches(given, 0, round(truth.record * SECOND))
     channels = {axis: coloured(count, STEP, truth.white, truth.corner, rng) for axis in AXES}
     rows = np.arange(len(given))
     quiet, _ = quiet_of(time_ns, channels, parts, rows, len(given), plan.block)
@@ -78,8 +72,8 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
         means[axis] = noise + levels[position, at]
         outputs[axis] = quiet.weights @ noise + levels[:, at]
     middle = quiet.spans.mean(axis=1)
-    seen = type(quiet)(quiet.times, quiet.length, quiet.angle, means, quiet.weights, quiet.spans, "simulated")
-    return Readings(np.array(truth.angles), np.full(len(given), "1"), outputs, time=middle, quiet=(seen,))
+    record = replace(quiet, means=means, name="simulated")
+    return Readings(np.array(truth.angles), np.full(len(given), "1"), outputs, time=middle, quiet=(record,))
 
 
 def coloured(count: int, step: float, white: float, corner: float, rng: np.random.Generator) -> Array:
@@ -109,15 +103,6 @@ def coloured(count: int, step: float, white: float, corner: float, rng: np.rando
     slow = np.fft.irfft(parts * np.sqrt(density * long / (4.0 * step)), long)
     first = int(rng.integers(long - count))
     return np.asarray(samples + slow[first : first + count])
-
-
-def _windows(truth: Truth) -> list[Window]:
-    """Windows about the middle of the record."""
-    step = truth.dwell + truth.turn
-    first = 0.5 * (truth.record - len(truth.angles) * step + truth.turn)
-    starts = [round((first + i * step) * SECOND) for i in range(len(truth.angles))]
-    length = round(truth.dwell * SECOND)
-    return [Window(start, start + length, angle) for start, angle in zip(starts, truth.angles, strict=True)]
 
 
 def _levels(plan: Plan, truth: Truth, angles: Array, rng: np.random.Generator) -> Array:

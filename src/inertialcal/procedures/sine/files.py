@@ -16,12 +16,12 @@ from ...core.show.rounding import number
 from ...core.show.tables import Block, html, text
 from ...files.source import load
 from ...files.text.headers import bare_name
+from ..mass_attraction.schedule_csv import read_schedule
 from ..static_noise.files.settings import one_of, quantity
 from ..static_noise.files.sources import Source, recordings_of
 from .inputs import channel_of, driven_by_schedule, driven_by_sine
 from .plan import Plan
-from .reduction import line_of
-from .result import SineResult
+from .reduction import SineResult, line_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -155,7 +155,7 @@ def sine(
     recording = recordings_of(source, **recorded)[0]
     channel = channel_of(recording, column)
     if schedule is not None:
-        driven = driven_by_schedule(recording, channel, schedule)
+        driven = driven_by_schedule(recording, channel, read_schedule(schedule), schedule)
     else:
         turn = None if phase is None else quantity(phase, "rad", "phase", "90 deg")
         driven = driven_by_sine(recording, channel, quantity(str(period), "s", "period", "480 s"), turn)

@@ -1,4 +1,4 @@
-"""Readings of one channel with a known drive: times, values and drive of the samples that there are."""
+"""Readings of one channel with a known drive: times, values and drive of the present samples."""
 
 from __future__ import annotations
 
@@ -16,10 +16,9 @@ from ...core.show.rounding import number
 from ...files.text.headers import bare_name
 from ...physics.motion.schedule import Schedule
 from ...signals.sine import Drive, applied_drive, averaging_response, sine_drive
-from ..mass_attraction.schedule_csv import read_schedule
 
 HALF = 0.5  # of the samples, that may be missing
-SEEN = 1e-3  # of an amplitude, from which averaging is told of
+SEEN = 1e-3  # of an amplitude, from which averaging is remarked
 WHOLE = 0.01  # of a period, by which a record may differ from whole cycles
 
 
@@ -32,17 +31,17 @@ class Driven:
     channel : Channel
         As read.
     drive : Drive
-        At the samples that there are; over ``amplitude`` in the unit of the drive itself.
+        At the present samples, in units of its amplitude.
     readings : ndarray, shape (n,)
         Finite [unit of the channel].
     response : float
-        Part of the drive that samples show, being means over a time.
+        Part of the drive in the samples, which are means over a time.
     applied : float or None
-        Amplitude applied by a schedule, which the drive is over [m/s^2].
+        Amplitude applied by a schedule [m/s^2].
     u_applied : float or None
         Its relative standard uncertainty.
     remarks : tuple of Remark
-        What cutting brought up.
+        On gaps and cycles.
     """
 
     channel: Channel
@@ -55,12 +54,12 @@ class Driven:
 
     @property
     def unit(self) -> str:
-        """Of the readings; empty where nobody said."""
+        """Of the readings; empty where not known."""
         return self.channel.unit or ""
 
 
 def channel_of(recording: Recording, column: str | None) -> Channel:
-    """Return the channel to look at.
+    """Return the channel under the drive.
 
     Raises
     ------
@@ -76,22 +75,13 @@ def channel_of(recording: Recording, column: str | None) -> Channel:
     if len(known) == 1:
         return known[0]
     what = f"{recording.source.path or 'the record'}: {len(known)} columns of numbers: {', '.join(recording.names)}"
-    raise UsageError(what, why="a drive is looked for in one", do="Name it: --column NAME", code="no_column")
+    raise UsageError(what, why="a drive is fitted to one channel", do="Name it: --column NAME", code="no_column")
 
 
 def driven_by_sine(recording: Recording, channel: Channel, period: float, phase: float | None) -> Driven:
-    """Return a channel under a sine of known period, its samples at their own times.
+    """Return a channel under a sine of known period [s], its samples at their own times.
 
-    Parameters
-    ----------
-    recording : Recording
-        With a time or a sample interval.
-    channel : Channel
-        Of it.
-    period : float
-        [s]
-    phase : float, optional
-        At the first sample of the record [rad].
+    ``phase`` is that at the first sample of the record [rad]; None where it is free.
 
     Raises
     ------
@@ -105,37 +95,36 @@ def driven_by_sine(recording: Recording, channel: Channel, period: float, phase:
     drive = sine_drive(times[there], 1.0 / period, None if phase is None else phase + late)
     averaging = recording.averaging_time
     response = 1.0 if averaging is None else averaging_response(1.0 / period, averaging)
-    remarks += [*_cycles(drive), *_averaged(response, averaging, drive)]
+    remarks += _cycles(drive)
+    loss = 1.0 - abs(averaging_response(drive.frequency, min(drive.step, 0.5 / drive.frequency)))
+    if averaging is None and loss > SEEN:
+        what = f"if samples are means over their interval, they show {number(100.0 * loss, 3)} % less of the drive"
+        remarks.append(Remark("averaging", "info", what, do='Say it: --averaging "10 s"'))
+    elif averaging is not None and response < 1.0 - SEEN:
+        share, window = number(100.0 * (1.0 - response), 3), number(averaging, 4)
+        what = f"samples are means over {window} s: they show {share} % less of the drive, which is corrected"
+        remarks.append(Remark("averaging", "info", what))
     return Driven(channel, drive, _values(channel)[there], response, remarks=tuple(remarks))
 
 
-def driven_by_schedule(recording: Recording, channel: Channel, path: str | Path) -> Driven:
-    """Return the means of a channel over the dwells of a schedule that begins with the record.
-
-    Parameters
-    ----------
-    recording : Recording
-        With a time or a sample interval.
-    channel : Channel
-        Of it.
-    path : path
-        CSV of the schedule.
+def driven_by_schedule(recording: Recording, channel: Channel, schedule: Schedule, path: str | Path) -> Driven:
+    """Return the means of a channel over the dwells of a schedule, read from ``path``, that begins with the record.
 
     Raises
     ------
     DataError
         ``different_length`` if schedule and record do not end together within a dwell and a move; ``gaps`` if more than
-        half of the dwells have no reading; as ``files.text.schedule_csv`` and ``signals.sine.applied_drive``.
+        half of the dwells have no reading; as ``signals.sine.applied_drive``.
     """
-    return driven_by_dwells(recording, channel, read_schedule(path), path)
-
-
-def driven_by_dwells(recording: Recording, channel: Channel, schedule: Schedule, path: str | Path) -> Driven:
-    """Return the means of a channel over the dwells of a schedule that was read; errors as `driven_by_schedule`."""
     times, there, _ = _present(recording, channel)
     step = float(np.median(np.diff(times)))
     own = times - times[0] + schedule.start[0] + 0.5 * min(step, schedule.dwell)  # middle of each sample, its clock
-    _check_end(schedule, own[-1] + 0.5 * min(step, schedule.dwell), recording, path)
+    end = float(own[-1] + 0.5 * min(step, schedule.dwell))
+    if abs(end - float(schedule.stop[-1])) > schedule.step:
+        what = f"the schedule {path} has {len(schedule)} dwells over {schedule.stop[-1] - schedule.start[0]:.6g} s,"
+        what += f" the record lasts {end - schedule.start[0]:.6g} s"
+        do = "Give the schedule of this record, or cut the record: --from, --to"
+        raise DataError(what, recording.source.path, "they are not of one run", do, "different_length")
     dwell = np.searchsorted(schedule.start, own, side="right") - 1
     inside = there & (own < schedule.stop[dwell] + 1e-9 * step)
     counts = np.bincount(dwell[inside], minlength=len(schedule))
@@ -167,7 +156,7 @@ def _present(recording: Recording, channel: Channel) -> tuple[Array, NDArray[np.
     gone = int(np.count_nonzero(~there))
     if gone > HALF * len(there):
         what = f"{gone} of {len(there)} samples of {channel.name!r} are missing"
-        why = "between so many gaps drift cannot be told from the drive"
+        why = "with so many gaps drift and drive cannot be separated"
         raise DataError(what, where=where, why=why, do="Record again", code="gaps")
     return times, there, [_missing(gone, len(there), "samples")] if gone else []
 
@@ -183,25 +172,3 @@ def _cycles(drive: Drive) -> list[Remark]:
         return []
     what = f"the record has {number(drive.cycles, 5)} cycles, not a whole number: the fit does not need one"
     return [Remark("whole_cycles", "info", what, do="Fourier lines and moving means of this record would mix")]
-
-
-def _averaged(response: float, averaging: float | None, drive: Drive) -> list[Remark]:
-    if averaging is not None and response < 1.0 - SEEN:
-        share, window = number(100.0 * (1.0 - response), 3), number(averaging, 4)
-        what = f"samples are means over {window} s: they show {share} % less of the drive, which is put back"
-        return [Remark("averaging", "info", what)]
-    loss = 1.0 - abs(averaging_response(drive.frequency, min(drive.step, 0.5 / drive.frequency)))
-    if averaging is None and loss > SEEN:
-        what = f"if samples are means over their interval, they show {number(100.0 * loss, 3)} % less of the drive"
-        return [Remark("averaging", "info", what, do='Say it: --averaging "10 s"')]
-    return []
-
-
-def _check_end(schedule: Schedule, end: float, recording: Recording, path: str | Path) -> None:
-    late = end - float(schedule.stop[-1])
-    if abs(late) <= schedule.step:
-        return
-    what = f"the schedule {path} has {len(schedule)} dwells over {schedule.stop[-1] - schedule.start[0]:.6g} s,"
-    what += f" the record lasts {end - schedule.start[0]:.6g} s"
-    do = "Give the schedule of this record, or cut the record: --from, --to"
-    raise DataError(what, where=recording.source.path, why="they are not of one run", do=do, code="different_length")

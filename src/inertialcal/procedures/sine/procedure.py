@@ -46,11 +46,11 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         Raises
         ------
         DataError
-            ``no_drive`` if nothing says the drive of a recording; as ``inputs``.
+            ``no_drive`` if the drive of a recording is not given; as ``inputs``.
         """
         from ...core.errors import DataError
         from ..mass_attraction.schedule_csv import read_schedule
-        from .inputs import driven_by_dwells, driven_by_sine
+        from .inputs import driven_by_schedule, driven_by_sine
         from .reduction import Readings
 
         found, remarks = [], []
@@ -67,7 +67,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
                         found.append(driven_by_sine(recording, channel, float(plan.period or 0.0), plan.phase))
                     else:
                         schedule = source.read_file(drive.schedule, read_schedule)
-                        found.append(driven_by_dwells(recording, channel, schedule, drive.schedule))
+                        found.append(driven_by_schedule(recording, channel, schedule, drive.schedule))
         return Readings(tuple(found), tuple(remarks))
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
@@ -81,10 +81,10 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         return result.rows()
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
-        """Return what a test found, as one sentence."""
-        from .finding import finding
+        """Return the largest amplitude."""
+        from ...core.show.sentence import largest_of
 
-        return finding(rows)
+        return largest_of(("amplitude",), rows) or ("No amplitude could be estimated",)
 
     def entry_keys(self) -> Sequence[EntryKey]:
         """Return ``drive``."""

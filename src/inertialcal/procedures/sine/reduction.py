@@ -1,8 +1,8 @@
-"""A known drive in drift: its line in each channel, with the noise of the lines beside it.
+"""A known drive in drift: its line in each channel, with the noise of the neighbouring lines.
 
-What is estimated: amplitude (and phase, where it is free) of a sine of known period, or of a sequence of dwells that
-was applied. What is assumed: nothing else follows the drive; drift is described by a line and low cosines, or a
-polynomial. What the uncertainty means: the noise beside the line, taken as that on it.
+Estimated: amplitude (and phase, where it is free) of a sine of known period, or of a sequence of dwells that was
+applied. Assumed: nothing else follows the drive; drift is a line and low cosines, or a polynomial. The uncertainty: the
+noise on neighbouring lines, taken as that on the line itself.
 
 References
 ----------
@@ -11,29 +11,38 @@ References
 
 from __future__ import annotations
 
+import math
+from collections.abc import Iterator
 from dataclasses import dataclass
 
-from ...core.curve import Curve
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.curve import Column, Curve
 from ...core.errors import DataError
+from ...core.estimate import Array
+from ...core.key import Key, Method, Reason
 from ...core.remarks import Remark, gather
-from ...core.results import Row
-from ...signals.sine import cross_checks, design_of, fit_line
+from ...core.results import Interval, Row
+from ...core.show.rounding import number, with_uncertainty
+from ...files.text.headers import bare_name
+from ...signals.sine import CrossCheck, LineFit, amplitude_of, cross_checks, design_of, fit_line
+from ...statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
+from ..static_noise.reduction import FILE_UNIT
 from .inputs import Driven
 from .plan import Plan
-from .result import SineResult
+
+FLOOR = 3.0  # standard uncertainties below which an amplitude is an upper limit
+FEW_DOF = 8.0
+STRANGE = 0.999  # probability of the interval outside which the quadrature of a known phase is remarked
+MOST = 4000  # rows of a curve
+METHODS = {"alternating_differences": Method.DIFFERENCES, "generalised_least_squares": Method.GENERALISED}
+AROUND = 3  # shown lines on each side, over the side bands
 
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Channels under the drive.
-
-    Parameters
-    ----------
-    driven : tuple of Driven
-        One a channel of a recording.
-    remarks : tuple of Remark
-        What reading them brought up.
-    """
+    """Channels under the drive."""
 
     driven: tuple[Driven, ...]
     remarks: tuple[Remark, ...] = ()
@@ -50,17 +59,7 @@ class Readings:
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What was found.
-
-    Parameters
-    ----------
-    plan, readings : Plan, Readings
-        As given.
-    lines : tuple of SineResult
-        One a channel.
-    remarks : tuple of Remark
-        Findings.
-    """
+    """The line of each channel."""
 
     plan: Plan
     readings: Readings
@@ -99,7 +98,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 
 
 def line_of(plan: Plan, driven: Driven) -> SineResult:
-    """Fit the drive to one channel, with the other estimates beside it.
+    """Fit the drive to one channel, with the other estimates.
 
     Raises
     ------
@@ -110,3 +109,170 @@ def line_of(plan: Plan, driven: Driven) -> SineResult:
     fit = fit_line(design, driven.readings)
     checks = cross_checks(fit, driven.readings) if driven.drive.phase_known else ()
     return SineResult(driven, fit, checks)
+
+
+@dataclass(frozen=True, eq=False)
+class SineResult:
+    """The line of one channel.
+
+    Parameters
+    ----------
+    driven : Driven
+        Readings and drive.
+    fit : LineFit
+        Of them.
+    checks : tuple of CrossCheck
+        Other estimates.
+    """
+
+    driven: Driven
+    fit: LineFit
+    checks: tuple[CrossCheck, ...]
+
+    @property
+    def unit(self) -> str:
+        """Of the amplitude."""
+        return self.driven.unit or FILE_UNIT
+
+    @property
+    def _axis(self) -> str:
+        return self.driven.channel.axis or bare_name(self.driven.channel.name)
+
+    def rows(self) -> tuple[Row, ...]:
+        """Return amplitude, quadrature or phase, noise density, and the other estimates."""
+        known, part = self.fit.design.drive.phase_known, self.driven.response
+        density = float(np.sqrt(self.fit.density[0]))
+        u, interval = density / math.sqrt(2.0 * self.fit.dof), chi_square_interval(density, self.fit.dof)
+        noise = Row(Key("noise_density", self._axis), density, u, f"{self.unit}/sqrt(Hz)", self.fit.dof, interval)
+        checked = [
+            Row(Key("amplitude", self._axis), one.value / part, one.u / part, self.unit, method=METHODS[one.name])
+            for one in self.checks
+            if known and one.value is not None and one.u is not None
+        ]
+        return (*(self._known_phase() if known else self._free_phase()), noise, *checked)
+
+    def _known_phase(self) -> Iterator[Row]:
+        fit, dof, part = self.fit, self.fit.dof, self.driven.response
+        key, value, u = Key("amplitude", self._axis), float(fit.in_phase[0]) / part, float(fit.u_in_phase[0]) / part
+        limited = abs(value) < FLOOR * u
+        if limited:
+            limit = upper_bound(abs(value), u, dof)
+            why = f"in phase {with_uncertainty(value, u)}: below {FLOOR:g} times the noise of an amplitude"
+            yield _upper_limit(key, limit, self.unit, dof, why)
+        else:
+            yield Row(key, value, u, self.unit, dof, t_interval(value, u, dof))
+        if fit.quadrature is not None and fit.u_quadrature is not None:
+            across, own = float(fit.quadrature[0]) / part, float(fit.u_quadrature[0]) / part
+            yield Row(Key("quadrature", self._axis), across, own, self.unit, dof, t_interval(across, own, dof))
+        if self.driven.applied is not None and self.driven.unit:
+            key, unit, applied = Key("scale_factor", self._axis), f"{self.driven.unit}/(m/s^2)", self.driven.applied
+            found, own = value / (applied or math.nan), u / abs(applied or math.nan)
+            total = math.hypot(own, abs(found) * (self.driven.u_applied or 0.0))
+            dof = dof * (total / own) ** 4
+            if limited:
+                yield _upper_limit(key, upper_bound(abs(found), total, dof), unit, dof, "the amplitude is one")
+            else:
+                yield Row(key, found, total, unit, dof, t_interval(found, total, dof))
+
+    def _free_phase(self) -> Iterator[Row]:
+        fit, part = self.fit, self.driven.response
+        assert fit.quadrature is not None  # noqa: S101 - a free phase has both
+        assert fit.u_quadrature is not None  # noqa: S101
+        a, b = float(fit.in_phase[0]), float(fit.quadrature[0])
+        u = float(np.hypot(fit.u_in_phase[0], fit.u_quadrature[0]) / np.sqrt(2.0))
+        found = amplitude_of(a, b, u, fit.dof)
+        value, own, key = float(found.value[0]) / part, u / part, Key("amplitude", self._axis)
+        if float(found.chance[0]) > 0.05 or math.hypot(a, b) < FLOOR * u:
+            length = math.hypot(a, b) / part
+            why = f"length {number(length, 3)}, noise of a component {number(own, 3)}: below {FLOOR:g} times it"
+            yield _upper_limit(key, float(found.limit[0]) / part, self.unit, fit.dof, why)
+            return
+        interval = Interval(float(found.lo[0]) / part, float(found.hi[0]) / part)
+        yield Row(key, value, own, self.unit, fit.dof, interval)
+        angle, u_angle = math.degrees(math.atan2(b, a)), math.degrees(own / value)
+        yield Row(Key("phase", self._axis), angle, u_angle, "deg", fit.dof, t_interval(angle, u_angle, fit.dof))
+
+    def remarks(self) -> tuple[Remark, ...]:
+        """Return the remarks on the fit."""
+        fit, remarks = self.fit, list(self.driven.remarks)
+        if fit.dof < FEW_DOF:
+            what = f"the noise has {fit.dof:g} degrees of freedom: there is room for few side bands"
+            remarks.append(Remark("few_side_bands", "warning", what, do="Record more cycles"))
+        if fit.design.drive.phase_known and fit.quadrature is not None and fit.u_quadrature is not None:
+            across = float(fit.quadrature[0])
+            if abs(across) > coverage_factor(fit.dof, STRANGE) * fit.u_quadrature[0]:
+                turn = math.degrees(math.atan2(across, float(fit.in_phase[0])))
+                what = f"the line is {number(turn, 3)} deg ahead of the drive: part of it is not in phase"
+                do = "Check phase and schedule against the clock of the record; a response that lags does the same"
+                remarks.append(Remark("phase", "warning", what, do=do))
+        remarks += [one.remark() for one in self.checks if one.disagrees]
+        if self.driven.applied is not None and self.driven.u_applied is None:
+            what = "the applied amplitude has no stated uncertainty: that of the scale factor is scatter only"
+            do = "Write '# u of applied: 0.9 %' in the schedule"
+            remarks.append(Remark("applied_not_stated", "warning", what, do=do))
+        return tuple(remarks)
+
+    def curves(self) -> list[Curve]:
+        """Return the series with drift and line, and the lines around the drive; long series thinned."""
+        line, drift = self.fit.fitted()
+        return [self._series(line, drift), self._lines(self.driven.readings - drift)]
+
+    def _series(self, line: Array, drift: Array) -> Curve:
+        x, times = self.driven.readings, self.fit.design.drive.times
+        rest = x - drift
+        kept = _extremes(rest, MOST)
+        columns = {"time": Column((times - times[0])[kept], "s")}
+        parts = {"reading": x, "drift": drift, "without_drift": rest, "line": line}
+        columns |= {name: Column(values[kept], self.unit) for name, values in parts.items()}
+        return Curve("sine_series", self._axis, columns)
+
+    def _lines(self, rest: Array) -> Curve:
+        drive, sides = self.fit.design.drive, self.fit.design.side_bands
+        reach = np.arange(-AROUND * sides, AROUND * sides + 1)
+        frequency = drive.frequency + reach / drive.span
+        good = (frequency > 0.5 / drive.span) & (frequency <= 0.5 / drive.step * (1.0 + 1e-9))
+        reach, frequency = reach[good], frequency[good]
+        amplitude = lines_at(rest, drive.times - drive.times[0], frequency[0], 1.0 / drive.span, len(frequency))
+        amplitude[np.isclose(frequency, 0.5 / drive.step, rtol=1e-9)] *= 0.5
+        role = ["drive" if j == 0 else "side_band" if abs(j) <= sides else "other" for j in reach.tolist()]
+        columns = {
+            "frequency": Column(frequency, "Hz"),
+            "amplitude": Column(amplitude, self.unit),
+            "role": Column(role),
+        }
+        return Curve("sine_lines", self._axis, columns)
+
+
+def _upper_limit(key: Key, limit: float, unit: str, dof: float, why: str) -> Row:
+    return Row(key, limit, None, unit, dof, Interval(0.0, limit), "upper_limit", Reason("not_found", why))
+
+
+def lines_at(x: Array, times: Array, first: float, spacing: float, count: int) -> Array:
+    """Return amplitudes of lines at equally spaced frequencies, of samples at any times; shape (count,).
+
+    Parameters
+    ----------
+    x, times : ndarray, shape (n,)
+        Readings without drift, and when [s].
+    first, spacing : float
+        Lowest frequency, and from one to the next [Hz].
+    count : int
+        How many.
+    """
+    turned, by = x * np.exp(-2j * np.pi * first * times), np.exp(-2j * np.pi * spacing * times)
+    found = np.empty(count)
+    for k in range(count):
+        found[k] = 2.0 / len(x) * abs(turned.sum())
+        turned = turned * by
+    return found
+
+
+def _extremes(values: Array, most: int) -> NDArray[np.int64]:
+    """Return the places of the least and the largest of so many bins, all where there are few."""
+    n = len(values)
+    if n <= most:
+        return np.arange(n)
+    size = -(-n // (most // 2))
+    starts = np.arange(0, n, size)
+    places = [(s + int(np.argmin(values[s : s + size])), s + int(np.argmax(values[s : s + size]))) for s in starts]
+    return np.unique(np.array(places).ravel())

@@ -11,19 +11,33 @@ of the axis, a zero and a scale factor for each sensor.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import pairwise
 
 import numpy as np
+from scipy import signal
 
 from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.influence import Influence
+from ..parts.flicker import flicker
 from ..parts.campaign import drawn_error
 from ..parts.head_turn import course, felt, swung
 from .campaign import windows
-from .head import hysteresis, noise, polynomial, temperature_course, through_filters
-from .orbit_ambient import RINGING, add_arm, add_push, line, slow_variation
-from .setup import GAINS, REFERENCE_TEMPERATURE, UG, Bench, Head
+from .setup import (
+    CUT_OFF_BEFORE,
+    CUT_OFF_MAIN,
+    GAINS,
+    POLES_BEFORE,
+    POLES_MAIN,
+    REFERENCE_TEMPERATURE,
+    UG,
+    Bench,
+    Head,
+    draw_head,
+)
 
 PUSH_UG = (50.0, 500.0)  # ends of what a push of the crew is drawn from
 PUSH_HZ = (0.5, 3.0)
@@ -193,3 +207,184 @@ def _add_acceleration(
         if i % 2:
             x += np.column_stack([swung(motion, along, arms[j])[:, j] for j in range(3)])
         read[a:b] += x @ matrix.T
+
+
+def temperature_course(
+    seconds: Array, start: Array, warming: float, time_constant: float, swing: float, orbit: float, phase: float
+) -> Array:
+    """Return the temperature of each axis, shape (n, 3) [degC]: it warms up, and waves once an orbit.
+
+    Parameters
+    ----------
+    start : ndarray, shape (3,)
+        Of each axis [degC].
+    """
+    risen = warming * -np.expm1(-seconds / time_constant)
+    wave = swing * (np.sin(2.0 * np.pi * seconds / orbit + phase) - np.sin(phase))
+    return np.asarray(start + (risen + wave)[:, None])
+
+
+def polynomial(coefficients: Array, away: Array) -> Array:
+    """Return the value of a polynomial for each axis, shape (n, 3); coefficients of rising powers, shape (q, 3)."""
+    found = np.broadcast_to(coefficients[-1], away.shape)
+    for one in coefficients[-2::-1]:
+        found = found * away + one
+    return np.asarray(found)
+
+
+def hysteresis(temperature: Array, interval: float, size: float, slowest: float) -> Array:
+    """Return what the bias has more while warming and less while cooling, shape (n, 3).
+
+    Parameters
+    ----------
+    temperature : ndarray, shape (n, 3)
+        [degC]
+    interval : float
+        From sample to sample [s].
+    size : float
+        In the unit of the bias.
+    slowest : float
+        Slope at which it is three quarters of that [degC/s].
+    """
+    slope = np.gradient(temperature, interval, axis=0)
+    return np.asarray(size * np.tanh(slope / slowest))
+
+
+def noise(density: float, corner: float, n: int, k: int, rate: float, rng: np.random.Generator) -> Array:
+    """Return noise of k sensors, shape (n, k): white, and 1/f that is as large at the corner [Hz].
+
+    Parameters
+    ----------
+    density : float
+        Of the white part, one-sided [unit/sqrt(Hz)].
+    rate : float
+        Samples a second.
+    """
+    found = flicker(density**2 * corner, n, k, rng)
+    white = rng.standard_normal((k, n)).T
+    white *= density * np.sqrt(0.5 * rate)
+    found += white
+    return found
+
+
+@lru_cache(16)
+def _sections(poles: int, cut_off: float, rate: float) -> tuple[Array, Array]:
+    sections = signal.butter(poles, cut_off, fs=rate, output="sos")
+    return sections, signal.sosfilt_zi(sections)
+
+
+def low_pass(x: Array, poles: int, cut_off: float, rate: float) -> Array:
+    """Return channels after a Butterworth low-pass that has been at rest at the first sample, shape (n, k).
+
+    Parameters
+    ----------
+    cut_off : float
+        Where its gain is sqrt(1/2) [Hz].
+    rate : float
+        Samples a second.
+    """
+    sections, rest = _sections(poles, cut_off, rate)
+    found, _ = signal.sosfilt(sections, x, axis=0, zi=rest[:, :, None] * x[0])
+    return np.asarray(found)
+
+
+def through_filters(x: Array, rate: float) -> Array:
+    """Return channels after the one-pole filter of the preamplifier and the seven-pole filter, shape (n, k)."""
+    before = low_pass(x, POLES_BEFORE, CUT_OFF_BEFORE * rate, rate)
+    return low_pass(before, POLES_MAIN, CUT_OFF_MAIN * rate, rate)
+
+
+RINGING = 8.0  # decay times after which a push is over
+
+
+ARM_FADE = 10.0  # [s] in which the arm's motion grows and dies
+
+
+def slow_variation(seconds: Array, mean: Array, swing: Array, period: float, phase: float) -> Array:
+    """Return the quasi-steady acceleration, shape (n, 3): a mean, and a wave once an orbit."""
+    return np.asarray(mean + np.multiply.outer(np.sin(2.0 * np.pi * seconds / period + phase), swing))
+
+
+def line(seconds: Array, frequency: float, amplitude: Array, phase: float) -> Array:
+    """Return one vibration line, shape (n, 3), with the amplitude of each axis, shape (3,)."""
+    return np.multiply.outer(np.sin(2.0 * np.pi * frequency * seconds + phase), amplitude)
+
+
+def add_push(total: Array, seconds: Array, start: float, amplitude: Array, frequency: float, decay: float) -> None:
+    """Add a push by the crew to ``total``, (n, 3): the structure rings at a frequency and dies away, its mean zero.
+
+    Parameters
+    ----------
+    seconds : ndarray, shape (n,)
+        Ascending [s].
+    start, frequency, decay : float
+        When, at which frequency it rings [Hz], and in which time it dies by 1/e [s].
+    amplitude : ndarray, shape (3,)
+        Of each axis.
+    """
+    a, b = np.searchsorted(seconds, (start, start + RINGING * decay))
+    since = seconds[a:b] - start
+    angular = 2.0 * np.pi * frequency
+    shape = np.exp(-since / decay) * np.sin(angular * since - np.arctan(angular * decay))  # its integral is 0
+    total[a:b] += np.multiply.outer(shape, amplitude)
+
+
+def add_arm(
+    total: Array, seconds: Array, span: tuple[float, float], amplitude: Array, frequency: float, phase: float
+) -> None:
+    """Add the swinging of the robot arm to ``total``, (n, 3), between two times [s], at its low frequency [Hz]."""
+    a, b = np.searchsorted(seconds, span)
+    t = seconds[a:b]
+    fade = np.clip(np.minimum(t - span[0], span[1] - t) / ARM_FADE, 0.0, 1.0)
+    total[a:b] += np.multiply.outer(fade * np.sin(2.0 * np.pi * frequency * t + phase), amplitude)
+
+
+def reduced(
+    seed: int,
+    corner: float,
+    *,
+    turn_starts: tuple[float, ...] = (1200.0, 2400.0),
+    positions_deg: tuple[float, ...] = (180.0, 0.0),
+    arm: tuple[float, float] | None = None,
+    standards: Mapping[str, Influence] | None = None,
+) -> Record:
+    """Return one record of an hour at 25 samples/s.
+
+    Parameters
+    ----------
+    seed : int
+        Of all draws.
+    corner : float
+        Frequency below which 1/f noise is larger than white noise [Hz]; 0 for white noise alone.
+    turn_starts, positions_deg : tuple of float
+        When each turn begins [s], and the angle that it ends at [deg].
+    arm : (float, float), optional
+        When the robot arm moves [s].
+    standards : mapping of Influence, optional
+        An error of each is drawn; none by default.
+    """
+    bench = reduced_bench(corner, turn_starts, positions_deg, arm, standards)
+    of_head, of_record = np.random.default_rng(seed).spawn(2)
+    return record(bench, aligned(draw_head(bench, of_head)), of_record)
+
+
+def aligned(head: Head) -> Head:
+    """Return a head without misalignment, with the ideal scale factors at every temperature."""
+    scale = np.zeros_like(head.scale)
+    scale[:, 0] = 1.0
+    return replace(head, matrix=np.stack([np.eye(3), np.zeros((3, 3))]), scale=scale)
+
+
+def reduced_bench(
+    corner: float,
+    turn_starts: tuple[float, ...],
+    positions_deg: tuple[float, ...],
+    arm: tuple[float, float] | None = None,
+    standards: Mapping[str, Influence] | None = None,
+) -> Bench:
+    """Return the bench of `reduced`."""
+    return Bench(
+        corner=corner, turn_starts=turn_starts, positions_deg=positions_deg, stopped_deg=(0.0,) * len(turn_starts),
+        arm=arm, standards=standards or {}, swing_ug=0.0, lines=(), pushes=0.0, warming=0.0, temperature_swing=0.0,
+        hysteresis_ug=0.0, drift_ug=0.0, filtered=False,
+    )  # fmt: skip

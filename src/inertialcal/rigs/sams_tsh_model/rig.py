@@ -7,8 +7,7 @@ is off, and what the truth means, stands in ``sams_tsh_ground``.
 from __future__ import annotations
 
 from ..protocol import Rig, on_bench
-from ..sams_tsh.faults import FAULTS
-from ..sams_tsh.rig import build
+from ..sams_tsh.rig import FAULTS, build
 from ..sams_tsh.setup import Bench
 from . import TITLE
 

@@ -1,24 +1,26 @@
-"""What a record says against its own windows: something moves in one, or the gain of an axis changes.
+"""Evidence in a record against its own windows: a movement in one, a change of gain, numbers that are no readings.
 
-Both come from the one detector (``signals.segmentation.turns``, ``signals.segmentation.gain_changes``). A window in
-which blocks are not quiet is read all the same, and remarked. An axis whose gain changes is not read in any window of
-the recording: at which gain its counts were taken for readings is not known, and at another one its electronics zero
-and bias are others. Where the gain was recorded beside the axis (a channel ``gain_y``), that decides, window by window
-(``recordings``).
+Movements and changes of gain come from the one detector (``signals.segmentation.turns``,
+``signals.segmentation.gain_changes``). A window with blocks that are not quiet is read all the same, and remarked. An
+axis whose gain changes is not read in any window of the recording: the gain at which its counts were converted is not
+known, and zero and bias of its electronics differ between gains. Where the gain was recorded as well (a channel
+``gain_y``), that decides, window by window (``recordings``).
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ....core.axes import AXES
 from ....core.errors import DataError
-from ....core.recording import SECOND, Times
+from ....core.recording import SECOND, Recording, Times
 from ....core.remarks import Remark
-from ....signals.segmentation.block_statistics import Blocks, block_statistics
+from ....signals.segmentation.block_statistics import block_statistics
 from ....signals.segmentation.gain_changes import gain_changes
 from ....signals.segmentation.turn_windows import quiet_part
 from ....signals.segmentation.turns import Turns, find_turns
@@ -26,20 +28,13 @@ from .quiet import Window
 
 BLOCK = 1.0  # [s]
 PART = 0.98  # of a window that is quiet where nothing moves
+LARGEST = 1e6  # [m/s^2], far beyond any accelerometer
 
 
-@dataclass(frozen=True)
-class Seen:
-    """Axes that cannot be read in a recording, and what is to be said of it."""
-
-    unread: frozenset[str]
-    remarks: tuple[Remark, ...]
-
-
-def seen(
+def disturbances(
     time_ns: Times, channels: Mapping[str, NDArray[np.floating]], windows: Sequence[Window], known_gain: Sequence[str]
-) -> Seen:
-    """Look for disturbances in the windows of a recording, and for changes of gain in all of it.
+) -> tuple[frozenset[str], tuple[Remark, ...]]:
+    """Look for movements in the windows of a recording, and for changes of gain in all of it.
 
     Parameters
     ----------
@@ -51,35 +46,35 @@ def seen(
         After settling.
     known_gain : sequence of str
         Axes whose gain was recorded.
+
+    Returns
+    -------
+    unread : frozenset of str
+        Axes that cannot be read in the recording.
+    remarks : tuple of Remark
+        Why, and windows that are not quiet.
     """
-    read = {axis: data for axis, data in channels.items() if np.isfinite(data).any()}
+    axes = [axis for axis, data in channels.items() if np.isfinite(data).any()]
     changed: dict[str, Remark] = {}
     moved: list[Remark] = []
     try:
-        blocks = block_statistics(list(read.values()), BLOCK, time_ns)
-        changed = _changed(blocks, tuple(read), known_gain)
-        turns = find_turns(blocks.of([axis not in changed for axis in read]))
+        blocks = block_statistics([channels[axis] for axis in axes], BLOCK, time_ns)
+        for one in gain_changes(blocks):
+            axis = axes[one.channel]
+            if axis not in known_gain:
+                when = f"{(one.time_ns - blocks.start_ns) / SECOND:.0f} s after the start"
+                what = f"level and scatter of {axis} change by a factor of {one.level:.3g}: {axis} is not read"
+                do = "Cut the record there (--from, --to), or record the gain as well"
+                changed.setdefault(axis, Remark("gain_changed", "warning", what, when, do=do, axis=axis))
+        turns = find_turns(blocks.of([axis not in changed for axis in axes]))
         moved = [one for window in windows for one in _moved(turns, window)]
     except DataError:
-        pass  # nothing is left, or too short to tell what is quiet: `short_record` says so
-    return Seen(frozenset(changed), (*changed.values(), *moved))
-
-
-def _changed(blocks: Blocks, axes: Sequence[str], known_gain: Sequence[str]) -> dict[str, Remark]:
-    """Return the first change of gain of each axis."""
-    found: dict[str, Remark] = {}
-    for one in gain_changes(blocks):
-        axis = axes[one.channel]
-        if axis not in known_gain:
-            when = f"{(one.time_ns - blocks.start_ns) / SECOND:.0f} s after the start"
-            what = f"level and scatter of {axis} change by a factor of {one.level:.3g}: {axis} is not read"
-            do = "Cut the record there (--from, --to), or record the gain beside it"
-            found.setdefault(axis, Remark("gain_changed", "warning", what, when, do=do, axis=axis))
-    return found
+        pass  # no axis remains, or the record is too short to tell what is quiet: `short_record` says so
+    return frozenset(changed), (*changed.values(), *moved)
 
 
 def _moved(turns: Turns, window: Window) -> list[Remark]:
-    """Return the remark on a window that is not quiet: whole blocks inside it are looked at."""
+    """Return the remark on a window with whole blocks that are not quiet."""
     blocks = turns.blocks
     begin = -((blocks.start_ns - window.start) // blocks.length_ns)
     end = (window.stop - blocks.start_ns) // blocks.length_ns
@@ -90,6 +85,61 @@ def _moved(turns: Turns, window: Window) -> list[Remark]:
     if part >= PART:
         return []
     when = f"window {(window.start - blocks.start_ns) / SECOND:.0f} to {(window.stop - blocks.start_ns) / SECOND:.0f} s"
-    what = f"{(1.0 - part) * (stop - start) / SECOND:.0f} s of the window are not quiet, or not there"
-    do = "Something else moved there (robot arm, crew), or samples are missing: choose another window"
+    what = f"{(1.0 - part) * (stop - start) / SECOND:.0f} s of the window are not quiet, or missing"
+    do = "Something else moved (robot arm, crew), or samples are missing: choose another window"
     return [Remark("disturbed", "warning", what, when, do=do)]
+
+
+def is_reading(value: float) -> bool:
+    """Tell whether a number [m/s^2] can be a reading, or is missing (NaN)."""
+    return math.isnan(value) or abs(value) <= LARGEST
+
+
+def readable(recording: Recording) -> Recording:
+    """Return the recording with impossible samples of its axes as missing, counted in a remark.
+
+    Bit errors and wrong columns leave such numbers.
+
+    Parameters
+    ----------
+    recording : Recording
+        Channels ``x``, ``y``, ``z`` [m/s^2], as far as they are there.
+
+    Raises
+    ------
+    DataError
+        ``time_goes_back`` if a stamp is earlier than the one before: windows could not be placed.
+    """
+    _check_time(recording)
+    channels, remarks = [], []
+    for channel in recording.channels:
+        data = channel.data
+        # without a copy of a day's samples
+        if channel.name in AXES and len(data) and (np.fmax.reduce(data) > LARGEST or np.fmin.reduce(data) < -LARGEST):
+            out = np.abs(data) > LARGEST
+            first = int(np.argmax(out))
+            what = f"{channel.name}: sample {first + 1} reads {data[first]:.3g} m/s^2, too large for an accelerometer"
+            do = "They were left out. Look where the file is damaged, or whether this is the right column"
+            where = recording.source.path
+            remarks.append(Remark("no_reading", "warning", what, where, count=int(np.count_nonzero(out)), do=do))
+            channels.append(replace(channel, data=np.where(out, np.nan, data)))
+        else:
+            channels.append(channel)
+    if not remarks:
+        return recording
+    return replace(recording, channels=tuple(channels), remarks=(*recording.remarks, *remarks))
+
+
+def _check_time(recording: Recording) -> None:
+    time_ns = recording.time_ns
+    if time_ns is None or not len(time_ns):
+        return
+    goes = time_ns[1:] >= time_ns[:-1]
+    if not goes.all():
+        first = int(np.argmin(goes))
+        back = float(time_ns[first] - time_ns[first + 1]) / SECOND
+        where = recording.source.path
+        where = f"{where}:{recording.first_row + first + 1}" if recording.first_row else f"{where}: sample {first + 2}"
+        what = f"the time goes back by {back:.6g} s (steps back in all: {int(np.count_nonzero(~goes))})"
+        do = "Mend the stamp, or sort the rows if they are out of order"
+        raise DataError(what, where, "windows cannot be placed on such a clock", do, "time_goes_back")

@@ -1,11 +1,11 @@
-"""Block means of the quiet part of a recording, beside the windows that are its dwells.
+"""Block means of the quiet part of a recording, around the windows that are its dwells.
 
-Quiet is all that the user names so; else everything but what lies between two windows of different position, where the
-head was turned. Blocks start anew at each window and each quiet stretch, so that no block lies half in a window; what
-is left at the end of a stretch is shorter than a block and left out, and so is an axis where its samples are missing. A
-window's mean is taken as that of its blocks here: this matters to its uncertainty alone.
+Quiet is everything but the time between two windows of different position, where the head was turned. Blocks start anew
+at each window and each quiet stretch, so that no block lies half in a window; the remainder at the end of a stretch,
+shorter than a block, is left out, and so is an axis where its samples are missing. A window's mean is taken as that of
+its blocks here, for its uncertainty alone.
 
-A record of more than 720 blocks is cut to the 720 about its windows: "the record" is then that part. Where windows are
+A record of more than 720 blocks is cut to the 720 around its windows: "the record" is then that part. Where windows are
 long, ``recordings`` takes longer blocks, so that it still is many times as long as a window.
 """
 
@@ -56,30 +56,14 @@ class Stretch:
     window: int = -1
 
 
-def stretches(
-    windows: Sequence[Window], first: int, last: int, quiet: Sequence[tuple[int, int]] | None
-) -> list[Stretch]:
-    """Return the quiet stretches of a recording in order of time, windows among them.
-
-    Parameters
-    ----------
-    windows : sequence of Window
-        Of the recording.
-    first, last : int
-        Ends of the recording [ns].
-    quiet : sequence of (int, int), optional
-        What is quiet, where the user says so [ns]; windows always are.
-    """
+def stretches(windows: Sequence[Window], first: int, last: int) -> list[Stretch]:
+    """Return the quiet stretches of a recording between its ends [ns] in order of time, windows among them."""
     order = sorted(range(len(windows)), key=lambda i: windows[i].start)
     placed = [windows[i] for i in order]
     ends = [(first, placed[0].start, placed[0].angle), (placed[-1].stop, last, placed[-1].angle)]
     between = [(one.stop, two.start, one.angle) for one, two in pairwise(placed) if one.angle == two.angle]
-    free = ends + between
-    if quiet is not None:
-        cut = [(max(a, c), min(b, d), angle) for a, b, angle in free for c, d in quiet]
-        free = cut
     found = [Stretch(w.start, w.stop, w.angle, i) for i, w in zip(order, placed, strict=True)]
-    found += [Stretch(a, b, angle) for a, b, angle in free if b > a]
+    found += [Stretch(a, b, angle) for a, b, angle in ends + between if b > a]
     return sorted(found, key=lambda one: one.start)
 
 
@@ -92,7 +76,7 @@ def quiet_of(
     length: float,
     name: str = "",
 ) -> tuple[Quiet, int]:
-    """Return the quiet part as block means, and how many blocks an axis was left out of, its samples missing.
+    """Return the quiet part as block means, and how many blocks lack samples of an axis.
 
     Parameters
     ----------
@@ -112,7 +96,14 @@ def quiet_of(
         Of the recording.
     """
     step = round(length * SECOND)
-    starts, owners = _nearest(*_starts(parts, step))
+    pieces = [np.arange(part.start, part.stop - step + 1, step, dtype=np.int64) for part in parts]
+    starts, owners = np.concatenate(pieces), np.repeat(np.arange(len(parts)), [len(one) for one in pieces])
+    if len(starts) > MOST:  # a long record: the blocks around its windows, in order of time
+        window = np.array([part.window >= 0 for part in parts])[owners]
+        inside = starts[window]
+        beyond = np.maximum(inside.min() - starts, starts - inside.max())
+        keep = np.sort(np.argsort(np.where(window, np.iinfo(np.int64).min, beyond), kind="stable")[:MOST])
+        starts, owners = starts[keep], owners[keep]
     means, whole = _means(time_ns, channels, starts, step)
     starts, owners = starts[whole], owners[whole]
     weights, spans = np.zeros((dwells, len(starts))), np.full((dwells, 2), np.nan)
@@ -121,29 +112,11 @@ def quiet_of(
             own = owners == at
             weights[rows[part.window], own] = 1.0 / max(int(own.sum()), 1)
             spans[rows[part.window]] = (np.array([part.start, part.stop]) - time_ns[0]) / SECOND
-    angle = np.array([parts[at].angle for at in owners])
+    angle = np.array([parts[int(at)].angle for at in owners])
     middle = (starts - time_ns[0]) / SECOND + 0.5 * length
     values = {axis: one[whole] for axis, one in means.items()}
     lost = np.any([np.isnan(one) for one in means.values()], axis=0)
     return Quiet(middle, length, angle, values, weights, spans, name), int(np.sum(lost))
-
-
-def _starts(parts: Sequence[Stretch], step: int) -> tuple[Times, NDArray[np.intp], NDArray[np.bool_]]:
-    """Start of each block [ns], the stretch it lies in, and whether that is a window."""
-    found = [np.arange(part.start, part.stop - step + 1, step, dtype=np.int64) for part in parts]
-    owner = np.repeat(np.arange(len(parts)), [len(one) for one in found])
-    window = np.array([part.window >= 0 for part in parts])[owner]
-    return np.concatenate(found), owner, window
-
-
-def _nearest(starts: Times, owners: NDArray[np.intp], window: NDArray[np.bool_]) -> tuple[Times, NDArray[np.intp]]:
-    """Cut a long record to the blocks about its windows, in order of time."""
-    if len(starts) <= MOST:
-        return starts, owners
-    inside = starts[window]
-    beyond = np.maximum(inside.min() - starts, starts - inside.max())
-    keep = np.sort(np.argsort(np.where(window, np.iinfo(np.int64).min, beyond), kind="stable")[:MOST])
-    return starts[keep], owners[keep]
 
 
 def _means(

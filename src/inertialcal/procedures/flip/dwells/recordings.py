@@ -1,7 +1,7 @@
 """Dwells of a turned head from recordings: the windows before and after each turn.
 
-The windows are given (``Turned.windows``); each loses ``plan.settle`` at its start, counted. A window with too many
-samples missing, invalid or at the rail is not read by that axis. What else is quiet in the recording shows the noise.
+Each window loses ``plan.settle`` at its start, counted. An axis is not read in a window with too many samples missing,
+invalid or at the rail. The rest of the recording that is quiet shows the noise.
 """
 
 from __future__ import annotations
@@ -19,18 +19,21 @@ from ....core.errors import DataError, PlanError
 from ....core.estimate import Array
 from ....core.recording import SECOND, Recording, Times
 from ....core.remarks import Remark, gather
+from ....statistics.intervals import coverage_factor
 from ..plan import Plan
 from ..readings import HalfWidths, Quiet, Readings
-from .disturbances import seen
+from .disturbances import disturbances
 from .quiet import MOST, Window, quiet_of, stretches
-from .windows import PROBABILITIES, half_widths, low_passed
 
 LOW_PASS, MEDIAN = "low_pass", "median"
 STATISTICS = ("mean", MEDIAN, LOW_PASS)
 FEWEST = 2  # samples of a window
-LONG = 8.0  # windows' lengths of quiet record that the noise model should see
+LONG = 8.0  # windows' lengths of quiet record that the noise model should have
 TEMPERATURE = "temperature"
 PREDICTED = "predicted_"  # before the axis
+PROBABILITIES = (0.95, 0.99)  # of the textbook's intervals
+PER_PERIOD = 100  # means a period of the low-pass' cut-off
+ORDER = 2
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,20 +43,16 @@ class FlipRecording:
     Parameters
     ----------
     recording : Recording
-        Channels named by axis [m/s^2]; ``temperature``, or ``temperature_x`` of each axis, where there is one [degC];
-        ``gain_x``, ... where the gain of an axis was recorded; ``predicted_x``, ... the bias that a ground model
-        predicts [m/s^2].
+        Channels named by axis [m/s^2]; optional: ``temperature``, or ``temperature_x`` of each axis [degC];
+        ``gain_x``, ... the gain of an axis; ``predicted_x``, ... the bias by a ground model [m/s^2].
     windows : tuple of Window
         Its dwells.
-    quiet : tuple of (int, int), optional
-        Stretches that are quiet [ns]; by default all but what lies between windows of different position.
     name : str
-        Of the recording; its file where not given.
+        Of the recording; by default its file.
     """
 
     recording: Recording
     windows: tuple[Window, ...] = ()
-    quiet: tuple[tuple[int, int], ...] | None = None
     name: str = ""
 
     @property
@@ -61,10 +60,20 @@ class FlipRecording:
         """Name of the recording, for messages."""
         return self.name or self.recording.source.path or "recording"
 
+    @property
+    def time_ns(self) -> Times:
+        """Stamps [ns]; none without a clock."""
+        return np.zeros(0, dtype=np.int64) if self.recording.time_ns is None else self.recording.time_ns
+
+    def span(self, window: Window) -> str:
+        """Return start and stop of a window, since the first sample, for messages."""
+        first = int(self.time_ns[0]) if len(self.time_ns) else 0
+        return f"{(window.start - first) / SECOND:.6g} to {(window.stop - first) / SECOND:.6g} s"
+
 
 @dataclass(frozen=True, eq=False)
 class _Dwell:
-    """One window as it was read: statistics and half widths of each axis, middle and temperature."""
+    """One window: statistics and half widths of each axis, middle and temperature."""
 
     window: Window
     values: Mapping[str, Mapping[str, float]]
@@ -77,14 +86,7 @@ class _Dwell:
 
 
 def readings_from(plan: Plan, turned: Sequence[FlipRecording]) -> Readings:
-    """Return the dwells of the recordings of a test.
-
-    Parameters
-    ----------
-    plan : Plan
-        Settling, low-pass, sub-means, block length.
-    turned : sequence of FlipRecording
-        In any order.
+    """Return the dwells of the recordings of a test, in any order.
 
     Raises
     ------
@@ -98,22 +100,26 @@ def readings_from(plan: Plan, turned: Sequence[FlipRecording]) -> Readings:
     _check(plan)
     if not turned:
         raise DataError("no recordings", code="no_dwells")
-    given = [windows(plan, one) for one in turned]
-    total = sum(len(own) for own in given)
+    for one in turned:
+        _check_windows(one)
+    total = sum(len(one.windows) for one in turned)
     dwells: list[_Dwell] = []
     quiet: list[Quiet] = []
     places: list[str] = []
     remarks: list[Remark] = []
-    for one, own in zip(turned, given, strict=True):
-        used = _settled(plan, one, own)
+    for one in turned:
+        used = _settled(plan, one)
         channels = _channels(one)
+        # levels near zero, after a ground model, do not show a change of gain: it was looked for before
+        known = [a for a in channels if any(name in one.recording.names for name in (f"gain_{a}", PREDICTED + a))]
+        unread, disturbed = disturbances(one.time_ns, channels, used, known)
+        own = [_dwell(plan, one, window, channels, unread) for window in used]
         rows = len(dwells) + np.arange(len(own))
-        told = seen(_time(one), channels, used, [axis for axis in channels if _gain_is_known(one, axis)])
-        mine = [_dwell(plan, one, window, channels, told.unread) for window in used]
-        dwells += mine
-        record, found = _quiet(plan, one, used, _read(channels, mine), rows, total)
+        read = {axis: data for axis, data in channels.items() if any(axis in dwell.values for dwell in own)}
+        record, more = _quiet(plan, one, used, read, rows, total)
+        dwells += own
         quiet.append(record)
-        remarks += [*one.recording.remarks, *(remark.at(one.place) for remark in told.remarks), *found]
+        remarks += [*one.recording.remarks, *(remark.at(one.place) for remark in disturbed), *more]
         places += [f"{one.place}: window {i + 1}" for i in range(len(own))]
     axes = [axis for axis in AXES if any(axis in one.recording.names for one in turned)]
     return _gathered(plan, axes, dwells, quiet, places, remarks)
@@ -130,44 +136,29 @@ def _check(plan: Plan) -> None:
         raise PlanError(f"plan.settle is {plan.settle:g} s", do="Need 0 or more", code="wrong_value")
 
 
-def windows(plan: Plan, one: FlipRecording) -> tuple[Window, ...]:
-    """Return the windows of a recording, as given.
-
-    Raises
-    ------
-    DataError
-        ``no_windows`` if none is given.
-    PlanError
-        If they overlap, or end before they start.
-    """
+def _check_windows(one: FlipRecording) -> None:
+    """Refuse no windows, windows that overlap, and those that end before they start."""
     if not one.windows:
         do = "Give a window before and after each turn, with its position"
         raise DataError("no windows: the positions are not known", one.place, do=do, code="no_windows")
     ordered = sorted(one.windows, key=lambda window: window.start)
     for window in ordered:
         if window.stop <= window.start:
-            raise PlanError(f"window {_seconds(window, one)} ends before it starts", one.place)
+            raise PlanError(f"window {one.span(window)} ends before it starts", one.place)
     for before, after in pairwise(ordered):
         if after.start < before.stop:
-            raise PlanError(f"windows {_seconds(before, one)} and {_seconds(after, one)} overlap", one.place)
-    return one.windows
+            raise PlanError(f"windows {one.span(before)} and {one.span(after)} overlap", one.place)
 
 
-def _seconds(window: Window, one: FlipRecording) -> str:
-    time_ns = one.recording.time_ns
-    first = 0 if time_ns is None or not len(time_ns) else int(time_ns[0])
-    return f"{(window.start - first) / SECOND:.6g} to {(window.stop - first) / SECOND:.6g} s"
-
-
-def _settled(plan: Plan, one: FlipRecording, given: Sequence[Window]) -> list[Window]:
-    """Take the settling off every window."""
+def _settled(plan: Plan, one: FlipRecording) -> list[Window]:
+    """Return the windows without their settling."""
     settle = round(plan.settle * SECOND)
-    for window in given:
+    for window in one.windows:
         if window.stop - window.start <= settle:
-            what = f"window {_seconds(window, one)} is no longer than the {plan.settle:g} s of settling"
+            what = f"window {one.span(window)} is no longer than the {plan.settle:g} s of settling"
             do = "Make the dwell longer, or give a shorter plan.settle if the filters allow it"
-            raise DataError(what, one.place, "nothing of it would be left", do, "shorter_than_settling")
-    return [replace(window, start=window.start + settle) for window in given]
+            raise DataError(what, one.place, "no sample would remain", do, "shorter_than_settling")
+    return [replace(window, start=window.start + settle) for window in one.windows]
 
 
 def _channels(one: FlipRecording) -> dict[str, NDArray[np.floating]]:
@@ -175,32 +166,21 @@ def _channels(one: FlipRecording) -> dict[str, NDArray[np.floating]]:
     if not names:
         do = f"The recording has: {', '.join(one.recording.names) or 'none'}"
         raise DataError("no channel x, y or z", one.place, do=do, code="wrong_column")
-    if one.recording.time_ns is None or not len(one.recording):
+    if not len(one.time_ns):
         do = "Name the time column in clock"
         raise DataError("no time: windows cannot be placed", one.place, do=do, code="no_time")
     return {axis: one.recording.channel(axis).data for axis in names}
 
 
-def _time(one: FlipRecording) -> Times:
-    assert one.recording.time_ns is not None  # noqa: S101 - checked with the channels
-    return one.recording.time_ns
-
-
-def _gain_is_known(one: FlipRecording, axis: str) -> bool:
-    """Tell whether the gain was recorded, or looked for before a ground model: levels near zero do not show it."""
-    return any(name in one.recording.names for name in (f"gain_{axis}", PREDICTED + axis))
-
-
 def _dwell(
     plan: Plan, one: FlipRecording, window: Window, channels: Mapping[str, NDArray[np.floating]], unread: Set[str]
 ) -> _Dwell:
-    time_ns = _time(one)
-    low, high = np.searchsorted(time_ns, (window.start, window.stop))
+    low, high = (int(at) for at in np.searchsorted(one.time_ns, (window.start, window.stop)))
     if high - low < FEWEST:
-        what = f"window {_seconds(window, one)} holds {high - low} sample(s)"
-        end = (time_ns[-1] - time_ns[0]) / SECOND
+        what = f"window {one.span(window)} holds {high - low} sample(s)"
+        end = (one.time_ns[-1] - one.time_ns[0]) / SECOND
         raise DataError(what, one.place, do=f"The record runs from 0 to {end:.6g} s", code="empty_window")
-    stamps = (time_ns[low:high] - window.start) / SECOND
+    stamps = (one.time_ns[low:high] - window.start) / SECOND
     interval = one.recording.sample_interval or float(np.median(np.diff(stamps)))
     values: dict[str, dict[str, float]] = {}
     widths: dict[str, tuple[float, ...]] = {}
@@ -208,19 +188,23 @@ def _dwell(
     remarks = []
     for axis, data in channels.items():
         samples = np.asarray(data[low:high], dtype=np.float64)
-        present = float(np.count_nonzero(np.isfinite(samples))) * interval / ((window.stop - window.start) / SECOND)
-        doubt = _not_read(plan, one, axis, slice(int(low), int(high)), 1.0 - present)
+        good = samples[np.isfinite(samples)]
+        present = float(len(good)) * interval / ((window.stop - window.start) / SECOND)
+        doubt = _not_read(plan, one, axis, slice(low, high), 1.0 - present)
         if doubt is not None:
-            remarks.append(doubt.at(f"{one.place}: {_seconds(window, one)}"))
+            remarks.append(doubt.at(f"{one.place}: {one.span(window)}"))
         if doubt is not None or axis in unread:
             continue
-        values[axis], why = _statistics(plan, stamps, samples, interval)
-        reasons |= why
+        values[axis] = {"mean": float(good.mean()), MEDIAN: float(np.median(good))}
+        try:
+            values[axis][LOW_PASS] = low_passed(stamps, samples, plan.low_pass, interval)[0]
+        except DataError as error:
+            reasons[LOW_PASS] = error.problems[0].what
         widths[axis] = half_widths(stamps, samples, plan.subset, plan.subsets, interval)
     middle = (0.5 * (window.start + window.stop)) / SECOND
-    warm = {axis: _temperature(one, axis, int(low), int(high)) for axis in channels}
-    told = {axis: _predicted(one, axis, int(low), int(high)) for axis in values}
-    return _Dwell(window, values, widths, middle, warm, told, tuple(remarks), reasons)
+    warm = {axis: _temperature(one, axis, low, high) for axis in channels}
+    predicted = {axis: _predicted(one, axis, low, high) for axis in values}
+    return _Dwell(window, values, widths, middle, warm, predicted, tuple(remarks), reasons)
 
 
 def _not_read(plan: Plan, one: FlipRecording, axis: str, inside: slice, absent: float) -> Remark | None:
@@ -232,9 +216,8 @@ def _not_read(plan: Plan, one: FlipRecording, axis: str, inside: slice, absent: 
     gains = np.unique(one.recording.channel(name).data[inside]) if name in one.recording.names else np.zeros(0)
     if len(gains) > 1:
         what = f"the gain changes from {gains[0]:g} to {gains[-1]:g} inside the window: {axis} is not read"
-        return Remark(
-            "gain_changed", "warning", what, axis=axis, do="Choose a window of one gain: its zero and bias are others"
-        )
+        do = "Choose a window at one gain: zero and bias differ between gains"
+        return Remark("gain_changed", "warning", what, axis=axis, do=do)
     return None
 
 
@@ -248,27 +231,12 @@ def _temperature(one: FlipRecording, axis: str, low: int, high: int) -> float:
 
 
 def _predicted(one: FlipRecording, axis: str, low: int, high: int) -> float:
-    """Mean of the bias that a ground model predicts, over the samples that the axis was read in [m/s^2]."""
+    """Mean of the bias that a ground model predicts, over the samples of the axis [m/s^2]."""
     if PREDICTED + axis not in one.recording.names:
         return math.nan
     read = np.isfinite(one.recording.channel(axis).data[low:high])
     values = one.recording.channel(PREDICTED + axis).data[low:high][read]
     return float(values.mean()) if len(values) else math.nan
-
-
-def _statistics(plan: Plan, stamps: Array, samples: Array, interval: float) -> tuple[dict[str, float], dict[str, str]]:
-    good = samples[np.isfinite(samples)]
-    found = {"mean": float(good.mean()), MEDIAN: float(np.median(good))}
-    try:
-        found[LOW_PASS] = low_passed(stamps, samples, plan.low_pass, interval)[0]
-    except DataError as error:
-        return found, {LOW_PASS: error.problems[0].what}
-    return found, {}
-
-
-def _read(channels: Mapping[str, NDArray[np.floating]], dwells: Sequence[_Dwell]) -> dict[str, NDArray[np.floating]]:
-    """Return the axes that some dwell reads: what another one lacks takes no block from them."""
-    return {axis: data for axis, data in channels.items() if any(axis in one.values for one in dwells)}
 
 
 def _quiet(
@@ -279,28 +247,23 @@ def _quiet(
     rows: NDArray[np.intp],
     total: int,
 ) -> tuple[Quiet, list[Remark]]:
-    """Return the quiet part of a recording, and what is to be said of it."""
-    time_ns = _time(one)
-    parts = stretches(used, int(time_ns[0]), int(time_ns[-1]), one.quiet)
+    """Return the quiet part of a recording, and its remarks."""
+    parts = stretches(used, int(one.time_ns[0]), int(one.time_ns[-1]))
     lengths = [(window.stop - window.start) / SECOND for window in used]
-    length = _block(plan, lengths, sum(part.stop - part.start for part in parts) / SECOND)
-    record, lost = quiet_of(time_ns, channels, parts, rows, total, length, one.place)
+    need = LONG * max(lengths)
+    enough = min(sum(part.stop - part.start for part in parts) / SECOND, 2.0 * need)
+    length = min(max(plan.block, enough / MOST), *lengths)  # longer blocks, so that a long record is kept
+    record, lost = quiet_of(one.time_ns, channels, parts, rows, total, length, one.place)
     remarks = []
-    quiet, need = len(record.times) * length, LONG * max(lengths)
     if lost:
-        what = f"{lost} blocks of {length:g} s with missing samples, not used for the noise of the axes that miss them"
+        what = f"{lost} blocks of {length:g} s lack samples: not used for the noise of those axes"
         remarks.append(Remark("blocks_incomplete", "info", what, one.place))
+    quiet = len(record.times) * length
     if quiet < need:
         what = f"{quiet:.6g} s of quiet record, less than {LONG:g} times its longest window ({need:.6g} s)"
         do = "Record longer before and after the turn"
         remarks.append(Remark("short_record", "warning", f"{what}: its noise is hardly known", one.place, do=do))
     return record, remarks
-
-
-def _block(plan: Plan, lengths: Sequence[float], quiet: float) -> float:
-    """Length of a block [s]: as planned, or longer, so that what is kept is a long record beside the windows."""
-    enough = min(quiet, 2.0 * LONG * max(lengths))
-    return min(max(plan.block, enough / MOST), *lengths)
 
 
 def _gathered(
@@ -309,7 +272,7 @@ def _gathered(
     dwells: Sequence[_Dwell],
     quiet: Sequence[Quiet],
     places: Sequence[str],
-    remarks: Sequence[Remark],
+    remarks: list[Remark],
 ) -> Readings:
     tables = {
         name: {axis: np.array([d.values.get(axis, {}).get(name, np.nan) for d in dwells]) for axis in axes}
@@ -321,8 +284,11 @@ def _gathered(
         for i, p in enumerate(PROBABILITIES)
     )
     warm = {axis: np.array([d.temperature.get(axis, np.nan) for d in dwells]) for axis in axes}
-    told = {axis: np.array([d.predicted.get(axis, np.nan) for d in dwells]) for axis in axes}
-    settling = [] if plan.settle == 0.0 else [_settling(plan, len(dwells))]
+    predicted = {axis: np.array([d.predicted.get(axis, np.nan) for d in dwells]) for axis in axes}
+    remarks += [remark for d in dwells for remark in d.remarks]
+    if plan.settle != 0.0:
+        what = f"{plan.settle:g} s left out at the start of each window"
+        remarks.append(Remark("settling", "info", what, count=len(dwells)))
     return Readings(
         angle=np.array([d.window.angle for d in dwells]),
         flip=np.array([d.window.flip for d in dwells]),
@@ -333,11 +299,78 @@ def _gathered(
         temperature={axis: one for axis, one in warm.items() if np.isfinite(one).any()},
         quiet=tuple(quiet),
         where=tuple(places),
-        remarks=gather([*remarks, *(remark for d in dwells for remark in d.remarks), *settling]),
+        remarks=gather(remarks),
         reasons={name: why for d in dwells for name, why in d.reasons.items()},
-        predicted={axis: one for axis, one in told.items() if np.isfinite(one).any()},
+        predicted={axis: one for axis, one in predicted.items() if np.isfinite(one).any()},
     )
 
 
-def _settling(plan: Plan, count: int) -> Remark:
-    return Remark("settling", "info", f"{plan.settle:g} s left out at the start of each window", count=count)
+def low_passed(seconds: Array, samples: Array, cutoff: float, interval: float) -> tuple[float, float]:
+    """Return the mean of a window after a low-pass, and the length left out for settling [s].
+
+    Parameters
+    ----------
+    seconds, samples : ndarray, shape (n,)
+        Stamps [s] and values; NaN is left out.
+    cutoff : float
+        Of the filter [Hz].
+    interval : float
+        From sample to sample [s].
+
+    Raises
+    ------
+    DataError
+        ``shorter_than_settling`` if the window is not longer than the settling at both ends.
+    """
+    from scipy import signal  # noqa: PLC0415 - heavy import, which commands on tables need not wait for
+
+    settling = 1.0 / cutoff
+    length = float(seconds[-1] - seconds[0]) + interval if len(seconds) else 0.0
+    if not length > 2.0 * settling:
+        what = f"a window of {length:.6g} s is not longer than the {2.0 * settling:.6g} s in which the low-pass settles"
+        do = "Make the dwells longer, or give a higher plan.low_pass"
+        raise DataError(what, why="no sample would remain", do=do, code="shorter_than_settling")
+    step = max(settling / PER_PERIOD, interval)
+    at = ((seconds - seconds[0]) / step + 1e-6).astype(np.intp)
+    count = max(int(length / step + 1e-6), 1)
+    inside = np.isfinite(samples) & (at < count)
+    n = np.bincount(at[inside], minlength=count)
+    sums = np.bincount(at[inside], samples[inside], minlength=count)
+    there, places = n > 0, np.arange(count)
+    means = np.interp(places, places[there], sums[there] / n[there])  # of equal steps, those without a sample filled in
+    sections = signal.butter(ORDER, cutoff, fs=1.0 / step, output="sos")
+    level = float(means.mean())
+    smooth = signal.sosfiltfilt(sections, means - level, padtype=None) + level
+    cut = round(settling / step)
+    return float(smooth[cut : len(smooth) - cut].mean()), 2.0 * settling
+
+
+def half_widths(seconds: Array, samples: Array, subset: float, subsets: int, interval: float) -> tuple[float, ...]:
+    """Return half widths of the t-intervals of the mean of the first sub-means, as the textbook has them.
+
+    Parameters
+    ----------
+    seconds, samples : ndarray, shape (n,)
+        Stamps [s] and values; NaN is left out.
+    subset : float
+        Length of a sub-mean [s].
+    subsets : int
+        How many.
+    interval : float
+        From sample to sample [s].
+
+    Returns
+    -------
+    tuple of float
+        At 95 and 99 %; NaN where the window is too short for them.
+    """
+    length = float(seconds[-1] - seconds[0]) + interval if len(seconds) else 0.0
+    none = (np.nan,) * len(PROBABILITIES)
+    if length < subset * subsets * (1.0 - 1e-9):
+        return none
+    at = np.floor((seconds - seconds[0]) / subset + 1e-9)
+    parts = [samples[(at == i) & np.isfinite(samples)] for i in range(subsets)]
+    if not all(len(part) for part in parts):
+        return none
+    scatter = float(np.std([part.mean() for part in parts], ddof=1)) / np.sqrt(subsets)
+    return tuple(coverage_factor(subsets - 1.0, p) * scatter for p in PROBABILITIES)

@@ -22,11 +22,11 @@ from ....files import read
 from ....files.pad.frames import sensor_frame
 from ....files.text.table import read_table
 from ...display import curve_contents, displayed
-from .. import reduction as procedure
 from ..dwells.recordings import FlipRecording, readings_from
-from ..inputs import means_of
-from ..plan import Axis
-from ..tables import readings_of_means
+from ..inputs import means_of, readings_of_means
+from ..plan import Axis, Plan
+from ..readings import Readings
+from ..reduction import Result, reduce
 from .record import Said, axes_of, found_windows, given_windows, head_recording
 from .source import FlipSource, source_of
 from .table import is_table_of_means, means_columns
@@ -60,7 +60,7 @@ class FlipFile:
         What was taken from each file, by path.
     """
 
-    result: procedure.Result
+    result: Result
     rows: tuple[Row, ...]
     inputs: Mapping[str, str]
     unit: str
@@ -146,7 +146,7 @@ def flip(
     if axis not in AXES:
         raise UsageError(f"axis {axis!r}", do="There are: x, y, z", code="unknown_name")
     standards: dict[str, Influence] = {}
-    plan = procedure.Plan(
+    plan = Plan(
         axis=AXES[axis],
         settle=_quantity(settle, "s", "settle"),
         corrected=corrected,
@@ -164,7 +164,7 @@ def flip(
         windowed = zip(sources.items(), turned, strict=True)
         sources = {path: replace(source, windows=one.windows) for (path, source), one in windowed}
         readings = readings_from(plan, turned)
-    result = procedure.reduce(plan, readings)
+    result = reduce(plan, readings)
     shown = _in_orbit(shown, result)
     rows = tuple(displayed(replace(row, test="flip"), shown) for row in result.rows())
     return FlipFile(result, rows, inputs, shown, result.remarks, sources)
@@ -199,7 +199,7 @@ def _quantity(given: str, unit: str, what: str) -> float:
         ) from None
 
 
-def _in_orbit(unit: str, result: procedure.Result) -> str:
+def _in_orbit(unit: str, result: Result) -> str:
     """Return the unit to show: readings in g of a head in orbit are told in ug, as the field does."""
     largest = max((abs(value) for value in result.whole.values), default=np.inf)
     return "ug" if unit == "g" and largest < MICRO * factor("g", "m/s^2") else unit
@@ -211,7 +211,7 @@ def _holds_means(file: Path) -> bool:
 
 def _of_table(
     file: Path, positions: Mapping[str, str], unit: str | None
-) -> tuple[procedure.Readings, dict[str, str], str, dict[str, FlipSource]]:
+) -> tuple[Readings, dict[str, str], str, dict[str, FlipSource]]:
     table = read_table(file)
     means = means_columns(table, positions, unit)
     readings = readings_of_means(means_of(table, means, str(file)))

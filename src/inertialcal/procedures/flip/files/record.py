@@ -18,8 +18,8 @@ from ....core.units import convert, factor, kind
 from ....files.time.window import Window as Between
 from ....signals.segmentation.turn_windows import turn_windows
 from ....signals.segmentation.turns import Turn, TurnPlan, find_turns
-from .. import reduction as flip
-from ..dwells.plausible import readable
+from ..dwells.disturbances import readable
+from ..dwells.quiet import Window
 
 MOST = 8  # times told
 PART = 0.1  # of a record that a window may be: its noise is known from ten times as much
@@ -105,7 +105,7 @@ def _axes(recording: Recording) -> dict[str, str]:
 
 def given_windows(
     recordings: Sequence[Recording], said: Sequence[Said], mission_start: str | None = None
-) -> list[tuple[flip.Window, ...]]:
+) -> list[tuple[Window, ...]]:
     """Return the windows that the user gave, of each recording those that lie in it, on its clock.
 
     Raises
@@ -123,7 +123,7 @@ def given_windows(
     return [tuple(w for w, there in zip(own, of, strict=True) if there) for own, of in zip(found, inside, strict=True)]
 
 
-def _given(recording: Recording, one: Said, mission_start: str | None) -> flip.Window:
+def _given(recording: Recording, one: Said, mission_start: str | None) -> Window:
     try:
         start, stop = Between(one.start, one.stop, mission_start).bounds(recording.epoch)
     except UsageError as error:
@@ -133,7 +133,7 @@ def _given(recording: Recording, one: Said, mission_start: str | None) -> flip.W
         raise UsageError(f"--window {one.start}..{one.stop}: {problem.what}", do=do, code="wrong_time") from None
     assert start is not None  # noqa: S101 - both were given
     assert stop is not None  # noqa: S101
-    return flip.Window(start, stop, one.angle)
+    return Window(start, stop, one.angle)
 
 
 def _reach(recording: Recording) -> str:
@@ -144,12 +144,12 @@ def _reach(recording: Recording) -> str:
     return f"{recording.source.path}{ends}"
 
 
-def _touches(recording: Recording, window: flip.Window) -> bool:
+def _touches(recording: Recording, window: Window) -> bool:
     time_ns = recording.time_ns
     return time_ns is None or (window.start <= int(time_ns[-1]) and window.stop > int(time_ns[0]))
 
 
-def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window, ...], tuple[Remark, ...]]:
+def found_windows(recording: Recording, angle: float) -> tuple[tuple[Window, ...], tuple[Remark, ...]]:
     """Return the windows beside the turns that the record shows, and what speaks against them.
 
     The head starts at position 0 and each turn takes it to ``angle`` or back; all turns of a recording are one flip.
@@ -173,13 +173,13 @@ def found_windows(recording: Recording, angle: float) -> tuple[tuple[flip.Window
         why = f"no axis clearly changes its level, by means over {shortest:g} s, across {spikes}"
         do = 'Give the windows: --window "START..STOP=0 deg" --window "START..STOP=180 deg"'
         raise UsageError(what, why=why, do=do, code="no_turns")
-    windows: list[flip.Window] = []
+    windows: list[Window] = []
     remarks = [*turns.remarks, *(problem for pair in pairs for problem in pair.problems)]
     for i, pair in enumerate(pairs):
         ends = ((pair.before, 0.0 if i % 2 == 0 else angle), (pair.after, angle if i % 2 == 0 else 0.0))
         for w, at in ends:
             if w is not None:
-                windows = _joined(windows, flip.Window(w.start_ns, w.stop_ns, at))
+                windows = _joined(windows, Window(w.start_ns, w.stop_ns, at))
     remarks.append(_turns_found(recording, [pair.turn for pair in pairs], turns.others, angle))
     return tuple(windows), tuple(remarks)
 
@@ -221,7 +221,7 @@ def _elapsed(at: int) -> str:
     return elapsed_text(at) if at >= 0 else f"{at / SECOND:.9g} s"
 
 
-def _joined(before: list[flip.Window], after: flip.Window) -> list[flip.Window]:
+def _joined(before: list[Window], after: Window) -> list[Window]:
     if before and after.start <= before[-1].stop and after.angle == before[-1].angle:
         return [*before[:-1], replace(before[-1], stop=max(before[-1].stop, after.stop))]
     return [*before, after]

@@ -10,8 +10,8 @@ import numpy as np
 from ....core.campaign_text import quoted
 from ....core.recording import SECOND, Recording
 from ....core.times import instant_text
+from ..dwells.quiet import Window
 from ..entry import Means
-from ..reduction import Window
 
 
 @dataclass(frozen=True)

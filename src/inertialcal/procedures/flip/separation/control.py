@@ -1,10 +1,10 @@
-"""Checks that the flip makes on itself: the control axis, the angle, the axis, and the size of what was found.
+"""Checks that the flip makes on itself: control axis, angle, axis of the turn, and size of the results.
 
-The axis along the turn keeps its reading; what it reads of the turn is tested against zero at 5 % with its own
+The axis along the turn keeps its reading; any part that follows the turn is tested against zero at 5 % with its own
 uncertainty (Holm's rule over several flips). The turned axes, where there are more dwells than unknowns, must follow
-cosine and sine of the stated angles: what is left against the record's noise, at 1 %, by an F-test that knows how well
-that noise is known [1]_. Half turns of two positions leave nothing, and a turn by another angle than stated does not
-show in them.
+cosine and sine of the stated angles: the residual is tested against the record's noise, at 1 %, by an F-test that
+allows for how well that noise is known [1]_. Half turns of two positions leave no residual, and do not show a turn by
+another angle than stated.
 
 A control axis that moves clearly (0.1 %) while a turned one does not (5 %) says that another axis was turned about.
 
@@ -22,7 +22,6 @@ import numpy as np
 from scipy import special
 
 from ....core.errors import DataError
-from ....core.estimate import Array
 from ....core.key import Key
 from ....core.remarks import Remark
 from ....core.units import factor
@@ -35,11 +34,12 @@ from .uncertainty import independent, record_of
 
 RISK, FIT_RISK, CLEAR = 0.05, 0.01, 0.001
 LARGEST = 1e9  # degrees of freedom, as good as infinite
-LEAST = 1e-8  # standard gravities: no head has a bias so small; ug were read as something smaller
+LEAST = 1e-8  # standard gravities: no head has so small a bias; ug were read as something smaller
+UG = factor("m/s^2", "ug")
 
 
 def checks(plan: Plan, readings: Readings, flips: Sequence[Flip], whole: Flip) -> list[Remark]:
-    """Return all that the checks bring up."""
+    """Return the remarks of all checks."""
     return [
         *control_axis(plan, flips, whole),
         *_other_axis(plan, flips),
@@ -52,26 +52,20 @@ def checks(plan: Plan, readings: Readings, flips: Sequence[Flip], whole: Flip) -
 def control_axis(plan: Plan, flips: Sequence[Flip], whole: Flip) -> list[Remark]:
     """Return the remark on each flip whose control axis is not zero; on all pooled where single ones cannot tell."""
     judged = [(one, p) for one in flips if (p := not_zero(plan, one)) is not None]
-    if not judged:
-        p = not_zero(plan, whole)
-        judged = [] if p is None else [(whole, p)]
-    if not judged:
-        return []
-    found = []
-    for (one, p), rejected in zip(judged, holm([p for _, p in judged], RISK), strict=True):
+    if not judged and (p := not_zero(plan, whole)) is not None:
+        judged = [(whole, p)]
+    remarks = []
+    for (one, p), rejected in zip(judged, holm([p for _, p in judged], RISK) if judged else (), strict=True):
         if rejected:
             place = f"flip {one.label}" if one.label and len(flips) > 1 else ""
-            what = f"{plan.axis} does not turn, but {_told(one, Key(CONTROL, plan.axis))}: zero has p = {p:.2g}"
+            what = f"{plan.axis} does not turn, but {_control(plan, one)}: zero has p = {p:.2g}"
             do = "Look for a disturbance, a drift, or another axis or angle; its size is the error of this test"
-            found.append(Remark("control_axis_not_zero", "warning", what, place, do=do, axis=plan.axis))
-    return found
+            remarks.append(Remark("control_axis_not_zero", "warning", what, place, do=do, axis=plan.axis))
+    return remarks
 
 
 def not_zero(plan: Plan, one: Flip) -> float | None:
-    """Return the probability that the control axis is as far from zero, or farther, where it is zero.
-
-    None where it has no uncertainty.
-    """
+    """Return the p value of a zero control axis; None where it has no uncertainty."""
     keys = [key for key in one.keys if key.quantity in (CONTROL, QUADRATURE)]
     if one.estimate is None or not keys:
         return None
@@ -79,53 +73,53 @@ def not_zero(plan: Plan, one: Flip) -> float | None:
     if not np.all(own.u > 0.0):
         return None
     square = float(own.values @ np.linalg.solve(own.covariance, own.values))
-    dof = min(float(np.min(own.dof)), 1e9)
-    return float(special.fdtrc(len(keys), dof, square / len(keys)))
+    return float(special.fdtrc(len(keys), min(float(np.min(own.dof)), LARGEST), square / len(keys)))
 
 
 def _p(one: Flip, key: Key) -> float | None:
+    """Return the p value of zero; None without an uncertainty."""
     if one.estimate is None or key not in one.keys:
         return None
     own = one.estimate.select([key])
     dof, t = float(own.dof[0]), float(own.values[0]) / float(own.u[0]) if own.u[0] > 0.0 else np.inf
-    return 2.0 * float(special.stdtr(min(dof, 1e9), -abs(t)))
+    return 2.0 * float(special.stdtr(min(dof, LARGEST), -abs(t)))
 
 
-def _told(one: Flip, key: Key) -> str:
-    """Return a value with its uncertainty in words [ug]."""
-    scale = factor("m/s^2", "ug")
-    value = one.values[one.keys.index(key)] * scale
-    u = "" if one.estimate is None else f" (u = {one.estimate.select([key]).u[0] * scale:.3g} ug)"
+def _control(plan: Plan, one: Flip) -> str:
+    """Say what the control axis reads of the turn, with its uncertainty [ug]."""
+    key = Key(CONTROL, plan.axis)
+    value = one.values[one.keys.index(key)] * UG
+    u = "" if one.estimate is None else f" (u = {one.estimate.select([key]).u[0] * UG:.3g} ug)"
     return f"reads {value:+.4g} ug of the turn{u}"
 
 
 def _other_axis(plan: Plan, flips: Sequence[Flip]) -> list[Remark]:
-    found = []
+    remarks = []
     for one in flips:
         moved = not_zero(plan, one)
         still = [axis for axis in plan.turned if (p := _p(one, Key(AMBIENT, axis))) is not None and p > RISK]
         if moved is not None and moved < CLEAR and still:
-            what = f"{plan.axis} {_told(one, Key(CONTROL, plan.axis))} while {' and '.join(still)} kept the reading"
+            what = f"{plan.axis} {_control(plan, one)} while {' and '.join(still)} kept the reading"
             do = f"The head may have been turned about {' or '.join(still)}: check plan.axis, columns and mounting"
-            found.append(Remark("turned_about_other_axis", "warning", what, f"flip {one.label}", do=do))
-    return found
+            remarks.append(Remark("turned_about_other_axis", "warning", what, f"flip {one.label}", do=do))
+    return remarks
 
 
 def _angles(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> list[Remark]:
-    found = []
+    remarks = []
     for one in flips:
-        told = _left(plan, readings, one)
-        if told is not None and told[2] < FIT_RISK:
-            ratio, free, p = told
+        test = _residual_test(plan, readings, one)
+        if test is not None and test[2] < FIT_RISK:
+            ratio, free, p = test
             what = f"{free} combinations that should be zero have F = {ratio:.3g} (p = {p:.2g})"
             what = f"{' and '.join(plan.turned)} do not follow the stated angles: {what}"
             do = "Check the positions and the sign of each axis; or fit a drift (plan.drift)"
-            found.append(Remark("not_turned_by_angle", "warning", what, f"flip {one.label}", do=do))
-    return found
+            remarks.append(Remark("not_turned_by_angle", "warning", what, f"flip {one.label}", do=do))
+    return remarks
 
 
-def _left(plan: Plan, readings: Readings, one: Flip) -> tuple[float, int, float] | None:
-    """F of what the turned axes leave, how much is left, and its probability; None where nothing is."""
+def _residual_test(plan: Plan, readings: Readings, one: Flip) -> tuple[float, int, float] | None:
+    """F of the residuals of the turned axes, their number, and the p value; None without residuals or noise."""
     lines = one.separated[0].checks
     free = len(next(iter(lines.values()))) if lines else 0
     record = record_of(readings, lines) if free else None
@@ -136,49 +130,42 @@ def _left(plan: Plan, readings: Readings, one: Flip) -> tuple[float, int, float]
         ways, variance, dof = independent(plan, record, lines)
     except DataError:
         return None
-    if not np.all(variance > 0.0):  # a record without noise of its own
+    if not np.all(variance > 0.0):  # a record without noise
         return None
     ratio = float(np.mean((ways @ rest) ** 2 / variance))
-    return ratio, free, float(special.fdtrc(free, _denominator(dof), ratio))
-
-
-def _denominator(dof: Array) -> float:
-    """Return the degrees of freedom of a mean of squared t, each with its own: those of the F that has its mean."""
-    if not np.all(dof > 2.0):
-        return 2.0
-    excess = float(np.sum(2.0 / (dof - 2.0)))  # of the sum of their means, over their number
-    return min(2.0 * (len(dof) + excess) / excess, LARGEST) if excess > 0.0 else LARGEST
+    behind = 2.0  # degrees of freedom of a mean of squared t, each with its own: those of the F that has its mean
+    if np.all(dof > 2.0):
+        excess = float(np.sum(2.0 / (dof - 2.0)))  # of the sum of their means, over their number
+        behind = min(2.0 * (len(dof) + excess) / excess, LARGEST) if excess > 0.0 else LARGEST
+    return ratio, free, float(special.fdtrc(free, behind, ratio))
 
 
 def _positions(flips: Sequence[Flip]) -> list[Remark]:
-    found = []
+    remarks = []
     for one in flips:
-        lost = {key.axis: one.reasons[key] for key in one.reasons if one.reasons[key].code == "missing_position"}
+        lost = sorted({key.axis for key, why in one.reasons.items() if why.code == "missing_position"})
         if lost:
-            places = [one.separated[0].single[axis] for axis in sorted(lost)]
-            what = missing_position(places[0], *sorted(lost))
+            places = [one.separated[0].single[axis] for axis in lost]
+            what = missing_position(places[0], *lost)
             if len(set(places)) > 1:
-                what = "; ".join(
-                    missing_position(place, axis) for place, axis in zip(places, sorted(lost), strict=True)
-                )
+                what = "; ".join(missing_position(place, axis) for place, axis in zip(places, lost, strict=True))
             do = "A single-sided flip gives bias and ambient acceleration together: read the other position"
-            found.append(Remark("missing_position", "warning", what, f"flip {one.label}", do=do))
-    return found
+            remarks.append(Remark("missing_position", "warning", what, f"flip {one.label}", do=do))
+    return remarks
 
 
 def _magnitude(plan: Plan, whole: Flip) -> list[Remark]:
-    """Say what is too large, or too small, for orbit and this kind of head: g read as ug, or the other way round."""
-    found = []
+    """Remark values too large, or too small, for orbit and this kind of head: g read as ug, or the other way round."""
+    remarks = []
     limits = {AMBIENT: plan.largest_ambient, BIAS: plan.largest_bias, READING: plan.largest_bias}
     do = "Check the unit of the readings (g, mg, ug), the gain and the positions"
-    scale = factor("m/s^2", "ug")
     for key, value in zip(whole.keys, whole.values, strict=True):
         limit = limits.get(key.quantity)
         if limit is not None and abs(value) > limit:
-            what = f"{key} is {value * scale:.4g} ug, beyond the {limit * scale:.6g} ug that the plan has as largest"
-            found.append(Remark("magnitude", "error", what, do=do, axis=key.axis))
+            what = f"{key} is {value * UG:.4g} ug, above the plan's limit of {limit * UG:.6g} ug"
+            remarks.append(Remark("magnitude", "error", what, do=do, axis=key.axis))
     levels = [abs(v) for key, v in zip(whole.keys, whole.values, strict=True) if key.quantity in limits]
     if levels and max(levels) < LEAST * factor("g", "m/s^2"):
-        what = f"all readings are below {max(levels) * scale:.2g} ug, less than the bias of any head"
-        found.append(Remark("magnitude", "warning", what, do=do))
-    return found
+        what = f"all readings are below {max(levels) * UG:.2g} ug, less than the bias of any head"
+        remarks.append(Remark("magnitude", "warning", what, do=do))
+    return remarks

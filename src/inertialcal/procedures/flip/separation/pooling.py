@@ -1,15 +1,15 @@
-"""Flips of a test as estimates: each by its own, and all together.
+"""Flips of a test as estimates: each alone, and all pooled.
 
-One flip has the uncertainty of its noise (``uncertainty``). Several are pooled: the mean of them, each counted once,
-with the scatter between them, which holds the noise and whatever else differs from flip to flip. It has one degree
-of freedom less than there are flips. Whether they scatter more than their noise explains is tested beside.
+One flip has the uncertainty of its noise (``uncertainty``). Several are pooled: their mean, each counted once, with the
+scatter between them, which holds the noise and anything else that differs from flip to flip; it has one degree of
+freedom less than there are flips. A test says whether they scatter more than their noise explains.
 Type B parts are the same in all flips and do not shrink.
 
-Flips in one record have noise in common that is slower than the time between them: it does not scatter, and their mean
-is as far off the bias of the record as each is. With C_i the covariance of the noise of flip i and C that of the mean
-of m flips, their scatter over m is expected to be ``(sum C_i - m C) / (m (m - 1))``; what C has more is added.
+Flips in one record share noise that is slower than the time between them: it does not scatter, and their mean is as far
+off the bias of the record as each is. With C_i the covariance of the noise of flip i and C that of the mean of m flips,
+their scatter over m is expected to be ``(sum C_i - m C) / (m (m - 1))``; the excess of C is added.
 
-A flip that does not separate all that the others do (a missing position) is not pooled, and a remark names it.
+A flip that separates less than the others (a missing position) is not pooled, and a remark names it.
 """
 
 from __future__ import annotations
@@ -27,8 +27,7 @@ from ....statistics.decision import holm
 from ..plan import Plan
 from ..readings import Readings
 from .equations import AMBIENT, BIAS, CONTROL, RATES, WARM, Separated, separate
-from .standards import components, patterns
-from .uncertainty import noise_components, record_of
+from .uncertainty import components, noise_components, patterns, record_of
 
 FEW = 5  # flips: with fewer, the scatter between them is hardly known
 RISK = 0.05
@@ -52,7 +51,7 @@ class Flip:
     reason : Reason
         Why there is no uncertainty.
     separated : tuple of Separated
-        What went in.
+        The flips that went in.
     """
 
     label: str
@@ -61,6 +60,12 @@ class Flip:
     estimate: Estimate | None
     reason: Reason
     separated: tuple[Separated, ...]
+
+    @classmethod
+    def of(cls, label: str, values: Array, parts: list[Component], separated: tuple[Separated, ...]) -> Flip:
+        """Return the values of separated flips with the components of their uncertainty."""
+        keys = separated[0].keys
+        return cls(label, keys, values, Estimate(keys, values, units(keys), tuple(parts)), Reason(), separated)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,28 +79,31 @@ class Flip:
 
 
 def flips_of(plan: Plan, readings: Readings) -> tuple[Flip, ...]:
-    """Return every flip with the uncertainty that its noise and the standards give.
+    """Return every flip with the uncertainty of its noise and of the standards.
 
     Raises
     ------
     DataError
-        If the plan's drift cannot be told.
+        If the dwells do not determine the plan's drift.
     """
-    found = []
+    flips = []
     for label in readings.flips:
         one = separate(plan, readings, label)
         noise, reason = noise_components(plan, readings, one)
-        made = None if reason or not noise else [*noise, *components(plan, patterns(plan, readings, one))]
-        found.append(_flip(label, one.keys, one.values, made, reason, (one,)))
-    return tuple(found)
+        if noise and not reason:
+            parts = [*noise, *components(plan, patterns(plan, readings, one))]
+            flips.append(Flip.of(label, one.values, parts, (one,)))
+        else:
+            why = reason or Reason("not_read", "nothing was read")
+            flips.append(Flip(label, one.keys, one.values, None, why, (one,)))
+    return tuple(flips)
 
 
 def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     """Return all flips together; a single one is itself."""
     used = _used(flips)
     if len(used) == 1:
-        one = used[0]
-        return Flip("", one.keys, one.values, one.estimate, one.reason, one.separated)
+        return replace(used[0], label="")
     values = np.array([one.values for one in used])
     scatter = np.atleast_2d(np.cov(values, rowvar=False)) / len(used)
     between = Component(Origin("scatter between flips", level="flip"), "A", scatter, float(len(used) - 1), "t")
@@ -103,107 +111,84 @@ def pooled(plan: Plan, readings: Readings, flips: Sequence[Flip]) -> Flip:
     every = [patterns(plan, readings, one) for one in separated]
     common = {name: np.mean([one[name] for one in every], axis=0) for name in every[0]}
     parts = [between, *_in_common(plan, readings, used), *components(plan, common)]
-    return _flip("", used[0].keys, values.mean(axis=0), parts, Reason(), separated)
+    return Flip.of("", values.mean(axis=0), parts, separated)
 
 
 def _used(flips: Sequence[Flip]) -> list[Flip]:
     """Return the flips that are pooled: those that separate most, and the same."""
-    most = max(len(one.keys) for one in flips)
-    used = [one for one in flips if len(one.keys) == most and _separates(one)]
-    used = used or [one for one in flips if len(one.keys) == most]
+    most = [one for one in flips if len(one.keys) == max(len(other.keys) for other in flips)]
+    ambient = (AMBIENT, RATES[AMBIENT])
+    used = [one for one in most if any(key.quantity in ambient for key in one.keys)] or most
     return [one for one in used if one.keys == used[0].keys]
 
 
 def _in_common(plan: Plan, readings: Readings, used: Sequence[Flip]) -> list[Component]:
-    """Return what the noise of the mean has more than the scatter between flips shows; nothing where it is unknown."""
+    """Return the excess of the noise of the mean over the scatter between flips; nothing where it is unknown."""
     parts = [one.separated[0] for one in used]
     records = [record_of(readings, part.weights) for part in parts]
     groups = {id(one): [part for part, own in zip(parts, records, strict=True) if own is one] for one in records}
     if None in records or len(groups) == len(used) or any(one.estimate is None for one in used):
         return []
-    found: list[Component] = []
+    shared: list[Component] = []
     for group in groups.values():
         weights = {axis: np.sum([p.weights[axis] for p in group], axis=0) / len(used) for axis in group[0].weights}
         noise, reason = noise_components(plan, readings, replace(group[0], weights=weights))
         if reason or not noise:
             return []
-        found += noise
+        shared += noise
     noises = [one for flip in used if flip.estimate for one in flip.estimate.components if one.kind == "A"]
     single = np.sum([one.covariance for one in noises], axis=0)
-    whole = np.sum([one.covariance for one in found], axis=0)
+    whole = np.sum([one.covariance for one in shared], axis=0)
     more = _positive(whole - (single - len(used) * whole) / (len(used) * (len(used) - 1)), whole)
     if not np.any(more):
         return []
-    dof = np.min([np.broadcast_to(one.dof, len(more)) for one in found], axis=0)
+    dof = np.min([np.broadcast_to(one.dof, len(more)) for one in shared], axis=0)
     small = np.diagonal(more) < 0.5 * np.diagonal(whole)  # the scatter decides how well the sum is known
     dof = np.where(small, np.minimum(dof, len(used) - 1.0), dof)
     return [Component(Origin("noise that flips of one record have in common", level="record"), "A", more, dof, "t")]
 
 
-def _positive(covariance: Array, beside: Array) -> Array:
-    """Return a covariance without its negative part; what is nothing beside another one is zero."""
-    size = np.sqrt(np.diagonal(beside))
+def _positive(covariance: Array, scale: Array) -> Array:
+    """Return a covariance without its negative part; whatever is negligible against ``scale`` is zero."""
+    size = np.sqrt(np.diagonal(scale))
     size = np.where(size > 0.0, size, 1.0)
     values, ways = np.linalg.eigh(covariance / np.outer(size, size))
     values = np.where(values > ROUNDING, values, 0.0)
     return np.asarray((ways * values) @ ways.T * np.outer(size, size))
 
 
-def _separates(one: Flip) -> bool:
-    return any(key.quantity in (AMBIENT, RATES[AMBIENT]) for key in one.keys)
-
-
-def _flip(
-    label: str,
-    keys: tuple[Key, ...],
-    values: Array,
-    parts: list[Component] | None,
-    reason: Reason,
-    separated: tuple[Separated, ...],
-) -> Flip:
-    if parts is None:
-        return Flip(label, keys, values, None, reason or Reason("not_read", "nothing was read"), separated)
-    return Flip(label, keys, values, Estimate(keys, values, units(keys), tuple(parts)), Reason(), separated)
-
-
 def units(keys: Sequence[Key]) -> tuple[str, ...]:
     """Return the SI unit of each value."""
-    return tuple(_unit(key.quantity) for key in keys)
-
-
-def _unit(quantity: str) -> str:
-    if quantity in WARM.values():
-        return "m/s^2/degC"
-    return "m/s^3" if quantity in RATES.values() else "m/s^2"
+    changing = dict.fromkeys(WARM.values(), "m/s^2/degC") | dict.fromkeys(RATES.values(), "m/s^3")
+    return tuple(changing.get(key.quantity, "m/s^2") for key in keys)
 
 
 def differences(flips: Sequence[Flip]) -> list[Remark]:
-    """Say how many flips there are, and of what they differ by more than their noise explains."""
+    """Remark how few flips there are, and quantities that differ by more than their noise explains."""
     if len(flips) < 2:
         return []
-    used = _used(flips)
-    count, found = len(used), [_left_out(flips, used)] if len(used) < len(flips) else []
+    used, remarks = _used(flips), []
+    count = len(used)
+    if count < len(flips):
+        labels, rest = ([one.label for one in some] for some in (used, [one for one in flips if one not in used]))
+        what = f"not pooled: flip {', '.join(rest)}, which separates less than the others; pooled: {', '.join(labels)}"
+        do = "See each flip by itself, and its remarks"
+        remarks.append(Remark("flip_not_pooled", "warning", what, count=len(rest), do=do))
     if 1 < count < FEW:
         what = f"{count} flips: the scatter between them has {count - 1} degree{'' if count == 2 else 's'} of freedom"
-        found.append(Remark("few_flips", "warning", what, do=f"Repeat until there are {FEW} flips or more"))
-    told_of = {key: told for key in _shared(used) if count > 1 and (told := _against_noise(key, used)) is not None}
-    rejected = holm([p for _, p in told_of.values()], RISK) if told_of else ()
-    for (key, told), differs in zip(told_of.items(), rejected, strict=True):
+        remarks.append(Remark("few_flips", "warning", what, do=f"Repeat until there are {FEW} flips or more"))
+    tested: dict[Key, tuple[float, float]] = {}
+    for key in used[0].keys:
+        if count > 1 and key.quantity in (AMBIENT, BIAS, CONTROL):
+            test = _against_noise(key, used)
+            tested |= {} if test is None else {key: test}
+    rejected = holm([p for _, p in tested.values()], RISK) if tested else ()
+    for (key, (square, _)), differs in zip(tested.items(), rejected, strict=True):
         if differs:
-            what = f"{key}: chi-square {told[0]:.3g} between {count} flips, {count - 1} expected from their noise"
+            what = f"{key}: chi-square {square:.3g} between {count} flips, {count - 1} expected from their noise"
             do = "It changed between them: look at each flip"
-            found.append(Remark("flips_differ", "warning", what, do=do))
-    return found
-
-
-def _left_out(flips: Sequence[Flip], used: Sequence[Flip]) -> Remark:
-    labels, left = ([one.label for one in some] for some in (used, [one for one in flips if one not in used]))
-    what = f"not pooled: flip {', '.join(left)}, which lacks what others separate; pooled: {', '.join(labels)}"
-    return Remark("flip_not_pooled", "warning", what, count=len(left), do="See each flip by itself, and its remarks")
-
-
-def _shared(used: Sequence[Flip]) -> list[Key]:
-    return [key for key in used[0].keys if key.quantity in (AMBIENT, BIAS, CONTROL)]
+            remarks.append(Remark("flips_differ", "warning", what, do=do))
+    return remarks
 
 
 def _against_noise(key: Key, flips: Sequence[Flip]) -> tuple[float, float] | None:

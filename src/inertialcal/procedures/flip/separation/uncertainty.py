@@ -1,77 +1,93 @@
-"""Uncertainty of a flip from noise slower than a dwell (Type A).
+"""Uncertainty of a flip: noise slower than a dwell (Type A), and standards that are not exact (Type B).
 
-Sub-means inside one dwell say nothing of what wanders from dwell to dwell: with 1/f noise that is most of it. Here the
-noise is that of the whole quiet record, and what counts of it are contrasts, as every result is one: ambient
-acceleration the half difference of two dwells, bias the half sum less the mean of the record. So ``bias`` means the
-mean bias over the record that the flip lies in, and ``ambient_acceleration`` is taken as constant over it: the noise
-is taken as the sensor's.
+**Noise.** Sub-means inside one dwell say nothing about what wanders from dwell to dwell: with 1/f noise that is most of
+it. The noise is therefore taken from the whole quiet record, and only contrasts count, as every result is one: ambient
+acceleration is the half difference of two dwells, bias the half sum less the mean of the record. So ``bias`` means the
+mean bias over the record around the flip, and ``ambient_acceleration`` is taken as constant over it: all noise is the
+sensor's.
 
 ``slow``
-    White and 1/f noise by ``statistics.slow_noise`` on block means; level and step at the turns (and a drift in time,
-    if the plan has one) are fitted beside, and so is the level of each dwell: an error of the result that is in the
-    noise found would widen its own interval, and 95 % would hold 98 % on white noise.
+    White and 1/f noise by ``statistics.slow_noise`` on block means. Level, step at the turns (and a drift in time, if
+    the plan has one) and the level of each dwell are fitted as well: an error of the result that stayed in the noise
+    would widen its interval, and 95 % would cover 98 % on white noise.
 ``pairs``
     The same combination of dwells, moved to where the record has quiet stretches as long and as far apart: scatter of
-    what should be zero. Assumes no shape of the noise, needs three such places; for a bias the mean at each position
-    is taken off before, which makes it a little too small in a short record.
+    values that should be zero. Assumes no shape of the noise and needs three such places. For a bias the mean at each
+    position is removed first, which makes the uncertainty a little too small in a short record.
 
 The noise of different axes is taken as independent.
+
+**Standards**, one unknown value each for the whole test:
+
+turn angle
+    Every position but 0 is off by the same angle u: a reading there changes by ``dC/dtheta g u``. In a half turn the
+    other turned axis enters: ``G_y`` and ``B_y`` change by ``g_z u / 2``.
+turn axis
+    The true axis of the turn is off the stated one by two small angles, each with u: the readings change by
+    ``([e] C - C [e]) g``. Ambient acceleration along the turn, which no flip separates from bias, is taken as large as
+    that across it.
+converter zero
+    An offset of the electronics of each axis, u in its bias.
+scale factor
+    A relative error of each axis: of its readings, and of the bias that was subtracted before: ``plan.raw_bias``, or
+    where that is 0 the prediction of the ground model.
 
 References
 ----------
 .. [1] Chestney and Sicker, NASA TM-106980, 1996: control axis -1.136 ug against an accuracy of 0.36 ug (Tables 5).
+.. [2] JCGM 100:2008 (GUM), 4.3 and 5.2.
 """
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from functools import lru_cache
 
 import numpy as np
 
+from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array, Component
-from ....core.key import Origin, Reason
+from ....core.key import Key, Origin, Reason
 from ....statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
-from ..plan import Plan
+from ..plan import INFLUENCES, Plan
 from ..readings import Quiet, Readings
-from .equations import Separated
-from .positions import directions
+from .equations import AMBIENT, SAME, Separated, directions, slope, tilted
 
 FEWEST = 3  # pairs
 PART = 0.8  # of a window that the blocks of a moved one must fill
-NO_RECORD = Reason("no_record", "no record of the noise: readings of a table do not show how it wanders between dwells")
-APART = Reason("apart", "the positions lie in different recordings: noise between them is not shown")
+NO_RECORD = Reason("no_record", "no record of the noise: a table of means does not show how it wanders between dwells")
+APART = Reason("apart", "the positions lie in different recordings: the noise between them is not known")
 DEPENDS = 1e-9  # of a weight, relative to the largest
 MEMORY = 8  # shapes of records that are kept: axes and simulated tests share theirs
 
+Patterns = dict[str, Array]  # of each influence, shape (q, p): changes of the values, one standard uncertainty each
 
-def noise_components(plan: Plan, readings: Readings, found: Separated) -> tuple[list[Component], Reason]:
-    """Return one component an axis, or the reason why there is no uncertainty.
+NAMES = {
+    "turn.angle": "turn angle",
+    "turn.axis": "axis of the turn",
+    "converter.zero": "zero of the electronics",
+    "sensor.scale_factor": "scale factor",
+}
 
-    Parameters
-    ----------
-    plan : Plan
-        Which model.
-    readings : Readings
-        With the quiet records.
-    found : Separated
-        One flip.
-    """
+
+def noise_components(plan: Plan, readings: Readings, flip: Separated) -> tuple[list[Component], Reason]:
+    """Return one component per axis of a flip, or the reason why there is no uncertainty."""
     if not readings.quiet:
         return [], NO_RECORD
     components = []
-    for axis, weights in found.weights.items():
+    for axis, weights in flip.weights.items():
         if not np.any(weights):
             continue
-        record = _record(readings, weights)
+        record = record_of(readings, {axis: weights})
         if record is None:
             return [], APART
         try:
-            covariance, dof, how = _of_axis(plan, record, axis, weights)
+            covariance, dof, method = _of_axis(plan, record.of(axis), axis, weights)
         except DataError as error:
             return [], Reason(error.problems[0].code, f"{axis}: {error.problems[0].what}")
-        components.append(Component(Origin(f"noise of {axis}: {how}", level="record"), "A", covariance, dof, "t"))
+        components.append(Component(Origin(f"noise of {axis}: {method}", level="record"), "A", covariance, dof, "t"))
     return components, Reason()
 
 
@@ -112,42 +128,36 @@ def independent(plan: Plan, record: Quiet, lines: Mapping[str, Array]) -> tuple[
     return directions, variance, variance**2 / np.maximum(spread, np.finfo(float).tiny)
 
 
-def _covariance(noise: SlowNoise, record: Quiet, contrasts: Array) -> Array:
-    white = contrasts @ contrasts.T * (noise.white / (2.0 * record.length))
-    whole = white + noise.flicker * (contrasts @ noise.blocks.flicker @ contrasts.T)
-    return np.asarray(0.5 * (whole + whole.T))
-
-
 def record_of(readings: Readings, weights: Mapping[str, Array]) -> Quiet | None:
     """Return the recording that all dwells with a weight lie in; None where there is none."""
-    return _record(readings, np.vstack(list(weights.values()))) if weights else None
+    if not weights:
+        return None
+    used = np.any(np.vstack(list(weights.values())) != 0.0, axis=0)
+    return next((one for one in readings.quiet if np.all(one.dwells[used])), None)
 
 
 def _of_axis(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
-    record = record.of(axis)
+    """Return covariance, degrees of freedom and method of the noise of one axis."""
     if not len(record.times):
-        raise DataError("no block of the record is quiet and whole", do="Record longer", code="too_few_blocks")
+        raise DataError("no block of the record is quiet and complete", do="Record longer", code="too_few_blocks")
     if plan.noise == "pairs":
-        return _pairs(plan, record, axis, weights)
+        return _pairs(record, axis, weights)
     try:
-        return _slow(plan, record, axis, weights)
+        contrasts = _contrasts(record, weights)
+        noise = slow_noise(record.means[axis], _shape(plan, record), contrasts)
+        dof = np.array([noise.variance(line)[1] if np.any(line) else np.inf for line in contrasts])
+        return _covariance(noise, record, contrasts), dof, "white and 1/f, by its quiet record"
     except DataError as error:
         try:
-            return _pairs(plan, record, axis, weights)
+            return _pairs(record, axis, weights)
         except DataError as other:
             raise DataError(f"{error.problems[0].what}; {other.problems[0].what}") from None
 
 
-def _record(readings: Readings, weights: Array) -> Quiet | None:
-    used = np.any(weights != 0.0, axis=0)
-    return next((one for one in readings.quiet if np.all(one.dwells[used])), None)
-
-
-def _slow(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
-    contrasts = _contrasts(record, weights)
-    noise = slow_noise(record.means[axis], _shape(plan, record), contrasts)
-    dof = np.array([noise.variance(line)[1] if np.any(line) else np.inf for line in contrasts])
-    return _covariance(noise, record, contrasts), dof, "white and 1/f, by its quiet record"
+def _covariance(noise: SlowNoise, record: Quiet, contrasts: Array) -> Array:
+    white = contrasts @ contrasts.T * (noise.white / (2.0 * record.length))
+    whole = white + noise.flicker * (contrasts @ noise.blocks.flicker @ contrasts.T)
+    return np.asarray(0.5 * (whole + whole.T))
 
 
 def _contrasts(record: Quiet, weights: Array) -> Array:
@@ -155,7 +165,7 @@ def _contrasts(record: Quiet, weights: Array) -> Array:
     weights = _small_to_zero(weights)
     if np.any(np.any(weights != 0.0, axis=0) & ~np.any(record.weights, axis=1)):
         what = "no block of a window has all its samples"
-        raise DataError(what, why="its noise is not shown", do="Choose another window", code="too_few_blocks")
+        raise DataError(what, why="its noise is not known", do="Choose another window", code="too_few_blocks")
     lines = weights @ record.weights
     return np.asarray(lines - lines.sum(axis=1, keepdims=True) / lines.shape[1])
 
@@ -166,20 +176,16 @@ def _small_to_zero(weights: Array) -> Array:
 
 
 def _shape(plan: Plan, record: Quiet) -> Blocks:
-    """Return what does not depend on the readings, made once for all axes."""
+    """Return blocks and design of the noise model: independent of the readings, computed once for all axes."""
     steps = directions(record.angle)
     since = (record.times - record.times.mean())[:, None]
     drift = {"bias": [since], "ambient": [since * steps]}.get(plan.drift, [])
-    beside = np.column_stack([steps, *drift, record.weights[record.dwells].T])
-    design = np.column_stack([np.ones(len(record.times)), _independent(beside - beside.mean(axis=0))])
+    fitted = np.column_stack([steps, *drift, record.weights[record.dwells].T])
+    fitted = fitted - fitted.mean(axis=0)
+    length = np.sqrt(np.sum(fitted**2, axis=0))
+    basis, s, _ = np.linalg.svd(fitted / np.where(length > 0.0, length, 1.0), full_matrices=False)
+    design = np.column_stack([np.ones(len(record.times)), np.asarray(basis[:, s > DEPENDS * s.max(initial=0.0)])])
     return _remembered(record.times.tobytes(), record.length, design.tobytes(), design.shape[1])
-
-
-def _independent(columns: Array) -> Array:
-    """Return orthonormal columns that span the same."""
-    length = np.sqrt(np.sum(columns**2, axis=0))
-    basis, s, _ = np.linalg.svd(columns / np.where(length > 0.0, length, 1.0), full_matrices=False)
-    return np.asarray(basis[:, s > DEPENDS * s.max(initial=0.0)])
 
 
 @lru_cache(MEMORY)
@@ -187,7 +193,7 @@ def _remembered(times: bytes, length: float, design: bytes, columns: int) -> Blo
     return blocks_of(np.frombuffer(times), length, np.frombuffer(design).reshape(-1, columns))
 
 
-def _pairs(plan: Plan, record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
+def _pairs(record: Quiet, axis: str, weights: Array) -> tuple[Array, Array, str]:
     """Scatter of the same combination of dwells where the head was not turned."""
     design = np.column_stack([np.ones(len(record.times)), *directions(record.angle).T])
     level = design @ np.linalg.lstsq(design, record.means[axis], rcond=None)[0]
@@ -206,7 +212,7 @@ def _moved(record: Quiet, rest: Array, spans: Array) -> list[Array]:
     """Means of the windows of a flip, moved along the record without overlap, where it is quiet and not turned."""
     span = spans - spans.min()
     own = (float(spans.min()), float(spans.max()))
-    half, free, found = 0.5 * record.length, -np.inf, []
+    half, free, places = 0.5 * record.length, -np.inf, []
     for start in record.times - half:
         stop = start + span.max()
         if start < free or (start < own[1] and stop > own[0]):
@@ -216,6 +222,62 @@ def _moved(record: Quiet, rest: Array, spans: Array) -> list[Array]:
         need = [PART * (b - a) / record.length for a, b in span]
         whole = all(one.sum() >= enough for one, enough in zip(held, need, strict=True))
         if whole and len(np.unique(record.angle[inside])) == 1:
-            found.append(np.array([rest[one].mean() for one in held]))
+            places.append(np.array([rest[one].mean() for one in held]))
             free = stop
-    return found
+    return places
+
+
+def missing(plan: Plan) -> list[str]:
+    """Return the influences that have no stated uncertainty."""
+    return [name for name in INFLUENCES if name not in plan.standards]
+
+
+def patterns(plan: Plan, readings: Readings, flip: Separated) -> Patterns:
+    """Return the changes of the values of a flip that each stated influence makes.
+
+    Returns
+    -------
+    dict of str to ndarray, shape (q, p)
+        q independent unknowns, each one standard uncertainty; SI.
+    """
+
+    def changes(change: Array) -> Array:  # of the values for changes of the readings, shape (n, 3)
+        parts = [weights @ change[:, AXES.index(axis)] for axis, weights in flip.weights.items()]
+        return np.asarray(np.sum(parts, axis=0))
+
+    across, along = np.zeros(3), np.zeros(3)  # ambient acceleration: as found, and as large along the turn
+    for axis in plan.turned:
+        across[AXES.index(axis)] = flip.value(Key(AMBIENT, axis)) or 0.0
+    along[AXES.index(plan.axis)] = math.hypot(*across)
+    made: Patterns = {}
+    for name in (one for one in NAMES if one in plan.standards):
+        if name == "turn.angle":
+            turned = np.abs(readings.angle) > SAME
+            unit = changes(turned[:, None] * (slope(plan.axis, readings.angle) @ across))[None, :]
+        elif name == "turn.axis":
+            tilts = [tilted(plan.axis, readings.angle, np.eye(3)[AXES.index(axis)]) for axis in plan.turned]
+            unit = np.array([changes(tilt @ one) for tilt in tilts for one in (across, along)])
+        elif name == "converter.zero":
+            unit = np.array([weights.sum(axis=1) for weights in flip.weights.values()])
+        else:
+            unit = np.array([weights @ _raw(plan, readings, axis) for axis, weights in flip.weights.items()])
+        made[name] = plan.standards[name].u * unit
+    return made
+
+
+def _raw(plan: Plan, readings: Readings, axis: str) -> Array:
+    """Return the readings with the bias that was subtracted before: as the plan says, else as the model predicts."""
+    raw = np.nan_to_num(readings.outputs[axis])
+    if plan.raw_bias != 0.0 or not plan.corrected or axis not in readings.predicted:
+        return np.asarray(raw + plan.raw_bias)
+    return np.asarray(raw + np.nan_to_num(readings.predicted[axis]))
+
+
+def components(plan: Plan, parts: Patterns) -> list[Component]:
+    """Return the Type B components that patterns make."""
+    made = []
+    for name, pattern in parts.items():
+        one = plan.standards[name]
+        covariance = pattern.T @ pattern
+        made.append(Component(one.origin(NAMES[name]), "B", covariance, one.dof, one.distribution, one.stated))
+    return made
