@@ -22,8 +22,8 @@ from scipy import signal
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
-from ..parts.flicker import flicker
 from ..parts.campaign import drawn_error
+from ..parts.flicker import flicker
 from ..parts.head_turn import course, felt, swung
 from .campaign import windows
 from .setup import (
