@@ -6,6 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -21,10 +22,10 @@ from ...files.info.survey import Survey
 from ...files.pad.pairs import pairs_of
 from ...files.text.table import Table
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
-from .files.record import found_windows, head_recording
-from .files.source import FlipSource, entry_text, source_of
-from .files.table import is_table_of_means, means_columns
 from .plan import Plan
+
+if TYPE_CHECKING:
+    from .files.source import FlipSource
 
 REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error"\n# limit = "0.5 ug"\n'
 AXIS_COLUMNS = {"axis", "channel", "sensor"}
@@ -74,6 +75,9 @@ def means_of_table(table: Table) -> FlipSource | None:
     UsageError
         If its names do not tell, or not the unit.
     """
+    from .files.source import FlipSource  # noqa: PLC0415 - starts slowly
+    from .files.table import is_table_of_means, means_columns  # noqa: PLC0415 - starts slowly
+
     if not is_table_of_means(table):
         return None
     columns = [name for name in table.names if re.fullmatch("position|orientation|attitude|turned", name.lower())]
@@ -92,6 +96,9 @@ def head_source(recording: Recording, frame: str = "") -> tuple[FlipSource, tupl
     frame : str
         Axes that it was read in.
     """
+    from .files.record import found_windows, head_recording  # noqa: PLC0415 - starts slowly
+    from .files.source import source_of  # noqa: PLC0415 - starts slowly
+
     columns = {axis: (c.name, c.unit or "") for axis, c in accelerometers(recording).items()}
     try:
         windows, remarks = found_windows(head_recording(recording, None, None), math.pi)
@@ -139,6 +146,8 @@ def _in_sensor_axes(path: Path) -> tuple[Recording, str]:
 
 def draft(contents: Mapping[str, object]) -> Draft:
     """Return the head, its recordings and tests, by file: tables of means and recordings."""
+    from .files.source import FlipSource, entry_text  # noqa: PLC0415 - starts slowly
+
     sources = {file: one for file, one in contents.items() if isinstance(one, FlipSource)}
     known = next((unit for one in sources.values() for unit in _units(one) if unit), None)
     parts = [sensor_text(known or "?", "" if known else MARK)]

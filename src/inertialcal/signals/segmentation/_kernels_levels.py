@@ -6,7 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from .._kernels import compiled
+from .._kernels import compiled, fill_moments
+
+__all__ = [
+    "drop_lower", "fill_blocks", "fill_clear", "fill_jump", "fill_moments", "fill_peaks", "fill_window_variance",
+    "margin", "mark_above",
+]  # fmt: skip
 
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]

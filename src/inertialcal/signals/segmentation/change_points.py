@@ -27,13 +27,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
-from ...statistics.quantiles import chi_square_quantile, f_upper, normal_quantile
+from ...statistics.quantiles import chi_square_quantile, f_upper
+from .loops import loops_for
 from .noise_scale import Noise
 
 Flags = NDArray[np.bool_]
 Indices = NDArray[np.int64]
 
-HALF_NORMAL = normal_quantile(0.75)  # median of |x| for unit normal x
+HALF_NORMAL = 0.6744897501960817  # median of |x| for unit normal x
 WIDEN = 1.1  # a threshold too narrow by less than this is left as it is
 BLUE = np.sqrt(2.0)  # most that single samples can differ more than white ones: neighbours opposed
 ROUNDS = 10
@@ -127,11 +128,9 @@ def level_changes(
 
 def _fill_jumps(total: Array, w: int, room: Array) -> Array:
     """Difference, without sign, of the means of w samples after and before samples w .. n - w, a row a channel."""
-    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
-
     jumps = room[:, : len(total) - 2 * w]
     for running, jump in zip(total.T, jumps, strict=True):
-        kernels.fill_jump(running, w, jump)
+        loops_for(len(total)).fill_jump(running, w, jump)
     return jumps
 
 
@@ -158,11 +157,9 @@ def _changes_at_scale(
 
 def _above(jumps: Array, limit: Array) -> Indices:
     """Places at which the jump of any channel exceeds its limit."""
-    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
-
     over = np.zeros(jumps.shape[1], dtype=bool)
     for jump, bound in zip(jumps, limit, strict=True):
-        kernels.mark_above(jump, bound, over)
+        loops_for(jumps.shape[1]).mark_above(jump, bound, over)
     return np.flatnonzero(over)
 
 
@@ -182,11 +179,10 @@ def _exceedances(jumps: Array, at: Indices, limit: Array, w: int, cuts: Indices)
 
 def _highest(at: Indices, score: Array, w: int) -> Indices:
     """Which of the places ``at`` are the highest for w samples around, ascending."""
-    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
-
     room, kept = np.empty(len(at), dtype=np.int64), np.empty(len(at), dtype=bool)
-    peaks = room[: kernels.fill_peaks(at, score, room)]
-    kernels.drop_lower(at[peaks], np.argsort(score[peaks]), w, kept[: len(peaks)])
+    loops = loops_for(len(at))
+    peaks = room[: loops.fill_peaks(at, score, room)]
+    loops.drop_lower(at[peaks], np.argsort(score[peaks]), w, kept[: len(peaks)])
     return peaks[kept[: len(peaks)]]
 
 
@@ -198,10 +194,8 @@ def _joined(cuts: Indices, new: Indices) -> Indices:
 
 def _clear(at: Indices, w: int, cuts: Indices) -> Flags:
     """Which of the indices are w samples or more from the nearest cut, shape of ``at``."""
-    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
-
     clear = np.empty(len(at), dtype=bool)
-    kernels.fill_clear(at, w, cuts, clear)
+    loops_for(len(at)).fill_clear(at, w, cuts, clear)
     return clear
 
 
@@ -294,10 +288,8 @@ def _spread_of_variance() -> tuple[Array, Array]:
 
 def _window_variance(y: Array, cuts: Indices, w: int) -> Array:
     """Variance (w - 1) of samples i .. i + w, shape (n - w + 1,); levels are taken off to keep digits."""
-    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
-
     variance = np.empty(len(y) - w + 1)
-    kernels.fill_window_variance(y, cuts, w, np.empty(len(y)), variance)
+    loops_for(len(y)).fill_window_variance(y, cuts, w, np.empty(len(y)), variance)
     return variance
 
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...statistics.quantiles import chi_square_quantile, chi_square_upper
+from .loops import loops_for
 
 BLOCK = 8  # samples: long enough for a variance, short enough to lie inside a dwell of 30
 QUIET = 0.2  # quantile of block variances that is taken as quiet at first: 4 of 5 blocks may move
@@ -103,11 +104,9 @@ def _stated(y: Array, scale: float) -> tuple[float, float, float, bool]:
 
 def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:
     """Variances of blocks, differences in each that are not zero, smallest of all that is not; 0 if all are."""
-    from . import _kernels_levels as kernels  # noqa: PLC0415 - importing numba takes longer than most records
-
     count = len(y) // BLOCK
     variance, different = np.empty(count), np.empty(count, dtype=np.int64)
-    return variance, different, float(kernels.fill_blocks(y, BLOCK, variance, different))
+    return variance, different, float(loops_for(len(y)).fill_blocks(y, BLOCK, variance, different))
 
 
 def _pool_quiet(variance: Array) -> tuple[float, int]:

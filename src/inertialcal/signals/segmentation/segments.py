@@ -30,6 +30,7 @@ from ...core.remarks import Remark
 from ..time.samples import Flags, Indices, Samples, samples_of
 from ..time.schedule import dwells_by_reference, dwells_by_windows
 from .dwells import Dwell, Tally, dwell_of, tally
+from .loops import loops_for
 from .noise_scale import BLOCK, Noise
 from .still_stretches import Detection, Found, still_stretches
 
@@ -210,8 +211,6 @@ def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection
 
 def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
     """Give mean and standard deviation of the good samples of each stretch, and whether all are equal."""
-    from .._kernels import fill_moments  # noqa: PLC0415 - importing numba takes longer than most records
-
     left_out = ~samples.finite | samples.outlier
     shape = len(edges) - 1, samples.values.shape[1]
     level, variance, low, high = (np.empty(shape, order="F") for _ in range(4))
@@ -221,7 +220,7 @@ def _measured(samples: Samples, edges: Indices) -> tuple[Array, Array, Flags]:
         if left_out.any():
             x = np.where(left_out, np.nan, x)
         out = (level[:, k], variance[:, k], low[:, k], high[:, k], count)
-        fill_moments(x, edges[:-1], edges[1:], *out)
+        loops_for(len(x)).fill_moments(x, edges[:-1], edges[1:], *out)
     return np.ascontiguousarray(level), np.sqrt(np.ascontiguousarray(variance)), low == high
 
 

@@ -1,0 +1,116 @@
+"""Loops of the detector for short records: the functions of the kernels in numpy, equal to the last bit.
+
+Importing numba takes a quarter of a second; numpy takes less than that for a short record, the compiled loops a fifth
+of it for a long one.
+"""
+
+from __future__ import annotations
+
+import sys
+from types import ModuleType
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.estimate import Array
+from ..time.samples import Flags, Indices
+
+SHORT = 100_000  # samples
+
+
+def loops_for(samples: int) -> ModuleType:
+    """Return the module whose loops take less time for so many samples: this one, or the kernels."""
+    if samples <= SHORT and "numba" not in sys.modules:
+        return sys.modules[__name__]
+    from . import _kernels_levels  # noqa: PLC0415 - starts slowly
+
+    return _kernels_levels
+
+
+def fill_jump(running: Array, w: int, jump: Array) -> None:
+    """Fill the size of the difference of the means of w samples after and before samples w .. n - w."""
+    n = len(jump)
+    np.subtract(running[2 * w :][:n], running[w:][:n], out=jump)
+    jump -= running[w:][:n]
+    jump += running[:n]
+    np.abs(jump, out=jump)
+    jump *= 1.0 / w
+
+
+def mark_above(jump: Array, limit: float, over: Flags) -> None:
+    """Mark where a jump is above its limit."""
+    over |= jump > limit
+
+
+def fill_clear(at: Indices, w: int, cuts: Indices, clear: Flags) -> None:
+    """Fill which of the indices, ascending, are w samples or more from the nearest cut, ascending too."""
+    following = np.searchsorted(cuts[:-1], at)
+    clear[:] = (np.abs(cuts[following] - at) >= w) & (np.abs(at - cuts[np.maximum(following - 1, 0)]) >= w)
+
+
+def fill_peaks(at: Indices, score: Array, peaks: Indices) -> int:
+    """Fill which of the places ``at``, ascending, score higher than both neighbours; return their number."""
+    begins = np.ones(len(at), dtype=bool)  # of a row of neighbours that score alike
+    begins[1:] = (np.diff(at) > 1) | (np.diff(score) != 0.0)
+    first = np.flatnonzero(begins)
+    last = np.append(first[1:], len(at)) - 1
+    level, alone = score[first], at[first[1:]] - at[last[:-1]] > 1
+    left, right = np.zeros(len(first)), np.zeros(len(first))
+    left[1:], right[:-1] = np.where(alone, 0.0, level[:-1]), np.where(alone, 0.0, level[1:])
+    found = ((first + last) // 2)[(level > left) & (level > right)]
+    peaks[: len(found)] = found
+    return len(found)
+
+
+def drop_lower(at: Indices, order: Indices, w: int, kept: Flags) -> None:
+    """Fill which peaks are the highest for w samples around; ``order``: of the peaks, the lowest first."""
+    kept[:] = True
+    first, stop = np.searchsorted(at, at - w, side="right"), np.searchsorted(at, at + w)
+    for i in order[::-1].tolist():
+        if kept[i]:
+            kept[first[i] : stop[i]] = False
+            kept[i] = True
+
+
+def fill_window_variance(y: Array, cuts: Indices, w: int, residual: Array, variance: Array) -> None:
+    """Fill the variance (w - 1) of samples i .. i + w; levels between cuts are taken off to keep digits."""
+    for a, b in zip(cuts[:-1].tolist(), cuts[1:].tolist(), strict=True):
+        if b > a:
+            np.subtract(y[a:b], np.cumsum(y[a:b])[-1] / (b - a), out=residual[a:b])
+
+    def running(x: Array) -> Array:
+        """Return the sums of w samples: each takes one in, then the oldest out."""
+        steps = np.empty(2 * len(x) - w)
+        steps[:w], steps[w::2], steps[w + 1 :: 2] = x[:w], x[w:], -x[:-w]
+        return np.cumsum(steps)[w - 1 :: 2]
+
+    first, second = running(residual), running(residual * residual)
+    variance[:] = np.maximum(second - first * first / w, 0.0) / (w - 1)
+
+
+def fill_blocks(y: Array, size: int, variance: Array, different: Indices) -> float:
+    """Fill variance (size - 1) and number of unequal neighbours of each block; return the least step, 0 of none."""
+    blocks = y[: len(variance) * size].reshape(-1, size)
+    level, squares = np.zeros(len(blocks)), np.zeros(len(blocks))
+    for i in range(size):  # in the order of the samples, as a mean of numpy is not
+        level += blocks[:, i]
+    for i in range(size):
+        squares += (blocks[:, i] - level / size) ** 2
+    variance[:] = squares / (size - 1)
+    different[:] = np.count_nonzero(np.diff(blocks, axis=1), axis=1)
+    step = np.abs(np.diff(y))
+    least = np.min(step[step > 0.0], initial=np.inf)
+    return float(least) if np.isfinite(least) else 0.0
+
+
+def fill_moments(
+    x: NDArray[np.float64], first: Indices, stop: Indices, mean: Array, variance: Array, lo: Array, hi: Array,
+    count: Indices,
+) -> None:  # fmt: skip
+    """Fill number, mean, variance (n - 1), least and largest of the finite samples of each block."""
+    for block, (a, b) in enumerate(zip(first.tolist(), stop.tolist(), strict=True)):
+        good = x[a:b][np.isfinite(x[a:b])]
+        n = len(good)
+        count[block] = n
+        mean[block], lo[block], hi[block] = (np.cumsum(good)[-1] / n, good.min(), good.max()) if n else (np.nan,) * 3
+        variance[block] = np.cumsum((good - mean[block]) ** 2)[-1] / (n - 1) if n > 1 else np.nan
