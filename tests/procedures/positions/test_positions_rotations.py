@@ -297,6 +297,6 @@ class TestSolved:
     def test_no_rotations(self, problem: Problem) -> None:
         none = packed([], [], [])
         empty = replace(problem, moves=none, turns=none, turned=np.zeros((0, 3)))
-        with pytest.raises(DataError, match="gyros that rest tell their bias alone") as error:
+        with pytest.raises(DataError, match="at rest, gyros show only their bias") as error:
             solve(PLAN, empty, EYE)
         assert error.value.problems[0].code == "no_rotations"

@@ -126,9 +126,9 @@ SWAP = np.array([[0.0, 1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 1.0]])
 REFUSED: list[tuple[str, Array, Array, str, str]] = [
     ("acc in g", EYE / 9.80665, EYE, "unit_slip", "these are readings in g"),
     ("gyro in deg/s", EYE, np.degrees(1.0) * EYE, "unit_slip", "these are readings in deg/s"),
-    ("gyros swapped", EYE, SWAP, "axes_disagree", "gyro x turns about the accelerometers' y"),
-    ("gyro inverted", EYE, np.diag([1.0, 1.0, -1.0]), "axes_disagree", "gyro z turns about the accelerometers' -z"),
-    ("acc inverted", np.diag([1.0, -1.0, 1.0]), EYE, "axes_disagree", "gyro x turns about the accelerometers' -x"),
+    ("gyros swapped", EYE, SWAP, "axes_disagree", "gyro x turns about accelerometer axis y"),
+    ("gyro inverted", EYE, np.diag([1.0, 1.0, -1.0]), "axes_disagree", "gyro z turns about accelerometer axis -z"),
+    ("acc inverted", np.diag([1.0, -1.0, 1.0]), EYE, "axes_disagree", "gyro x turns about accelerometer axis -x"),
 ]
 
 

@@ -22,6 +22,7 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from .fit.attitudes import Packed, packed
 from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
+from .fit.linear_sensor import Observed
 from .fit.rotations import Problem, angles, converged
 from .plan import INFLUENCES
 from .readings import Readings
@@ -63,7 +64,7 @@ def check_units(readings: Readings, gravity: float) -> None:
     raise DataError(
         f"at rest the accelerometers read {size:.4g} m/s^2, gravity is {gravity:.4g} m/s^2",
         readings.where[0] if readings.where else "",
-        f"these are readings in {unit}" if near else "these are not readings in m/s^2, or the unit never rests",
+        f"these are readings in {unit}" if near else "the readings are not in m/s^2, or the unit never rests",
         f'State the unit: --unit acc={unit}, or unit = "{unit}" of the channels in campaign.toml'
         if near
         else "State the unit of the accelerometers",
@@ -113,24 +114,20 @@ def start_of(problem: Problem, scale_known: bool) -> Array:
     for _, scale, k in ranked[:LIKELY]:
         W = _converged(small, scale * signed_permutations()[k])
         if k != 0 and np.median(angles(small, W)) < FOUND:
-            raise _disagree(W)
+            largest = [int(np.argmax(np.abs(W[:, axis]))) for axis in range(3)]
+            pairs = [
+                f"gyro {AXES[i]} turns about accelerometer axis {'-' if W[j, i] < 0.0 else ''}{AXES[j]}"
+                for i, j in enumerate(largest)
+                if j != i or W[j, i] < 0.0
+            ]
+            mirror = "; that is a mirror image: one sign is wrong" if np.linalg.det(W) < 0.0 else ""
+            raise DataError(
+                f"the axes of gyros and accelerometers disagree: {', '.join(pairs)}{mirror}",
+                why="gravity carried by the gyros does not arrive where the accelerometers see it",
+                do="Rename or invert the columns of one of them",
+                code="axes_disagree",
+            )
     return start
-
-
-def _disagree(W: Array) -> DataError:
-    """Error that tells which gyro turns about which axis of the accelerometers."""
-    told = []
-    for k, axis in enumerate(AXES):
-        j = int(np.argmax(np.abs(W[:, k])))
-        if j != k or W[j, k] < 0.0:
-            told.append(f"gyro {axis} turns about the accelerometers' {'-' if W[j, k] < 0.0 else ''}{AXES[j]}")
-    mirror = "; that is a mirror image: one sign is wrong" if np.linalg.det(W) < 0.0 else ""
-    return DataError(
-        f"the axes of gyros and accelerometers disagree: {', '.join(told)}{mirror}",
-        why="carried by the gyros as they are named, gravity does not arrive where the accelerometers see it",
-        do="Rename or invert the columns of one of them",
-        code="axes_disagree",
-    )
 
 
 def _few(problem: Problem) -> Problem:
@@ -183,8 +180,8 @@ def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
     if np.any(read != along) or len(set(signs)) > 1:
         k = int(np.flatnonzero((read != along) | (signs != signs[0]))[0])
         raise DataError(
-            f"a turn about {AXES[along[k]]} is read by gyro {'-' if signs[k] < 0 else ''}{AXES[read[k]]}",
-            why="the axes of the gyros are not those that the turns are named by",
+            f"a turn about {AXES[along[k]]} shows in gyro {'-' if signs[k] < 0 else ''}{AXES[read[k]]}",
+            why="the gyro axes are not those of the turns",
             do="Rename or invert the columns, or correct axis and sense of the turn",
             code="axes_disagree",
         )
@@ -217,7 +214,7 @@ def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> 
     factor = float(np.median(own))  # true rate over the rate that was read
     if abs(np.log(factor)) < np.log(1.0 + MUCH):
         return []
-    size = f"the gyros turn the unit by {1.0 / factor:.4g} times what gravity and the known angles show"
+    size = f"the gyros read {1.0 / factor:.4g} times the rotation that gravity and the known angles show"
     if min(abs(np.log(factor / DEGREE)), abs(np.log(factor * DEGREE))) < np.log(1.0 + MUCH):
         other = "deg/s" if factor < 1.0 else "rad/s"
         do = f'State the unit: --unit gyro={other}, or unit = "{other}" of the channels in campaign.toml'
@@ -226,51 +223,21 @@ def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> 
         if abs(np.log(factor / ratio)) < np.log(1.1):
             way = f"{ratio:g} times too high" if ratio > 1.0 else f"{1.0 / ratio:g} times too low"
             what = f"{size}: the sample rate is probably {way}"
-            return [
-                Remark(
-                    "sample_rate_suspect",
-                    "warning",
-                    what,
-                    do="Find out the true sample rate; of known turns, their angle",
-                )
-            ]
+            do = "Check the sample rate; for known turns, their angle"
+            return [Remark("sample_rate_suspect", "warning", what, do=do)]
     what = f"{size}: the time axis, the unit or the scale factor of the gyros is wrong ({unit})"
     return [Remark("rotations_do_not_close", "warning", what, do="Check sample rate, stamps and unit")]
 
 
 def remarks_of(result: Result) -> list[Remark]:
     """Return the remarks, the gravest first."""
-    return [
-        *_not_told(result),
-        *_not_judged(result),
-        *_outliers(result),
-        *_of_gyros(result),
-        *_alone(result),
-        *_standards(result),
-    ]
-
-
-def _not_told(result: Result) -> list[Remark]:
+    acc, readings = result.acc, result.readings
     found = []
-    seen = result.acc.seen
-    if not seen.whole:
-        found.append(_unobserved("the positions", seen.rank, seen.count, seen.combinations, "accelerometers"))
-    if result.acc.free == 0:
-        m, p = len(result.readings), seen.rank
-        what = f"{m} positions for {p} unknowns: nothing is left to judge the accelerometers by"
+    if not acc.seen.whole:
+        found.append(_unobserved("positions", acc.seen, "accelerometers"))
+    if acc.free == 0:
+        what = f"{len(readings)} positions for {acc.seen.rank} unknowns: nothing is left to judge the accelerometers by"
         found.append(Remark("no_dof", "warning", what, do="Lay the unit into more orientations"))
-    return found
-
-
-def _unobserved(who: str, rank: int, count: int, combinations: tuple[str, ...], of: str) -> Remark:
-    text = "; ".join(combinations)
-    what = f"{who} tell {rank} of {count} numbers of the {of}; they do not tell: {text}"
-    return Remark("not_observable", "warning", what, do="Add orientations between the faces, about all axes")
-
-
-def _not_judged(result: Result) -> list[Remark]:
-    """Say which numbers rest on one reading at each place that decides them, so that most of their u is a bound."""
-    found = []
     for kind, one in result.estimates.items():
         unseen = sum(
             (np.diag(part.covariance) for part in one.components if part.origin.level == JUDGED_BY_NOTHING),
@@ -278,78 +245,62 @@ def _not_judged(result: Result) -> list[Remark]:
         )
         names = [name for name, part, u in zip(one.names, unseen, one.u, strict=True) if part > HIDDEN * u**2]
         if names:
-            what = f"nothing shows how the {kind} repeats in {', '.join(names)}: they carry as much as may be hidden"
-            found.append(Remark("scatter_not_judged", "warning", what, do="Lay each face, make each turn, twice"))
-    return found
-
-
-def _outliers(result: Result) -> list[Remark]:
-    found = []
-    for k in np.flatnonzero(result.acc.outliers):
-        what = "this position does not agree with the others and is left out of the accelerometers"
-        found.append(Remark("outlier_position", "warning", what, result.readings.place(int(k)), do="Check it"))
-    gyro = result.gyro
-    if gyro is None:
-        return found
-    for k in np.flatnonzero(gyro.rest.outliers):
-        what = "the gyros read another bias here than in the other positions: it is left out of bias and g-sensitivity"
-        found.append(
-            Remark("outlier_at_rest", "warning", what, result.readings.place(int(k)), do="Was the unit moved?")
-        )
-    if gyro.rotated is not None:
-        rotations = (*result.readings.transitions, *result.readings.turns)
-        for k in np.flatnonzero(gyro.rotated.outliers):
-            what = "this rotation does not agree with the others and is left out"
-            found.append(Remark("outlier_rotation", "warning", what, rotations[k].where, do="Check it"))
+            what = f"{kind}: no repeats show the scatter of {', '.join(names)}; their u is mostly an upper bound"
+            found.append(Remark("scatter_not_judged", "warning", what, do="Lay each face and make each turn twice"))
+    for k in np.flatnonzero(acc.outliers):
+        what = "this position disagrees with the others: left out of the accelerometers"
+        found.append(Remark("outlier_position", "warning", what, readings.place(int(k)), do="Check it"))
+    found += _of_gyros(result)
+    if acc.free > 0 and not acc.known:
+        with np.errstate(divide="ignore", invalid="ignore"):
+            share = 1.0 - acc.residuals[:, 0] / acc.deletion[:, 0]
+        at = np.flatnonzero(~acc.outliers & (share > ALONE))
+        if len(at):
+            worst = int(at[np.argmax(share[at])])
+            what = f"one combination of accelerometer parameters rests on this position by {100.0 * share[worst]:.0f} %"
+            place = readings.place(worst)
+            found.append(Remark("position_alone", "info", what, place, len(at), "Lay another position near it"))
+    if names := missing(result):
+        effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in names)
+        what = f"no uncertainty stated for {effects}: results are relative to the fixture"
+        found.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
+    if result.plan.gravity is None and result.plan.latitude is None:
+        what = "local gravity not given: standard gravity used, up to 0.3 % off"
+        found.append(Remark("gravity_assumed", "warning", what, do="Give gravity, or the latitude of the site"))
     return found
 
 
 def _of_gyros(result: Result) -> list[Remark]:
-    gyro = result.gyro
+    gyro, readings = result.gyro, result.readings
     if gyro is None:
         return []
     found = []
+    for k in np.flatnonzero(gyro.rest.outliers):
+        what = "the gyro bias differs here: position left out of bias and g-sensitivity"
+        found.append(Remark("outlier_at_rest", "warning", what, readings.place(int(k)), do="Was the unit moved?"))
     if gyro.rotated is not None:
-        seen = gyro.rotated.seen
-        if not seen.whole:
-            found.append(_unobserved("the rotations", seen.rank, seen.count, seen.combinations, "gyros"))
+        rotations = (*readings.transitions, *readings.turns)
+        for k in np.flatnonzero(gyro.rotated.outliers):
+            what = "this rotation disagrees with the others: left out"
+            found.append(Remark("outlier_rotation", "warning", what, rotations[k].where, do="Check it"))
+        if not gyro.rotated.seen.whole:
+            found.append(_unobserved("rotations", gyro.rotated.seen, "gyros"))
         elif np.all(np.diag(gyro.rotated.W) < 0.0):
-            what = "all gyros read the known turns in the other sense: their scale factors come out negative"
-            found.append(
-                Remark("turn_sense", "warning", what, do="Turn the sign of the angles, if the turns were clockwise")
-            )
+            what = "all gyros read the known turns with the opposite sign: scale factors come out negative"
+            do = "If the turns were clockwise, change the sign of the angles"
+            found.append(Remark("turn_sense", "warning", what, do=do))
         fit = gyro.rotated.found
         if fit is not None and fit.free == 0:
-            what = "no rotation was repeated: the scatter between rotations is not in the uncertainty"
-            found.append(Remark("not_repeated", "warning", what, do="Repeat each turn, and turn it back"))
+            what = "no rotation was repeated: the uncertainty leaves out the scatter between rotations"
+            found.append(Remark("not_repeated", "warning", what, do="Make each turn again, and back"))
     if gyro.rest.g_sensitivity is None and result.plan.g_sensitivity is not False:
-        found.append(Remark("no_g_sensitivity", "info", f"g-sensitivity of the gyros: {gyro.rest.reason}"))
+        found.append(
+            Remark("no_g_sensitivity", "info", f"g-sensitivity of the gyros not estimated: {gyro.rest.reason}")
+        )
     return found
 
 
-def _alone(result: Result) -> list[Remark]:
-    """Say where one position decides: nothing else would show that it is wrong."""
-    acc = result.acc
-    if acc.free == 0 or acc.known:
-        return []
-    with np.errstate(divide="ignore", invalid="ignore"):
-        share = 1.0 - acc.residuals[:, 0] / acc.deletion[:, 0]
-    at = np.flatnonzero(~acc.outliers & (share > ALONE))
-    if not len(at):
-        return []
-    worst = int(at[np.argmax(share[at])])
-    what = f"some number of the accelerometers rests on this position alone by {100.0 * share[worst]:.0f} %"
-    return [Remark("position_alone", "info", what, result.readings.place(worst), len(at), "Lay another near it")]
-
-
-def _standards(result: Result) -> list[Remark]:
-    found = []
-    names = missing(result)
-    if names:
-        effects = "; ".join(f"{name} ({INFLUENCES[name]})" for name in names)
-        what = f"standards without a stated uncertainty: {effects}: results are relative to the fixture"
-        found.append(Remark("relative_to_fixture", "warning", what, do="State them under [standards]"))
-    if result.plan.gravity is None and result.plan.latitude is None:
-        what = "neither gravity nor the place is given: standard gravity is taken, up to 0.3 % from the local one"
-        found.append(Remark("gravity_assumed", "warning", what, do="Give gravity, or site.latitude"))
-    return found
+def _unobserved(what: str, seen: Observed, sensors: str) -> Remark:
+    combinations = "; ".join(seen.combinations)
+    said = f"the {what} determine {seen.rank} of {seen.count} {sensors} parameters; not determined: {combinations}"
+    return Remark("not_observable", "warning", said, do="Add orientations between the faces, about all axes")

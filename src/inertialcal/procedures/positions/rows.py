@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
@@ -29,8 +29,8 @@ from .published import published_rows
 if TYPE_CHECKING:
     from .reduction import Result
 
-NO_LEVEL = Reason("not_repeated", "nothing was repeated that it could be told from")
-NOT_SEEN = Reason("hardly_seen", "hardly seen above what is known of each: less than one degree of freedom")
+NO_LEVEL = Reason("not_repeated", "nothing was repeated")
+NOT_SEEN = Reason("hardly_seen", "hardly larger than the known noise: less than one degree of freedom")
 SCALE = tuple(Key("scale_factor", a) for a in AXES)
 ROUNDING = 1e-12  # of the terms that make up a variance
 UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
@@ -38,42 +38,41 @@ UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI, accelerometers first."""
-    found = _of_sensor(result, "accelerometer", result.acc.sensor, result.estimates.get("accelerometer"))
+    found = _of_sensor(result, "accelerometer", result.acc.sensor, result.readings.acc.unit)
     found.append(_between(Key("scatter_position", "", "accelerometer"), "m/s^2", result.acc))
-    if result.gyro is not None:
-        found += _of_sensor(result, "gyro", result.gyro.sensor, result.estimates.get("gyro"))
-        found += _gyro_scatter(result)
+    gyro = result.gyro
+    if gyro is not None and result.readings.gyro is not None:
+        found += _of_sensor(result, "gyro", gyro.sensor, result.readings.gyro.unit)
+        for axis, fit in zip(AXES, gyro.rest.fits or (None,) * 3, strict=True):
+            found.append(_between(Key("scatter_position", axis, "gyro"), "rad/s", fit))
+        fit = None if gyro.rotated is None or gyro.rotated.found is None else gyro.rotated.found
+        repeated = fit if fit is not None and fit.free > 0 else None
+        found.append(_between(Key("scatter_rotation", "", "gyro"), "rad", repeated))
+        used = used_angles(result)
+        if len(used):
+            rms, free = float(np.sqrt(np.mean(used**2))), 2 * len(used) - 9
+            found.append(_scatter(Key("transition_error", "", "gyro"), "rad", rms if free > 0 else None, free))
     return found + published_rows(result.readings, local_gravity(result.plan))
 
 
-def _of_sensor(result: Result, kind: Kind, sensor: LinearSensor, estimate: Estimate | None) -> list[Row]:
-    unit = (
-        result.readings.acc.unit
-        if kind == "accelerometer" or result.readings.gyro is None
-        else result.readings.gyro.unit
-    )
-    count = len(sensor.values)
+def _of_sensor(result: Result, kind: Kind, sensor: LinearSensor, unit: str) -> list[Row]:
+    estimate, count = result.estimates.get(kind), len(sensor.values)
     wanted = list(zip((*MATRIX, *BIAS, *G_SENSITIVITY)[:count], units_of(kind, count), strict=True))
     if unit != UNIT[kind]:
         wanted = [(name, f"{unit}/({UNIT[kind]})") for name in SCALE] + wanted
     why = reasons(sensor)
+    limits = Reason("relative", "relative to the fixture") if missing(result) else Reason()
     found = []
     for name, own in wanted:
         key = name._replace(sensor=kind)
-        if estimate is not None and name in estimate.keys:
-            found.append(_row(result, estimate, name, key))
-        else:
+        if estimate is None or name not in estimate.keys:
             found.append(not_estimated(key, own, why.get(name, NO_LEVEL)))
+            continue
+        k = estimate.index(name)
+        value, u, dof = float(estimate.values[k]), float(estimate.u[k]), float(estimate.dof[k])
+        finite = dof if np.isfinite(dof) else None
+        found.append(Row(key, value, u, estimate.units[k], finite, t_interval(value, u, dof), reason=limits))
     return found
-
-
-def _row(result: Result, estimate: Estimate, name: Key, key: Key) -> Row:
-    k = estimate.index(name)
-    value, u, dof = float(estimate.values[k]), float(estimate.u[k]), float(estimate.dof[k])
-    interval = t_interval(value, u, dof)
-    finite = dof if np.isfinite(dof) else None
-    reason = Reason("relative", "relative to the fixture") if missing(result) else Reason()
-    return Row(key, value, u, estimate.units[k], finite, interval, reason=reason)
 
 
 def missing(result: Result) -> list[str]:
@@ -103,25 +102,6 @@ def _between(key: Key, unit: str, fit: Fitted | TwoLevels | None) -> Row:
         return not_estimated(key, unit, NO_LEVEL)
     row = _scatter(key, unit, fit.between, fit.between_dof)
     return row if row.value is None else replace(row, interval=Interval(*fit.between_interval))
-
-
-def _gyro_scatter(result: Result) -> list[Row]:
-    gyro = result.gyro
-    assert gyro is not None  # noqa: S101 - the caller has looked
-    found = []
-    for k, axis in enumerate(AXES):
-        of_rest = None if gyro.rest.fits is None else gyro.rest.fits[k]
-        found.append(_between(Key("scatter_position", axis, "gyro"), "rad/s", of_rest))
-    fit = None if gyro.rotated is None else gyro.rotated.found
-    found.append(
-        _between(Key("scatter_rotation", "", "gyro"), "rad", fit if fit is not None and fit.free > 0 else None)
-    )
-    used = used_angles(result)
-    if len(used):
-        rms = float(np.sqrt(np.mean(used**2)))
-        free = 2 * len(used) - 9
-        found.append(_scatter(Key("transition_error", "", "gyro"), "rad", rms if free > 0 else None, free))
-    return found
 
 
 def used_angles(result: Result) -> Array:
@@ -179,8 +159,21 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
     told = [k for k, name in enumerate(names) if not why.get(name)]
     if not told or not sensor.sources:
         return None
-    components = tuple(_components(sensor, derivative[told]))
-    return Estimate(tuple(names[k] for k in told), values[told], tuple(normalise(units[k]) for k in told), components)
+    by_numbers = derivative[told]
+    components = []
+    for one in sensor.sources:
+        whole = by_numbers @ one.covariance @ by_numbers.T
+        size = np.diag(np.abs(by_numbers) @ np.abs(one.covariance) @ np.abs(by_numbers).T)
+        moved = np.diag(whole) > ROUNDING * size  # else by rounding alone
+        covariance = np.asarray(np.where(np.outer(moved, moved), 0.5 * (whole + whole.T), 0.0))
+        dof = np.asarray(one.dof, dtype=float)
+        least: Array | float = float(dof) if not dof.ndim else np.array([dof[row].min() for row in by_numbers != 0.0])
+        stated = None if one.influence is None else one.influence.stated
+        distribution = "t" if one.influence is None else one.influence.distribution
+        kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
+        components.append(Component(one.origin, kind_of, covariance, least, distribution, stated))
+    units_told = tuple(normalise(units[k]) for k in told)
+    return Estimate(tuple(names[k] for k in told), values[told], units_told, tuple(components))
 
 
 def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
@@ -195,30 +188,6 @@ def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
                 if other != axis:
                     found.setdefault(Key("misalignment", axis + other), reason)
     return found
-
-
-def _components(sensor: LinearSensor, derivative: Array) -> list[Component]:
-    found = []
-    for one in sensor.sources:
-        whole = _propagated(derivative, one.covariance)
-        dof = np.asarray(one.dof, dtype=float)
-        if dof.ndim:  # of each number: of a quantity the least of those that it depends on
-            uses = derivative != 0.0
-            dof = np.array([dof[row].min() for row in uses])
-        stated = None if one.influence is None else one.influence.stated
-        distribution = "t" if one.influence is None else one.influence.distribution
-        kind = "B" if one.kind == "B" else "A"
-        own: Array | float = dof if dof.ndim else float(dof)
-        found.append(Component(one.origin, kind, whole, own, distribution, stated))  # type: ignore[arg-type]
-    return found
-
-
-def _propagated(derivative: Array, covariance: Array) -> Array:
-    """Return the covariance of the quantities; one that a source moves by rounding alone it does not move."""
-    whole = derivative @ covariance @ derivative.T
-    size = np.diag(np.abs(derivative) @ np.abs(covariance) @ np.abs(derivative).T)
-    moved = np.diag(whole) > ROUNDING * size
-    return np.asarray(np.where(np.outer(moved, moved), 0.5 * (whole + whole.T), 0.0))
 
 
 def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array) -> SensorModel | None:

@@ -38,9 +38,9 @@ from ..readings import Triad
 from .linear_sensor import BIAS, MATRIX, SMALLEST, USELESS, LinearSensor, Observed, Source, level_sources, observed
 from .outliers import found_outliers, robust_scale, weights
 
-NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: nothing is left to judge it by")
-NOT_TOLD = Reason("not_told", "these positions do not tell it")
-OF_FRAME = Reason("of_frame", "the accelerometers' own axes define the body frame: 0 by definition")
+NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
+NOT_TOLD = Reason("not_told", "these positions do not determine it")
+OF_FRAME = Reason("of_frame", "0 by definition: the accelerometer axes define the body frame")
 INSIDE = "noise inside positions"
 ORIENTATION = "fixture.orientation"
 BETWEEN = "scatter between positions"
@@ -206,8 +206,8 @@ def _scatter(theta: Array, r: Array, inside: Array, g: float) -> float:
 def _check_count(m: int) -> None:
     if m < FEWEST:
         raise DataError(
-            f"{m} position(s), need {FEWEST} or more, and 10 or more for all nine numbers without known orientations",
-            why="bias and scale factor of an axis already need two positions of it each",
+            f"{m} position(s): need {FEWEST} or more, and 10 for all nine parameters if the orientations are unknown",
+            why="each axis needs two positions for its bias and scale factor alone",
             do="Lay the unit into more orientations, each still for some seconds",
             code="too_few_positions",
         )
@@ -284,20 +284,14 @@ def _sensor(
         reasons |= {k: NOTHING_LEFT for k in range(12) if k not in reasons}
         return LinearSensor(values, (), reasons, ideal, zero, names)
     sources = level_sources(found, back, plan.standards, BETWEEN)
-    return LinearSensor(values, (*sources, *_common(plan, values, of_frame)), reasons, ideal, zero, names)
-
-
-def _common(plan: Plan, values: Array, of_frame: bool) -> list[Source]:
-    """Return sources that move all positions alike: the value of gravity, how the fixture lies."""
-    found = []
-    gravity = plan.standards.get("gravity.value")
+    gravity = plan.standards.get("gravity.value")  # moves all positions alike, as the mounting does
     if gravity is not None:
         change = np.concatenate([-values[:9], np.zeros(3)]) * gravity.u / local_gravity(plan)
-        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
+        sources.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
     mounting = plan.standards.get("fixture.mounting")
     if mounting is not None and not of_frame:
-        found.append(mounting_source(values, mounting.u, plan))
-    return found
+        sources.append(mounting_source(values, mounting.u, plan))
+    return LinearSensor(values, tuple(sources), reasons, ideal, zero, names)
 
 
 def mounting_source(values: Array, u: float, plan: Plan) -> Source:
@@ -317,24 +311,11 @@ def _fitted(
     deletion = np.full(away.shape, np.nan)
     if found is None:
         return Fitted(sensor, seen, outliers, away, deletion, None, 0.0, (0.0, np.inf), np.nan, np.nan, 0, known)
-    deletion[~outliers] = (1.0 if known else -1.0) * found.deletion.reshape(
-        -1, away.shape[1]
-    )  # -e is the reading there
+    sign = 1.0 if known else -1.0  # -e is the reading there
+    deletion[~outliers] = sign * found.deletion.reshape(-1, away.shape[1])
     deletion[outliers] = away[outliers]
-    return Fitted(
-        sensor,
-        seen,
-        outliers,
-        away,
-        deletion,
-        found.between,
-        found.between_dof,
-        found.between_interval,
-        found.chi_square,
-        found.chi_square_known,
-        found.free,
-        known,
-    )
+    levels = (found.between, found.between_dof, found.between_interval, found.chi_square, found.chi_square_known)
+    return Fitted(sensor, seen, outliers, away, deletion, *levels, found.free, known)
 
 
 def check_plane(r: Array, g: float) -> None:

@@ -89,7 +89,14 @@ def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, n
         How the earth rate across the vertical is carried through the positions; without it nothing is judged: a start.
     """
     r, inside = (triad.mean - zero) / ideal, (triad.u / ideal) ** 2
-    with_g, reason = _wanted(plan, force)
+    reason = "the plan leaves it out" if plan.g_sensitivity is False else ""
+    if not reason and len(force) < FEWEST:
+        reason = f"{len(force)} position(s): {NEED}"
+    if not reason:
+        directions = np.hstack([np.ones((len(force), 1)), np.sqrt(3.0) * force / local_gravity(plan)])
+        smallest = float(np.linalg.svd(directions / np.sqrt(len(force)), compute_uv=False)[-1])
+        reason = "" if smallest >= LEAST_SPREAD else f"the positions lie in one plane: {NEED}"
+    with_g = not reason
     design = np.hstack([np.ones((len(r), 1)), force]) if with_g else np.ones((len(r), 1))
     outliers, fits = np.zeros(len(r), dtype=bool), None
     if north is not None:
@@ -123,16 +130,6 @@ def _judged(
     return outliers, fits
 
 
-def _wanted(plan: Plan, force: Array) -> tuple[bool, str]:
-    if plan.g_sensitivity is False:
-        return False, "the plan leaves it out"
-    if len(force) < FEWEST:
-        return False, f"{len(force)} position(s): {NEED}"
-    directions = np.hstack([np.ones((len(force), 1)), np.sqrt(3.0) * force / local_gravity(plan)])
-    smallest = float(np.linalg.svd(directions / np.sqrt(len(force)), compute_uv=False)[-1])
-    return (True, "") if smallest >= LEAST_SPREAD else (False, f"the positions lie in one plane: {NEED}")
-
-
 def sources_of(plan: Plan, rest: AtRest, back: Array) -> list[Source]:
     """Return the uncertainty of bias and G as that of numbers that depend on them.
 
@@ -154,12 +151,9 @@ def sources_of(plan: Plan, rest: AtRest, back: Array) -> list[Source]:
     groups = []
     for k, fit in enumerate(rest.fits):
         at = np.array([k, 3 + 3 * k, 4 + 3 * k, 5 + 3 * k])[: len(fit.coefficients)]
-        groups.append(level_sources(fit, back[:, at], {LEVEL: level}, BETWEEN, _mean_square(fit)))
+        share = fit.chi_square / fit.free if fit.between == 0.0 and fit.chi_square > 0.0 else 1.0
+        groups.append(level_sources(fit, back[:, at], {LEVEL: level}, BETWEEN, share))
     return summed(groups)
-
-
-def _mean_square(fit: TwoLevels) -> float:
-    return fit.chi_square / fit.free if fit.between == 0.0 and fit.chi_square > 0.0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)

@@ -7,7 +7,7 @@ turns the ends of all: both are carried into the matrix with their covariance.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -17,21 +17,21 @@ from ..gravity import local_gravity
 from ..plan import Plan
 from ..readings import Readings, Rotation
 from .accelerometer import Fitted, mounting_source
-from .at_rest import VERTICAL, AtRest, Carried, apart, at_rest, earth_in_g, sources_of
+from .at_rest import AtRest, Carried, apart, at_rest, earth_in_g, sources_of
 from .attitudes import Packed, packed
-from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source, level_sources
+from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source, level_sources, propagated
 from .rotations import BETWEEN, Problem, Rotated, angles, ends_of, solve
 
 NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"
-NO_ROTATIONS = Reason("no_rotations", "no rotations: gyros that rest tell their bias alone")
-NOT_TOLD = Reason("not_told", "these rotations do not tell it")
+NO_ROTATIONS = Reason("no_rotations", "no rotations: at rest, gyros show only their bias")
+NOT_TOLD = Reason("not_told", "these rotations do not determine it")
 NOTHING_LEFT = Reason(
     "nothing_left",
-    "no rotation was repeated, and turn.angle and fixture.orientation are not both stated: nothing judges it",
+    "no rotation was repeated, and turn.angle and fixture.orientation are not both stated",
 )
-NO_GRAVITY = Reason("no_gravity", "the accelerometers are not wholly known, so that the direction of gravity is not")
-ONE_PLACE = Reason("one_place", "as many positions as unknowns: nothing is left to judge it by")
+NO_GRAVITY = Reason("no_gravity", "the accelerometers are not fully determined, so the direction of gravity is unknown")
+ONE_PLACE = Reason("one_place", "as many positions as unknowns: no degrees of freedom left")
 
 
 @dataclass(frozen=True, eq=False)
@@ -135,38 +135,40 @@ def _sensor(
     ideal: Array,
     zero: Array,
 ) -> LinearSensor:
-    W = np.eye(3) if rotated is None else rotated.W
-    A = np.asarray(np.linalg.inv(W), dtype=np.float64)
+    """Gather values, sources and reasons."""
+    A = np.eye(3) if rotated is None else np.asarray(np.linalg.inv(rotated.W), dtype=np.float64)
     seen_g = np.zeros((3, 3)) if rest.g_sensitivity is None else rest.g_sensitivity
     earth, unknown = earth_in_g(plan, A)
     G = seen_g - earth if rest.g_sensitivity is not None else seen_g
     values = np.concatenate([A.ravel(), rest.bias, G.ravel()])
     forward: Array = np.asarray(-np.kron(A, A.T), dtype=np.float64)  # dA = -A dW A, row by row
-    found = [*_of_rotations(plan, rotated, forward), *_of_rest(plan, rest, rotated, forward)]
+    found: list[Source] = []
+    if rotated is not None and rotated.found is not None:
+        by_rotations = np.zeros((21, rotated.seen.rank))
+        by_rotations[:9] = forward @ rotated.seen.kept
+        found += level_sources(rotated.found, by_rotations, plan.standards, BETWEEN)
+    by_rest = np.zeros((21, 12))
+    by_rest[9:] = np.eye(12)
+    if rotated is not None:
+        by_rest[:9] = forward @ rotated.by_rest
+    found += sources_of(plan, rest, by_rest)
     if unknown is not None and rest.g_sensitivity is not None:
-        found.append(_widened(unknown, VERTICAL))
+        covariance = np.zeros((21, 21))
+        covariance[9:, 9:] = unknown.covariance
+        found.append(replace(unknown, covariance=covariance))
     if rotated is not None:
         found.append(_of_accelerometers(acc, rotated, force, forward))
-    found += _common(plan, readings, values, rotated is not None)
-    return LinearSensor(
-        values, tuple(found), _reasons(rest, rotated, acc, bool(readings.transitions)), ideal, zero, NAMES
-    )
-
-
-def _of_rotations(plan: Plan, rotated: Rotated | None, forward: Array) -> list[Source]:
-    if rotated is None or rotated.found is None:
-        return []
-    back = np.zeros((21, rotated.seen.rank))
-    back[:9] = forward @ rotated.seen.kept
-    return level_sources(rotated.found, back, plan.standards, BETWEEN)
-
-
-def _of_rest(plan: Plan, rest: AtRest, rotated: Rotated | None, forward: Array) -> list[Source]:
-    back = np.zeros((21, 12))
-    back[9:] = np.eye(12)
-    if rotated is not None:
-        back[:9] = forward @ rotated.by_rest
-    return sources_of(plan, rest, back)
+    clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
+    if clock is not None and rotated is not None:
+        change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
+        found.append(Source("clock.rate", "B", np.outer(change, change), clock.dof, clock))
+    if gravity is not None:
+        change = np.concatenate([np.zeros(12), values[12:] * gravity.u / local_gravity(plan)])
+        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
+    if "fixture.mounting" in plan.standards and readings.turns and not readings.transitions and rotated is not None:
+        found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
+    reasons = _reasons(rest, rotated, acc, bool(readings.transitions))
+    return LinearSensor(values, tuple(found), reasons, ideal, zero, NAMES)
 
 
 def _of_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Source:
@@ -180,21 +182,7 @@ def _of_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Arr
     wide = np.concatenate([by_matrix.reshape(len(u), 3, 9), by_offset], axis=2)
     back = np.zeros((21, 12))
     back[:9] = forward @ np.einsum("wkj,kjq->wq", rotated.by_positions, wide)
-    return Source(MODEL, "A", _moved(back, acc.sensor.covariance), float(acc.free) if acc.free else np.inf)
-
-
-def _common(plan: Plan, readings: Readings, values: Array, rotated: bool) -> list[Source]:
-    found = []
-    clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
-    if clock is not None and rotated:
-        change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
-        found.append(Source("clock.rate", "B", np.outer(change, change), clock.dof, clock))
-    if gravity is not None:
-        change = np.concatenate([np.zeros(12), values[12:] * gravity.u / local_gravity(plan)])
-        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
-    if "fixture.mounting" in plan.standards and readings.turns and not readings.transitions and rotated:
-        found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
-    return found
+    return Source(MODEL, "A", propagated(back, acc.sensor.covariance), float(acc.free) if acc.free else np.inf)
 
 
 def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: bool) -> dict[int, Reason]:
@@ -212,14 +200,3 @@ def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: boo
     if rest.g_sensitivity is None or rest.fits is None:
         found |= dict.fromkeys(range(12, 21), Reason("no_g_sensitivity", rest.reason) if rest.reason else ONE_PLACE)
     return found
-
-
-def _widened(one: Source, name: str) -> Source:
-    covariance = np.zeros((21, 21))
-    covariance[9:, 9:] = one.covariance
-    return Source(name, one.kind, covariance, one.dof, one.influence, one.level)
-
-
-def _moved(back: Array, covariance: Array) -> Array:
-    whole = back @ covariance @ back.T
-    return np.asarray(0.5 * (whole + whole.T))

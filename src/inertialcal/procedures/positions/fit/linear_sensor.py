@@ -6,7 +6,7 @@ are in the order A_xx, A_xy, A_xz, A_yx, ..., A_zz, b_x, b_y, b_z; of the gyros 
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
@@ -137,7 +137,7 @@ def level_sources(
     share : float
         By which the variances of the known sources that are not stated are multiplied.
     """
-    parts = {name: _moved(back, part) for name, part in fit.parts.items()}
+    parts = {name: propagated(back, part) for name, part in fit.parts.items()}
     per_square = fit.by_between(back)
     own = [np.diag(part) for name, part in parts.items() if name not in stated]
     judged = sum(own, fit.between**2 * np.diag(per_square))
@@ -175,20 +175,19 @@ def summed(groups: Sequence[Sequence[Source]]) -> list[Source]:
     """Return sources of one name as one: variances add, degrees of freedom by Welch and Satterthwaite."""
     found: dict[str, Source] = {}
     for one in (source for group in groups for source in group):
-        before = found.get(one.name)
-        found[one.name] = one if before is None else _sum(before, one)
+        before = found.setdefault(one.name, one)
+        if before is one:
+            continue
+        covariance = before.covariance + one.covariance
+        with np.errstate(divide="ignore", invalid="ignore"):
+            weight = np.diag(before.covariance) ** 2 / before.dof + np.diag(one.covariance) ** 2 / one.dof
+            dof = np.where(weight > 0.0, np.diag(covariance) ** 2 / weight, np.inf)
+        found[one.name] = replace(before, covariance=covariance, dof=dof)
     return list(found.values())
 
 
-def _sum(a: Source, b: Source) -> Source:
-    covariance = a.covariance + b.covariance
-    with np.errstate(divide="ignore", invalid="ignore"):
-        weight = np.diag(a.covariance) ** 2 / a.dof + np.diag(b.covariance) ** 2 / b.dof
-        dof = np.where(weight > 0.0, np.diag(covariance) ** 2 / weight, np.inf)
-    return replace(a, covariance=covariance, dof=dof)
-
-
-def _moved(back: Array, covariance: Array) -> Array:
+def propagated(back: Array, covariance: Array) -> Array:
+    """Return ``back C back'``, symmetric to the last bit."""
     whole = back @ covariance @ back.T
     return np.asarray(0.5 * (whole + whole.T))
 
@@ -247,31 +246,24 @@ def observed(scaled: Array, names: Sequence[Key], scatter: float) -> Observed:
     told = np.sqrt(np.sum(lost**2, axis=1)) < TAKES_PART
     rank = int(np.sum(good))
     condition = float(s[good].max() / s[good].min()) if rank else np.inf
-    simple = list(_simple(lost, names))
-    words, parts = tuple(map(_in_words, simple)), tuple(map(_parts, simple))
-    return Observed(rank, p, condition, told, rows[good].T, words, parts)
+    simple = _simple(lost, names)
+    parts = tuple(frozenset(name for _, name in terms) for terms in simple)
+    return Observed(rank, p, condition, told, rows[good].T, tuple(map(_in_words, simple)), parts)
 
 
-def _simple(lost: Array, names: Sequence[Key]) -> Iterator[list[tuple[float, Key]]]:
-    """Yield each combination with as few parameters in it as can be, the largest with factor one."""
+def _simple(lost: Array, names: Sequence[Key]) -> list[list[tuple[float, Key]]]:
+    """Return each combination with as few parameters in it as can be, the largest with factor one."""
     if not lost.shape[1]:
-        return
+        return []
     pivots = linalg.qr(lost.T, mode="r", pivoting=True)[1][: lost.shape[1]]
-    simple = lost @ np.linalg.inv(lost[pivots])
-    for vector in simple.T:
-        largest = vector[np.argmax(np.abs(vector))]
-        yield [(factor, names[i]) for i, factor in enumerate(vector / largest) if abs(factor) > TAKES_PART]
-
-
-def _parts(terms: Sequence[tuple[float, Key]]) -> frozenset[Key]:
-    return frozenset(name for _, name in terms)
+    vectors = (vector / vector[np.argmax(np.abs(vector))] for vector in (lost @ np.linalg.inv(lost[pivots])).T)
+    return [[(factor, names[i]) for i, factor in enumerate(one) if abs(factor) > TAKES_PART] for one in vectors]
 
 
 def _in_words(terms: Sequence[tuple[float, Key]]) -> str:
-    return " ".join(_term(factor, name, k == 0) for k, (factor, name) in enumerate(terms))
-
-
-def _term(factor: float, name: Key, first: bool) -> str:
-    sign = "-" if factor < 0.0 else "" if first else "+"
-    size = "" if abs(abs(factor) - 1.0) < 0.005 else f"{abs(factor):.2g} "
-    return f"{sign}{size}{name}" if first else f"{sign} {size}{name}"
+    words: list[str] = []
+    for factor, name in terms:
+        size = "" if abs(abs(factor) - 1.0) < 0.005 else f"{abs(factor):.2g} "
+        sign = "-" if factor < 0.0 else "+"
+        words.append(f"{sign} {size}{name}" if words else f"{sign if factor < 0.0 else ''}{size}{name}")
+    return " ".join(words)

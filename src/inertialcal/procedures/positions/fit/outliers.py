@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from scipy import special
 
 from ....core.estimate import Array
-from ....statistics.two_levels import TwoLevels, fit_two_levels
+from ....statistics.two_levels import fit_two_levels
 
 TUKEY = 4.685  # 95 % efficiency for normal errors
 STANDS_OUT = 3.5  # robust standard deviations
@@ -97,20 +97,16 @@ def found_outliers(
         return nobody
     fitted = fit_two_levels(design[kept], readings[kept], {name: _some(part, kept) for name, part in known.items()})
     for k in np.flatnonzero(suspect):
-        suspect[k] = _chance(fitted, design, readings, known, group == k) < risk / count
+        rows = group == k
+        away = readings[rows] - design[rows] @ fitted.coefficients
+        spread = design[rows] @ fitted.covariance @ design[rows].T + fitted.between**2 * np.eye(len(away))
+        for part in known.values():
+            own = _some(part, rows)
+            spread = spread + (np.diag(own) if own.ndim == 1 else own)
+        ratio = float(away @ np.linalg.solve(spread, away)) / len(away)
+        suspect[k] = special.fdtrc(len(away), fitted.free, ratio) < risk / count
     return suspect
 
 
 def _some(part: Array, rows: Flags) -> Array:
     return part[rows] if part.ndim == 1 else part[np.ix_(rows, rows)]
-
-
-def _chance(fitted: TwoLevels, design: Array, readings: Array, known: Mapping[str, Array], rows: Flags) -> float:
-    """Probability that readings like the others lie as far from the fit as these."""
-    away = readings[rows] - design[rows] @ fitted.coefficients
-    spread = design[rows] @ fitted.covariance @ design[rows].T + fitted.between**2 * np.eye(len(away))
-    for part in known.values():
-        own = _some(part, rows)
-        spread = spread + (np.diag(own) if own.ndim == 1 else own)
-    ratio = float(away @ np.linalg.solve(spread, away)) / len(away)
-    return float(special.fdtrc(len(away), fitted.free, ratio))

@@ -99,29 +99,23 @@ def solve(plan: Plan, problem: Problem, start: Array, judge: bool = True) -> Rot
     if not len(group):
         raise DataError(
             "no rotations",
-            why="gyros that rest tell their bias alone",
+            why="at rest, gyros show only their bias",
             do="Turn the unit between positions while recording, or by known angles",
             code="no_rotations",
         )
     outliers = np.zeros(int(group.max()) + 1, dtype=bool)
     W, here = _searched(problem, start, errors(problem, start), ~outliers[group])
-    for _ in range(ROUNDS if judge else 0):
-        found = _outliers(plan, problem, W - start, here)
+    for _ in range(ROUNDS if judge else 0):  # by errors linear in W: a W bent by a wrong rotation may accuse others
+        seen = _seen(problem, here.by_W, np.ones(len(group), dtype=bool))
+        if not seen.rank:
+            break
+        y, known = here.by_W @ (W - start).ravel() - here.e, known_errors(plan, problem, here.by_start)
+        found = found_outliers(here.by_W @ seen.kept, y, known, group, plan.outlier_risk)
         if np.array_equal(found, outliers):
             break
         outliers = found
         W, here = _searched(problem, W, here, ~outliers[group])
     return _refined(plan, problem, W, here, ~outliers[group], outliers)
-
-
-def _outliers(plan: Plan, problem: Problem, change: Array, here: Errors) -> Flags:
-    """Rotations that do not agree, by errors linear in W; a wrong W, bent by a wrong rotation, may accuse others."""
-    group = problem.group
-    seen = _seen(problem, here.by_W, np.ones(len(group), dtype=bool))
-    if not seen.rank:
-        return np.zeros(int(group.max()) + 1, dtype=bool)
-    y, known = here.by_W @ change.ravel() - here.e, known_errors(plan, problem, here.by_start)
-    return found_outliers(here.by_W @ seen.kept, y, known, group, plan.outlier_risk)
 
 
 def converged(problem: Problem, W: Array, kept: Flags) -> Array:
@@ -161,18 +155,13 @@ def _refined(plan: Plan, problem: Problem, W: Array, here: Errors, kept: Flags, 
         if np.max(np.abs(step)) <= REFINED:
             break
     deletion = here.e.copy()
-    if found is not None:
+    if found is None:
+        gain = np.asarray(seen.kept @ np.linalg.pinv(here.by_W[kept] @ seen.kept))  # of W by each row of errors
+    else:
+        gain = np.asarray(seen.kept @ found.gain)
         deletion[kept] = -found.deletion
-    gain = _gain(found, seen, here.by_W, kept)
     by_ends = -np.tensordot(gain, by_positions(problem, here.by_start)[kept], axes=1)
     return Rotated(W, found, seen, -gain @ by_rest(problem, W)[kept], by_ends, outliers, here.e, deletion)
-
-
-def _gain(found: TwoLevels | None, seen: Observed, by_W: Array, kept: Flags) -> Array:
-    """Change of W by each row of errors, shape (9, rows)."""
-    if found is not None:
-        return np.asarray(seen.kept @ found.gain)
-    return np.asarray(seen.kept @ np.linalg.pinv(by_W[kept] @ seen.kept))
 
 
 def _two_levels(plan: Plan, problem: Problem, here: Errors, told: Array, kept: Flags) -> TwoLevels | None:
@@ -328,7 +317,9 @@ def known_errors(plan: Plan, problem: Problem, by_start: Array) -> dict[str, Arr
     k, t = problem.sizes
     found = {GYRO_NOISE: noise_variances(problem)}
     if k:
-        found[POSITIONS] = _position_covariance(problem, by_start)
+        wide = by_positions(problem, by_start)
+        scaled = (wide * np.sqrt(problem.up_variance)[None, :, None]).reshape(len(wide), -1)
+        found[POSITIONS] = np.asarray(scaled @ scaled.T)
     angle, pose = plan.standards.get(ANGLE), plan.standards.get(ORIENTATION)
     if t and angle is not None:
         found[ANGLE] = _turn_covariance(problem, angle.u, along=True)
@@ -341,12 +332,6 @@ def noise_variances(problem: Problem) -> Array:
     """Variances of the rows by the noise of the gyros."""
     noise = float(np.mean(problem.noise**2))
     return noise * np.concatenate([np.repeat(problem.moves.squares, 2), np.repeat(problem.turns.squares, 3)])
-
-
-def _position_covariance(problem: Problem, by_start: Array) -> Array:
-    wide = by_positions(problem, by_start)
-    scaled = (wide * np.sqrt(problem.up_variance)[None, :, None]).reshape(len(wide), -1)
-    return np.asarray(scaled @ scaled.T)
 
 
 def _turn_covariance(problem: Problem, u: float, along: bool) -> Array:

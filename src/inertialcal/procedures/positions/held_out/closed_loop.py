@@ -34,137 +34,6 @@ from ..gravity import local_gravity
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 
 
-def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind: Kind) -> tuple[AxisLoop, ...]:
-    """Return what readings held out say of one sensor, without verdicts; none where they cannot judge it.
-
-    Parameters
-    ----------
-    fitted : positions.Result
-        Of the test for a fit.
-    held : sequence of Readings
-        Held out, in the same units; one a record.
-    kind : {"accelerometer", "gyro"}
-        Which.
-    """
-    sensor = fitted.acc.sensor if kind == "accelerometer" else _gyros(fitted)
-    if sensor is None:
-        return ()
-    own = {one.name: one for one in judges_of(fitted, fitted.readings, kind)}
-    pooled = _pooled([judges_of(fitted, one, kind) for one in held])
-    return before_and_after(sensor, sensor.values, pooled, own, len(held))
-
-
-def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) -> tuple[Judge, ...]:
-    """Return the ways in which readings judge one sensor."""
-    if kind == "accelerometer":
-        return of_accelerometers(fitted, held)
-    return () if fitted.gyro is None else of_gyros(fitted, fitted.gyro, held)
-
-
-def before_and_after(
-    sensor: LinearSensor, values: Array, judges: Sequence[Judge], own: Mapping[str, Judge], runs: int
-) -> tuple[AxisLoop, ...]:
-    """Return what the numbers of a model do to readings held out, with the uncertainty of the sensor that was fitted.
-
-    Parameters
-    ----------
-    sensor : LinearSensor
-        As it was fitted.
-    values : ndarray, shape (12,) or (21,)
-        The numbers to be judged: those of the sensor.
-    judges : sequence of Judge
-        Ways to judge.
-    own : mapping of str to Judge
-        The same of the readings of the fit, by name: they say how errors scatter.
-    runs : int
-        Records behind them.
-    """
-    views = [_View(one, values, sensor, own.get(one.name)) for one in judges]
-    rivals = mixed_up(values, not set(range(9)) & set(sensor.reasons))
-    return tuple(_before_after(view, as_read(sensor), runs, rivals) for view in views if len(view.error) > 1)
-
-
-def _gyros(fitted: positions.Result) -> LinearSensor | None:
-    return None if fitted.gyro is None else fitted.gyro.sensor
-
-
-def _pooled(records: Sequence[Sequence[Judge]]) -> list[Judge]:
-    """Return the ways to judge, each over all records."""
-    by_name: dict[str, list[Judge]] = {}
-    for one in (one for judges in records for one in judges):
-        by_name.setdefault(one.name, []).append(one)
-    return [replace(found[0], errors=_together([one.errors for one in found])) for found in by_name.values()]
-
-
-def _together(parts: Sequence[Errors]) -> Errors:
-    return lambda values: np.concatenate([part(values) for part in parts])
-
-
-class _View:
-    """One way to judge: errors of the model, what its uncertainty does to them, and how those of the fit scatter."""
-
-    def __init__(self, judge: Judge, values: Array, sensor: LinearSensor, own: Judge | None) -> None:
-        self.judge, self.values = judge, values
-        self.error = judge.errors(values)
-        self.moved = [judge.errors(values + step) - self.error for step in _steps(sensor)]
-        left = np.empty((0, 1)) if own is None else own.errors(sensor.values)
-        rows = int(np.sum(np.any(left != 0.0, axis=0))) * len(left)
-        self.dof = float(max(rows - judge.free, 0))
-        self.variance = float(np.sum(left**2)) / self.dof if self.dof else np.inf
-
-
-def _steps(sensor: LinearSensor) -> Array:
-    """Return one standard uncertainty along each principal direction of the Type A covariance, shape (p, p)."""
-    covariance = np.zeros((len(sensor.values), len(sensor.values)))
-    for one in sensor.sources:
-        if one.kind == "A":
-            covariance = covariance + one.covariance
-    variance, directions = np.linalg.eigh(0.5 * (covariance + covariance.T))
-    return np.asarray((directions * np.sqrt(np.maximum(variance, 0.0))).T[variance > 0.0])
-
-
-def _before_after(view: _View, raw: Array, runs: int, rivals: Mapping[str, Array]) -> AxisLoop:
-    before, after = _squares(view.judge.errors(raw)), _squares(view.error)
-    n, gain = len(after), before - after
-    allowed = float(sum(np.mean(_squares(one)) for one in view.moved))
-    u = float(np.std(gain, ddof=1) / np.sqrt(n))
-    raw_rms, left_rms = (float(np.sqrt(np.mean(squares))) for squares in (before, after))
-    judge = view.judge
-    distinct = {name: rival for name, rival in rivals.items() if judge.tells(view.values, rival)}
-    return AxisLoop(
-        judge.name,
-        n,
-        runs,
-        raw_rms,
-        left_rms,
-        float(np.mean(gain)),
-        u,
-        float(n - 1),
-        allowed,
-        judge.unit,
-        {name: _p_rival(view, rival) for name, rival in distinct.items()},
-    )
-
-
-def _squares(errors: Array) -> Array:
-    return np.asarray(np.sum(errors**2, axis=1))
-
-
-def _p_rival(view: _View, rival: Array) -> float:
-    """Probability that a rival does so much better if the model were right; its uncertainty counts as scatter.
-
-    The rival's error is that of the model and a known change: what scatters is the error of the model, as in the fit.
-    """
-    change = view.judge.errors(rival) - view.error
-    n = len(change)
-    gain = float(np.mean(_squares(view.error + change) - _squares(view.error)))
-    shift = [2.0 * float(np.mean(np.sum(change * one, axis=1))) for one in view.moved]
-    variance = 4.0 * view.variance * float(np.sum(change**2)) / n**2 + float(np.sum(np.square(shift)))
-    if not (np.isfinite(variance) and variance > 0.0):
-        return 1.0
-    return float(special.stdtr(view.dof, gain / np.sqrt(variance)))
-
-
 @dataclass(frozen=True, eq=False)
 class Judge:
     """One way in which readings held out judge a triad.
@@ -192,6 +61,120 @@ class Judge:
     def tells(self, values: Array, other: Array) -> bool:
         """Whether the errors can tell two models apart."""
         return self.by_matrix or bool(np.all(values[:9] == other[:9]))
+
+
+def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind: Kind) -> tuple[AxisLoop, ...]:
+    """Return what readings held out say of one sensor, without verdicts; empty where they cannot judge it.
+
+    Parameters
+    ----------
+    fitted : positions.Result
+        Of the test for a fit.
+    held : sequence of Readings
+        Held out, in the same units; one a record.
+    kind : {"accelerometer", "gyro"}
+        Which.
+    """
+    fit = fitted.acc if kind == "accelerometer" else fitted.gyro
+    if fit is None:
+        return ()
+    own = {one.name: one for one in judges_of(fitted, fitted.readings, kind)}
+    by_name: dict[str, list[Judge]] = {}
+    for one in (one for readings in held for one in judges_of(fitted, readings, kind)):
+        by_name.setdefault(one.name, []).append(one)
+
+    def over_all_records(parts: Sequence[Judge]) -> Errors:
+        return lambda values: np.concatenate([part.errors(values) for part in parts])
+
+    pooled = [replace(parts[0], errors=over_all_records(parts)) for parts in by_name.values()]
+    return before_and_after(fit.sensor, fit.sensor.values, pooled, own, len(held))
+
+
+def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) -> tuple[Judge, ...]:
+    """Return the ways in which readings judge one sensor."""
+    if kind == "accelerometer":
+        return of_accelerometers(fitted, held)
+    return () if fitted.gyro is None else of_gyros(fitted, fitted.gyro, held)
+
+
+def before_and_after(
+    sensor: LinearSensor, values: Array, judges: Sequence[Judge], own: Mapping[str, Judge], runs: int
+) -> tuple[AxisLoop, ...]:
+    """Return what the numbers of a model do to readings held out, with the uncertainty of the sensor that was fitted.
+
+    A mixed-up model is judged by the probability that it would do so much better if the model were right. Its error is
+    that of the model and a known change: what scatters is the error of the model, as in the fit; the uncertainty of
+    the model counts as scatter.
+
+    Parameters
+    ----------
+    sensor : LinearSensor
+        As it was fitted.
+    values : ndarray, shape (12,) or (21,)
+        The numbers to be judged: those of the sensor.
+    judges : sequence of Judge
+        Ways to judge.
+    own : mapping of str to Judge
+        The same of the readings of the fit, by name: they say how errors scatter.
+    runs : int
+        Records behind them.
+    """
+    covariance = sum((one.covariance for one in sensor.sources if one.kind == "A"), np.zeros((len(values),) * 2))
+    variances, directions = np.linalg.eigh(0.5 * (covariance + covariance.T))
+    steps = (directions * np.sqrt(np.maximum(variances, 0.0))).T[variances > 0.0]  # one u along each
+    rivals = mixed_up(values, not set(range(9)) & set(sensor.reasons))
+    raw = as_read(sensor)
+    found = (_loop(one, own.get(one.name), sensor, values, raw, steps, rivals, runs) for one in judges)
+    return tuple(one for one in found if one is not None)
+
+
+def _loop(
+    judge: Judge,
+    own: Judge | None,
+    sensor: LinearSensor,
+    values: Array,
+    raw: Array,
+    steps: Array,
+    rivals: Mapping[str, Array],
+    runs: int,
+) -> AxisLoop | None:
+    """Return what one judge says; None of a single reading."""
+    error = judge.errors(values)
+    n = len(error)
+    if n < 2:
+        return None
+    moved = [judge.errors(values + step) - error for step in steps]
+    residuals = np.empty((0, 1)) if own is None else own.errors(sensor.values)
+    rows = int(np.sum(np.any(residuals != 0.0, axis=0))) * len(residuals)
+    dof = float(max(rows - judge.free, 0))
+    variance = float(np.sum(residuals**2)) / dof if dof else np.inf
+
+    def p_rival(rival: Array) -> float:
+        change = judge.errors(rival) - error
+        gain = float(np.mean(_squares(error + change) - _squares(error)))
+        shift = [2.0 * float(np.mean(np.sum(change * one, axis=1))) for one in moved]
+        whole = 4.0 * variance * float(np.sum(change**2)) / n**2 + float(np.sum(np.square(shift)))
+        return float(special.stdtr(dof, gain / np.sqrt(whole))) if np.isfinite(whole) and whole > 0.0 else 1.0
+
+    before, after = _squares(judge.errors(raw)), _squares(error)
+    gain = before - after
+    return AxisLoop(
+        judge.name,
+        n,
+        runs,
+        float(np.sqrt(np.mean(before))),
+        float(np.sqrt(np.mean(after))),
+        float(np.mean(gain)),
+        float(np.std(gain, ddof=1) / np.sqrt(n)),
+        float(n - 1),
+        float(sum(np.mean(_squares(one)) for one in moved)),
+        judge.unit,
+        {name: p_rival(rival) for name, rival in rivals.items() if judge.tells(values, rival)},
+    )
+
+
+def _squares(errors: Array) -> Array:
+    return np.asarray(np.sum(errors**2, axis=1))
 
 
 def of_accelerometers(fitted: positions.Result, held: positions.Readings) -> tuple[Judge, ...]:
@@ -225,8 +208,20 @@ def of_gyros(fitted: positions.Result, gyro: FittedGyro, held: positions.Reading
         Judge(f"gyro {axis} at rest", "rad/s", partial(_along, reading, earth, k, force=force), 4, by_matrix=False)
         for k, axis in enumerate(AXES)
     ]
+
+    def missed(values: Array) -> Array:
+        """Return the errors of each rotation: two of a transition, three of a turn by a known angle, shape (n, 3)."""
+        A, G = values[:9].reshape(3, 3), values[12:].reshape(3, 3)
+        at_rest = None if gyro.rest.g_sensitivity is None else G + earth_in_g(fitted.plan, A)[0]
+        rest = replace(gyro.rest, bias=values[9:12], g_sensitivity=at_rest)
+        problem = problem_of(fitted.plan, held, fitted.acc, rest, gyro.sensor.ideal, gyro.sensor.zero)
+        rows = errors(problem, np.asarray(np.linalg.inv(A))).e
+        moves, turns = problem.sizes
+        of_moves = np.column_stack([rows[: 2 * moves].reshape(-1, 2), np.zeros(moves)])
+        return np.vstack([of_moves, rows[2 * moves :].reshape(turns, 3)])
+
     if gyro.rotated is not None and held.rotations:
-        found.append(Judge("gyro, rotations", "rad", partial(_missed, fitted, gyro, held), 9))
+        found.append(Judge("gyro, rotations", "rad", missed, 9))
     return tuple(found)
 
 
@@ -240,18 +235,6 @@ def _inputs(values: Array, reading: Array, force: Array | None = None) -> Array:
 
 def _along(reading: Array, expected: Array, k: int, values: Array, force: Array | None = None) -> Array:
     return (_inputs(values, reading, force) - expected)[:, [k]]
-
-
-def _missed(fitted: positions.Result, gyro: FittedGyro, held: positions.Readings, values: Array) -> Array:
-    """Return the errors of each rotation: two of a transition, three of a turn by a known angle, shape (n, 3)."""
-    A, G = values[:9].reshape(3, 3), values[12:].reshape(3, 3)
-    at_rest = None if gyro.rest.g_sensitivity is None else G + earth_in_g(fitted.plan, A)[0]
-    rest = replace(gyro.rest, bias=values[9:12], g_sensitivity=at_rest)
-    problem = problem_of(fitted.plan, held, fitted.acc, rest, gyro.sensor.ideal, gyro.sensor.zero)
-    rows = errors(problem, np.asarray(np.linalg.inv(A))).e
-    moves, turns = problem.sizes
-    of_moves = np.column_stack([rows[: 2 * moves].reshape(-1, 2), np.zeros(moves)])
-    return np.vstack([of_moves, rows[2 * moves :].reshape(turns, 3)])
 
 
 def as_read(sensor: LinearSensor) -> Array:
