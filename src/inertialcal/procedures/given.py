@@ -25,6 +25,7 @@ if TYPE_CHECKING:
 GROUP: dict[str, str] = {"gyro": "gyro", "accelerometer": "acc"}  # as units and columns are named by people
 KIND_OF_UNIT: dict[str, str] = {"gyro": "angular_rate", "accelerometer": "acceleration"}
 EXAMPLE = {"angular_rate": "deg/s", "acceleration": "m/s2", "temperature": "degC", "pressure": "Pa"}
+PLURAL = {"column": "columns", "unit": "units", "standard": "standards"}  # options that may be repeated, in Python
 SPOKEN = {"gyro": ("deg/s", "rad/s", "deg/h"), "accelerometer": ("m/s^2", "g", "mg", "ug")}
 
 
@@ -32,11 +33,12 @@ SPOKEN = {"gyro": ("deg/s", "rad/s", "deg/h"), "accelerometer": ("m/s^2", "g", "
 class Said:
     """What every noun can be told of its recordings, their sensor, the site and the standards."""
 
-    column: Mapping[str, str] = setting(
-        "Column of a channel: x=COLUMN, temperature=COLUMN; else told by the names.", dict[str, str], example="x=wx"
-    )
-    unit: Mapping[str, str] = setting(
-        "Unit of a column or group, or of the sensor's readings.", dict[str, str], example="gyro=deg/s"
+    columns: Mapping[str, str] = setting(
+        "Column of a channel: x=COLUMN, temperature=COLUMN. By default, the names decide.",
+        dict[str, str], example="x=wx", option="column",
+    )  # fmt: skip
+    units: Mapping[str, str] = setting(
+        "Unit of a column or group, or of the sensor's readings.", dict[str, str], example="gyro=deg/s", option="unit"
     )
     sensor: str | None = setting("Which sensors of the file: gyro or acc.", None, example="acc")
     sample_rate: float | None = setting("Samples per second, where the file has no time; or in its place.", None)
@@ -61,8 +63,8 @@ class Said:
     latitude: str | None = setting("Geodetic latitude of the site.", None, example="36.6 deg")
     gravity: str | None = setting("Gravity at the site.", None, example="9.799 m/s2")
     height: str | None = setting("Height of the site above sea level.", None, example="120 m")
-    standard: Mapping[str, str] = setting(
-        "Standard uncertainty of a standard.", dict[str, str], example='rate_table.rate="0.05 %"'
+    standards: Mapping[str, str] = setting(
+        "Standard uncertainty of a standard.", dict[str, str], example='rate_table.rate="0.05 %"', option="standard"
     )
     like: str | None = setting(
         "Campaign folder: sensor, chain, channels, site, standards and plan as it has them for such a file.", None
@@ -115,7 +117,8 @@ class GivenFile:
         if self.options:
             return f"--{option.replace('_', '-')} {example}"
         name, equals, value = example.partition("=")
-        return f"{option}={{{name!r}: {value!r}}}" if equals else f"{option}={example!r}"
+        argument = PLURAL.get(option, option)
+        return f"{argument}={{{name!r}: {value!r}}}" if equals else f"{argument}={example!r}"
 
 
 @dataclass(frozen=True)
@@ -156,7 +159,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     UsageError
         If that is not clear, or a unit is missing: all that is missing at once.
     """
-    recording, columns = given.recording, given.said.column
+    recording, columns = given.recording, given.said.columns
     sensor = sensor_kind(given, spec)
     roles = {name: one for one in spec.roles
              for name in (one.name, *(f"{one.name}_{axis}" for axis in AXES if one.by_axis))}  # fmt: skip
@@ -206,7 +209,7 @@ def sensor_kind(given: GivenFile, spec: InputSpec) -> Kind:
             raise UsageError(f"sensor {given.said.sensor!r}", do=do, code="unknown_name")
         return words[given.said.sensor]
     recording = given.recording
-    named = [recording.channel(name).unit for axis, name in given.said.column.items() if axis in AXES]
+    named = [recording.channel(name).unit for axis, name in given.said.columns.items() if axis in AXES]
     for one in spec.kinds:
         if any(unit is not None and kind(unit) == KIND_OF_UNIT[one] for unit in named):
             return one

@@ -40,14 +40,14 @@ def warm_recording(path: Path, seed: int, rows: int = 4000) -> Path:
 def test_rate_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "table.csv"
     file.write_text(RATE)
-    settings = {"axis": "x", "standard": {"rate_table.rate": "0.05 %"}, "latitude": "36.6 deg"}
+    settings = {"axis": "x", "standards": {"rate_table.rate": "0.05 %"}, "latitude": "36.6 deg"}
     found = same_rows(capsys, "rate-table", [file], tmp_path / "campaign", **settings)
     assert found.plan.latitude == pytest.approx(np.radians(36.6))
 
 
 def test_thermal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = [warm_recording(tmp_path / f"warm_{seed}.csv", seed) for seed in (1, 2)]
-    same_rows(capsys, "thermal", files, tmp_path / "campaign", at=["-5 degC"], standard={"converter.reference": "1 %"})
+    same_rows(capsys, "thermal", files, tmp_path / "campaign", at=["-5 degC"], standards={"converter.reference": "1 %"})
 
 
 def test_like_a_campaign(tmp_path: Path) -> None:

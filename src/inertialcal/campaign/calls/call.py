@@ -280,9 +280,14 @@ def _plan(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any], options
     """
     known = {one.name: one for one in settings_of(procedure.plan_type)}
     plan = {name: _as_said(known[name], value, options) for name, value in given.items()}
-    _, problems = settings_values(procedure.plan_type, plan, lambda *_: "")
+
+    def called(path: tuple[str | int, ...]) -> str:
+        first, *inner = (str(part) for part in path if isinstance(part, str))
+        return ".".join([f"--{first.replace('_', '-')}" if options else first, *inner])
+
+    _, problems = settings_values(procedure.plan_type, plan, lambda *_: "", called=called)
     if problems:
-        raise UsageError([_in_words(one, options) for one in problems])
+        raise UsageError(problems)
     return plan
 
 
@@ -298,14 +303,6 @@ def _as_said(one: Setting, value: Any, options: bool) -> Any:
     if one.many:
         return [value] if isinstance(value, str | int | float) else list(value)
     return value
-
-
-def _in_words(problem: Problem, options: bool) -> Problem:
-    what = problem.what
-    name, colon, rest = what.partition(":")
-    if options and colon:
-        what = f"--{name.replace('_', '-')}:{rest}"
-    return Problem(what, "", problem.why, problem.do, problem.code)
 
 
 def campaign_of(document: Document) -> Campaign:

@@ -102,7 +102,7 @@ def _site(said: Said) -> dict[str, str]:
 
 def _standards(said: Said) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {}
-    for name, u in said.standard.items():
+    for name, u in said.standards.items():
         standard, _, quantity = name.partition(".")
         found.setdefault(standard, {})[quantity] = {"u": u}
     return found

@@ -46,7 +46,7 @@ class Files:
         """Return a recording."""
         if name not in self.held:
             said = self.said
-            units = {group: unit for key, unit in said.unit.items() for group in _groups(key, unit)}
+            units = {group: unit for key, unit in said.units.items() for group in _groups(key, unit)}
             self.held[name] = read(
                 name, units=units, sample_rate=said.sample_rate, time_column=said.time_column, start=said.start,
                 stop=said.stop, mission_start=said.mission_start, frame=said.frame,
@@ -118,7 +118,7 @@ def _of_array(values: Array, said: Said) -> Recording:
         raise DataError(f"array of shape {values.shape}, need (n,) or (n, 3)", code="wrong_value")
     if said.sample_rate is None:
         raise DataError("an array has no time", do="Add sample_rate=... [Hz]", code="no_time")
-    unit = next(iter(said.unit.values()), None)
+    unit = next(iter(said.units.values()), None)
     spoken = None if unit is None else normalise(unit)
     channels = tuple(
         Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name)

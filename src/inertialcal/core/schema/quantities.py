@@ -7,7 +7,7 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator
 
 from ..errors import DataError
-from ..units import normalise, parse_quantity
+from ..units import normalise, parse_quantity, same_dimension
 
 
 def quantity(si_unit: str, difference: bool = False) -> Any:
@@ -25,7 +25,12 @@ def quantity(si_unit: str, difference: bool = False) -> Any:
         if isinstance(given, bool) or not isinstance(given, str):
             raise ValueError(f'{given!r} is not a quantity: write "number unit", like "1 {si_unit}", in quotes')
         try:
-            return parse_quantity(given).to(si_unit, difference=difference)
+            read = parse_quantity(given)
+            if read.unit == "1" and si_unit != "1":
+                raise ValueError(f'{given!r} has no unit: write a number with its unit, like "1 {si_unit}"')
+            if not same_dimension(read.unit, si_unit):
+                raise ValueError(f"{given!r} is not in a unit like {si_unit}")
+            return read.to(si_unit, difference=difference)
         except DataError as error:
             raise ValueError(_text(error)) from None
 

@@ -13,9 +13,11 @@ from ..errors import Problem
 from ..settings import Setting, settings_of
 from .quantities import quantity
 
+Called = Callable[[tuple[str | int, ...]], str]
+
 
 def settings_values(
-    kind: type[Any], given: Mapping[str, Any], at: Callable[..., str], *above: str
+    kind: type[Any], given: Mapping[str, Any], at: Callable[..., str], *above: str, called: Called | None = None
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Return the settings that a table gives, SI, and what is wrong with it.
 
@@ -29,11 +31,13 @@ def settings_values(
         Place of a key path, for messages.
     above : str
         Path of the table.
+    called : callable, optional
+        How the caller calls the setting at a path: ``"--order"``; by default its keys with points between.
     """
     try:
         read = _model(cast("Any", kind)).model_validate(given)
     except ValidationError as error:
-        return {}, [_problem(kind, entry, at, above) for entry in error.errors(include_url=False)]
+        return {}, [_problem(kind, entry, at, above, called) for entry in error.errors(include_url=False)]
     tables = {one.name: one.table for one in settings_of(kind)}
     return {name: _value(getattr(read, name), tables[name]) for name in given}, []
 
@@ -75,9 +79,9 @@ def _field(one: Setting) -> Any:
     return Field(default=one.default, **given)
 
 
-def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ...]) -> Problem:
+def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ...], called: Called | None) -> Problem:
     path = (*above, *entry["loc"])
-    name, where = ".".join(map(str, path)), at(*path)
+    name, where = ".".join(map(str, path)) if called is None else called(path), at(*path)
     *tables, last = (part for part in entry["loc"] if isinstance(part, str))
     for part in tables:
         kind = next(one.table for one in settings_of(kind) if one.name == part)
@@ -86,9 +90,13 @@ def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ..
         near = get_close_matches(last, known, n=1)
         do = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}"
         return Problem(f"unknown key {name}", where, "it would have no effect", do, "unknown_key")
-    do = f"Example: {known[last].written}" if known[last].example else ""
+    written = known[last].written if called is None else f"{name} {known[last].example}"
+    do = f"Example: {written}" if known[last].example else ""
     if entry["type"] == "missing":
         return Problem(f"{name} is missing", where, do=do, code="missing_key")
     what = entry["msg"].removeprefix("Value error, ").replace("Input should be", "should be")
     unit = f" {known[last].unit}" if known[last].unit and entry.get("ctx", {}).keys() & {"gt", "ge", "le"} else ""
-    return Problem(f"{name}: {what}{unit}", where, do=do, code="wrong_value")
+    value = (
+        "" if isinstance(entry["input"], Mapping | list) or str(entry["input"]) in what else f" = {entry['input']!r}"
+    )
+    return Problem(f"{name}{value}: {what}{unit}", where, do=do, code="wrong_value")

@@ -66,7 +66,7 @@ def _table(given: GivenFile, names: Guess) -> Described:
         missing.append((f"{listed}{have}", given.add("reading", "COLUMN"), "no_column"))
     if axis is None and names.axis is None:
         missing.append(("axis not given", given.add("axis", "x"), "no_axis"))
-    unit = bare(given.said.unit) or next(iter(given.said.unit.values()), None) or names.unit
+    unit = bare(given.said.units) or next(iter(given.said.units.values()), None) or names.unit
     if unit is None:
         missing.append(("unit of rate and reading not given", given.add("unit", "deg/s"), "no_unit"))
     if missing or unit is None:
@@ -113,7 +113,7 @@ def _recorded(given: GivenFile, applied: str) -> Described:
         raise UsageError(what, do=f"Add: {given.add('reading', 'x=COLUMN')}", code="no_column")
     chain = chain_said(given)
     counted = chain.get("kind", "none") != "none"
-    unit = bare(given.said.unit)
+    unit = bare(given.said.units)
     own = {name: unit or recording.channel(name).unit for name in (applied, *by_axis.values())}
     rates = [applied] if counted else [applied, *by_axis.values()]
     if any(one is None or kind(one) != "angular_rate" for one in (own[name] for name in rates)):
@@ -139,7 +139,7 @@ def _recorded(given: GivenFile, applied: str) -> Described:
 def _channels(given: GivenFile, applied: str) -> dict[str, str]:
     """Return the gyro's channels by axis, as said or by their names."""
     said: Mapping[str, str] = given.own.get("reading") or {
-        axis: one for axis, one in given.said.column.items() if axis in AXES
+        axis: one for axis, one in given.said.columns.items() if axis in AXES
     }
     recording = given.recording
     if said:
