@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from .files.text.table import read_table
     from .files.write.recording import write
     from .procedures.flip.files.call import flip
+    from .procedures.mass_attraction.deck import programme_1969
     from .procedures.mass_attraction.files import mass_attraction
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.positions.files.call import positions
@@ -50,6 +51,7 @@ __all__ = [
     "plot",
     "positions",
     "positions_batch",
+    "programme_1969",
     "psd",
     "rate_table",
     "read",
@@ -76,6 +78,7 @@ _HOMES = {
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
     "plot": ("report.plot", "plot"),
+    "programme_1969": ("procedures.mass_attraction.deck", "programme_1969"),
     "positions": ("procedures.positions.files.call", "positions"),
     "positions_batch": ("procedures.positions.lot.batch", "positions_batch"),
     "score": ("campaign.twins.score", "score"),

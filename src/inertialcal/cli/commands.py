@@ -24,6 +24,7 @@ VERBS = {
     "init": "verbs.campaigns", "check": "verbs.campaigns", "run": "verbs.campaigns", "demo": "verbs.demos",
     "show": "verbs.models", "compensate": "verbs.models", "convert": "verbs.models", "export": "verbs.models",
     "compare": "verbs.models", "simulate": "verbs.twins", "score": "verbs.twins",
+    "programme-1969": "verbs.programme1969",
 }  # fmt: skip
 Built = TyperCommand | TyperGroup
 PLAN = Command("plan", "What a test will give, before it is made: plan TEST.")
@@ -73,7 +74,7 @@ def _built(function: Callable[..., Any], word: str, about: str | None = None) ->
 def _verb(word: str) -> Built:
     """Return a command that is no procedure's."""
     module = import_module(f".{(FIRST | VERBS)[word]}", __package__)
-    return _built(getattr(module, word), word)
+    return _built(getattr(module, word.replace("-", "_")), word)
 
 
 class _Lazy(TyperGroup):

@@ -35,6 +35,7 @@ BUILT_IN = {  # name -> module and attribute, in the order in which they are ask
     "npy": "binary.numpy_file:NPY",
     "npz": "binary.numpy_file:NPZ",
     "mat4": "binary.matlab:VERSION_4",
+    "cards": "text.card_images:READER",
 }
 READERS: Registry[Reader] = Registry(
     "reader", Reader, "inertialcal.readers", {name: f"{__package__}.{place}" for name, place in BUILT_IN.items()}

@@ -1,5 +1,6 @@
 """The programme of 1969 against loops written from its description, and against what its report says of it."""
 
+import json
 from pathlib import Path
 from typing import Any
 
@@ -7,20 +8,24 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
+import inertialcal as ic
 import slow_programme as slow
+from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
-from inertialcal.files.text.card_images import read_card_images
-from inertialcal.signals.programme1969 import (
+from inertialcal.core.key import Method
+from inertialcal.signals.programme1969.cards import (
     MeasuredCase,
     SyntheticCase,
+    closed_up_series,
+    read_cards,
+    series_with_gaps,
+)
+from inertialcal.signals.programme1969.programme import (
     adjusted_curve,
     analyse,
-    closed_up,
-    read_cards,
     run_case,
     scale_factor,
     straight_line,
-    synthetic,
     tilt_trace,
     without_harmonics,
 )
@@ -84,7 +89,7 @@ def check_analysis(X: list[float], Y: list[float], found: Any) -> None:
 def test_synthetic_mode_to_1e9_of_loops() -> None:
     (case,) = read_cards("   1\n" + synthetic_card() + "\n   1\n   2\n   3\n   4\n  10\n   5\n   3\n   6\n  -1\n")
     assert isinstance(case, SyntheticCase)
-    x, tilt = synthetic(case)
+    x, tilt = series_with_gaps(case)
     i = np.arange(100)
     np.testing.assert_allclose(x, 23.0 * np.sin(np.pi / 2 * i) + 40.0 * np.cos(np.pi / 50 * i), **TIGHT)
     check_case(case, list(x), list(tilt))
@@ -154,12 +159,16 @@ def test_lines_and_tilt_are_taken_out() -> None:
 
 def test_closing_up_shifts_what_follows() -> None:
     """Positions count in the series as shortened so far: 3 and then 3 are the third and the fourth value."""
-    np.testing.assert_array_equal(closed_up(np.arange(1, 7), [3, 3]), [1, 2, 5, 6])
-    np.testing.assert_array_equal(closed_up(np.arange(1, 7), [4, 3]), [1, 2, 5, 6])
-    whole = np.tile([0.0, 1.0, 0.0, -1.0], 26)
-    shifted = closed_up(whole, [51])[:100].astype(np.float64)
-    found = analyse(shifted, shifted, 100.0, 50, 50)
-    assert found.sine[24] < 0.6  # half of the record is a quarter of a period ahead
+    counting = np.arange(1.0, 105.0)
+    for wrong in ((3, 3), (4, 3)):
+        (case,) = read_cards(deck(counting, counting, wrong=wrong))
+        np.testing.assert_array_equal(closed_up_series(case)[0], np.r_[1, 2, 5:103])
+        gaps, tilt = series_with_gaps(case)
+        np.testing.assert_array_equal(np.flatnonzero(np.isnan(gaps)), [2, 3])
+        np.testing.assert_array_equal(tilt[4:], np.arange(5, 103))
+    (case,) = read_cards(deck(1000.0 * np.tile([0.0, 1.0, 0.0, -1.0], 26), counting, wrong=(51,)))
+    (step,) = run_case(case)
+    assert step.analysis.sine[24] < 600.0  # half of the record is a quarter of a period ahead
 
 
 def test_wrong_positions_of_a_deck_are_closed_up() -> None:
@@ -170,18 +179,101 @@ def test_wrong_positions_of_a_deck_are_closed_up() -> None:
     check_analysis(list(x), list(tilt), step.analysis)
 
 
-def test_file_of_cards(tmp_path: Path) -> None:
+REQUESTS = "   1\n   2\n   3\n   4\n  10\n   5\n   3\n   6\n"
+
+
+def test_a_deck_of_one_case_is_a_recording(tmp_path: Path) -> None:
     x, tilt = drifting(1)
-    path = tmp_path / "run1.txt"
-    path.write_text(deck(x, tilt))
-    (case,) = read_card_images(path)
-    assert isinstance(case, MeasuredCase)
-    np.testing.assert_array_equal(case.AX, x)
-    np.testing.assert_array_equal(case.AY, tilt)
-    assert (case.NA, case.KO, case.MON, case.MD) == (23, 4, 7, 12)
+    path = tmp_path / "run1.cards"
+    path.write_text(deck(np.insert(x, 10, 99999), np.insert(tilt, 10, 0), wrong=(11,)))
+    found = ic.read(path)
+    np.testing.assert_array_equal(found.channel("accelerometer").data, np.insert(x, 10, np.nan))
+    np.testing.assert_array_equal(found.channel("tilt").data, np.insert(tilt, 10, np.nan))
+    assert (found.channel("accelerometer").unit, found.sample_interval) == ("count", 100.0)
+    assert "wrong_values" in {one.code for one in found.remarks}
+    path.write_text(deck(x, tilt).removesuffix("  -1\n") + "   1\n" + synthetic_card() + "\n   6\n  -1\n")
+    with pytest.raises(DataError, match="2 cases in one deck"):
+        ic.read(path)
     path.write_text("  0 \n")
-    with pytest.raises(DataError, match=r"run1.txt:1: columns 1-4, KT: '  0 ' is no such number"):
-        read_card_images(path)
+    with pytest.raises(DataError, match=r"run1.cards:1: columns 1-4, KT: '  0 ' is no such number"):
+        ic.read(path)
+
+
+def test_the_programme_and_the_same_reductions_done_right(tmp_path: Path) -> None:
+    """A wrong value costs the programme most of the line; with the gap kept every interval holds it."""
+    x, tilt = drifting(2)
+    x, tilt = np.append(x + 9.0 * SINE, x[-1]), np.append(tilt, tilt[-1])
+    x[50] = 99999
+    path = tmp_path / "deck.txt"
+    path.write_text(
+        deck(x, tilt, (51,), REQUESTS).removesuffix("  -1\n") + f"   1\n{synthetic_card()}\n{REQUESTS}  -1\n"
+    )
+    found = ic.programme_1969(path)
+    (case, own) = read_cards(path.read_text())
+    printed = [row for row in found.rows if row.method is Method.TEXTBOOK and row.quantity == "amplitude"]
+    steps = [*run_case(case), *run_case(own)]
+    assert [row.value for row in printed] == pytest.approx([step.analysis.sine[24] for step in steps])
+    right = {str(row.member): row for row in found.rows if row.method is Method.RESULT}
+    assert right["case 1, harmonics 10"].reason.text == "1 of 101 samples are missing"
+    for name in ("adjusted curve 3", "line and drift"):
+        row = right[f"case 1, {name}"]
+        assert row.value is not None
+        assert row.u is not None
+        assert abs(row.value - 230.0) < 4.0 * row.u
+        assert row.u < 10.0
+    assert all(value is not None and value < 140.0 for value in [row.value for row in printed[:5]])
+    assert right["case 2, line and drift"].value == pytest.approx(23.0, abs=1e-4)
+    assert len(found.curves()) == 4 * len(steps)
+    assert [row.status for row in found.rows if row.quantity == "scale_factor"] == ["estimated"] * 5 + [
+        "not_estimated"
+    ] * 5
+    assert "adjusted curve 3" in str(found)
+    assert "<table" in found._repr_html_()
+    assert len(found.to_frame()) == len(found.rows)
+
+
+def test_curves_of_a_deck_are_the_analysis(tmp_path: Path) -> None:
+    x, tilt = drifting(3)
+    path = tmp_path / "deck.txt"
+    path.write_text(deck(x, tilt))
+    curves = {one.name.removeprefix("programme_1969_"): one.columns for one in ic.programme_1969(path).curves()}
+    (step,) = run_case(read_cards(path.read_text())[0])
+    cross = np.asarray(curves["correlation"]["cross"].values)
+    assert cross == pytest.approx(step.analysis.cross / (step.analysis.std_x * step.analysis.std_y))
+    assert np.asarray(curves["correlation"]["lag"].values)[[0, -1]] == pytest.approx([0.0, 6000.0])
+    assert np.asarray(curves["spectrum"]["frequency"].values)[24] == pytest.approx(1.0 / 400.0)
+    assert np.asarray(curves["lines"]["frequency"].values)[24] == pytest.approx(1.0 / 400.0)
+    assert np.asarray(curves["lines"]["amplitude"].values) == pytest.approx(step.analysis.line)
+
+
+def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    x, tilt = drifting(1)
+    path = tmp_path / "deck.txt"
+    path.write_text(deck(x, tilt))
+
+    def typed(*given: str) -> tuple[Any, str, str]:
+        with pytest.raises(SystemExit) as left:
+            main(["programme-1969", str(path), *given])
+        return left.value.code, *capsys.readouterr()
+
+    assert typed() == (0, f"{ic.programme_1969(path)}\n", "")
+    status, printed, _ = typed("--json")
+    assert (status, json.loads(printed)["results"]) == (0, [row.to_dict() for row in ic.programme_1969(path).rows])
+    assert typed("--quiet") == (0, "", "")
+    path.write_text("  -1\n")
+    status, _, refused = typed()
+    assert status == 3
+    assert "the deck has no case" in refused
+
+
+def test_a_reduction_that_takes_the_line_away_has_no_amplitude(tmp_path: Path) -> None:
+    x, tilt = drifting(1)
+    path = tmp_path / "deck.txt"
+    path.write_text(deck(x, tilt, requests="   4\n  24\n   5\n   2\n   6\n"))
+    rows = [row for row in ic.programme_1969(path).rows if row.method is Method.RESULT]
+    assert [row.status for row in rows] == ["not_estimated", "not_estimated", "estimated"]
+    assert "no_line" in {row.reason.code for row in rows}
+    assert rows[1].reason.text == "a moving mean over 6 samples, 4 samples a cycle"
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import DataError, PlanError
-from inertialcal.signals.programme1969 import adjusted_curve
+from inertialcal.signals.programme1969.programme import adjusted_curve
 from inertialcal.signals.programme1969.reductions import (
     gain_of,
     without_bands,

@@ -12,8 +12,7 @@ import pytest
 
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
 from inertialcal.core.estimate import Array
-from inertialcal.signals.programme1969 import adjusted_curve
-from inertialcal.signals.programme1969.analysis import harmonics
+from inertialcal.signals.programme1969.programme import adjusted_curve, harmonics
 from inertialcal.signals.sine import (
     LineFit,
     amplitude_of,

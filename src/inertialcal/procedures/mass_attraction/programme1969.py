@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...signals.programme1969 import Analysis, adjusted_curve, analyse
+from ...signals.programme1969.programme import Analysis, adjusted_curve, analyse
 from .readings import Line, Readings, Run
 from .response.line import shape_of
 

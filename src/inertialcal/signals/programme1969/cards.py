@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
+from ...core.estimate import Array
 
 Counts = NDArray[np.int64]
 
@@ -108,7 +109,8 @@ class MeasuredCase:
     requests: tuple[Request, ...] = ()
 
 
-Deck = tuple[SyntheticCase | MeasuredCase, ...]
+Case = SyntheticCase | MeasuredCase
+Deck = tuple[Case, ...]
 
 
 def read_cards(text: str, where: str = "") -> Deck:
@@ -223,3 +225,35 @@ def _requests(cards: _Cards) -> Iterator[Request]:
             raise cards.refused(f"request {what}", "There are 1 to 6")
         name = NUMBERED.get(what)
         yield Request(what, cards.fields(((name, 4),))[name] if name else 0)
+
+
+def series_with_gaps(case: Case) -> tuple[Array, Array]:
+    """Return the accelerometer and tilt series of a case with NaN where a value is wrong, up to the N-th good one.
+
+    The parts of a synthetic case run as ``pi i / K`` with the half period K on the card, as the code has it (the
+    printed heading says 2 pi). They are taken as real numbers: whether the machine cut them to whole ones the text does
+    not say.
+    """
+    if isinstance(case, SyntheticCase):
+        i = np.arange(case.N)
+        parts = ((case.LXS, case.KXS, np.sin), (case.LXC, case.KXC, np.cos), (case.LY, case.KY, np.cos))
+        sine, cosine, tilt = (size * wave(np.pi / max(K, 1) * (i % (2 * max(K, 1)))) for size, K, wave in parts)
+        return sine + cosine, tilt
+    kept = np.arange(case.ML)
+    for position in case.wrong:
+        kept = np.delete(kept, position - 1)
+    kept = kept[: case.N]
+    x, tilt = np.full((2, kept.max(initial=-1) + 1), np.nan)
+    x[kept], tilt[kept] = case.AX[kept], case.AY[kept]
+    return x, tilt
+
+
+def closed_up_series(case: Case) -> tuple[Array, Array]:
+    """Return both series with wrong values taken out by shifting what follows to the left, shape (N,) each.
+
+    All that follows comes earlier by a sample, so that a drive of known phase is out of step from there on: never do
+    this with data.
+    """
+    x, tilt = series_with_gaps(case)
+    good = np.isfinite(x)
+    return x[good], tilt[good]
