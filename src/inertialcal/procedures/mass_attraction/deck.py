@@ -43,6 +43,8 @@ REDUCTIONS = {cards.ANALYSE: "none", cards.TILT: "tilt trace", cards.LINE: "stra
               cards.HARMONICS: "harmonics", cards.CURVE: "adjusted curve"}  # fmt: skip
 SAMPLES_PER_CYCLE = 4  # of the input, where the card has none
 AT_ONCE = "line and drift"
+PRINTED = {"amplitude": "count", "spectrum_amplitude": "count", "standard_deviation": "count",
+           "scale_factor": "count/g", "scale_factor_error": "count/g"}  # fmt: skip
 FEWEST = 0.1  # of a line, that a reduction must leave
 HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "gaps kept, gain corrected")
 
@@ -222,9 +224,7 @@ def _printed(case: Case, found: Analysis, member: Member) -> Iterator[Row]:
         values = [scale.fourier * applied * NG, scale.spectrum * applied * NG, scale.std, scale.fourier, scale.error]
     except DataError as error:
         reason = Reason("no_line", error.problems[0].what)
-    names = ("amplitude", "spectrum_amplitude", "standard_deviation", "scale_factor", "scale_factor_error")
-    for name, value in zip(names, values, strict=True):
-        unit = "count/g" if name.startswith("scale_factor") else "count"
+    for (name, unit), value in zip(PRINTED.items(), values, strict=True):
         if np.isfinite(value) and (unit == "count" or isinstance(case, MeasuredCase)):
             yield Row(Key(name), float(value), None, unit, method=Method.TEXTBOOK, member=member)
         else:
