@@ -47,10 +47,10 @@ def said(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str]:
     ("sections", "text"),
     [
         ({}, "no section in the file"),
-        (exchanged("x_p", "x_a"), "2 of 6 positions do not lie as they are named"),
-        (exchanged("x_a", "y_p"), "is named y+ and reads x-"),
+        (exchanged("x_p", "x_a"), "2 of 6 positions are misnamed"),
+        (exchanged("x_a", "y_p"), "is named y+ but reads x-"),
         (without("x_p", "x_a", "y_p", "y_a", "z_p", "z_a"), "no section is a position"),
-        (without("x_a") | {"x_a": {"start": 100, "end": 10**6}}, "the protocol is of another recording"),
+        (without("x_a") | {"x_a": {"start": 100, "end": 10**6}}, "the protocol belongs to another recording"),
         (without("x_a") | {"x_a": {"start": 10, "end": 60}}, "overlap"),
         (without("x_a") | {"": {"start": 10, "end": 60}}, "section '' is no position"),
         (without("x_a") | {"x_a": {"start": 60, "end": 10}}, "Give the end after the start"),
@@ -72,14 +72,14 @@ def test_signs_that_are_all_turned_are_told_as_such(
     (tmp_path / "p.json").write_text(json.dumps(turned), encoding="utf-8")
     status, message = said(capsys, str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
     assert status == 3
-    assert "All read the opposite: turn the signs of the accelerometers" in message
+    assert "All read the opposite: change the signs of the accelerometers" in message
 
 
 def test_a_face_that_is_missing_is_told(capsys: pytest.CaptureFixture[str], tmp_path: Path, record: Path) -> None:
     (tmp_path / "p.json").write_text(json.dumps(without("y_p")), encoding="utf-8")
     content = call_json(capsys, "positions", str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
     remarks = {one["code"]: one["what"] for one in content["remarks"]}
-    assert "5 of the six faces: y+ missing" in remarks["face_missing"]
+    assert "5 of the six faces, y+ missing" in remarks["face_missing"]
     assert not [row for row in content["results"] if row["condition"]]
 
 

@@ -41,7 +41,7 @@ def test_directions_as_named_pass_whatever_unit_and_zero(size: float, zero: floa
 @pytest.mark.parametrize("size", [9.8, -9.8])
 def test_a_sign_that_is_turned_is_refused(size: float) -> None:
     direction = FACES if size < 0.0 else FACES * [-1.0, 1.0, 1.0]
-    with pytest.raises(DataError, match="do not lie as they are named") as caught:
+    with pytest.raises(DataError, match="are misnamed") as caught:
         check_names(readings(direction, size * FACES))
     (problem,) = caught.value.problems
     assert ("All read the opposite" in problem.do) == (size < 0.0)
@@ -60,7 +60,7 @@ def test_what_is_not_known_is_not_judged() -> None:
 def test_missing_faces_are_named_where_all_lie_on_faces() -> None:
     assert missing_faces(readings(FACES, 9.8 * FACES)) == []
     (remark,) = missing_faces(readings(FACES[:4], 9.8 * FACES[:4]))
-    assert "4 of the six faces: y-, z- missing" in remark.what
+    assert "4 of the six faces, y-, z- missing" in remark.what
     tilted = np.vstack([FACES[:4], [[0.6, 0.8, 0.0]]])
     assert missing_faces(readings(tilted, 9.8 * tilted)) == []
 

@@ -26,9 +26,8 @@ if TYPE_CHECKING:
 def curves(result: Result) -> list[Curve]:
     """Return the curves of ``results.json``, SI: positions, and transitions where there are rotations."""
     found = [positions_curve(result)]
-    gyro = result.gyro
-    if gyro is not None and len(gyro.angles):
-        found.append(transitions_curve(result, gyro))
+    if result.gyro is not None and len(result.gyro.angles):
+        found.append(transitions_curve(result, result.gyro))
     return found
 
 
@@ -42,8 +41,8 @@ def positions_curve(result: Result) -> Curve:
     for name, values in (("residual", fitted.residuals), ("deletion", fitted.deletion)):
         columns[name] = Column(along(values, up), "m/s^2")
     if fitted.residuals.shape[1] == 3:
-        beside = np.einsum("kai,ki->ka", across(up), fitted.residuals)
-        columns |= {f"residual_across_{i + 1}": Column(beside[:, i], "m/s^2") for i in range(2)}
+        level = np.einsum("kai,ki->ka", across(up), fitted.residuals)
+        columns |= {f"residual_across_{i + 1}": Column(level[:, i], "m/s^2") for i in range(2)}
     between = np.nan if fitted.between is None else fitted.between
     columns["between"] = Column(np.full(len(readings), between), "m/s^2")
     columns["left_out"] = Column([bool(one) for one in fitted.outliers])
@@ -57,27 +56,18 @@ def along(values: Array, up: Array) -> Array:
 
 
 def transitions_curve(result: Result, gyro: FittedGyro) -> Curve:
-    """Return what every rotation between two positions leaves."""
-    k = len(gyro.angles)
-    left = np.zeros(k, dtype=bool) if gyro.rotated is None else gyro.rotated.outliers[:k]
-    transitions = result.readings.transitions
+    """Return what every rotation between two positions leaves; where the model has it, without g-sensitivity too."""
+    k, transitions = len(gyro.angles), result.readings.transitions
     columns = {
         "rotation": Column(np.arange(1.0, k + 1.0)),
         "before": Column(np.array([one.before + 1.0 for one in transitions])),
         "after": Column(np.array([one.after + 1.0 for one in transitions])),
         "error": Column(gyro.angles, "rad"),
     }
-    without = angles_without(result, gyro)
-    if without is not None:
-        columns["error_without"] = Column(without, "rad")
-    columns["left_out"] = Column([bool(one) for one in left])
+    if gyro.rest.g_sensitivity is not None and gyro.rotated is not None:
+        plan, sensor = replace(result.plan, g_sensitivity=False), gyro.sensor
+        without = fit_gyro(plan, result.readings, result.acc, sensor.ideal, sensor.zero, gyro.rotated.W)
+        columns["error_without"] = Column(without.angles, "rad")
+    left_out = np.zeros(k, dtype=bool) if gyro.rotated is None else gyro.rotated.outliers[:k]
+    columns["left_out"] = Column([bool(one) for one in left_out])
     return Curve("transitions", "", columns, sensor="gyro")
-
-
-def angles_without(result: Result, gyro: FittedGyro) -> Array | None:
-    """Return the errors of all transitions from a fit without g-sensitivity [rad]; None where the model has none."""
-    if gyro.rest.g_sensitivity is None or gyro.rotated is None:
-        return None
-    plan = replace(result.plan, g_sensitivity=False)
-    sensor = gyro.sensor
-    return fit_gyro(plan, result.readings, result.acc, sensor.ideal, sensor.zero, gyro.rotated.W).angles

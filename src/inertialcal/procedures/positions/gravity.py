@@ -39,14 +39,14 @@ def site_problems(plan: Plan) -> list[Problem]:
     """
     found = []
     if plan.gravity is not None and not 0.0 < plan.gravity < math.inf:
-        do = "Give its size, like 9.8123 m/s2: signs are in how the unit lies"
+        do = "Give its size, like 9.8123 m/s2: the orientation carries the sign"
         found.append(Problem(f"gravity of {plan.gravity:g} m/s2: need more than 0", do=do, code="wrong_value"))
     if plan.latitude is not None and not abs(plan.latitude) <= 0.5 * math.pi:
         what = f"latitude of {math.degrees(plan.latitude):g} deg: need -90 to 90 deg"
         found.append(Problem(what, do="North is positive", code="wrong_value"))
     if plan.shortest is not None and not plan.shortest > 0.0:
         what = f"shortest rest of {plan.shortest:g} s: need more than 0"
-        found.append(Problem(what, do="Leave it out: it is found", code="wrong_value"))
+        found.append(Problem(what, do="Leave it out: the noise then decides", code="wrong_value"))
     return found
 
 
@@ -55,4 +55,4 @@ def turn_problems(turn: float) -> list[Problem]:
     if turn != 0.0 and math.isfinite(turn):
         return []
     what = f"a turn by {math.degrees(turn):g} deg"
-    return [Problem(what, "", "it tells nothing", "Give the angle of each turn, like 360 deg", "wrong_value")]
+    return [Problem(what, "", "nothing was turned", "Give the angle of each turn, like 360 deg", "wrong_value")]

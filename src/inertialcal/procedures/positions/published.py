@@ -16,6 +16,7 @@ References
 
 from __future__ import annotations
 
+from contextlib import suppress
 from dataclasses import dataclass
 
 import numpy as np
@@ -26,7 +27,7 @@ from ...core.estimate import Array
 from ...core.key import Key, Method, Reason
 from ...core.results import Row
 from ...core.units import normalise
-from .readings import Readings, Rotation
+from .readings import Readings
 
 REASON = Reason("no_uncertainty", "the closed form has no uncertainty")
 UNIT = {"accelerometer": "m/s^2", "gyro": "rad/s"}
@@ -72,10 +73,15 @@ def ferraris(readings: Readings, gravity: float) -> Ferraris:
     b_g = np.average(readings.gyro.mean, axis=0, weights=readings.gyro.samples)
     inverse = np.linalg.inv(K_a[:, None] * R_a)
     sums = np.empty((3, 3))
-    for k, one in enumerate(_turns(readings)):
+    for k, axis in enumerate(AXES):
+        about = [one for one in readings.turns if one.axis is not None and abs(one.axis[k]) > ALONG]
+        if len(about) != 1:
+            raise _missing(f"{len(about)} turn(s) about {axis}, need one")
+        one, vector = about[0], np.asarray(about[0].axis)
+        angle = float((one.angle or 0.0) * np.sign(vector[np.argmax(np.abs(vector))]))
         force = np.zeros_like(one.gyro) if one.acc is None else (one.acc - b_a) @ inverse.T
         interval = one.seconds[-1] / (len(one.seconds) - 1)
-        sums[:, k] = interval * (one.gyro - b_g - force @ K_ga.T).sum(axis=0) / _angle(one)
+        sums[:, k] = interval * (one.gyro - b_g - force @ K_ga.T).sum(axis=0) / angle
     K_g, R_g = _split(sums)
     return Ferraris(K_a, R_a, b_a, K_g, R_g, K_ga, b_g)
 
@@ -108,28 +114,16 @@ def published_rows(readings: Readings, gravity: float) -> list[Row]:
     ``scale_factor`` is K, ``direction_cosine`` R, ``bias`` b and ``g_sensitivity`` K_ga; the key has the sensor.
     Six faces are enough for the accelerometers.
     """
-    return [*_accelerometer_rows(readings, gravity), *_gyro_rows(readings, gravity)]
-
-
-def _accelerometer_rows(readings: Readings, gravity: float) -> list[Row]:
-    try:
+    found: list[Row] = []
+    with suppress(DataError):  # other positions than its six faces
         K, R, b = six_faces(readings, gravity)
-    except DataError:
-        return []  # other positions than its six faces: the closed form is not asked for
-    return _of("accelerometer", readings.acc.unit, {"scale_factor": K, "direction_cosine": R, "bias": b})
-
-
-def _gyro_rows(readings: Readings, gravity: float) -> list[Row]:
-    try:
-        found = ferraris(readings, gravity)
-    except DataError:
-        return []  # no gyros, or other turns
-    assert readings.gyro is not None  # noqa: S101 - else it is refused
-    unit = readings.gyro.unit
-    return [
-        *_of("gyro", unit, {"scale_factor": found.K_g, "direction_cosine": found.R_g, "bias": found.b_g}),
-        *_of("gyro", normalise(f"({unit})/(m/s^2)"), {"g_sensitivity": found.K_ga}),
-    ]
+        found += _of("accelerometer", readings.acc.unit, {"scale_factor": K, "direction_cosine": R, "bias": b})
+    with suppress(DataError):  # no gyros, or other turns
+        form = ferraris(readings, gravity)
+        unit = "" if readings.gyro is None else readings.gyro.unit
+        found += _of("gyro", unit, {"scale_factor": form.K_g, "direction_cosine": form.R_g, "bias": form.b_g})
+        found += _of("gyro", normalise(f"({unit})/(m/s^2)"), {"g_sensitivity": form.K_ga})
+    return found
 
 
 def _of(kind: str, unit: str, values: dict[str, Array]) -> list[Row]:
@@ -166,21 +160,6 @@ def _faces(readings: Readings, values: Array) -> tuple[Array, Array]:
             columns.append(values[at[0]])
         found.append(np.column_stack(columns))
     return found[0], found[1]
-
-
-def _turns(readings: Readings) -> list[Rotation]:
-    found = []
-    for k, axis in enumerate(AXES):
-        about = [one for one in readings.turns if one.axis is not None and abs(one.axis[k]) > ALONG]
-        if len(about) != 1:
-            raise _missing(f"{len(about)} turn(s) about {axis}, need one")
-        found.append(about[0])
-    return found
-
-
-def _angle(one: Rotation) -> float:
-    assert one.axis is not None and one.angle is not None  # noqa: S101, PT018 - known turns alone come here
-    return float(one.angle * np.sign(one.axis[np.argmax(np.abs(one.axis))]))
 
 
 def _missing(what: str) -> DataError:

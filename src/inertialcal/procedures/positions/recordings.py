@@ -72,12 +72,19 @@ def readings_from(
     """
     if not recordings:
         raise DataError("no recordings", code="no_recordings")
-    _check_different(recordings)
+    known: dict[str, Any] = {}
+    for k, one in enumerate(recordings):  # a copy is no repeat
+        print_of = hashlib.sha256(np.ascontiguousarray(one.array(ACC)).tobytes()).hexdigest()
+        name = one.source.path or f"recording {k + 1}"
+        other = known.setdefault(print_of, name)
+        if other is not name:
+            what, why = f"{other} and {name} hold the same samples", "their positions would count twice"
+            raise DataError(what, name, why, "Leave one of them out", "duplicate_recording")
     chosen = [*sections, *([()] * (len(recordings) - len(sections)))]
     parts = [_one(plan, one, own) for one, own in zip(recordings, chosen, strict=True)]
     readings = parts[0]
-    for other in parts[1:]:
-        readings = _joined(readings, other)
+    for part in parts[1:]:
+        readings = _joined(readings, part)
     return on_faces(readings) if faces else readings
 
 
@@ -96,7 +103,7 @@ def on_faces(readings: Readings) -> Readings:
         k = int(np.argmin(size))
         raise DataError(
             f"{readings.place(k)} is {np.degrees(np.arccos(size[k])):.0f} deg away from any face",
-            why="it was said that the unit lay on its faces",
+            why="orientations = faces: each position lies on a face",
             do="Leave faces out: gravity alone then calibrates",
             code="no_face",
         )
@@ -119,7 +126,7 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readi
         raise DataError(
             f"the unit never lies still for {shortest:.3g} s",
             recording.source.path,
-            "positions are told by what it reads at rest",
+            "a position is a rest",
             "Let it rest in each position, or state plan.shortest",
             "no_rest",
         )
@@ -193,14 +200,17 @@ def _readings(
         own = replace(samples, values=gyro, finite=np.asarray(np.isfinite(gyro).all(axis=1)), outlier=nothing)
         triads["gyro"] = _triad(recording, own, "gyro", placed)
     path, stamps = recording.source.path, recording.time_ns
-    seconds = _seconds(recording)
+    seconds, temperature = _seconds(recording), None
+    if TEMPERATURE in recording.names:
+        degrees = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
+        temperature = np.array([np.nanmean(degrees[one.start : one.stop]) for one in placed])
     return Readings(
         acc=triads["acc"],
         gyro=triads.get("gyro"),
         rotations=rotations,
         start_ns=None if stamps is None else stamps[[one.start for one in placed]],
         stop_ns=None if stamps is None else stamps[[one.stop - 1 for one in placed]],
-        temperature=_temperatures(recording, placed),
+        temperature=temperature,
         where=tuple(f"{path + ': ' if path else ''}{seconds[one.start]:.6g} s" for one in placed),
     )
 
@@ -222,13 +232,6 @@ def _triad(recording: Recording, samples: Samples, name: str, placed: Sequence[P
     )
 
 
-def _temperatures(recording: Recording, placed: Sequence[Placement]) -> Array | None:
-    if TEMPERATURE not in recording.names:
-        return None
-    values = np.asarray(recording.channel(TEMPERATURE).data, dtype=float)
-    return np.array([np.nanmean(values[one.start : one.stop]) for one in placed])
-
-
 def _disturbed(readings: Readings, values: Mapping[str, Array], placed: Sequence[Placement]) -> list[Remark]:
     """Say which static intervals were disturbed."""
     found = []
@@ -238,34 +241,17 @@ def _disturbed(readings: Readings, values: Mapping[str, Array], placed: Sequence
     inside = np.array([one.inside for one in placed], dtype=bool)
     for k in np.flatnonzero(moved | inside):
         what = (
-            "the unit was knocked while it lay here: the longer part is used, and the level may have changed"
+            "the unit was knocked in this position: the longer part is used, and the level may have changed"
             if inside[k]
-            else "the level moves, or the scatter grows, in this static interval: its mean is not one of rest"
+            else "the level drifts, or the scatter grows, in this static interval: the unit was not at rest"
         )
         place = readings.place(int(k))
         found.append(Remark("disturbed_position", "warning", what, place, do="Check it, or leave it out"))
     touched = [one.touched for one in placed if one.touched and not one.inside]
     if touched:
-        what = f"the unit was touched or settled as it was laid: {sum(touched)} samples of these positions are left out"
+        what = f"the unit was touched or settled when laid down: {sum(touched)} samples of these positions left out"
         found.append(Remark("placement_parted", "info", what, count=len(touched)))
     return found
-
-
-def _check_different(recordings: Sequence[Recording]) -> None:
-    """Refuse a recording that is there twice: a copy is no repeat."""
-    known: dict[str, Any] = {}
-    for k, one in enumerate(recordings):
-        print_of = hashlib.sha256(np.ascontiguousarray(one.array(ACC)).tobytes()).hexdigest()
-        name = one.source.path or f"recording {k + 1}"
-        other = known.setdefault(print_of, name)
-        if other is not name:
-            raise DataError(
-                f"{other} and {name} hold the same samples",
-                name,
-                "a copy is no repeat: its positions would count twice",
-                "Leave one of them out",
-                "duplicate_recording",
-            )
 
 
 def _joined(one: Readings, other: Readings) -> Readings:

@@ -1,8 +1,8 @@
 """Positions: accelerometers and gyros from static positions and the rotations between them, without a turntable.
 
 What is fitted stands in ``accelerometer`` (known orientations, or |f| = g), ``at_rest`` (bias and g-sensitivity of
-gyros) and ``rotations`` (their matrix); what the positions cannot tell in ``observability``, which of them disagree in
-``outliers``, mistakes of unit, axis and time in ``checks``, the closed form of Ferraris in ``published``.
+gyros) and ``rotations`` (their matrix); what the positions cannot determine in ``linear_sensor``, which of them
+disagree in ``outliers``, mistakes of unit, axis and time in ``checks``, the closed form of Ferraris in ``published``.
 
 What is assumed: bias and matrix hold for the whole recording; what differs between positions beyond the noise is
 independent from one to the next, and so is what differs between rotations. What the uncertainty means: the standard
@@ -38,7 +38,7 @@ from .curves import curves
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
-from .fit.linear_sensor import LinearSensor, rounded_scale, with_ideal
+from .fit.linear_sensor import rounded_scale, with_ideal
 from .gravity import by_axis, local_gravity
 from .orientations.text import check_names, missing_faces
 from .plan import INFLUENCES, Plan
@@ -139,7 +139,7 @@ class Result:
 
 
 def reduce(plan: Plan, readings: Readings) -> Result:
-    """Find what positions and rotations tell of accelerometers and gyros.
+    """Calibrate accelerometers and gyros from positions and rotations.
 
     Raises
     ------
@@ -152,21 +152,22 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     gyro, found = _gyros(plan, readings, acc) if readings.gyro is not None else (None, [])
     estimates: dict[str, Estimate] = {}
     models: dict[str, SensorModel] = {}
-    for kind, sensor, unit in _sensors(readings, acc, gyro):
-        told_of = estimate(sensor, kind, unit)
-        as_model = model(sensor, kind, unit, _range(sensor, kind, readings))
-        if told_of is not None and as_model is not None:
-            estimates[kind], models[kind] = told_of, as_model
+    fits: tuple[tuple[Kind, Fitted | FittedGyro | None, Triad | None, list[Array]], ...] = (
+        ("accelerometer", acc, readings.acc, [readings.acc.mean]),
+        ("gyro", gyro, readings.gyro, [one.gyro for one in readings.rotations]),
+    )
+    for kind, fit, triad, outputs in fits:
+        if fit is None or triad is None:
+            continue
+        x = np.concatenate([np.zeros((1, 3)), *(fit.sensor.applied(one) for one in outputs)])
+        input_range = np.column_stack([x.min(axis=0), x.max(axis=0)])
+        found_estimate = estimate(fit.sensor, kind, triad.unit)
+        found_model = model(fit.sensor, kind, triad.unit, input_range)
+        if found_estimate is not None and found_model is not None:
+            estimates[kind], models[kind] = found_estimate, found_model
     bare = Result(plan, readings, acc, gyro, estimates, models, ())
     remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
     return Result(plan, readings, acc, gyro, estimates, models, remarks)
-
-
-def _sensors(readings: Readings, acc: Fitted, gyro: FittedGyro | None) -> list[tuple[Kind, LinearSensor, str]]:
-    found: list[tuple[Kind, LinearSensor, str]] = [("accelerometer", acc.sensor, readings.acc.unit)]
-    if gyro is not None and readings.gyro is not None:
-        found.append(("gyro", gyro.sensor, readings.gyro.unit))
-    return found
 
 
 def _accelerometers(plan: Plan, readings: Readings) -> Fitted:
@@ -223,13 +224,3 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
     if fitted.rotated is None:
         return fitted, []
     return fitted, judged_scale(fitted.rotated.W, fitted.rotated.seen.told[[0, 4, 8]], readings.gyro.unit, known)
-
-
-def _range(sensor: LinearSensor, kind: str, readings: Readings) -> Array:
-    """Return the least and largest input seen along each axis, shape (3, 2)."""
-    if kind == "accelerometer":
-        x = sensor.applied(readings.acc.mean)
-    else:
-        samples = [sensor.applied(one.gyro) for one in readings.rotations] or [np.zeros((1, 3))]
-        x = np.concatenate(samples)
-    return np.column_stack([np.minimum(x.min(axis=0), 0.0), np.maximum(x.max(axis=0), 0.0)])

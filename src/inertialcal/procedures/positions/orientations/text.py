@@ -82,7 +82,14 @@ def directions(given: str) -> Array:
         ``wrong_value`` if one is neither; ``missing_file``; ``no_column`` if the file has none.
     """
     if Path(given).is_file():
-        return _from_file(read_table(Path(given)))
+        table = read_table(Path(given))
+        if set(AXES) <= {name.lower() for name in table.names}:
+            return unit_vectors(table)
+        label = next((name for name in table.names if name.lower() in LABELS), None)
+        if label is None:
+            what = f"{given}: no columns x, y, z and none of labels; it has {', '.join(table.names)}"
+            raise UsageError(what, do="Name the columns x, y, z, or position", code="no_column")
+        return of_words(table.text(label), table.source.path)
     if "," not in given and Path(given).suffix:
         raise UsageError(f"orientations: no file {given!r}", do=f"Name a file, or words: {LIKE}", code="missing_file")
     return of_words(given.split(","), "orientations")
@@ -97,17 +104,6 @@ def of_words(words: Sequence[str], where: str) -> Array:
             raise UsageError(f"position {number}: {text.strip()!r}", where, do=f"There are: {LIKE}", code="wrong_value")
         found.append(vector)
     return np.array(found).reshape(-1, 3)
-
-
-def _from_file(table: Table) -> Array:
-    names = [name.lower() for name in table.names]
-    if all(axis in names for axis in AXES):
-        return unit_vectors(table)
-    label = next((name for name in table.names if name.lower() in LABELS), None)
-    if label is None:
-        what = f"{table.source.path}: neither columns x, y, z nor one of words; it has {', '.join(table.names)}"
-        raise UsageError(what, do="Name the columns x, y, z, or position", code="no_column")
-    return of_words(table.text(label), table.source.path)
 
 
 def unit_vectors(table: Table) -> Array:
@@ -140,24 +136,20 @@ def sections_of(path: Path) -> tuple[LabelledPart, ...]:
     table = read_table(path)
     label, start, stop = (_named(table, names) for names in (LABELS, STARTS, STOPS))
     timed = table.unit(start) == "s"
-    ends = zip(table.text(label), table.numbers(start), table.numbers(stop), _angles(table), strict=True)
+    angles: list[float | None] = [None] * len(table)
+    turned = next((one for one in table.names if one.lower().partition("[")[0].strip() in ANGLES), None)
+    if turned is not None:
+        unit = table.unit(turned)
+        if unit is None:
+            why, do = "an angle may be in deg or rad", "Name the column with its unit: angle [deg]"
+            raise DataError(f"column {turned!r} has no unit", table.source.path, why, do, "no_unit")
+        scale = factor(unit, "rad")
+        angles = [None if math.isnan(one) else float(one) * scale for one in table.numbers(turned)]
+    ends = zip(table.text(label), table.numbers(start), table.numbers(stop), angles, strict=True)
     return tuple(
         _checked(LabelledPart(name, float(a), float(b), timed, angle), table.where(k))
         for k, (name, a, b, angle) in enumerate(ends)
     )
-
-
-def _angles(table: Table) -> list[float | None]:
-    """Return the angle of each turn that a table says it of [rad]."""
-    name = next((one for one in table.names if one.lower().partition("[")[0].strip() in ANGLES), None)
-    if name is None:
-        return [None] * len(table)
-    unit = table.unit(name)
-    if unit is None:
-        why, do = "an angle may be in deg or rad", "Name the column with its unit: angle [deg]"
-        raise DataError(f"column {name!r} has no unit", table.source.path, why, do, "no_unit")
-    scale = factor(unit, "rad")
-    return [None if math.isnan(one) else float(one) * scale for one in table.numbers(name)]
 
 
 def _named(table: Table, names: Sequence[str]) -> str:
@@ -194,16 +186,14 @@ def _section(label: str, ends: Any, where: str) -> LabelledPart:
         do = 'Write it like {"start": 540, "end": 1271}, samples from 0, or {"start": "5.4 s", "end": "12.7 s"}'
         raise DataError(f"section {label!r}: no start and end", where, do=do, code="wrong_value")
     (start, seconds), (stop, _) = read  # type: ignore[misc]
-    return LabelledPart(label, start, stop, seconds, None if given is None else _angle(label, given, where))
-
-
-def _angle(label: str, given: Any, where: str) -> float:
-    """Return the angle of a turn with its unit [rad]."""
+    if given is None:
+        return LabelledPart(label, start, stop, seconds)
     try:
-        return float(parse_quantity(given if isinstance(given, str) else "").to("rad"))
+        angle = float(parse_quantity(given if isinstance(given, str) else "").to("rad"))
     except DataError:
         do = 'Write it with its unit: "angle": "-360 deg"'
         raise DataError(f"section {label!r}: {given!r} is no angle", where, do=do, code="wrong_value") from None
+    return LabelledPart(label, start, stop, seconds, angle)
 
 
 def _place(given: Any) -> tuple[float, bool] | None:
@@ -225,18 +215,12 @@ def _checked(section: LabelledPart, where: str) -> LabelledPart:
     if not section.stop > section.start:
         what = f"section {section.label!r}: from {section.start:g} to {section.stop:g}"
         raise DataError(what, where, do="Give the end after the start", code="wrong_value")
-    if section.angle is not None:
-        _check_angle(section, section.angle, where)
-    return section
-
-
-def _check_angle(section: LabelledPart, angle: float, where: str) -> None:
-    """Refuse the angle of a position, and of a turn one by which nothing is turned."""
-    if turn_of(section.label) is None:
+    if section.angle is not None and turn_of(section.label) is None:
         what = f"section {section.label!r} is a position, and has an angle"
-        raise DataError(what, where, do="Leave it out, or name the turn: x_rot", code="wrong_value")
-    if problems := turn_problems(angle):
+        raise DataError(what, where, do="Leave the angle out, or name the turn: x_rot", code="wrong_value")
+    if problems := turn_problems(section.angle) if section.angle is not None else []:
         raise DataError([replace(one, what=f"section {section.label!r}: {one.what}", where=where) for one in problems])
+    return section
 
 
 def runs_of(labels: Sequence[str]) -> tuple[LabelledPart, ...]:
@@ -288,20 +272,20 @@ def check_names(readings: Readings) -> None:
     if not len(wrong):
         return
     named = [
-        f"{readings.place(int(k))} is named {_word(readings.direction[k])} and reads {_word(read[k])}"
+        f"{readings.place(int(k))} is named {_word(readings.direction[k])} but reads {_word(read[k])}"
         for k in wrong[:LISTED]
     ]
     more = f"; and {len(wrong) - LISTED} more" if len(wrong) > LISTED else ""
     known = int(np.isfinite(along).sum())
     opposite = len(wrong) == known and bool(np.all(along[wrong] < -LEAST))
     do = (
-        "All read the opposite: turn the signs of the accelerometers, or name the positions by the axis that points up"
+        "All read the opposite: change the signs of the accelerometers, or name the axis that points up"
         if opposite
         else "Correct the names, or columns and signs of the accelerometers"
     )
     raise DataError(
-        f"{len(wrong)} of {known} positions do not lie as they are named: {'; '.join(named)}{more}",
-        why="with x+ the x axis points up, and its accelerometer reads plus g",
+        f"{len(wrong)} of {known} positions are misnamed: {'; '.join(named)}{more}",
+        why="x+ means that the x axis points up and its accelerometer reads +1 g",
         do=do,
         code="position_misnamed",
     )
@@ -326,8 +310,8 @@ def missing_faces(readings: Readings) -> list[Remark]:
         return []
     axes = ", ".join(dict.fromkeys(one[0] for one in missing))
     what = (
-        f"{len(there)} of the six faces: {', '.join(missing)} missing: bias and scale factor of {axes} rest on the "
-        "other faces, and the closed form of six faces cannot be had"
+        f"{len(there)} of the six faces, {', '.join(missing)} missing: bias and scale factor of {axes} rest on the "
+        "other faces, and there is no closed form of six faces"
     )
     return [Remark("face_missing", "warning", what, do="Lay the unit on each face, up and down")]
 
@@ -352,8 +336,8 @@ def check_sections(sections: Sequence[Named], samples: int, where: str) -> None:
     for one in sections:
         if not 0 <= one.start < one.stop <= samples or one.stop - one.start < 2:
             what = f"section {one.name or 'without name'}: samples {one.start} to {one.stop}, of {samples}"
-            why = "the protocol is of another recording, or counts at another rate"
-            do = "Count samples from 0, the end not among them, or give times with their unit"
+            why = "the protocol belongs to another recording, or counts at another rate"
+            do = "Count samples from 0, the end excluded, or give times with a unit"
             raise DataError(what, where, why, do, "wrong_section")
     for one, other in pairwise(sorted(sections, key=lambda each: each.start)):
         if other.start < one.stop:
@@ -361,4 +345,4 @@ def check_sections(sections: Sequence[Named], samples: int, where: str) -> None:
                 f"sections {one.name} (samples {one.start} to {one.stop}) and {other.name} ({other.start} to "
                 f"{other.stop}) overlap"
             )
-            raise DataError(what, where, "the same samples would count twice", "Part them", "wrong_section")
+            raise DataError(what, where, "the same samples would count twice", "Separate them", "wrong_section")
