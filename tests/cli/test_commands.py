@@ -172,7 +172,7 @@ def test_counts_go_through_the_chain(capsys: pytest.CaptureFixture[str], campaig
         (("info", "nothing.csv"), 3, "nothing.csv"),
         (("run", ".", "--nonsense"), 2, "--nonsense"),
         (("info", "x", "--unit", "deg"), 2, "NAME=UNIT"),
-        (("init", "nowhere"), 2, "is no folder"),
+        (("init", "nowhere"), 2, "No such folder"),
     ],
 )
 def test_wrong_calls(

@@ -5,12 +5,12 @@ A mapping that fits on one line is written on one; a longer one becomes a table.
 
 from __future__ import annotations
 
-import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 
 FILE = "campaign.toml"
-MARK = "# FILL IN"  # at the end of a line that `init` could not fill in
+FILL_IN = "FILL IN"  # comment behind a value that `init` does not know
+MARK = f"# {FILL_IN}"
 WIDTH = 120  # [characters]
 Path = tuple[str, ...]  # keys of a table
 
@@ -44,25 +44,26 @@ def toml_text(document: Mapping[str, object]) -> str:
 
 def _table(path: Path, content: Mapping[str, object], noted: Noted, header: str) -> list[str]:
     """Return the lines of a table: its values, then the tables inside it, each after a blank line."""
-    given = {key: _noted(value) for key, value in content.items()}
-    of_tables = len(path) == 1 and all(isinstance(one.value, Mapping) for one in given.values())
+    entries = {key: _noted(value) for key, value in content.items()}
+    listed = header.startswith("[[")
+    collection = len(path) == 1 and not listed and all(isinstance(one.value, Mapping) for one in entries.values())
     values: list[str] = []
     tables: list[str] = []
-    for key, one in given.items():
+    for key, one in entries.items():
         below = (*path, _key(key))
         lines = _assignment(below[-1], one)
-        if isinstance(one.value, Mapping) and (not path or of_tables or len(lines[-1]) > WIDTH):
+        if isinstance(one.value, Mapping) and (not path or collection or not _fits(lines[-1], one.value)):
             tables += ["", *_table(below, one.value, one, f"[{'.'.join(below)}]")]
-        elif not path and isinstance(one.value, Sequence) and not isinstance(one.value, str):
+        elif not path and isinstance(one.value, list):
             for row in map(_noted, one.value):
                 if isinstance(row.value, Mapping):
                     tables += ["", *_table(below, row.value, row, f"[[{below[0]}]]")]
         else:
             values += lines
-    lines = [f"{header}  # {noted.note}" if noted.note else header, *values, *tables] if header else [*values, *tables]
-    if header and not values and tables:
-        lines = tables[1:]  # a table of tables needs no header
-    return _commented(lines, noted)
+    if header and tables and not values and not listed:
+        return _commented(tables[1:], noted)  # a table that holds tables alone needs no header
+    head = [f"{header}  # {noted.note}" if noted.note else header] if header else []
+    return _commented([*head, *values, *tables], noted)
 
 
 def _noted(value: object) -> Noted:
@@ -95,6 +96,11 @@ def _assignment(key: str, noted: Noted) -> list[str]:
     return _commented([*lines, *([row] if row != " " else []), "]"], noted)
 
 
+def _fits(line: str, table: Mapping[str, object]) -> bool:
+    """Whether a table is written on one line: comments on its values need lines of their own."""
+    return len(line) <= WIDTH and not any(isinstance(one, Noted) for one in table.values())
+
+
 def _key(name: str) -> str:
     import tomlkit  # noqa: PLC0415 - starts slowly
 
@@ -113,8 +119,3 @@ def _inline(value: object) -> str:
     import tomlkit  # noqa: PLC0415 - starts slowly
 
     return str(tomlkit.item(value).as_string())
-
-
-def quoted(text: str) -> str:
-    """Return a TOML string: JSON's escapes are TOML's."""
-    return json.dumps(text, ensure_ascii=False)

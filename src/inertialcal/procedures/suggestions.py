@@ -5,18 +5,24 @@ Several procedures may want a file: the strongest has it, and among equals the o
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
 from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
+from ..core.axes import AXES
+from ..core.campaign_text import FILL_IN, Noted
 from ..core.remarks import Remark
 
 if TYPE_CHECKING:
-    from ..core.recording import Recording
+    from ..core.recording import Channel, Recording
     from ..files.info.table_columns import Guess
     from ..files.text.table import Table
+
+
+Tables = Mapping[str, object]
+RELATIVE = "Uncertainties of the standards. Without them, results are relative to the fixture."
 
 
 class Strength(IntEnum):
@@ -98,18 +104,48 @@ class Claim:
 
 @dataclass(frozen=True)
 class Draft:
-    """What a procedure adds to a first campaign.toml.
+    """What a procedure adds to a first campaign.toml; values to be filled in are marked by `fill_in`.
 
     Parameters
     ----------
-    parts : tuple of str
-        Texts of sensors, recordings and tests; what is not known is marked.
-    requirement : str
-        An example of a requirement; one stands in the file.
+    sensors, recordings, standards, site : mapping
+        Tables by name.
+    tests : sequence
+        A table each.
+    requirement : mapping
+        An example of a requirement; the file shows one, commented out.
     example : bool
-        Its example goes before those of drafts that say no.
+        Whether its example goes before those of drafts that say no.
     """
 
-    parts: tuple[str, ...]
-    requirement: str
+    sensors: Tables
+    recordings: Tables
+    tests: Sequence[object]
+    requirement: Tables
+    standards: Tables = field(default_factory=dict)
+    site: Tables = field(default_factory=dict)
     example: bool = True
+
+
+def fill_in(value: object = "?") -> Noted:
+    """Return a value that the user has to fill in or confirm."""
+    return Noted(value, FILL_IN)
+
+
+def sensor_table(kind: str, units: Sequence[str | None]) -> dict[str, object]:
+    """Return the table of a triad, in the first of these units that is known."""
+    unit = next((one for one in units if one), None)
+    return {"kind": kind, "axes": list(AXES), "unit": unit or fill_in()}
+
+
+def recording_table(sensor: str, file: str, recording: Recording, channels: Tables) -> dict[str, object]:
+    """Return the table of a recording with these channels."""
+    column = recording.time_column
+    clock = {"clock": {"column": column}} if column else {}
+    return {"sensor": sensor, "file": file, **clock, "channels": dict(channels)}
+
+
+def channel_tables(channels: Mapping[str, Channel], sure: bool = True) -> dict[str, object]:
+    """Return the entries of channels by axis; those without a unit are marked, and all of them if they are not sure."""
+    entries = {axis: {"column": one.name, "unit": one.unit or "?"} for axis, one in channels.items()}
+    return {axis: entry if sure and channels[axis].unit else fill_in(entry) for axis, entry in entries.items()}

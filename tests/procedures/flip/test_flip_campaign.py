@@ -148,14 +148,14 @@ def test_init_takes_the_sensors_of_a_folder_one_by_one(tmp_path: Path) -> None:
     assert [line for line in text.splitlines() if line.startswith("file = ")] == [
         'file = "121f03"', 'file = "121f05"', 'file = "means.csv"'
     ]  # fmt: skip
-    assert 'angles = { "forward" = "? deg", "reverse" = "? deg" } }  # FILL IN' in text
+    assert 'angles = { forward = "? deg", reverse = "? deg" }  # FILL IN' in text
     assert len(marked) == 3 + 3 + 1  # item, plans, angles
 
 
 def test_init_of_a_folder_of_several_sensors_says_so(tmp_path: Path) -> None:
     for sensor in ("121f03", "121f05"):
         records(tmp_path, sensor=sensor)
-    with pytest.raises(PlanError, match="no recording of a rate table or a flip"):
+    with pytest.raises(PlanError, match="No recording or table"):
         start(tmp_path)
 
 

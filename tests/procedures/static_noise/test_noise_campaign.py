@@ -382,8 +382,8 @@ def test_init_takes_a_matlab_file_whose_channels_have_no_axes_and_no_unit(shared
     path, marked, remarks = start(tmp_path)
     text = path.read_text(encoding="utf-8")
     assert [one.where for one in remarks] == ["sensor-stats.csv"]  # "sensor" holds text: no table of readings
-    assert len(marked) == 5
-    assert "axes in the order of the columns; deg/s, as the numbers suggest: step 0.00763359" in text
+    assert len(marked) == 3 + 3 + 1  # item, channels, unit
+    assert "the axes are taken in the order of the columns; the numbers suggest deg/s: step 0.00763359" in text
     path.write_text(text.replace("# FILL IN", "").replace('"?"', '"deg/s"'), encoding="utf-8")
     assert len(check(tmp_path).inputs) == 2
 

@@ -5,13 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...core.campaign_text import FILE, MARK
+from ...core.campaign_text import FILE, MARK, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, StoreError, UsageError
 from ...core.remarks import Remark
 from ...files import read
-from ...files.text.table import Table, read_table
+from ...files.text.table import read_table
 from ...procedures import procedure_names, procedure_of
-from ...procedures.suggestions import Claim, FolderFile
+from ...procedures.suggestions import RELATIVE, Claim, FolderFile, fill_in
 
 ENDINGS = (".csv", ".tsv", ".txt", ".dat", ".parquet", ".csv.gz", ".txt.gz", ".mat", ".h5", ".hdf5", ".npz")
 MOST = 200  # files
@@ -19,37 +19,36 @@ Found = dict[str, dict[str, object]]  # what procedures make of files, by proced
 
 
 def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
-    """Write campaign.toml for the tables and recordings of a folder.
+    """Write a first campaign.toml for the tables and recordings of a folder.
 
     Parameters
     ----------
     folder : path
-        With the files; the campaign file is written into it.
+        Holds the files; campaign.toml is written into it.
 
     Returns
     -------
     (path, lines, remarks)
-        Of the file; the lines that are marked to be filled in; which files were left out and why.
+        The file; the lines to fill in; which files were left out and why.
 
     Raises
     ------
     UsageError
         If the folder does not exist.
     PlanError
-        If it holds a campaign already, or no file that can be one of its recordings.
+        If it already holds a campaign, or no file that a test can use.
     """
     root = Path(folder)
     if not root.is_dir():
-        raise UsageError(f"{root} is no folder", do="Make it, and put the recordings in")
+        raise UsageError(f"No such folder: {root}")
     path = root / FILE
     if path.exists():
         raise PlanError(f"{path} exists already", do=f"Try: inertialcal check {root}", code="exists")
     found, remarks = _files(root)
     if not any(found.values()):
-        do = "Put in tables (a row a dwell, with columns of rate and reading) or recordings with gyro channels; for a "
-        do += "flip tables of means (a row an axis and position) or recordings with accelerometer channels; or "
-        do += "recordings of an IMU that was laid into many positions"
-        what = f"no recording of a rate table or a flip, nor of gyros at rest or an IMU laid by hand, in {root}"
+        do = "Add recordings with gyro or accelerometer channels, tables with columns of rate and reading (a row per "
+        do += "dwell), or tables of means (a row per axis and orientation)"
+        what = f"No recording or table in {root} that a test can use"
         raise PlanError(what, do=do, code="nothing_found")
     text = starter_text(root.resolve().name, found)
     try:
@@ -98,7 +97,9 @@ def _take(found: Found, taken: dict[str, _Taken], path: Path, name: str) -> list
         recording = read(path)
         claimed = [] if recording.time_ns is None else _claims(FolderFile(table, recording))
         if not claimed:
-            return [_not_taken(table, name)]
+            names = ", ".join(table.names[:8]) + (", ..." if len(table.names) > 8 else "")
+            what = f"No rate and reading columns, and no gyro or accelerometer channels with time (columns: {names})"
+            return [Remark("not_taken", "info", what, name)]
         if len(claimed) > 1:
             taken[name] = _Taken(claimed[0][0], claimed[1][0], claimed[1][1])
         else:
@@ -126,16 +127,6 @@ def _settle(found: Found, taken: dict[str, _Taken]) -> None:
                 found[one.reserve][file] = one.claim.take()[0]
 
 
-def _not_taken(table: Table, name: str) -> Remark:
-    what = "neither columns of rate and reading, nor gyro or accelerometer channels with time"
-    what = f"{what} ({_names(table)})"
-    return Remark("not_taken", "info", what, name)
-
-
-def _names(table: Table) -> str:
-    return ", ".join(table.names[:8]) + (", ..." if len(table.names) > 8 else "")
-
-
 def starter_text(name: str, found: Found) -> str:
     """Return the text of a campaign file.
 
@@ -150,11 +141,19 @@ def starter_text(name: str, found: Found) -> str:
         "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in name).strip("-_") or "campaign"
     )
     drafts = [procedure_of(one).draft(contents) for one, contents in found.items() if contents]
+    document: dict[str, object] = {
+        "schema": 1,
+        "campaign": {"id": identifier},
+        "item": dict.fromkeys(("maker", "part", "serial"), fill_in("")),
+    }
+    parts: dict[str, dict[str, object]] = {"site": {}, "standards": {}, "sensors": {}, "recordings": {}}
+    for draft in drafts:
+        for part in parts:
+            parts[part] |= getattr(draft, part)
+    document |= {part: tables for part, tables in parts.items() if tables}
+    if parts["standards"]:
+        document["standards"] = Noted(parts["standards"], above=RELATIVE)
+    document["tests"] = [test for draft in drafts for test in draft.tests]
     examples = sorted((one for one in drafts if one.requirement), key=lambda one: not one.example)
-    parts = [
-        f'schema = 1\n\n[campaign]\nid = "{identifier}"\n',
-        f'[item]\nmaker = ""  {MARK}\npart = ""  {MARK}\nserial = ""  {MARK}\n',
-        *(part for one in drafts for part in one.parts),
-        *(one.requirement for one in examples[:1]),
-    ]
-    return "\n".join(part for part in parts if part)
+    document["requirements"] = [Noted({"id": "R1", **one.requirement}, example=True) for one in examples[:1]]
+    return toml_text(document)

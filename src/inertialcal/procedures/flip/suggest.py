@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from ...core.axes import AXES
-from ...core.campaign_text import MARK, quoted
+from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
@@ -21,13 +21,16 @@ from ...files.info.motion import accelerometers, gyros, triad
 from ...files.info.survey import Survey
 from ...files.pad.pairs import pairs_of
 from ...files.text.table import Table
-from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
+from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, fill_in, sensor_table
 from .plan import Plan
 
 if TYPE_CHECKING:
     from .files.source import FlipSource
 
-REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "control_error"\n# limit = "0.5 ug"\n'
+REQUIREMENT = {"quantity": "control_error", "limit": "0.5 ug"}
+STANDARDS = {
+    "turn": Noted({"angle": {"u": "0.2 deg", "certificate": "..."}, "axis": {"u": "0.2 deg"}}, example=True),
+}
 AXIS_COLUMNS = {"axis", "channel", "sensor"}
 POSITION_COLUMNS = {"position", "orientation", "attitude", "turned"}
 FREE_FALL = 0.1  # [g]: on the ground a triad reads 1 g in all
@@ -146,41 +149,30 @@ def _in_sensor_axes(path: Path) -> tuple[Recording, str]:
 
 def draft(contents: Mapping[str, object]) -> Draft:
     """Return the head, its recordings and tests, by file: tables of means and recordings."""
-    from .files.source import FlipSource, entry_text  # noqa: PLC0415 - starts slowly
+    from .files.source import FlipSource, entry_table  # noqa: PLC0415 - starts slowly
 
     sources = {file: one for file, one in contents.items() if isinstance(one, FlipSource)}
-    known = next((unit for one in sources.values() for unit in _units(one) if unit), None)
-    parts = [sensor_text(known or "?", "" if known else MARK)]
+    units: list[str] = []
+    recordings: dict[str, object] = {}
+    tests = []
     counts = {"means": 0, "head": 0}
     for file, one in sources.items():
+        units += [one.means.unit] if one.means is not None else [unit for _, unit in one.columns.values()]
         word = "means" if one.means is not None else "head"
         counts[word] += 1
         name = f"{word}{counts[word]}"
-        parts += [entry_text(name, file, one, MARK), flip_text(f"flip_{name}", [name], Plan(), MARK)]
-    return Draft(tuple(parts), REQUIREMENT)
+        recordings[name] = entry_table(file, one)
+        tests.append(flip_test(f"flip_{name}", [name], Plan(), known=False))
+    sensors = {"head": sensor_table("accelerometer", units)}
+    return Draft(sensors, recordings, tests, REQUIREMENT, STANDARDS)
 
 
-def _units(one: FlipSource) -> list[str]:
-    return [one.means.unit] if one.means is not None else [unit for _, unit in one.columns.values()]
-
-
-def sensor_text(unit: str, mark: str = "") -> str:
-    """Return the tables of standards, to be filled in by who has them, and of the head."""
-    return (
-        "# Uncertainties of a flip: without them the results are relative to the fixture.\n"
-        '# [standards.turn]\n# angle = { u = "0.2 deg", certificate = "..." }\n# axis = { u = "0.2 deg" }\n\n'
-        f'[sensors.head]\nkind = "accelerometer"\naxes = ["x", "y", "z"]\nunit = {quoted(unit)}'
-        f"{'  ' + mark if mark else ''}\n"
-    )
-
-
-def flip_text(test: str, recordings: list[str], plan: Plan, mark: str = "") -> str:
-    """Return the table of a test."""
-    settings = [f"axis = {quoted(plan.axis)}"]
-    settings += [f'settle = "{plan.settle:.12g} s"'] if plan.settle else []
-    settings += ["corrected = true"] if plan.corrected else []
-    names = ", ".join(quoted(one) for one in recordings)
-    return (
-        f'[[tests]]\nid = {quoted(test)}\nprocedure = "flip"\nrecordings = [{names}]\n'
-        f"plan = {{ {', '.join(settings)} }}{'  ' + mark if mark else ''}\n"
-    )
+def flip_test(test: str, recordings: list[str], plan: Plan, known: bool) -> dict[str, object]:
+    """Return the table of a test; ``known``: whether the plan was used, not guessed."""
+    settings: dict[str, object] = {"axis": plan.axis}
+    if plan.settle:
+        settings["settle"] = f"{plan.settle:.12g} s"
+    if plan.corrected:
+        settings["corrected"] = True
+    own = settings if known else fill_in(settings)
+    return {"id": test, "procedure": "flip", "recordings": recordings, "plan": own}

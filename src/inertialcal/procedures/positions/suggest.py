@@ -2,21 +2,30 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 
 import numpy as np
 
 from ...core.axes import AXES
-from ...core.campaign_text import MARK, quoted
-from ...core.recording import Channel, Recording
+from ...core.campaign_text import Noted
+from ...core.recording import Recording
 from ...core.units import factor, kind
 from ...files.info.motion import accelerometers, gyros, is_laid, triad
 from ...files.info.survey import Survey
-from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
+from ..suggestions import (
+    Claim,
+    Draft,
+    FolderFile,
+    Strength,
+    Suggestion,
+    channel_tables,
+    fill_in,
+    recording_table,
+    sensor_table,
+)
 
 SENSORS = {"acc": ("accelerometer", "acceleration"), "gyro": ("gyro", "angular_rate")}
-REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "transition_error"\n# upper = "0.5 deg"\n'
-SITE = f'[site]\n# latitude = "48 deg"\n# height = "300 m"\ngravity = "9.80665 m/s2"  {MARK}\n'
+REQUIREMENT = {"quantity": "transition_error", "upper": "0.5 deg"}
 GRAVITY = 0.5  # least that an axis feels of it, in any position of a triad [g]
 
 
@@ -40,54 +49,43 @@ def claims(file: FolderFile) -> Claim | None:
 def draft(contents: Mapping[str, object]) -> Draft:
     """Return sensors, recordings and tests of a unit that was laid by hand, by file."""
     recordings = {file: one for file, one in contents.items() if isinstance(one, Recording)}
-    channels = {sensor: {file: _of(sensor, one) for file, one in recordings.items()} for sensor in SENSORS}
+    channels = {
+        sensor: {file: accelerometers(one) if sensor == "acc" else gyros(one) for file, one in recordings.items()}
+        for sensor in SENSORS
+    }
     have = [sensor for sensor, by_file in channels.items() if all(len(own) == 3 for own in by_file.values())]
-    names = {file: f"hand{number}" for number, file in enumerate(recordings, 1)}
-    parts = (
-        SITE,
-        "# Uncertainties of the standards: without them the results are relative to the fixture.\n"
-        '# [standards.gravity]\n# value = { u = "0.001 m/s2", certificate = "..." }\n'
-        '# [standards.clock]\n# rate = { u = "50 ppm", certificate = "..." }\n',
-        *(_sensor(sensor, channels[sensor]) for sensor in have),
-        *(
-            _entry(f"{sensor}_{names[file]}", sensor, file, one, channels[sensor][file])
-            for file, one in recordings.items()
-            for sensor in have
-        ),
-        *_tests(have, list(names.values())),
-    )
-    return Draft(parts, REQUIREMENT)
-
-
-def _of(sensor: str, recording: Recording) -> dict[str, Channel]:
-    return accelerometers(recording) if sensor == "acc" else gyros(recording)
-
-
-def _sensor(sensor: str, by_file: Mapping[str, Mapping[str, Channel]]) -> str:
-    word, quantity = SENSORS[sensor]
-    units = [c.unit for own in by_file.values() for c in own.values() if c.unit and kind(c.unit) == quantity]
-    unit = f"unit = {quoted(units[0])}" if units else f'unit = "?"  {MARK}'
-    chain = '# chain = { kind = "adc", lsb = "...", counts = [0, 65535], scale_factor = "..." }\n'
-    return f'[sensors.{sensor}]\nkind = "{word}"\naxes = ["x", "y", "z"]\n{unit}\n{chain}'
-
-
-def _entry(name: str, sensor: str, file: str, recording: Recording, channels: Mapping[str, Channel]) -> str:
-    column = recording.time_column
-    clock = f"clock = {{ column = {quoted(column)} }}\n" if column else ""
-    each = [f"{axis} = {{ column = {quoted(c.name)}, unit = {quoted(c.unit or '?')} }}" for axis, c in channels.items()]
-    mark = "" if all(c.unit for c in channels.values()) else f"  {MARK}"
-    return (
-        f"[recordings.{name}]\nsensor = {quoted(sensor)}\nfile = {quoted(file)}\n{clock}"
-        f"channels = {{ {', '.join(each)} }}{mark}\n"
-    )
-
-
-def _tests(sensors: Sequence[str], names: Sequence[str]) -> list[str]:
-    """Return a test of all sensors; of several recordings the last one is held out."""
-    fitted, held = (names[:-1], names[-1:]) if len(names) > 1 else (names, ())
-    found = []
-    for name, use, own in (("imu", "fit", fitted), ("imu_held_out", "hold_out", held)):
-        if own and sensors:
-            listed = ", ".join(quoted(f"{sensor}_{one}") for one in own for sensor in sensors)
-            found.append(f'[[tests]]\nid = "{name}"\nprocedure = "positions"\nrecordings = [{listed}]\nuse = "{use}"\n')
-    return found
+    sensors = {}
+    for sensor in have:
+        word, quantity = SENSORS[sensor]
+        own = [c.unit for by_axis in channels[sensor].values() for c in by_axis.values()]
+        units = [unit for unit in own if unit and kind(unit) == quantity]
+        chain = {"kind": "adc", "lsb": "...", "counts": [0, 65535], "scale_factor": "..."}
+        sensors[sensor] = sensor_table(word, units) | {"chain": Noted(chain, example=True)}
+    numbered = dict(enumerate(recordings.items(), 1))
+    entries = {
+        f"{sensor}_hand{number}": recording_table(sensor, file, one, channel_tables(channels[sensor][file]))
+        for number, (file, one) in numbered.items()
+        for sensor in have
+    }
+    numbers = list(numbered)
+    held = numbers[-1:] if len(numbers) > 1 else []  # of several recordings the last is held out
+    tests = [
+        {
+            "id": name,
+            "procedure": "positions",
+            "recordings": [f"{sensor}_hand{number}" for number in own for sensor in have],
+            "use": use,
+        }
+        for name, use, own in (("imu", "fit", numbers[: len(numbers) - len(held)]), ("imu_held_out", "hold_out", held))
+        if own and have
+    ]
+    site = {
+        "latitude": Noted("48 deg", example=True),
+        "height": Noted("300 m", example=True),
+        "gravity": fill_in("9.80665 m/s2"),
+    }
+    standards = {
+        "gravity": Noted({"value": {"u": "0.001 m/s2", "certificate": "..."}}, example=True),
+        "clock": Noted({"rate": {"u": "50 ppm", "certificate": "..."}}, example=True),
+    }
+    return Draft(sensors, entries, tests, REQUIREMENT, standards, site)

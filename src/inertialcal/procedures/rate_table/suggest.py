@@ -6,7 +6,7 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.campaign_text import MARK, quoted
+from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError
 from ...core.recording import Recording
 from ...core.units import kind
@@ -14,13 +14,20 @@ from ...files.info.motion import accelerometers, gyros
 from ...files.info.survey import Survey
 from ...files.info.table_columns import Guess, names_rates
 from ...files.text.table import Table
-from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
+from ..suggestions import (
+    Claim,
+    Draft,
+    FolderFile,
+    Strength,
+    Suggestion,
+    channel_tables,
+    fill_in,
+    recording_table,
+    sensor_table,
+)
 
 REDUCED_ROWS = 10_000  # a longer table is no table of dwells
-REQUIREMENT = (
-    '# [[requirements]]\n# id = "R1"\n# quantity = "rate_error"\n# of = "dwell_mean"\n# limit = "5 %"\n'
-    '# where = "abs(rate) >= 0.1 deg/s"\n'
-)
+REQUIREMENT = {"quantity": "rate_error", "of": "dwell_mean", "limit": "5 %", "where": "abs(rate) >= 0.1 deg/s"}
 
 
 def suggests(recording: Recording, survey: Survey) -> Suggestion | None:
@@ -61,70 +68,43 @@ def draft(contents: Mapping[str, object]) -> Draft:
     """Return the suite of gyros, its recordings and tests, by file: recordings and reduced tables."""
     tables = {file: one for file, one in contents.items() if isinstance(one, Guess)}
     raw = {file: one for file, one in contents.items() if isinstance(one, Recording)}
-    said = [one.unit for one in tables.values()]
-    said += [c.unit for one in raw.values() for c in gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
-    unit = next((one for one in said if one), None)
-    unit_line = f"unit = {quoted(unit)}" if unit else f'unit = "?"  {MARK}'
-    parts = (
-        "# Uncertainties of the rate table: without them the results are relative to the fixture.\n"
-        '# [standards.rate_table]\n# rate = { u = "0.05 %", certificate = "..." }\n# mounting = { u = "0.1 deg" }\n',
-        f'[sensors.suite]\nkind = "gyro"\naxes = ["x", "y", "z"]\n{unit_line}\n'
-        '# range = ["-100 deg/s", "100 deg/s"]\n# chain = { kind = "none", scale_factor = "0.5 V/(deg/s)" }\n',
-        *(_raw_entry(number, file, one) for number, (file, one) in enumerate(raw.items(), 1)),
-        _raw_test(len(raw)),
-        *(_entry(number, file, one) for number, (file, one) in enumerate(tables.items(), 1)),
-    )
-    return Draft(parts, REQUIREMENT)
+    units = [one.unit for one in tables.values()]
+    units += [c.unit for one in raw.values() for c in gyros(one).values() if kind(c.unit or "1") == "angular_rate"]
+    suite = sensor_table("gyro", units) | {
+        "range": Noted(["-100 deg/s", "100 deg/s"], example=True),
+        "chain": Noted({"kind": "none", "scale_factor": "0.5 V/(deg/s)"}, example=True),
+    }
+    recordings = {f"rec{number}": _recording(file, one) for number, (file, one) in enumerate(raw.items(), 1)}
+    tests: list[dict[str, object]] = []
+    if recordings:  # one test: the turned axis stands with each recording
+        tests.append({"id": "rate", "procedure": "rate_table", "recordings": list(recordings)})
+    for number, (file, one) in enumerate(tables.items(), 1):
+        recordings[f"table{number}"] = {"sensor": "suite", "file": file, "rows": _rows(one)}
+        test: dict[str, object] = {"id": f"rate{number}", "procedure": "rate_table", "recordings": [f"table{number}"]}
+        if one.axis is None:
+            axis = next(iter(one.by_axis)) if len(one.by_axis) == 1 else "x"
+            test["plan"] = fill_in({"axis": axis})
+        tests.append(test)
+    standard = Noted({"rate": {"u": "0.05 %", "certificate": "..."}, "mounting": {"u": "0.1 deg"}}, example=True)
+    return Draft({"suite": suite}, recordings, tests, REQUIREMENT, {"rate_table": standard})
 
 
-def _entry(number: int, file: str, found: Guess) -> str:
-    reading = _reading(found)
-    rows = [f"applied = {quoted(found.applied or '?')}", f"reading = {reading}"]
-    rows += [f"{key} = {quoted(value)}" for key in _keys(found) if (value := getattr(found, key))]
-    rows.append(f"unit = {quoted(found.unit or '?')}")
-    sure = found.unit is not None and (len(found.readings) == 1 or bool(found.by_axis))
-    mark = "" if sure else f"  {MARK}"
-    axis = found.axis is None
-    plan = f'plan = {{ axis = "{_axis(found)}" }}  {MARK}\n' if axis else ""
-    return (
-        f'[recordings.table{number}]\nsensor = "suite"\nfile = {quoted(file)}\nrows = {{ {", ".join(rows)} }}{mark}\n\n'
-        f'[[tests]]\nid = "rate{number}"\nprocedure = "rate_table"\nrecordings = ["table{number}"]\n{plan}'
-    )
+def _rows(found: Guess) -> dict[str, object] | Noted:
+    """Return the columns of a reduced table; one column of scatter does not say which of several readings it is of."""
+    alone = len(found.readings) == 1
+    keys = ("scatter", "samples", "axis", "group", "run") if alone else ("samples", "axis", "group", "run")
+    rows = {
+        "applied": found.applied or "?",
+        "reading": found.readings[0] if alone or not found.by_axis else dict(found.by_axis),
+        **{key: column for key in keys if (column := getattr(found, key))},
+        "unit": found.unit or "?",
+    }
+    return rows if found.unit is not None and (alone or found.by_axis) else fill_in(rows)
 
 
-def _keys(found: Guess) -> tuple[str, ...]:
-    """Columns to name; one scatter column beside several readings cannot be told whose it is."""
-    one = len(found.readings) == 1
-    return ("scatter", "samples", "axis", "group", "run") if one else ("samples", "axis", "group", "run")
-
-
-def _raw_entry(number: int, file: str, one: Recording) -> str:
-    clock = [f"column = {quoted(one.time_column)}"] if one.time_column else []
-    clock += ['stamp = "middle"', 'interval = "? s"', 'averaging = "? s"']
-    channels = ['applied = { column = "?", unit = "?" }']
-    channels += [
-        f"{axis} = {{ column = {quoted(c.name)}, unit = {quoted(c.unit or '?')} }}" for axis, c in gyros(one).items()
-    ]
-    return (
-        f'[recordings.rec{number}]\nsensor = "suite"\nfile = {quoted(file)}\n'
-        f'axis = "?"  {MARK}\nrun = "?"  {MARK}\n'
-        f"clock = {{ {', '.join(clock)} }}  {MARK}\nchannels = {{ {', '.join(channels)} }}  {MARK}\n"
-    )
-
-
-def _raw_test(count: int) -> str:
-    """Return one test of all recordings: which axis was turned stands with each."""
-    if not count:
-        return ""
-    names = ", ".join(f'"rec{number}"' for number in range(1, count + 1))
-    return f'[[tests]]\nid = "rate"\nprocedure = "rate_table"\nrecordings = [{names}]\n'
-
-
-def _reading(found: Guess) -> str:
-    if len(found.readings) > 1 and found.by_axis:
-        return "{ " + ", ".join(f"{axis} = {quoted(name)}" for axis, name in found.by_axis.items()) + " }"
-    return quoted(found.readings[0])
-
-
-def _axis(found: Guess) -> str:
-    return next(iter(found.by_axis)) if len(found.by_axis) == 1 else "x"
+def _recording(file: str, one: Recording) -> dict[str, object]:
+    clock = {"column": one.time_column} if one.time_column else {}
+    clock |= {"stamp": "middle", "interval": "? s", "averaging": "? s"}
+    channels = {"applied": fill_in({"column": "?", "unit": "?"}), **channel_tables(gyros(one))}
+    table = recording_table("suite", file, one, channels)
+    return table | {"axis": fill_in(), "run": fill_in(), "clock": fill_in(clock)}

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 
-from ...core.campaign_text import MARK, quoted
+from ...core.campaign_text import Noted
 from ...core.recording import Channel, Recording
 from ...core.units import kind
 from ...files.info.channel_survey import survey_channel
 from ...files.info.hints import unit_hints
 from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyros
 from ...files.info.survey import Survey
-from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion
+from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, recording_table, sensor_table
 
-REQUIREMENT = '# [[requirements]]\n# id = "R1"\n# quantity = "angle_random_walk"\n# upper = "0.3 deg/sqrt(h)"\n'
+REQUIREMENT = {"quantity": "angle_random_walk", "upper": "0.3 deg/sqrt(h)"}
 KINDS = {"gyro": ("gyros", "angular_rate"), "accelerometer": ("accelerometers", "acceleration")}
 
 
@@ -37,53 +37,32 @@ def claims(file: FolderFile) -> Claim | None:
 def draft(contents: Mapping[str, object]) -> Draft:
     """Return sensors, recordings and tests of recordings at rest, by file."""
     recordings = {file: one for file, one in contents.items() if isinstance(one, Recording)}
-    return Draft((*_parts("gyro", recordings), *_parts("accelerometer", recordings)), REQUIREMENT, example=False)
+    sensors: dict[str, object] = {}
+    entries: dict[str, object] = {}
+    tests: list[object] = []
+    for sensor, (name, quantity) in KINDS.items():
+        of_sensor = gyros if sensor == "gyro" else any_accelerometers
+        channels = {file: own for file, one in recordings.items() if (own := of_sensor(one))}
+        if not channels:
+            continue
+        units = [c.unit for own in channels.values() for c in own.values() if c.unit and kind(c.unit) == quantity]
+        sensors[name] = sensor_table(sensor, units)
+        alike: dict[str, list[str]] = {}  # recordings by their axes: one test for those that have the same
+        for number, (file, own) in enumerate(channels.items(), 1):
+            alike.setdefault("".join(sorted(own)), []).append(f"{name}{number}")
+            entries[f"{name}{number}"] = _entry(name, file, recordings[file], own)
+        for axes, labels in alike.items():
+            test = f"noise_{name}" if len(alike) == 1 else f"noise_{name}_{axes}"
+            tests.append({"id": test, "procedure": "static_noise", "recordings": labels})
+    return Draft(sensors, entries, tests, REQUIREMENT, example=False)
 
 
-def _parts(sensor: str, recordings: Mapping[str, Recording]) -> list[str]:
-    channels = {file: gyros(one) if sensor == "gyro" else any_accelerometers(one) for file, one in recordings.items()}
-    taken = {file: one for file, one in channels.items() if one}
-    if not taken:
-        return []
-    name, quantity = KINDS[sensor]
-    units = [c.unit for one in taken.values() for c in one.values() if c.unit and kind(c.unit) == quantity]
-    unit = f"unit = {quoted(units[0])}" if units else f'unit = "?"  {MARK}'
-    own = {f"{name}{number}": file for number, file in enumerate(taken, 1)}
-    return [
-        f'[sensors.{name}]\nkind = "{sensor}"\naxes = ["x", "y", "z"]\n{unit}\n',
-        *(_entry(label, name, file, recordings[file], taken[file]) for label, file in own.items()),
-        *_tests(name, {label: "".join(sorted(taken[file])) for label, file in own.items()}),
-    ]
-
-
-def _tests(name: str, axes: Mapping[str, str]) -> Iterator[str]:
-    """Yield a test of all recordings that have the same axes."""
-    alike: dict[str, list[str]] = {}
-    for label, own in axes.items():
-        alike.setdefault(own, []).append(label)
-    for own, labels in alike.items():
-        test = f"noise_{name}" if len(alike) == 1 else f"noise_{name}_{own}"
-        listed = ", ".join(map(quoted, labels))
-        yield f'[[tests]]\nid = "{test}"\nprocedure = "static_noise"\nrecordings = [{listed}]\n'
-
-
-def _entry(label: str, sensor: str, file: str, recording: Recording, channels: Mapping[str, Channel]) -> str:
-    column = recording.time_column
-    clock = f"clock = {{ column = {quoted(column)} }}\n" if column else ""
-    each = [f"{axis} = {{ column = {quoted(c.name)}, unit = {quoted(c.unit or '?')} }}" for axis, c in channels.items()]
-    sure = all(c.unit and c.axis for c in channels.values())
-    return (
-        f"{_hint(recording, channels)}[recordings.{label}]\nsensor = {quoted(sensor)}\nfile = {quoted(file)}\n{clock}"
-        f"channels = {{ {', '.join(each)} }}{'' if sure else f'  {MARK}'}\n"
-    )
-
-
-def _hint(recording: Recording, channels: Mapping[str, Channel]) -> str:
-    """Return a line on what is not said: the order of axes, and a unit with what the numbers suggest."""
-    said = []
-    if not all(c.axis for c in channels.values()):
-        said.append("axes in the order of the columns")
+def _entry(sensor: str, file: str, recording: Recording, channels: Mapping[str, Channel]) -> Noted:
+    """Return the table of a recording, below a comment on what is not said: the order of axes, units to confirm."""
+    sure = all(c.axis for c in channels.values())
+    said = [] if sure else ["the axes are taken in the order of the columns"]
     bare = [c for c in channels.values() if not c.unit]
     hints = unit_hints(replace(recording, channels=tuple(bare)), [survey_channel(c) for c in bare])
-    said += [f"{one.unit}, as the numbers suggest: {one.reason}" for one in hints if one.unit]
-    return f"# To be confirmed: {'; '.join(said)}.\n" if said else ""
+    said += [f"the numbers suggest {one.unit}: {one.reason}" for one in hints if one.unit]
+    table = recording_table(sensor, file, recording, channel_tables(channels, sure))
+    return Noted(table, above=f"Please confirm: {'; '.join(said)}" if said else "")

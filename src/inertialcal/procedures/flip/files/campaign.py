@@ -6,11 +6,12 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ....core.campaign_text import FILE, quoted
+from ....core.campaign_text import FILE, Noted, toml_text
 from ....core.errors import PlanError, StoreError, UsageError
+from ...suggestions import RELATIVE, sensor_table
 from ..plan import Plan
-from ..suggest import flip_text, sensor_text
-from .source import FlipSource, entry_text
+from ..suggest import REQUIREMENT, STANDARDS, flip_test
+from .source import FlipSource, entry_table
 
 TEST = "flip"
 
@@ -73,15 +74,20 @@ def _common(parents: Sequence[Path]) -> Path:
 
 def campaign_text(folder: Path, sources: Mapping[str, FlipSource], plan: Plan, unit: str) -> str:
     """Return the text: one test, whose recordings are the files."""
-    names = [f"rec{number}" for number in range(1, len(sources) + 1)]
-    entries = [
-        entry_text(name, Path(path).relative_to(folder).as_posix(), one)
-        for name, (path, one) in zip(names, sources.items(), strict=True)
-    ]
+    recordings = {
+        f"rec{number}": entry_table(Path(path).relative_to(folder).as_posix(), one)
+        for number, (path, one) in enumerate(sources.items(), 1)
+    }
     label = "".join(c if c.isascii() and (c.isalnum() or c in "_-") else "-" for c in folder.resolve().name)
-    head = f"schema = 1\n\n[campaign]\nid = {quoted(label.strip('-_')[:64] or TEST)}\n"
-    requirement = (
-        "# What is asked: without it every figure is reported, and none is judged.\n"
-        '# [[requirements]]\n# id = "R1"\n# quantity = "control_error"\n# limit = "0.5 ug"\n'
+    why = "Without a requirement every figure is reported, and none is judged."
+    return toml_text(
+        {
+            "schema": 1,
+            "campaign": {"id": label.strip("-_")[:64] or TEST},
+            "standards": Noted(STANDARDS, above=RELATIVE),
+            "sensors": {"head": sensor_table("accelerometer", [unit])},
+            "recordings": recordings,
+            "tests": [flip_test(TEST, list(recordings), plan, known=True)],
+            "requirements": [Noted({"id": "R1"} | REQUIREMENT, above=why, example=True)],
+        }
     )
-    return "\n".join([head, sensor_text(unit), *entries, flip_text(TEST, names, plan), requirement])

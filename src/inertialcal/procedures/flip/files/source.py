@@ -7,9 +7,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....core.campaign_text import quoted
+from ....core.campaign_text import Noted
 from ....core.recording import SECOND, Recording
 from ....core.times import instant_text
+from ...suggestions import fill_in
 from ..dwells.quiet import Window
 from ..entry import Means
 
@@ -49,58 +50,39 @@ def source_of(
     return FlipSource(columns, recording.time_column, frame, recording.epoch == "utc", windows)
 
 
-def entry_text(name: str, file: str, source: FlipSource, mark: str = "") -> str:
-    """Return the table of a recording.
-
-    Parameters
-    ----------
-    name, file : str
-        Of the recording; its path in the campaign folder.
-    source : FlipSource
-        What is in it.
-    mark : str
-        At the end of lines that have to be filled in.
-    """
-    head = f'[recordings.{name}]\nsensor = "head"\nfile = {quoted(file)}\n'
+def entry_table(file: str, source: FlipSource) -> dict[str, object]:
+    """Return the table of a recording; values that the source does not say are marked to be filled in."""
+    entry: dict[str, object] = {"sensor": "head", "file": file}
     if source.means is not None:
-        return f"{head}{_means(source.means)}{'  ' + mark if mark else ''}\n"
-    channels = [
-        f"{axis} = {{ column = {quoted(column)}, unit = {quoted(unit or '?')} }}"
+        return entry | {"means": _means(source.means)}
+    if source.time_column:
+        entry["clock"] = {"column": source.time_column}
+    if source.frame:
+        entry["frame"] = source.frame
+    channels = {
+        axis: {"column": column, "unit": unit} if unit else fill_in({"column": column, "unit": "?"})
         for axis, (column, unit) in sorted(source.columns.items())
-    ]
-    known = all(unit for _, unit in source.columns.values())
-    clock = f"clock = {{ column = {quoted(source.time_column)} }}\n" if source.time_column else ""
-    frame = f"frame = {quoted(source.frame)}\n" if source.frame else ""
-    return (
-        f"{head}{clock}{frame}channels = {{ {', '.join(channels)} }}{'' if known else '  ' + mark}\n"
-        f"positions = [  # when it stood still, and how it was turned then\n{_positions(source, mark)}]\n"
-    )
-
-
-def _positions(source: FlipSource, mark: str) -> str:
-    if not source.windows:
-        unknown = '  {{ start = "?", stop = "?", angle = "{} deg" }},  ' + mark
-        return "\n".join([unknown.format(angle) for angle in (0, 180)]) + "\n"
-    return "".join(
-        f"  {{ start = {_instant(one.start, source.utc)}, stop = {_instant(one.stop, source.utc)}, "
-        f'angle = "{np.degrees(one.angle):.12g} deg", flip = {quoted(one.flip)} }},\n'
+    }
+    positions: list[object] = [
+        {
+            "start": instant_text(one.start) if source.utc else one.start / SECOND,
+            "stop": instant_text(one.stop) if source.utc else one.stop / SECOND,
+            "angle": f"{np.degrees(one.angle):.12g} deg",
+            "flip": one.flip,
+        }
         for one in source.windows
-    )
+    ] or [fill_in({"start": "?", "stop": "?", "angle": f"{angle} deg"}) for angle in (0, 180)]
+    return entry | {"positions": Noted(positions, "when the head stood still, and its angle"), "channels": channels}
 
 
-def _instant(time_ns: int, utc: bool) -> str:
-    return quoted(instant_text(time_ns)) if utc else f"{time_ns / SECOND:.9f}"
-
-
-def _means(one: Means) -> str:
+def _means(one: Means) -> dict[str, object]:
     columns = {"axis": one.axis, "position": one.position, "flip": one.flip, "mean": one.mean, "unit": one.unit}
     columns |= {"temperature": one.temperature, "predicted": one.predicted}
-    angles = ", ".join(f"{quoted(name)} = {_angle(angle)}" for name, angle in one.angles.items())
-    widths = ", ".join(f"{quoted(p)} = {quoted(column)}" for p, column in one.half_widths.items())
-    parts = [f"{key} = {quoted(value)}" for key, value in columns.items() if value is not None]
-    parts += [f"half_widths = {{ {widths} }}"] if widths else []
-    return f"means = {{ {', '.join([*parts, f'angles = {{ {angles} }}'])} }}"
-
-
-def _angle(radians: float) -> str:
-    return '"? deg"' if np.isnan(radians) else f'"{np.degrees(radians):.12g} deg"'
+    means: dict[str, object] = {key: column for key, column in columns.items() if column is not None}
+    if one.half_widths:
+        means["half_widths"] = dict(one.half_widths)
+    unknown = any(np.isnan(angle) for angle in one.angles.values())
+    angles = {
+        name: "? deg" if np.isnan(angle) else f"{np.degrees(angle):.12g} deg" for name, angle in one.angles.items()
+    }
+    return means | {"angles": fill_in(angles) if unknown else angles}
