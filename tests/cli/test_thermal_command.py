@@ -78,15 +78,15 @@ def test_figures_are_written(capsys: pytest.CaptureFixture[str], runs: list[str]
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--column", "x"), "--column"),
+        (("--column", "x"), "no column 'x'"),
         (("--column", "w=gyro_x"), "column 'w'"),
         (("--sensor", "mag"), "There are: gyro, acc"),
-        (("--order", "12"), "order 12: need 0 to"),
-        (("--order", "-1"), "order -1: need 0 to"),
-        (("--at", "20"), "at: '20'"),
-        (("--at", "hot"), "like 20 degC"),
-        (("--reference-temperature", "20 deg/s"), "reference_temperature: '20 deg/s'"),
-        (("--warm-up", "300"), "like 300 s"),
+        (("--order", "12"), "--order = 12: should be less than or equal to 9"),
+        (("--order", "-1"), "--order = -1: should be greater than or equal to 0"),
+        (("--at", "20"), "--at: '20' has no unit"),
+        (("--at", "hot"), "--at: quantity 'hot'"),
+        (("--reference-temperature", "20 deg/s"), "--reference-temperature: '20 deg/s' is not in a unit like degC"),
+        (("--warm-up", "300"), "--warm-up: '300' has no unit"),
         (("--unit", "gyro=furlong"), "furlong"),
         (("--figure", "thermal"), "--figure"),
     ],
@@ -111,14 +111,14 @@ def test_counts_are_refused_with_what_they_need(capsys: pytest.CaptureFixture[st
     counts = write(tmp_path / "counts.csv", 1, "unix_s,temperature [degC],gyro_x [count]")
     status, _, err = call(capsys, "thermal", str(counts))
     assert status == 2
-    assert "counts and volts need the chain of a campaign file" in " ".join(err.split())
+    assert "counts and volts need the chain of the sensor: --chain CHAIN.toml" in " ".join(err.split())
 
 
 @pytest.mark.parametrize(
     ("head", "told"),
     [
-        ("unix_s,pressure [Pa],gyro_x [deg/s]", "no channel is clearly the temperature"),
-        ("unix_s,temperature [degC],reading [deg/s]", "no channel is clearly a sensor's axis"),
+        ("unix_s,pressure [Pa],gyro_x [deg/s]", "cannot tell which column is the temperature"),
+        ("unix_s,temperature [degC],reading [deg/s]", "cannot tell which column is which axis of the gyro"),
     ],
 )
 def test_a_column_that_is_not_clear_is_asked_for(
@@ -127,7 +127,7 @@ def test_a_column_that_is_not_clear_is_asked_for(
     status, out, err = call(capsys, "thermal", str(write(tmp_path / "odd.csv", 1, head)))
     assert (status, out) == (2, "")
     assert told in " ".join(err.split())
-    assert "Say it: --column" in " ".join(err.split())
+    assert "Add: --column" in " ".join(err.split())
 
 
 def test_a_file_given_twice_is_no_second_run(capsys: pytest.CaptureFixture[str], runs: list[str]) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -62,6 +63,8 @@ def write(
 
     found = pictures(result, **chosen)
     write_figure(output, found[:most], inputs)
+    if chosen.get("test") is None and len({one.test for one in found}) == 1:
+        found = [replace(one, test="") for one in found]
     return clean(f"written: {output} ({', '.join(map(_name, found[:most]))}){_others(found[most:])}")
 
 

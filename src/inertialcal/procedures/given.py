@@ -59,7 +59,7 @@ class Said:
         None, example='{ kind = "adc", lsb = "5 V / 4095", counts = [0, 4095] }',
     )  # fmt: skip
     scale_factor: str | None = setting("Nominal scale factor of the sensor.", None, example="0.5 V/(deg/s)")
-    input_range: str | None = setting("Largest input of the sensor.", None, example="5 deg/s")
+    input_range: str | None = setting("Largest input of the sensor.", None, example="5 deg/s", option="range")
     latitude: str | None = setting("Geodetic latitude of the site.", None, example="36.6 deg")
     gravity: str | None = setting("Gravity at the site.", None, example="9.799 m/s2")
     height: str | None = setting("Height of the site above sea level.", None, example="120 m")

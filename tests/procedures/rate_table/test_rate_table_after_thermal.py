@@ -146,7 +146,7 @@ def test_errors_of_the_polynomial_cancel_at_the_temperature_of_the_table(
 
 def test_with_a_reading_at_rest_it_drops_out(twin: Twin) -> None:
     referenced = twin.campaign.replace('use = "report_only"', 'use = "fit"')
-    referenced = re.sub(r'(id = "rate_from_rest"\n(?:.*\n){3})', r'\1after = ["thermal_ambient"]\n', referenced)
+    referenced = referenced.replace('id = "rate_from_rest"\n', 'id = "rate_from_rest"\nafter = ["thermal_ambient"]\n')
     assert referenced.count("after = ") == 3
     result = {one.test: one for one in fitted_tests(replace(twin, campaign=referenced))}["rate_from_rest"].result
     assert result.estimate is not None
