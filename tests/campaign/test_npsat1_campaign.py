@@ -11,9 +11,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.in_memory import fitted_tests
 from inertialcal.campaign.engine.run import Outcome, run
 from inertialcal.campaign.models.find import load_model
+from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import Coverage, coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
@@ -228,4 +228,9 @@ def test_coverage_of_the_suite() -> None:
 
 
 def test_a_twin_in_memory_has_all_tests_for_a_fit() -> None:
-    assert [one.test for one in fitted_tests(short_twin(2))] == ["thermal_ambient", "thermal_vacuum", "rate", "noise"]
+    assert [one.test.id for one in fitted_tests(short_twin(2))] == [
+        "thermal_ambient",
+        "thermal_vacuum",
+        "rate",
+        "noise",
+    ]

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.in_memory import fit_results
+from fitted_results import fit_results
 from inertialcal.campaign.engine.run import check, run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import TRUTH, read_truth, simulate

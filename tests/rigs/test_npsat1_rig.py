@@ -13,7 +13,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.polynomial import Polynomial
 
-from inertialcal.campaign.engine.in_memory import fit_results
+from fitted_results import fit_results
 from inertialcal.campaign.file.cross_checks import cross_checks
 from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.core.axes import AXES

@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertialcal.campaign.engine.in_memory import fit_results
+from fitted_results import fit_results
 from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.core.constants import EARTH_ROTATION_RATE
 from inertialcal.core.errors import DataError, UsageError

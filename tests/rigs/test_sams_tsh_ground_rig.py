@@ -7,7 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.in_memory import fit_results
+from fitted_results import fit_results
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row

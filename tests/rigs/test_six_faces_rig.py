@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.in_memory import fitted_tests
 from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import score, score_rig
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.in_memory import fit_results
+from fitted_results import fit_results
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.campaign.twins.twin import csv_text

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from inertialcal.campaign.engine.in_memory import fit_results
+from fitted_results import fit_results
 from inertialcal.campaign.engine.run import check, run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.file.load import load

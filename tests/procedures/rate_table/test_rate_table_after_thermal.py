@@ -10,9 +10,10 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.in_memory import Fitted, fitted_tests
+from inertialcal.campaign.engine.engine import ReducedTest as Fitted
 from inertialcal.campaign.file.cross_checks import cross_checks
 from inertialcal.campaign.file.schema import CampaignFile
+from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.core.errors import DataError
 from inertialcal.core.key import Key
 from inertialcal.core.recording import Channel, Recording
@@ -41,7 +42,7 @@ def twin() -> Twin:
 
 @pytest.fixture(scope="module")
 def found(twin: Twin) -> dict[str, Fitted]:
-    return {one.test: one for one in fitted_tests(twin)}
+    return {one.test.id: one for one in fitted_tests(twin)}
 
 
 @pytest.fixture(scope="module")
@@ -61,7 +62,7 @@ def test_what_is_left_is_the_reading_less_the_polynomial_at_its_temperature(
     twin: Twin, found: dict[str, Fitted], bias: ThermalCorrection
 ) -> None:
     """Within the run-to-run spread of the temperature; the polynomial itself is some 0.1 deg/s."""
-    as_it_is = {one.test: one for one in fitted_tests(replace(twin, campaign=AFTER.sub("", twin.campaign)))}
+    as_it_is = {one.test.id: one for one in fitted_tests(replace(twin, campaign=AFTER.sub("", twin.campaign)))}
     left, whole = on_table(found).estimate, on_table(as_it_is).estimate
     assert left is not None
     assert whole is not None
@@ -148,7 +149,7 @@ def test_with_a_reading_at_rest_it_drops_out(twin: Twin) -> None:
     referenced = twin.campaign.replace('use = "report_only"', 'use = "fit"')
     referenced = referenced.replace('id = "rate_from_rest"\n', 'id = "rate_from_rest"\nafter = ["thermal_ambient"]\n')
     assert referenced.count("after = ") == 3
-    result = {one.test: one for one in fitted_tests(replace(twin, campaign=referenced))}["rate_from_rest"].result
+    result = {one.test.id: one for one in fitted_tests(replace(twin, campaign=referenced))}["rate_from_rest"].result
     assert result.estimate is not None
     assert not any(one.source.startswith("thermal_ambient: ") for one in result.estimate.components)
 

@@ -13,11 +13,11 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.engine.engine import plan_of
-from inertialcal.campaign.engine.in_memory import fitted_tests
 from inertialcal.campaign.engine.run import Outcome, check, run
 from inertialcal.campaign.file.schema import CampaignFile
 from inertialcal.campaign.file.sensors import Sensor
 from inertialcal.campaign.inputs.sources import facts_of
+from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
@@ -61,7 +61,7 @@ def rows_of(outcome: Outcome, **want: str) -> list[dict[str, Any]]:
 
 
 def test_files_and_memory_give_the_same_figures(outcome: Outcome) -> None:
-    memory = {one.test: one for one in fitted_tests(small(3))}
+    memory = {one.test.id: one for one in fitted_tests(small(3))}
     compared = 0
     for row in outcome.results["results"]:
         one = memory[row["test"]]

@@ -131,12 +131,15 @@ class ReducedTest:
         SI, each with the name of the test.
     curves : sequence of Curve
         Of what it holds out, SI.
+    against : sequence of Row
+        Those of the rows that are about another test, too.
     """
 
     test: Test
     tested: Tested[Any, Any, Any]
     rows: Sequence[Row]
     curves: Sequence[Curve] = ()
+    against: Sequence[Row] = ()
 
     @property
     def procedure(self) -> Procedure[Any, Any, Any]:

@@ -227,7 +227,7 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
         If the campaign or a recording is refused.
     """
     tell = progress or (lambda done, total, what: None)
-    prepared, tested, remarks = _reduce_all(campaign, store, tell)
+    prepared, tested, remarks = reduce_tests(campaign, store, tell)
     own = {"campaign.toml": campaign.sha256} if campaign.sha256 else {}
     inputs = own | {p: h for one in prepared for p, h in one.inputs.items()}
     tell(len(tested), len(tested), "model and requirements")
@@ -248,9 +248,16 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
     return Whole(tested, modelled, results, inputs, verdict)
 
 
-def _reduce_all(
-    campaign: Campaign, store: Store | None, tell: Progress
+def reduce_tests(
+    campaign: Campaign, store: Store | None = None, tell: Progress = lambda done, total, what: None
 ) -> tuple[list[Prepared], list[ReducedTest], list[Remark]]:
+    """Reduce every test of a campaign: what was read, what was found, what there is to remark.
+
+    Raises
+    ------
+    DataError
+        With all that was refused, test by test.
+    """
     tests = campaign.file.tests
     ready: dict[int, Prepared] = {}
     results: dict[str, Any] = {}
@@ -295,4 +302,4 @@ def _files(
     }
 
 
-__all__ = ["EXIT", "Outcome", "Whole", "check", "reduce_campaign", "run"]
+__all__ = ["EXIT", "Outcome", "Whole", "check", "reduce_campaign", "reduce_tests", "run"]

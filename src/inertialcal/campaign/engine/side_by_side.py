@@ -30,4 +30,5 @@ def _beside(campaign: Campaign, one: ReducedTest, other: Tested[Any, Any, Any]) 
     except InertialcalError as error:
         number = campaign.file.tests.index(one.test)
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
-    return replace(one, rows=[*one.rows, *(replace(row, test=one.test.id) for row in rows)])
+    named = [replace(row, test=one.test.id) for row in rows]
+    return replace(one, rows=[*one.rows, *named], against=named)

@@ -17,12 +17,12 @@ from ...core.results import Interval
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
-from ...procedures import procedure_of
 from ...rigs import RIGS
 from ...rigs.protocol import TrueValue, Twin
 from ...statistics.intervals import binomial_interval, contains, covers, t_interval
-from ..engine.in_memory import Fitted, fitted_tests
+from ..engine.engine import ReducedTest
 from ..outcome.publish import OUT, previous
+from .fitted import fitted_tests
 from .twin import Key, Truth, known_truth, read_truth, truth_by_key
 
 RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
@@ -244,17 +244,18 @@ def _held(twin: Twin) -> dict[Key, bool]:
     return found
 
 
-def _intervals(one: Fitted) -> Iterator[tuple[Key, Interval]]:
+def _intervals(one: ReducedTest) -> Iterator[tuple[Key, Interval]]:
     """Yield the intervals of a test, SI."""
-    if one.rows is not None:
-        for row in one.rows:
+    rows = one.procedure.truths(one.result)
+    if rows is not None:
+        for row in (*rows, *one.against):
             if row.interval is not None and not row.case.beside:
-                yield (row.quantity, row.axis, one.test, str(row.case)), row.interval
+                yield (row.quantity, row.axis, one.test.id, str(row.case)), row.interval
         return
     estimate = one.result.estimate
     if estimate is None:
         return
     for key, value, u, dof in zip(estimate.keys, estimate.values, estimate.u, estimate.dof, strict=True):
-        shown = procedure_of(one.procedure).called(one.result, key)
+        shown = one.procedure.called(one.result, key)
         if shown.at is None:
-            yield (shown.name, shown.axis, one.test, ""), t_interval(float(value), float(u), float(dof))
+            yield (shown.name, shown.axis, one.test.id, ""), t_interval(float(value), float(u), float(dof))
