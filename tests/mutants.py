@@ -914,8 +914,8 @@ MUTANTS = (
     ),
     Mutant(
         "orbit.py",
-        "distance = (2.0 * G * mass / gradient) ** (1.0 / 3.0)",
-        "distance = (G * mass / gradient) ** (1.0 / 3.0)",
+        "distance = (2.0 * pull / gradient) ** (1.0 / 3.0)",
+        "distance = (pull / gradient) ** (1.0 / 3.0)",
         "test_plan_mass_attraction test_plan_proof_mass",
     ),
     Mutant(

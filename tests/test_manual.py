@@ -36,10 +36,11 @@ from inertialcal.cli.app import app
 from inertialcal.core.remarks import Remark
 from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.schema import words as schema_words
-from inertialcal.core.settings import settings_of
+from inertialcal.core.settings import settings_of, settings_table
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip
 from inertialcal.procedures.mass_attraction import entry as mass_attraction
+from inertialcal.procedures.mass_attraction.planning.settings import Settings
 from inertialcal.procedures.rate_table import entry as rate_table
 from inertialcal.procedures.sine import entry as sine
 
@@ -465,6 +466,14 @@ def test_every_option_is_named_on_the_page_of_its_command(name: str) -> None:
             options = [*parameter.opts, *parameter.secondary_opts]
             known |= {str(parameter.name).upper()} if parameter.param_type_name == "argument" else set(options)
         assert table == known, mark
+
+
+def test_every_setting_of_a_planner_stands_in_the_manual_as_it_is_declared() -> None:
+    page = (DOCS / "commands" / "plan.md").read_text(encoding="utf-8")
+    table = rows_after(page, "Settings of plan mass-attraction")
+    for key, example, default, about in settings_table(Settings):
+        assert table[key] == [f"`{key}`", f"`{example}`", default or "-", about]
+    assert set(table) == {key for key, *_ in settings_table(Settings)}
 
 
 @pytest.mark.parametrize("path", PAGES, ids=name_of)

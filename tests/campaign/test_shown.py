@@ -90,7 +90,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "psd": ic.psd(still, sample_rate=100.0, unit="rad/s"),
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, unit="rad/s"),
         "mass_attraction": ic.mass_attraction(*moved(tmp_path_factory.mktemp("moved")), gate="100 s"),
-        "plan_mass_attraction": ic.plan_mass_attraction(cube="5 cm", count=40, stand_off="8 cm", shape=True),
+        "plan_mass_attraction": ic.plan_mass_attraction(body={"cube": "5 cm", "count": 40, "stand_off": "8 cm"}),
         "positions": ic.positions(laid(tmp_path_factory.mktemp("laid")), units={"acc": "m/s2"}, gravity="9.81 m/s2"),
         "positions_batch": ic.positions_batch(readings(20), 9.81),
         "plan_positions": ic.plan_positions(scatter="0.1 mg", have="faces", following=3),

@@ -82,8 +82,10 @@ def test_the_schedule_may_begin_when_it_is_said_to(folder: Path) -> None:
 
 def test_a_planned_schedule_is_read_with_the_doubt_of_what_it_applies(folder: Path, tmp_path: Path) -> None:
     """From `plan mass-attraction` to the budget, nothing typed again."""
-    planned = ic.plan_mass_attraction(cube="20 cm", count=18, stand_off="10 cm", rig="0 cm:60 cm", stroke="0 cm:50 cm",
-                                      hours=100 * 120 / 3600, u_density="3 %")  # fmt: skip
+    planned = ic.plan_mass_attraction(
+        body={"cube": "20 cm", "count": 18, "stand_off": "10 cm"}, timing={"length": "12000 s"},
+        motion={"rig": ["0 cm", "60 cm"], "stroke": ["0 cm", "50 cm"]}, uncertainty={"density": "3 %"},
+    )  # fmt: skip
     assert planned.schedule is not None
     write_schedule(tmp_path / "plan.csv", planned.schedule)
     doubt = planned.schedule.u_applied

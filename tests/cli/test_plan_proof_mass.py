@@ -12,9 +12,16 @@ import inertialcal as ic
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from typed_commands import call, call_json
 
-PLAN = ("plan", "mass-attraction", "--cube", "10 cm", "--count", "50", "--stand-off", "7.6 cm")
-MOVED = ("--stroke", "10 cm:40 cm", "--rig", "0 cm:60 cm")
-LONG = "length 8 cm, radius 2 cm"
+COMMAND = ("plan", "mass-attraction")
+
+
+def sets(*changes: str) -> tuple[str, ...]:
+    return tuple(word for change in changes for word in ("--set", change))
+
+
+PLAN = (*COMMAND, *sets("body.cube=10 cm", "body.count=50", "body.stand_off=7.6 cm"))
+MOVED = sets("motion.stroke=10 cm, 40 cm", "motion.rig=0 cm, 60 cm")
+LONG = sets("proof_mass.length=8 cm", "proof_mass.radius=2 cm")
 
 
 def figures(content: dict[str, Any]) -> dict[tuple[str, str], float]:
@@ -26,9 +33,7 @@ def test_a_long_proof_mass_changes_the_amplitude_as_the_second_order_rule_has_it
 ) -> None:
     written = tmp_path / "s.csv"
     point = figures(call_json(capsys, *PLAN, *MOVED))["amplitude", "sine"]
-    content = call_json(
-        capsys, *PLAN, *MOVED, "--proof-mass", LONG, "--gravity", "981 cm/s^2", "--schedule", str(written)
-    )
+    content = call_json(capsys, *PLAN, *MOVED, *LONG, *sets("constants.gravity=981 cm/s^2"), "--schedule", str(written))
     rows = figures(content)
     summed = rows["proof_mass_effect", "on the amplitude, summed"]
     assert summed > 0.5  # %: longer than sqrt(3) radii, it feels more of the steep part
@@ -47,19 +52,22 @@ def test_a_long_proof_mass_changes_the_amplitude_as_the_second_order_rule_has_it
 @pytest.mark.parametrize(
     ("words", "expected", "said"),
     [
-        (("--proof-mass", "3 cm"), 2, "proof_mass: '3 cm'"),
-        (("--proof-mass", "length 3 cm"), 2, "length and radius are needed"),
-        (("--proof-mass", "length 3, radius 1 cm"), 2, "proof_mass: length: '3'"),
-        (("--proof-mass", "length 3 cm, radius 1 cm, inner radius 2 cm"), 3, "is not between 0 and the radius"),
-        (("--proof-mass", "length 20 cm, radius 1 cm"), 3, "would overlap the instrument"),
-        (("--instrument", "9 cm"), 3, "would overlap the instrument"),
-        (("--instrument", "-1 cm"), 2, "instrument: '-1 cm' is below zero"),
+        (("proof_mass.length=3 cm",), 3, "proof_mass.radius is missing"),
+        (("proof_mass.length=3", "proof_mass.radius=1 cm"), 3, "proof_mass.length: 3 is not a quantity"),
+        (
+            ("proof_mass.length=3 cm", "proof_mass.radius=1 cm", "proof_mass.inner_radius=2 cm"),
+            3,
+            "is not between 0 and the radius",
+        ),
+        (("proof_mass.length=20 cm", "proof_mass.radius=1 cm"), 3, "would overlap the instrument"),
+        (("instrument.case=9 cm",), 3, "would overlap the instrument"),
+        (("instrument.case=-1 cm",), 3, "should be greater than or equal to 0 m"),
     ],
 )
 def test_a_proof_mass_or_case_that_cannot_be_is_refused_also_without_a_motion(
     capsys: pytest.CaptureFixture[str], words: tuple[str, ...], expected: int, said: str
 ) -> None:
-    status, out, err = call(capsys, *PLAN, *words)
+    status, out, err = call(capsys, *PLAN, *sets(*words))
     assert (status, out) == (expected, "")
     assert said in " ".join(err.split())
 
@@ -67,19 +75,19 @@ def test_a_proof_mass_or_case_that_cannot_be_is_refused_also_without_a_motion(
 def test_an_orbit_refuses_what_it_would_not_use_and_a_refusal_names_the_whole_command(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    orbit = ("plan", "mass-attraction", "--orbit", "--stand-off", "10 cm")
-    status, _, err = call(capsys, *orbit, "--noise", "N=5 ug/sqrt(Hz)", "--u-stop", "1 mm")
-    assert status == 2
-    assert "--orbit with --noise, --u-stop" in err
-    refused = call_json(capsys, *orbit, "--target", "1 %")
-    assert refused["exit"] == 2
+    orbit = (*COMMAND, *sets("orbit.stand_off=10 cm"))
+    status, _, err = call(capsys, *orbit, *sets("noise.bias_instability=5 ug", "uncertainty.stop=1 mm"))
+    assert status == 3
+    assert "orbit with noise, uncertainty" in err
+    refused = call_json(capsys, *orbit, *sets("timing.target=1 %"))
+    assert refused["exit"] == 3
     assert refused["command"] == "plan mass-attraction"
 
 
 def test_in_orbit_the_difference_over_a_long_baseline_is_seen_from_less_far_than_the_gradient(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    rows = figures(call_json(capsys, "plan", "mass-attraction", "--orbit", "--stand-off", "10 cm"))
+    rows = figures(call_json(capsys, *COMMAND, *sets("orbit.stand_off=10 cm")))
     near = rows["distance", "from the nearer accelerometer"] / 100.0
     assert 6.6743e-11 * 4.0 * (near**-2 - (near + 2.0) ** -2) == pytest.approx(0.5e-9 * 2.0)
     assert near < rows["distance", "of its centre, at that gradient"] / 100.0
@@ -90,11 +98,11 @@ def test_the_mercury_of_a_tilt_meter_is_in_the_schedule_and_follows_from_potenti
 ) -> None:
     written = tmp_path / "s.csv"
     pools = np.array([[0.0, -0.5, -0.1], [0.0, 0.4, -0.1]])
-    said = "0 cm,-50 cm,-10 cm; 0 cm,40 cm,-10 cm"
-    content = call_json(capsys, *PLAN, *MOVED, "--pools", said, "--schedule", str(written))
+    said = sets("instrument.first_pool=0 cm,-50 cm,-10 cm", "instrument.second_pool=0 cm,40 cm,-10 cm")
+    content = call_json(capsys, *PLAN, *MOVED, *said, "--schedule", str(written))
     schedule = read_schedule(written)
     assert schedule.mercury is not None
-    body = ic.plan_mass_attraction(cube="10 cm", count=50, stand_off="7.6 cm", shape=True).body
+    body = ic.plan_mass_attraction(body={"cube": "10 cm", "count": 50, "stand_off": "7.6 cm"}).body
     assert body is not None
     offsets = (np.stack(np.meshgrid(*[np.arange(6)] * 3), -1).reshape(-1, 3) + 0.5) / 60.0 - 0.05
     points = (body.body.cells[0][:, None, :] + offsets).reshape(-1, 3)
@@ -106,18 +114,22 @@ def test_the_mercury_of_a_tilt_meter_is_in_the_schedule_and_follows_from_potenti
     assert amplitude == pytest.approx(np.ptp(schedule.mercury) / 2.0)
 
 
+FIRST, SECOND = "instrument.first_pool=0 cm,-5 cm,0 cm", "instrument.second_pool=0 cm,5 cm,0 cm"
+
+
 @pytest.mark.parametrize(
-    ("asked", "said"),
+    ("words", "said"),
     [
-        ((*MOVED, "--pools", "1 cm,2 cm"), "x, y and z of the first pool and of the second"),
-        ((*MOVED, "--pools", "1,2,3; 1,2,4"), "unit"),
-        ((*MOVED, "--pools", "0 cm,0 cm,0 cm; 0 cm,0 cm,9 cm"), "height"),
-        (("--pools", "0 cm,-5 cm,0 cm; 0 cm,5 cm,0 cm"), "without a drive"),
-        (("--orbit", "--pools", "0 cm,-5 cm,0 cm; 0 cm,5 cm,0 cm"), "--pools"),
+        ((*MOVED, *sets(FIRST)), "without second_pool"),
+        ((*MOVED, *sets(FIRST, "instrument.second_pool=1 cm,2 cm")), "Give 3 different values"),
+        ((*MOVED, *sets(FIRST, "instrument.second_pool=1,2,4")), "is not a quantity"),
+        ((*MOVED, *sets("instrument.first_pool=0 cm,0 cm,0 cm", "instrument.second_pool=0 cm,0 cm,9 cm")), "height"),
+        (sets(FIRST, SECOND), "without a drive"),
     ],
 )
-def test_pools_that_are_none_are_refused(capsys: pytest.CaptureFixture[str], asked: tuple[str, ...], said: str) -> None:
-    start = ("plan", "mass-attraction", "--stand-off", "7.6 cm") if "--orbit" in asked else PLAN
-    status, _, errors = call(capsys, *start, *asked)
-    assert status in {2, 3}
-    assert said in errors
+def test_pools_that_cannot_be_are_refused(
+    capsys: pytest.CaptureFixture[str], words: tuple[str, ...], said: str
+) -> None:
+    status, _, errors = call(capsys, *PLAN, *words)
+    assert status == 3
+    assert said in " ".join(errors.split())

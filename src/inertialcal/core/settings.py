@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, is_dataclass
+from pathlib import Path
 from types import NoneType, UnionType
 from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -82,6 +83,28 @@ class Setting:
         return " ".join(part for part in (self.help, words, f"Like {self.example}." if self.example else "") if part)
 
     @property
+    def about(self) -> str:
+        """Help with the words to choose from."""
+        return f"{self.help} One of: {', '.join(self.choices)}." if self.choices else self.help
+
+    @property
+    def path(self) -> bool:
+        """Whether it names a file."""
+        return Path in (self.kind, *get_args(self.kind))
+
+    @property
+    def default_text(self) -> str:
+        """Default in the unit of the example; empty without one."""
+        if self.default is None or self.table is not None:
+            return ""
+        if not self.unit:
+            return str(self.default)
+        from .units import factor, parse_quantity  # noqa: PLC0415 - numpy starts slowly
+
+        unit = parse_quantity(self.example).unit
+        return f"{float(str(self.default)) * factor(self.unit, unit):g} {unit}"
+
+    @property
     def written(self) -> str:
         """Example as a line of TOML: ``cube = "5.08 cm"``."""
         bare = self.many or self.flag or self.number is not None or self.table is not None
@@ -133,14 +156,48 @@ def _setting(one: Field[Any], hint: Any) -> Setting:
     inner = get_args(kind)[0] if many else kind
     choices = tuple(map(str, get_args(inner))) if get_origin(inner) is Literal else ()
     meta = one.metadata
+    example = str(meta.get("example", "")) or (choices[0] if choices else "")
     unit = str(meta.get("unit") or meta.get("difference") or "")
     number = inner if inner in (int, float) and not unit else None
     needed = one.default is MISSING and one.default_factory is MISSING
     default = one.default_factory if one.default is MISSING else one.default
     return Setting(
-        one.name, str(meta.get("help", "")), str(meta.get("example", "")), unit, "difference" in meta, many,
+        one.name, str(meta.get("help", "")), example, unit, "difference" in meta, many,
         inner is bool, choices, number, None if default is MISSING else default, needed, hint,
         inner if isinstance(inner, type) and is_dataclass(inner) else None,
         meta.get("above"), meta.get("least"), meta.get("most"), get_origin(kind) in (dict, Mapping),
         meta.get("option", ""),
     )  # fmt: skip
+
+
+def starter(kind: type[object], active: Collection[str], head: str) -> str:
+    """Return a settings file as TOML: every setting with its help; those not in `active` are commented out.
+
+    Parameters
+    ----------
+    kind : type
+        Dataclass whose settings are groups.
+    active : collection of str
+        ``"group.key"`` of those to begin with.
+    head : str
+        First line.
+    """
+    lines = [f"# {head}"]
+    for group in settings_of(kind):
+        known = settings_of(group.table) if group.table is not None else ()
+        off = "" if group.needed or any(f"{group.name}.{one.name}" in active for one in known) else "# "
+        lines += ["", f"# {group.help}", f"{off}[{group.name}]"]
+        for one in known:
+            mark = "" if f"{group.name}.{one.name}" in active else "# "
+            lines.append(f"{mark}{one.written}  # {one.about}")
+    return "\n".join(lines) + "\n"
+
+
+def settings_table(kind: type[object]) -> list[tuple[str, str, str, str]]:
+    """Return a row for each setting of the groups of a dataclass: key, how to write it, default, help."""
+    return [
+        (f"{group.name}.{one.name}", one.written.partition(" = ")[2], one.default_text, one.about)
+        for group in settings_of(kind)
+        if group.table is not None
+        for one in settings_of(group.table)
+    ]

@@ -21,8 +21,10 @@ NAMES = ("mass_body", "mass_field", "mass_growth", "cube_as_point", "mass_foreca
 @cache
 def planned() -> MassPlan:
     return ic.plan_mass_attraction(
-        cube="10 cm", count=50, stand_off="7.6 cm", rig="0 cm:60 cm", stroke="10 cm:40 cm",
-        noise="N=55 ng/sqrt(Hz)", u_density="0.3 %", proof_mass="length 2.9 cm, inner radius 1.3 cm, radius 1.4 cm",
+        body={"cube": "10 cm", "count": 50, "stand_off": "7.6 cm"}, uncertainty={"density": "0.3 %"},
+        motion={"rig": ["0 cm", "60 cm"], "stroke": ["10 cm", "40 cm"]},
+        noise={"velocity_random_walk": "55 ng/sqrt(Hz)"},
+        proof_mass={"length": "2.9 cm", "inner_radius": "1.3 cm", "radius": "1.4 cm"},
     )  # fmt: skip
 
 
@@ -83,7 +85,7 @@ def test_growth_passes_the_body_and_the_best_is_above_the_sphere(plan: MassPlan)
 
 
 def test_of_a_body_alone_there_is_no_field_to_draw() -> None:
-    alone = ic.plan_mass_attraction(cube="10 cm", count=50, stand_off="7.6 cm", shape=True)
+    alone = ic.plan_mass_attraction(body={"cube": "10 cm", "count": 50, "stand_off": "7.6 cm"})
     with pytest.raises(InertialcalError, match="mass_field"):
         ic.plot(alone, figure="mass_field")
 

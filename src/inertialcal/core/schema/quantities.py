@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import re
 from typing import Annotated, Any
 
 from pydantic import BeforeValidator
 
 from ..errors import DataError
 from ..units import normalise, parse_quantity, same_dimension
+
+GRAM = re.compile(r"(?<=\d)\s*g\s*(/\s*[cm]?m|$)")  # of a mass or density: there g is a gram, not an acceleration
 
 
 def quantity(si_unit: str, difference: bool = False) -> Any:
@@ -25,7 +28,7 @@ def quantity(si_unit: str, difference: bool = False) -> Any:
         if isinstance(given, bool) or not isinstance(given, str):
             raise ValueError(f'{given!r} is not a quantity: write "number unit", like "1 {si_unit}", in quotes')
         try:
-            read = parse_quantity(given)
+            read = parse_quantity(GRAM.sub(r" gram\1", given) if si_unit in {"kg", "kg/m^3"} else given)
             if read.unit == "1" and si_unit != "1":
                 raise ValueError(f'{given!r} has no unit: write a number with its unit, like "1 {si_unit}"')
             if not same_dimension(read.unit, si_unit):

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from difflib import get_close_matches
 from functools import cache
-from typing import Any, cast, get_args
+from pathlib import Path
+from typing import Annotated, Any, cast, get_args
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError, create_model
+from pydantic import BaseModel, ConfigDict, Field, Strict, ValidationError, create_model
 
 from ..errors import Problem
 from ..settings import Setting, settings_of
@@ -17,7 +18,7 @@ Called = Callable[[tuple[str | int, ...]], str]
 
 
 def settings_values(
-    kind: type[Any], given: Mapping[str, Any], at: Callable[..., str], *above: str, called: Called | None = None
+    kind: type[object], given: Mapping[str, Any], at: Callable[..., str], *above: str, called: Called | None = None
 ) -> tuple[dict[str, Any], list[Problem]]:
     """Return the settings that a table gives, SI, and what is wrong with it.
 
@@ -61,6 +62,8 @@ def _value(read: Any, table: type[Any] | None) -> Any:
 
 def _annotation(one: Setting) -> Any:
     """Return the type that the text has to give: "number unit" for a quantity."""
+    if one.path:
+        return Annotated[Path, Strict(False)] | None
     if not one.unit and one.table is None:
         return one.kind
     table: Any = one.table
@@ -82,6 +85,9 @@ def _field(one: Setting) -> Any:
 def _problem(kind: Any, entry: Any, at: Callable[..., str], above: tuple[str, ...], called: Called | None) -> Problem:
     path = (*above, *entry["loc"])
     name, where = ".".join(map(str, path)) if called is None else called(path), at(*path)
+    if entry["type"] == "model_type":
+        do = "Give a table of settings"
+        return Problem(f"{name}: {entry['input']!r} is not a table", where, do=do, code="wrong_value")
     *tables, last = (part for part in entry["loc"] if isinstance(part, str))
     for part in tables:
         kind = next(one.table for one in settings_of(kind) if one.name == part)

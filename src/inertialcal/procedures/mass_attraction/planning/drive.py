@@ -1,4 +1,4 @@
-"""The drive of a source mass: its window, positions, harmonics, budget, and the uncertainty that it will reach."""
+"""Drive of a source mass: window, positions, harmonics, budget, and the forecast of its uncertainty."""
 
 from __future__ import annotations
 
@@ -27,30 +27,30 @@ from ....physics.motion import (
 from ....sensors.noise import Term
 from .body import MassBody
 from .forecast import Cycle, Forecast, forecast, takeover, time_to
-from .proof import acting, reach
-from .settings import Constants, Moved
+from .proof import Direction, acting
+from .settings import Constants, Motion, Moved, Timing, ends_of
 
-DIRECTIONS: dict[Moved, tuple[float, float, float]] = {"along": (1.0, 0.0, 0.0), "across": (0.0, 0.0, -1.0)}
+DIRECTIONS: dict[Moved, Direction] = {"along": (1.0, 0.0, 0.0), "across": (0.0, 0.0, -1.0)}
 DRIVES: dict[str, Literal["sine", "square", "ABAB"]] = {"sine": "sine", "square": "square", "abab": "ABAB"}
 POINTS = 121  # of the field along the travel
 SAMPLES = 64  # of a period of a sinusoidal motion
-MOST_PIECES = 20_000  # up to which pieces are drawn one by one
-FARTHEST = 30.0  # a travel over the stand-off and the size of the body, from which nothing is left to tell
+MOST_PIECES = 20_000  # for Monte Carlo, which draws each piece
+FARTHEST = 30.0  # travel over stand-off and size of the body: beyond, the attraction is negligible
 TIMES = 25  # of the forecast
-SCALING = ("gravitational constant", "density")  # doubts that the amplitude is proportional to
-NOTHING = 1e-6  # of the largest share: what is smaller is rounding of a slope that is zero
+SCALING = ("gravitational constant", "density")  # influences that only scale the amplitude
+NOTHING = 1e-6  # of the largest share: smaller shares are rounding of a slope of zero
 
 
 @dataclass(frozen=True, eq=False)
 class MassDrive:
-    """How the mass is moved, and what that applies.
+    """Motion of the mass, and what it applies.
 
     Parameters
     ----------
     travel : Travel
-        Along the input axis [m/s^2].
+        Field along the input axis [m/s^2].
     window, best : Window
-        That is used, and the best of the same length.
+        Used, and the best of the same length.
     drive : Drive
         Positions of one cycle.
     harmonics : ndarray, shape (5,)
@@ -66,18 +66,18 @@ class MassDrive:
 
 @dataclass(frozen=True, eq=False)
 class MassBudget:
-    """Doubt of the amplitude.
+    """Uncertainty of the amplitude.
 
     Parameters
     ----------
     parts : tuple of Share
-        [m/s^2].
+        By influence [m/s^2].
     u : float
         Linear [m/s^2].
     u_drawn : float or None
-        Of the draws [m/s^2]; None where there are too many pieces.
+        Monte Carlo [m/s^2]; None if there are too many pieces.
     agrees : bool or None
-        Whether the linear one may be used, as JCGM 101 has it; None where nothing was drawn.
+        Whether Monte Carlo validates the linear budget (JCGM 101); None without it.
     """
 
     parts: tuple[Share, ...]
@@ -87,69 +87,41 @@ class MassBudget:
 
 
 def drive_of(
-    body: MassBody, moved: Moved, rig: tuple[float, float], stroke: tuple[float, float] | None, length: float | None,
-    kind: str, constants: Constants, instrument: float, proof_mass: ProofMass | None = None,
+    body: MassBody, motion: Motion, stage: tuple[float, float], kind: str, constants: Constants,
+    proof_mass: ProofMass | None, keep_out: float,
 ) -> MassDrive:  # fmt: skip
-    """Return the drive of a body.
-
-    Parameters
-    ----------
-    body : MassBody
-        At position zero.
-    moved : {"along", "across"}
-        The input axis: away from the proof mass, or past it.
-    rig : tuple of float
-        Positions that the stage has [m].
-    stroke : tuple of float, optional
-        Ends of the drive [m].
-    length : float, optional
-        Of the best window; default: the whole rig.
-    kind : str
-        Of the drive.
-    constants : Constants
-        With the gravitational constant.
-    instrument : float
-        Radius of the case about the proof mass [m].
-    proof_mass : ProofMass, optional
-        Default: a point.
+    """Return the drive of a body on a stage [m], outside the radius of the instrument [m].
 
     Raises
     ------
     DataError
-        If the mass would meet the instrument, or the stroke does not lie within the rig.
+        If the travel is absurdly long, the body would meet the instrument, or the stroke leaves the stage.
     """
-    _check_rig(body, moved, rig, max(instrument, reach(proof_mass)))
-    G = constants.gravitational_constant
-    at_centre = travel_of_body(body.body, DIRECTIONS[moved], *rig, gravitational_constant=G)
-    travel = acting(at_centre, body.body, DIRECTIONS[moved], proof_mass, G)
-    window = best_window(travel, length or rig[1] - rig[0]) if stroke is None else _window(travel, stroke)
+    farthest, extent = max(map(abs, stage)), body.grid.stand_off + float(np.max(body.size))
+    if farthest > FARTHEST * extent:
+        what = f"a travel to {farthest:g} m: stand-off and body together measure {extent:.2g} m"
+        why, do = "the attraction is negligible there", "Check the unit: cm, not m?"
+        raise DataError(what, why=why, do=do, code="absurd_length")
+    big_g, way = constants.gravitational_constant, DIRECTIONS[motion.direction]
+    refuse_overlap(body.body, way, *stage, keep_out)
+    at_centre = travel_of_body(body.body, way, *stage, gravitational_constant=big_g)
+    travel = acting(at_centre, body.body, way, proof_mass, big_g)
+    if motion.stroke is None:
+        window = best_window(travel, motion.travel or stage[1] - stage[0])
+    else:
+        start, end = ends_of(motion.stroke)
+        fields = travel.at((start, end))
+        window = Window(start, end, float(fields[0] - fields[1]))
     best = best_window(travel, window.end - window.start)
-    motion = harmonics(travel, sine_of_position(window, SAMPLES))
-    return MassDrive(travel, window, best, drive(travel, window, DRIVES[kind]), motion)
+    swing = harmonics(travel, sine_of_position(window, SAMPLES))
+    return MassDrive(travel, window, best, drive(travel, window, DRIVES[kind]), swing)
 
 
-def _window(travel: Travel, stroke: tuple[float, float]) -> Window:
-    ends = travel.at(stroke)
-    return Window(*stroke, float(ends[0] - ends[1]))
-
-
-def _check_rig(body: MassBody, moved: Moved, rig: tuple[float, float], instrument: float) -> None:
-    extent = body.grid.stand_off + float(np.max(body.size))
-    if max(map(abs, rig)) > FARTHEST * extent:
-        raise DataError(
-            f"a travel to {max(map(abs, rig)):g} m of a mass that is {extent:.2g} m large with its distance",
-            why="there is no attraction left out there",
-            do="Look at the unit: cm, not m?",
-            code="absurd_length",
-        )
-    refuse_overlap(body.body, DIRECTIONS[moved], *rig, instrument)
-
-
-def budget_of(body: MassBody, found: MassDrive, moved: Moved, doubts: Doubts, constants: Constants) -> MassBudget:
-    """Return the doubt of the amplitude: by slopes, and by draws with a fixed seed."""
+def budget_of(body: MassBody, found: MassDrive, way: Direction, doubts: Doubts, constants: Constants) -> MassBudget:
+    """Return the uncertainty of the amplitude: linear, and by Monte Carlo with a fixed seed."""
     places, fields = found.drive.positions, found.drive.fields
     ends = float(places[fields.argmax()]), float(places[fields.argmin()])
-    source = Source(body.body, DIRECTIONS[moved], ends, (1.0, 0.0, 0.0), constants.gravitational_constant)
+    source = Source(body.body, way, ends, (1.0, 0.0, 0.0), constants.gravitational_constant)
     every = sorted(shares(source, doubts), key=lambda one: -one.u)
     parts = tuple(one for one in every if one.u > NOTHING * every[0].u)
     linear = math.hypot(*(one.u for one in parts))
@@ -162,18 +134,18 @@ def budget_of(body: MassBody, found: MassDrive, moved: Moved, doubts: Doubts, co
 
 @dataclass(frozen=True, eq=False)
 class MassForecast:
-    """What each drive will reach between the same ends.
+    """Uncertainty that each drive will reach between the same ends.
 
     Parameters
     ----------
     drives : dict of str to Forecast
-        By the drive.
+        By drive.
     at_end : dict of str to float
         Relative uncertainty at the end.
     needed : dict of str to float or None
-        Time to the target [s]; None where no time is enough.
+        Time to the target [s]; None if no time is enough.
     over : dict of str to float or None
-        From when on what is applied is the larger doubt [s].
+        Time after which the amplitude dominates the uncertainty [s].
     """
 
     drives: dict[str, Forecast]
@@ -182,25 +154,9 @@ class MassForecast:
     over: dict[str, float | None]
 
 
-def forecast_of(
-    found: MassDrive, terms: Sequence[Term], dwell: float, move: float, length: float, u_applied: float,
-    target: float | None,
-) -> MassForecast:  # fmt: skip
-    """Return what each drive between the same ends will reach.
-
-    Parameters
-    ----------
-    found : MassDrive
-        Whose window.
-    terms : sequence of Term
-        Noise of the sensor [m/s^2].
-    dwell, move, length : float
-        Of each dwell, pause, and of the whole test [s].
-    u_applied : float
-        Relative.
-    target : float, optional
-        Relative uncertainty wanted.
-    """
+def forecast_of(found: MassDrive, terms: Sequence[Term], timing: Timing, u_applied: float) -> MassForecast:
+    """Return the forecast of each drive between the same ends, for noise terms [m/s^2] and a relative u."""
+    dwell, move, length, target = timing.dwell, timing.move, timing.length, timing.target
     cycles = {
         name: Cycle(tuple(drive(found.travel, found.window, kind).fields.tolist()), dwell, move)
         for name, kind in DRIVES.items()

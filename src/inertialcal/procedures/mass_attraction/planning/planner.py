@@ -1,57 +1,47 @@
-"""Plan of a mass-attraction test: what ``plan mass-attraction`` and ``inertialcal.plan_mass_attraction`` do.
-
-Everything that is said is text with a unit. The proof mass is at the origin and the input axis along x; the mass stands
-behind the plane at the stand-off and is moved away (along) or past (across), from position zero.
-"""
+"""Plan of a mass-attraction test: body, drive, budget of the amplitude, forecast of the scale factor, schedule."""
 
 from __future__ import annotations
 
+import math
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ....core.curve import Curve
-from ....core.errors import UsageError
+import numpy as np
+
+from ....core.constants import STANDARD_GRAVITY
+from ....core.errors import PlanError
 from ....core.estimate import Array
+from ....core.key import Key
 from ....core.remarks import Remark, gather
 from ....core.results import Row
+from ....core.settings import settings_of
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import remarks_line
 from ....core.show.tables import Block, html, text
-from ....physics.attraction import ProofMass
+from ....core.units import parse_quantity
+from ....physics.attraction import ProofMass, surface_tilt
 from ....physics.budget import Doubts
-from ....physics.mass_shape import Gain, Grid
-from ....physics.motion import ORDER, refuse_overlap
+from ....physics.mass_shape import Gain, Grid, change
+from ....physics.motion import refuse_overlap
 from ....physics.motion.schedule import Schedule, repeated
-from ....sensors.noise import Term
-from .body import MassBody, body_of, stack_of
+from ...settings_file import Groups, GroupsRead, read_groups
+from .body import MassBody, body_of
+from .checks import setting_problems
 from .curves import body_curve, cube_curve, field_curves, forecast_curve, growth_curve
-from .drive import DIRECTIONS, DRIVES, MassBudget, MassDrive, MassForecast, budget_of, drive_of, forecast_of
-from .motion import Motion, Timing, check_choices, gain_of, motion_of, needed, refuse_beside, timing_of
-from .noise import noise_from
-from .orbit import orbit_of, orbit_rows
-from .pools import Pools, mercury_of, mercury_row, pools_of
-from .proof import proof_curve, proof_mass_of, proof_rows, reach
-from .remarks import body_remarks, budget_remarks
-from .rows import TEST, body_rows, drive_rows, forecast_rows
-from .settings import (
-    LEAD,
-    Constants,
-    constants_of,
-    density_of,
-    doubts_of,
-    grid_of,
-    inventory_of,
-    mass_of,
-    noise_of,
-    one_of,
-    positive,
-)
-from .shown import mass_parts
+from .drive import DIRECTIONS, MassBudget, MassDrive, MassForecast, budget_of, drive_of, forecast_of
+from .noise import noise_from, terms_of
+from .orbit import orbit_rows
+from .proof import proof_curve, proof_rows
+from .rows import CM, TEST, body_remarks, body_rows, budget_remarks, drive_rows, forecast_rows, mass_parts
+from .settings import Constants, Settings, ends_of, stage_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+IN_GRAVITY = re.compile(r"[pnum]?g\b")  # a unit that is a multiple of g
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,21 +53,21 @@ class MassPlan:
     rows : tuple of Row
         All figures.
     curves : tuple of Curve
-        What the figures show.
+        Data of the figures.
     remarks : tuple of Remark
-        What there is to say of it.
+        What to know about the plan.
     body : MassBody or None
         None for a mass in orbit.
     drive, budget, forecast
-        As far as they were asked for, else None.
+        As far as the settings allow, else None.
     mercury : ndarray or None
-        Tilt of a meter's mercury in each dwell of a cycle [rad].
+        Tilt of the mercury of a tilt meter in each dwell of a cycle [rad].
     schedule : Schedule or None
-        Of the chosen drive for the hours asked for.
+        Dwells of the test.
     inputs : mapping of str to str
         SHA-256 by path of the files that were read.
     constants : Constants
-        Behind all of it.
+        Behind all figures.
     """
 
     rows: tuple[Row, ...]
@@ -89,7 +79,7 @@ class MassPlan:
     forecast: MassForecast | None = None
     schedule: Schedule | None = None
     mercury: Array | None = None
-    inputs: Mapping[str, str] | None = None
+    inputs: Mapping[str, str] = field(default_factory=dict[str, str])
     constants: Constants = field(default_factory=Constants)
 
     @property
@@ -105,7 +95,7 @@ class MassPlan:
         return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Block, ...]:
-        """Return what is shown: body, field and drive, budget, forecast, how many remarks."""
+        """Return body, drive, budget, forecast and the number of remarks."""
         return (*mass_parts(self.rows), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
@@ -119,102 +109,17 @@ class MassPlan:
         return html(self.parts())
 
 
-def plan_mass_attraction(
-    *,
-    cube: str | None = None,
-    count: int | None = None,
-    mass: str | None = None,
-    inventory: str | None = None,
-    density: str = LEAD,
-    stand_off: str | None = None,
-    grid: str | None = None,
-    optimise: str = "attraction",
-    stated: str | None = None,
-    direction: str = "across",
-    rig: str | None = None,
-    stroke: str | None = None,
-    travel: str | None = None,
-    instrument: str = "0 cm",
-    proof_mass: str | None = None,
-    pools: str | None = None,
-    drive: str = "sine",
-    dwell: str = "100 s",
-    move: str = "20 s",
-    hours: float = 24.0,
-    noise: str | None = None,
-    noise_file: str | Path | None = None,
-    noise_axis: str | None = None,
-    target: str | None = None,
-    u_density: str | None = None,
-    u_piece_density: str | None = None,
-    u_position: str | None = None,
-    u_stop: str | None = None,
-    u_piece_place: str | None = None,
-    u_angle: str | None = None,
-    big_g: str | None = None,
-    gravity: str | None = None,
-    shape: bool = False,
-    orbit: bool = False,
-    threshold: str = "0.5 Eotvos",
-    baseline: str = "2 m",
-) -> MassPlan:
+def plan_mass_attraction(settings: str | Path | Groups | None = None, **groups: Mapping[str, object]) -> MassPlan:
     """Plan the calibration of an accelerometer by a moved mass.
 
     Parameters
     ----------
-    cube : str
-        Edge of the cubes, ``"5.08 cm"``.
-    count : int, optional
-        How many; by default as many as ``mass`` allows.
-    mass : str, optional
-        What they may weigh.
-    inventory : str, optional
-        In place of ``cube`` and ``count``: ``"100x10.2 cm,100x5.1 cm"``.
-    density : str
-        Of the material; lead by default.
-    stand_off : str
-        From the proof mass to the nearest face of the mass at position zero.
-    grid : str, optional
-        Cells across, across and along the input axis, ``"20x20x10"``; by default large enough.
-    optimise : {"attraction", "change"}
-        What the shape is best for: attraction at position zero, or its change over the stroke.
-    stated : str, optional
-        Attraction that a document states, to be checked against the most that can be.
-    direction : {"across", "along"}
-        How the mass is moved: past the sensor, or away from it along the input axis.
-    rig : str, optional
-        Positions that the stage has, ``"0 cm:60 cm"``.
-    stroke, travel : str, optional
-        Ends of the drive, ``"12.7 cm:43.2 cm"``; or the length of the best window.
-    instrument : str
-        How far the case reaches from the proof mass.
-    proof_mass : str, optional
-        A cylinder along the input axis, ``"length 2.9 cm, inner radius 1.3 cm, radius 1.4 cm"``; a point by default.
-    pools : str, optional
-        Middles of both surfaces of a tilt meter of mercury, x along the input axis toward the mass and z up:
-        ``"0 cm,-50 cm,-10 cm; 0 cm,50 cm,-10 cm"``. The schedule then has how they lean, positive where the second
-        stands higher.
-    drive : {"sine", "square", "abab"}
-        Order of the dwells.
-    dwell, move : str
-        Length of a dwell, and of the pause between two.
-    hours : float
-        Length of the test.
-    noise : str, optional
-        Of the sensor: ``"N=5 ug/sqrt(Hz) B=0.02 ug"``.
-    noise_file : path, optional
-        In its place: what ``allan --json`` or a run wrote; ``noise_axis`` says which axis.
-    target : str, optional
-        Relative standard uncertainty of the scale factor wanted, ``"1 %"``.
-    u_density, u_piece_density, u_position, u_stop, u_piece_place, u_angle : str, optional
-        Standard uncertainties: of the density of all cubes and of each, of the place of the body against the proof
-        mass, of each stop, of the place of each cube in the body, of the angles of the body.
-    big_g, gravity : str, optional
-        Constants of a document; by default CODATA 2022 and standard gravity.
-    shape : bool
-        The body alone.
-    orbit : bool
-        A small mass and a gradiometer of that ``threshold`` and ``baseline`` instead.
+    settings : path or mapping, optional
+        TOML file of settings, or the same as groups: ``{"body": {"cube": "5.08 cm", "count": 900}}``. Quantities are
+        texts with a unit. ``inertialcal plan mass-attraction --write-example FILE`` writes a file to begin with.
+    **groups : mapping
+        Groups ``body``, ``motion``, ``timing``, ``instrument``, ``proof_mass``, ``noise``, ``uncertainty``,
+        ``constants``, ``orbit``: their keys replace those of `settings`.
 
     Returns
     -------
@@ -223,145 +128,127 @@ def plan_mass_attraction(
 
     Raises
     ------
-    UsageError
-        If options are missing, contradict each other, or are no numbers with a unit.
+    PlanError
+        With every setting that is unknown, missing or wrong, or contradicts another: file, line, why, what to do.
     DataError
-        If that mass, or that drive, cannot be.
+        If a file cannot be read, or such a mass or drive cannot exist.
+
+    Examples
+    --------
+    >>> body = {"cube": "5.08 cm", "count": 900, "stand_off": "7.6 cm"}
+    >>> plan_mass_attraction(body=body, motion={"stroke": ["12.7 cm", "43.2 cm"]}).schedule.period
+    480.0
     """
-    constants = constants_of(big_g, gravity)
-    material = density_of(density)
-    apart = positive(needed(stand_off, "stand_off", "10.2 cm"), "m", "stand_off", "10.2 cm")
-    if orbit:
-        Grid(apart, (1, 1, 1), apart, material)  # refuses what no material and no distance is
-        refuse_beside(
-            "--orbit", cube=cube, count=count, inventory=inventory, grid=grid, stated=stated, rig=rig, stroke=stroke,
-            travel=travel, noise=noise, target=target,
-            pools=pools,
-            **{"proof-mass": proof_mass, "noise-from": noise_file, "u-density": u_density, "u-stop": u_stop,
-               "u-piece-density": u_piece_density, "u-position": u_position, "u-piece-place": u_piece_place,
-               "u-angle": u_angle, "shape": shape or None},
-        )  # fmt: skip
-        small = orbit_of(mass_of(mass or "4 kg"), material, threshold, baseline, apart, constants)
-        return MassPlan(tuple(orbit_rows(small, apart, constants)), constants=constants)
-    motion = motion_of(direction, rig, stroke, travel, instrument)
-    check_choices(cube, count, inventory, noise, noise_file)
-    said = None if stated is None else constants.acceleration(stated, "stated")
-    kind, timing = one_of(drive, tuple(DRIVES), "drive"), timing_of(dwell, move, hours)
-    timing.cycles(len(ORDER[DRIVES[kind]]))
-    wanted = None if target is None else positive(target, "1", "target", "1 %")
-    known = _noise(noise, noise_file, noise_axis, constants)
-    doubts = doubts_of(
-        {"density": u_density, "piece_density": u_piece_density, "position": u_position, "stop": u_stop,
-         "piece_place": u_piece_place, "angle": u_angle}, constants,
-    )  # fmt: skip
-    body = _body(cube, count, mass, inventory, material, apart, grid, gain_of(optimise, motion))
-    alone = _of_body(body, constants, said, apart)
-    cylinder = None if proof_mass is None else proof_mass_of(proof_mass)
-    surfaces = None if pools is None else pools_of(pools)
-    refuse_overlap(body.body, (1.0, 0.0, 0.0), 0.0, 0.0, max(motion.case, reach(cylinder)))
-    if shape or not motion.asked:
-        if surfaces is not None:
-            raise UsageError(
-                "--pools: without a drive nothing leans", do="Say --rig, --stroke or --travel", code="unused"
-            )
-        return alone
-    return _forecast(_moved(alone, body, motion, kind, doubts, cylinder, surfaces), timing, known, wanted)
-
-
-def _of_body(body: MassBody, constants: Constants, stated: float | None, apart: float) -> MassPlan:
-    """Return what there is to say of the body."""
-    rows = body_rows(body, constants, stated, apart)
+    read = read_groups(Settings, settings, groups)
+    problems = list(setting_problems(read))
+    if problems:
+        raise PlanError(problems)
+    said = _in_document_gravity(read)
+    constants, motion = said.constants, said.motion
+    if said.orbit is not None:
+        Grid(said.orbit.stand_off, (1, 1, 1), said.orbit.stand_off, said.orbit.density)  # refuses absurd values
+        return MassPlan(tuple(orbit_rows(said.orbit, constants)), inputs=read.inputs, constants=constants)
+    assert said.body is not None  # noqa: S101 - as checked
+    way, gain = DIRECTIONS[motion.direction], Gain()
+    if said.body.optimise == "change" and motion.stroke is not None:
+        start, end = (np.array(way) * at for at in ends_of(motion.stroke))
+        gain = change(tuple(end - start), start=tuple(start))
+    body = body_of(said.body, gain)
+    rows = body_rows(body, constants, said.body.stated)
     curves = (body_curve(body), cube_curve(), growth_curve(body, constants))
-    return MassPlan(tuple(rows), curves, body_remarks(rows, constants), body, constants=constants)
+    remarks = body_remarks(rows, constants)
+    plan = MassPlan(tuple(rows), curves, remarks, body, inputs=read.inputs, constants=constants)
+    cylinder, keep_out = None, said.instrument.case
+    if said.proof_mass is not None:
+        cylinder = ProofMass(said.proof_mass.length, said.proof_mass.radius, said.proof_mass.inner_radius)
+        keep_out = max(keep_out, math.hypot(cylinder.length / 2.0, cylinder.radius))
+    refuse_overlap(body.body, (1.0, 0.0, 0.0), 0.0, 0.0, keep_out)
+    stage = stage_of(motion)
+    if stage is None:
+        return plan
+    return _forecast(_moved(plan, body, said, stage, cylinder, keep_out), said)
+
+
+def _in_document_gravity(read: GroupsRead[Settings]) -> Settings:
+    """Return the settings with every multiple of g as the constants say; they were read with standard gravity."""
+    said = read.settings
+    ratio = said.constants.gravity / STANDARD_GRAVITY.value
+    for name in ("body", "noise", "orbit"):
+        group, texts = getattr(said, name), read.given.get(name, {})
+        scaled = {
+            one.name: getattr(group, one.name) * ratio
+            for one in (settings_of(type(group)) if group is not None else ())
+            if one.unit.startswith("m/s") and one.name in texts
+            and IN_GRAVITY.match(parse_quantity(str(texts[one.name])).unit)
+        }  # fmt: skip
+        said = replace(said, **{name: replace(group, **scaled)}) if scaled else said
+    return said
 
 
 def _moved(
-    alone: MassPlan, body: MassBody, motion: Motion, kind: str, stated: tuple[Doubts, tuple[str, ...]],
-    proof_mass: ProofMass | None, pools: Pools | None,
+    plan: MassPlan, body: MassBody, said: Settings, stage: tuple[float, float], proof_mass: ProofMass | None,
+    keep_out: float,
 ) -> MassPlan:  # fmt: skip
     """Return the plan with drive and budget."""
-    constants = alone.constants
-    found = drive_of(
-        body, motion.direction, motion.stage, motion.ends, motion.length, kind, constants, motion.case, proof_mass
-    )
-    budget = budget_of(body, found, motion.direction, stated[0], constants)
-    rows, curves = _of_proof_mass(body, motion, found, proof_mass)
-    mercury = None if pools is None else mercury_of(body, found, motion.direction, pools, constants)
-    rows += [] if mercury is None else [mercury_row(mercury)]
+    constants, motion, given = said.constants, said.motion, said.uncertainty
+    way = DIRECTIONS[motion.direction]
+    found = drive_of(body, motion, stage, said.timing.drive, constants, proof_mass, keep_out)
+    u = {name: value or 0.0 for name, value in vars(given).items() if name != "position"}
+    place = given.position or 0.0
+    doubts = Doubts(place=(place, place, place), gravitational_constant=constants.u_gravitational_constant, **u)
+    budget = budget_of(body, found, way, doubts, constants)
+    rows, curves, remarks = drive_rows(found, budget, constants), field_curves(found, constants), []
+    if proof_mass is not None:
+        cylinder = body.body, way, (found.window.start, found.window.end), proof_mass
+        rows, curves = [*rows, *proof_rows(*cylinder)], [*curves, proof_curve(*cylinder)]
+    mercury = None
+    if said.instrument.first_pool is not None and said.instrument.second_pool is not None:
+        pools = (said.instrument.first_pool, said.instrument.second_pool)
+        shifts = found.drive.positions[:, None] * np.array(way)
+        mercury = surface_tilt(body.body, shifts, pools, constants.gravity, constants.gravitational_constant)
+        rows.append(Row(Key("mercury_amplitude"), float(np.ptp(mercury)) / 2.0, None, "rad", test=TEST))
+    if motion.rig is None:
+        what = f"motion.rig is not given: a stage from {CM * stage[0]:g} to {CM * stage[1]:g} cm is assumed"
+        remarks.append(Remark("no_rig", "info", what, do='Give its range: motion.rig = ["0 cm", "60 cm"]'))
+    unstated = tuple(name for name, value in vars(given).items() if value is None)
     return replace(
-        alone,
-        rows=(*alone.rows, *drive_rows(found, budget, constants), *rows),
-        curves=(*alone.curves, *field_curves(found, constants), *curves),
-        remarks=(*alone.remarks, *motion.remarks, *budget_remarks(stated[1], budget)),
+        plan,
+        rows=(*plan.rows, *rows),
+        curves=(*plan.curves, *curves),
+        remarks=(*plan.remarks, *remarks, *budget_remarks(unstated, budget)),
         drive=found,
         budget=budget,
         mercury=mercury,
     )
 
 
-def _of_proof_mass(
-    body: MassBody, motion: Motion, found: MassDrive, proof_mass: ProofMass | None
-) -> tuple[list[Row], list[Curve]]:
-    """Return figures and curve of a proof mass that is no point."""
-    if proof_mass is None:
-        return [], []
-    asked = body.body, DIRECTIONS[motion.direction], (found.window.start, found.window.end), proof_mass
-    return proof_rows(*asked), [proof_curve(*asked)]
-
-
-def _forecast(plan: MassPlan, timing: Timing, known: Known, target: float | None) -> MassPlan:
-    """Return the plan with its schedule, and what each drive will reach where the noise is known."""
-    moving, budget = plan.drive, plan.budget
+def _forecast(plan: MassPlan, said: Settings) -> MassPlan:
+    """Return the plan with its schedule, and with what each drive will reach if the noise is known."""
+    moving, budget, timing = plan.drive, plan.budget, said.timing
     assert moving is not None and budget is not None  # noqa: S101, PT018 - planned before
     u_applied = budget.u / moving.drive.amplitude
     kind: Any = moving.drive.kind.lower()
-    cycles = timing.cycles(len(moving.drive.positions))
+    period = len(moving.drive.positions) * (timing.dwell + timing.move)
     schedule = repeated(
-        moving.drive.positions, moving.drive.fields, cycles=cycles, dwell=timing.dwell, move=timing.move, drive=kind,
-        u_applied=u_applied, mercury=plan.mercury,
+        moving.drive.positions, moving.drive.fields, cycles=int(timing.length / period + 1e-9), dwell=timing.dwell,
+        move=timing.move, drive=kind, u_applied=u_applied, mercury=plan.mercury,
     )  # fmt: skip
-    plan = replace(plan, schedule=schedule, inputs=known.inputs, remarks=gather([*plan.remarks, *known.remarks]))
-    if not known.terms:
+    terms, inputs, remarks = terms_of(said.noise), dict(plan.inputs), []
+    if said.noise.file is not None:
+        terms, axis, inputs[str(said.noise.file)] = noise_from(said.noise.file, said.noise.axis)
+        names = ", ".join(term.name for term in terms)
+        what = f"noise of axis {axis}: {names}; terms that its record does not show are left out"
+        remarks.append(Remark("noise_file", "info", what, str(said.noise.file)))
+    elif not terms:
+        do = 'Set [noise], like noise.velocity_random_walk = "5 ug/sqrt(Hz)", or noise.file'
+        remarks.append(Remark("no_noise", "info", "no noise is given: no forecast", do=do))
+    plan = replace(plan, schedule=schedule, inputs=inputs, remarks=gather([*plan.remarks, *remarks]))
+    if not terms:
         return plan
-    found = forecast_of(moving, known.terms, timing.dwell, timing.move, timing.length, u_applied, target)
+    found = forecast_of(moving, terms, timing, u_applied)
     return replace(
         plan,
-        rows=(*plan.rows, *forecast_rows(found, timing.length, target)),
+        rows=(*plan.rows, *forecast_rows(found, timing.length, timing.target)),
         curves=(*plan.curves, *forecast_curve(found, u_applied)),
         forecast=found,
     )
-
-
-@dataclass(frozen=True)
-class Known:
-    """Noise, where it comes from, and what there is to say of it."""
-
-    terms: tuple[Term, ...]
-    inputs: Mapping[str, str]
-    remarks: tuple[Remark, ...]
-
-
-def _body(
-    cube: str | None, count: int | None, mass: str | None, inventory: str | None, density: float, apart: float,
-    grid: str | None, gain: Gain,
-) -> MassBody:  # fmt: skip
-    weight = None if mass is None else mass_of(mass)
-    cells = None if grid is None else grid_of(grid)
-    if inventory is not None:
-        return stack_of(inventory_of(inventory), density, apart, weight, cells, gain)
-    edge = positive(needed(cube, "cube", "5.08 cm"), "m", "cube", "5.08 cm")
-    return body_of(edge, density, apart, count, weight, cells, gain)
-
-
-def _noise(noise: str | None, path: str | Path | None, axis: str | None, constants: Constants) -> Known:
-    """Return the terms, the file that they come from, and what there is to say."""
-    if noise is not None:
-        return Known(noise_of(noise, constants), {}, ())
-    if path is not None:
-        terms, chosen, digest = noise_from(str(path), axis)
-        names = ", ".join(term.name for term in terms)
-        what = f"noise of axis {chosen}: {names}; what its record did not show is left out"
-        said = Remark("noise_file", "info", what, str(path))
-        return Known(terms, {str(path): digest}, (said,))
-    do = 'Say it: --noise "N=5 ug/sqrt(Hz) B=0.02 ug", or --noise-from FILE'
-    return Known((), {}, (Remark("no_noise", "info", "no noise is given: nothing is forecast", do=do),))

@@ -1,11 +1,15 @@
-"""Figures of a plan of a source mass, as rows: accelerations in ng, lengths in cm, ratios in percent."""
+"""Figures of a plan of a source mass: rows (ng, cm, %), remarks on them, and the tables that show them."""
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from ....core.key import Key, Reason, told_for
+from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
+from ....core.show.rounding import with_uncertainty
+from ....core.show.tables import Block, Table
 from ....physics.mass_shape import checked
 from .body import MassBody
 from .drive import DRIVES, SCALING, MassBudget, MassDrive, MassForecast
@@ -15,22 +19,31 @@ TEST = "mass_attraction"
 CM = 100.0
 HOUR = 3600.0
 SHOWN_HARMONICS = (2, 3)
+BLOCKS: dict[str, tuple[str, ...]] = {
+    "body": (
+        "cells", "mass", "size", "attraction", "attraction_bound", "attraction_gap", "attraction_sphere",
+        "inventory_gap", "stated_attraction", "stated_excess", "mass_needed", "radius", "smallest_gradient",
+        "smallest_acceleration", "distance",
+    ),
+    "drive": (
+        "drive_position", "amplitude", "best_window_start", "best_window_amplitude", "motion_harmonic",
+        "proof_mass_effect", "pointlike_length", "mercury_amplitude",
+    ),
+    "budget of the amplitude": ("amplitude_uncertainty",),
+    "forecast: standard uncertainty of the scale factor": (
+        "scale_factor_uncertainty", "time_to_target", "time_to_budget",
+    ),
+}  # fmt: skip
+PREDICTED = (
+    "amplitude_uncertainty", "scale_factor_uncertainty", "time_to_target", "time_to_budget", "motion_harmonic",
+    "proof_mass_effect", "attraction_gap", "inventory_gap", "stated_excess",
+)  # fmt: skip
+HEADS = ("quantity", "", "value ± u", "unit")
+DIGITS, ROUGH = 5, 3
 
 
-def body_rows(body: MassBody, constants: Constants, stated: float | None, keep_off: float) -> list[Row]:
-    """Return what the body is, what it attracts, and the most that it could.
-
-    Parameters
-    ----------
-    body : MassBody
-        Which.
-    constants : Constants
-        Gravitational constant, and what a g is.
-    stated : float, optional
-        Attraction of a document [m/s^2].
-    keep_off : float
-        Distance for which it is stated [m].
-    """
+def body_rows(body: MassBody, constants: Constants, stated: float | None) -> list[Row]:
+    """Return size, mass and attraction of a body, the bound, and a document's attraction next to it [m/s^2]."""
     scale = constants.gravitational_constant / constants.ng
     at = f"face at {CM * body.grid.stand_off:g} cm"
     field, bound = scale * body.field, scale * body.bound.field
@@ -46,7 +59,7 @@ def body_rows(body: MassBody, constants: Constants, stated: float | None, keep_o
     if body.allowed:
         rows.append(_row("inventory_gap", 100.0 * body.allowed, "%", "at most"))
     if stated is not None:
-        found = checked(stated, body.mass, body.grid.density, keep_off, constants.gravitational_constant)
+        found = checked(stated, body.mass, body.grid.density, body.grid.stand_off, constants.gravitational_constant)
         rows += [
             _row("stated_attraction", stated / constants.ng, "ng", at),
             _row("stated_excess", 100.0 * found.excess, "%", "over the bound"),
@@ -59,7 +72,8 @@ def drive_rows(found: MassDrive, budget: MassBudget, constants: Constants) -> li
     """Return window, positions, amplitude with its budget, and harmonics."""
     ng = constants.ng
     kind = found.drive.kind.lower()
-    names = {round(place, 12): f"{field / ng:.6g} ng" for place, field in zip(*_places(found), strict=True)}
+    places, fields = found.drive.positions.tolist(), found.drive.fields.tolist()
+    names = {round(place, 12): f"{field / ng:.6g} ng" for place, field in zip(places, fields, strict=True)}
     rows = [
         *(_row("drive_position", CM * place, "cm", f"{kind}, {field}") for place, field in sorted(names.items())),
         _row("amplitude", found.drive.amplitude / ng, "ng", kind, budget.u / ng),
@@ -74,23 +88,19 @@ def drive_rows(found: MassDrive, budget: MassBudget, constants: Constants) -> li
     return rows + _budget_rows(budget, found.drive.amplitude, ng)
 
 
-def _places(found: MassDrive) -> tuple[list[float], list[float]]:
-    return found.drive.positions.tolist(), found.drive.fields.tolist()
-
-
 def _budget_rows(budget: MassBudget, amplitude: float, ng: float) -> list[Row]:
     rows = [_row("amplitude_uncertainty", one.u / ng, "ng", one.name) for one in budget.parts]
     rows.append(_row("amplitude_uncertainty", budget.u / ng, "ng", "linear"))
     rows.append(_row("amplitude_uncertainty", 100.0 * budget.u / amplitude, "%", "linear"))
     if budget.u_drawn is None:
         alone = all(one.name in SCALING for one in budget.parts)
-        reason = "what is in doubt only scales it: no draws are needed" if alone else "too many pieces to draw"
+        reason = "all influences only scale it: not needed" if alone else "too many pieces"
         return [*rows, _missing("amplitude_uncertainty", "ng", reason, "Monte Carlo")]
     return [*rows, _row("amplitude_uncertainty", budget.u_drawn / ng, "ng", "Monte Carlo")]
 
 
 def forecast_rows(found: MassForecast, length: float, target: float | None) -> list[Row]:
-    """Return what each drive reaches, when it reaches the target, and when what is applied takes over."""
+    """Return what each drive reaches, when it meets the target, and when the amplitude dominates."""
     after = f"after {length / HOUR:g} h"
     rows = [_row("scale_factor_uncertainty", 100.0 * found.at_end[name], "%", f"{name}, {after}") for name in DRIVES]
     for name in DRIVES if target else ():
@@ -102,7 +112,7 @@ def forecast_rows(found: MassForecast, length: float, target: float | None) -> l
 
 def _time(quantity: str, seconds: float | None, condition: str) -> Row:
     if seconds is None:
-        reason = "no time is enough: what is applied is not known as well as that"
+        reason = "no time is enough: the uncertainty of the amplitude exceeds it"
         return _missing(quantity, "h", reason, condition)
     return _row(quantity, seconds / HOUR, "h", condition)
 
@@ -112,11 +122,67 @@ def _row(quantity: str, value: float, unit: str, condition: str = "", u: float |
 
 
 def _as_stated(quantity: str, value: float, condition: str) -> Row:
-    """Return an attraction of the body as it is stated, exactly so: what is in doubt stands with the amplitude."""
-    reason = "of the body exactly as stated: its doubts are in the budget of the amplitude"
+    """Return an attraction of the body exactly as stated."""
+    reason = "body exactly as stated: the budget of the amplitude holds its uncertainties"
     return replace(_row(quantity, value, "ng", condition), reason=Reason("limits", reason))
 
 
 def _missing(quantity: str, unit: str, why: str, condition: str) -> Row:
     reason = Reason("not_told", why)
     return replace(not_estimated(Key(quantity), unit, reason, member=told_for(condition)), test=TEST)
+
+
+def body_remarks(rows: Sequence[Row], constants: Constants) -> tuple[Remark, ...]:
+    """Return remarks on a body: a stated attraction above the bound, constants of a document."""
+    found = []
+    by_name = {row.quantity: row for row in rows}
+    excess = by_name.get("stated_excess")
+    if excess is not None and (excess.value or 0.0) > 0.0:
+        needed = by_name["mass_needed"].value or 0.0
+        what = (
+            f"the stated attraction is {excess.value:.2g} % above the bound for {by_name['mass'].value:.6g} kg behind "
+            f"that plane, in any shape: it needs at least {needed:.5g} kg"
+        )
+        do = "Mass, density, distance or attraction is wrong"
+        found.append(Remark("above_bound", "error", what, do=do))
+    if constants != Constants():
+        what = (
+            f"constants of a document: G = {constants.gravitational_constant:.6g} m^3/s^2/kg, "
+            f"1 g = {constants.gravity:g} m/s^2"
+        )
+        found.append(Remark("document_constants", "info", what))
+    return tuple(found)
+
+
+def budget_remarks(unstated: tuple[str, ...], budget: MassBudget) -> tuple[Remark, ...]:
+    """Return remarks on a budget: uncertainties that are not stated, a linear budget that Monte Carlo contradicts."""
+    found = []
+    if unstated:
+        what = f"not stated and taken as exact: uncertainty of {', '.join(unstated)}"
+        do = "Set them under [uncertainty]"
+        found.append(Remark("no_standard_uncertainty", "warning", what, do=do))
+    if budget.agrees is False:
+        what = "linear and Monte Carlo budget differ by more than one digit of u (JCGM 101, clause 8)"
+        found.append(Remark("not_linear", "warning", what, do="Use the Monte Carlo figure"))
+    return tuple(found)
+
+
+def mass_parts(rows: Sequence[Row]) -> tuple[Block, ...]:
+    """Return the tables: body, drive, budget, forecast."""
+    found: list[Block] = []
+    for caption, names in BLOCKS.items():
+        mine = [row for row in rows if row.quantity in names and row.status == "estimated"]
+        cells = [
+            (row.quantity, " ".join(filter(None, (row.axis, str(row.case)))), _value(row), row.unit) for row in mine
+        ]
+        found += [Table(HEADS, cells, caption, (2,))] if cells else []
+        missing = [row for row in rows if row.quantity in names and row.status == "not_estimated"]
+        found += [f"  not estimated: {row.quantity} ({row.case}): {row.reason}" for row in missing]
+    return tuple(found)
+
+
+def _value(row: Row) -> str:
+    if row.u is None:
+        digits = ROUGH if row.quantity in PREDICTED else DIGITS
+        return "-" if row.value is None else f"{row.value:.{digits}g}"
+    return with_uncertainty(row.value, row.u)
