@@ -42,9 +42,9 @@ def setting_problems(read: GroupsRead[Settings]) -> Iterator[Problem]:
         yield from _of_body(read)
         yield from _of_test(read)
     elif set(read.given) - {"orbit", "constants"}:
-        others = ", ".join(name for name in read.given if name not in {"orbit", "constants"})
+        unused = ", ".join(name for name in read.given if name not in {"orbit", "constants"})
         why, do = "an orbit has only the groups orbit and constants", "Remove the others"
-        yield Problem(f"orbit with {others}", read.at("orbit"), why, do, "contradiction")
+        yield Problem(f"orbit with {unused}", read.at("orbit"), why, do, "contradiction")
 
 
 def _value(read: GroupsRead[Settings], key: str) -> object:
