@@ -50,6 +50,8 @@ def _table(path: Path, content: Mapping[str, object], noted: Noted, header: str)
     values: list[str] = []
     tables: list[str] = []
     for key, one in entries.items():
+        if not path and one.value == {}:
+            continue
         below = (*path, _key(key))
         lines = _assignment(below[-1], one)
         if isinstance(one.value, Mapping) and (not path or collection or not _fits(lines[-1], one.value)):

@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING, Any
 
 from pydantic import ValidationError
 
-from ...core.campaign_text import FILE
+from ...core.campaign_text import FILE, toml_text
 from ...core.errors import InertialcalError, Problem, StoreError, UsageError
 from ...core.remarks import Remark, gather
 from ...core.results import Row
@@ -36,7 +36,7 @@ from ..file.cross_checks import cross_checks
 from ..file.load import Campaign, standards_of
 from ..file.schema import CampaignFile
 from ..outcome.contents import displayed_rows
-from .document import Document, document_of, toml_text
+from .document import Document, document_of
 from .given import Files, Given, files_of
 
 if TYPE_CHECKING:

@@ -190,45 +190,4 @@ class _Like:
             chain["model"] = str((self.folder / chain["model"]).resolve())
 
 
-def toml_text(document: Document) -> str:
-    """Return a document as the text of campaign.toml."""
-    import tomlkit  # noqa: PLC0415 - starts slowly
-
-    text = tomlkit.document()
-    for name, value in document.items():
-        if name in ("sensors", "recordings"):
-            text[name] = tomlkit.table(is_super_table=True)
-            for key, one in value.items():
-                text[name][key] = _table(one)
-        elif name == "tests":
-            text[name] = tomlkit.aot()
-            for test in value:
-                text[name].append(_table(test))
-        elif not isinstance(value, Mapping):
-            text[name] = value
-        elif value:
-            text[name] = _table(value)
-    return tomlkit.dumps(text)
-
-
-def _table(values: Mapping[str, Any]) -> Any:
-    import tomlkit  # noqa: PLC0415 - starts slowly
-
-    made = tomlkit.table()
-    for name, value in values.items():
-        made[name] = _inline(value)
-    return made
-
-
-def _inline(value: Any) -> Any:
-    import tomlkit  # noqa: PLC0415 - starts slowly
-
-    if not isinstance(value, Mapping):
-        return [_inline(one) for one in value] if isinstance(value, list) else value
-    made = tomlkit.inline_table()
-    for name, one in value.items():
-        made[name] = _inline(one)
-    return made
-
-
-__all__ = ["Document", "document_of", "toml_text"]
+__all__ = ["Document", "document_of"]

@@ -150,7 +150,7 @@ def starter_text(name: str, found: Found) -> str:
     for draft in drafts:
         for part in parts:
             parts[part] |= getattr(draft, part)
-    document |= {part: tables for part, tables in parts.items() if tables}
+    document |= parts
     if parts["standards"]:
         document["standards"] = Noted(parts["standards"], above=RELATIVE)
     document["tests"] = [test for draft in drafts for test in draft.tests]
