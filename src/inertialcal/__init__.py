@@ -72,7 +72,6 @@ _HOMES = {
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
     "flip": ("procedures.flip.files.call", "flip"),
-    "thermal": ("campaign.calls.nouns", "thermal"),
     "mass_attraction": ("procedures.mass_attraction.files", "mass_attraction"),
     "load_model": ("campaign.models.find", "load_model"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
@@ -85,7 +84,6 @@ _HOMES = {
     "simulate": ("campaign.twins.twin", "simulate"),
     "write": ("files.write.recording", "write"),
     "info": ("campaign.start.info", "info"),
-    "rate_table": ("campaign.calls.nouns", "rate_table"),
     "read": ("files", "read"),
     "read_table": ("files.text.table", "read_table"),
     "run": ("campaign.engine.run", "run"),
@@ -98,10 +96,18 @@ def __getattr__(name: str) -> Any:
         from importlib.metadata import version  # noqa: PLC0415 - starts slowly
 
         return version("inertialcal")
-    if name not in _HOMES:
+    if name not in _HOMES and name not in _nouns():
         raise AttributeError(f"module 'inertialcal' has no attribute {name!r}")
-    module, attribute = _HOMES[name]
+    module, attribute = _HOMES.get(name, ("campaign.calls.nouns", name))
     return getattr(import_module(f".{module}", __name__), attribute)
+
+
+def _nouns() -> set[str]:
+    """Return the nouns of all procedures, those of other packages too, as functions are called."""
+    from .procedures import procedure_names, procedure_of  # noqa: PLC0415
+
+    words = (one.word for name in procedure_names() for one in procedure_of(name).commands)
+    return {word.replace("-", "_") for word in words}
 
 
 def __dir__() -> list[str]:

@@ -80,7 +80,18 @@ class Setting:
     def described(self) -> str:
         """Help with choices, example and default."""
         words = f"One of: {', '.join(self.choices)}." if self.choices else ""
-        return " ".join(part for part in (self.help, words, f"Like {self.example}." if self.example else "") if part)
+        example = f"Example: {self.example}." if self.example and self.example != self.default_text else ""
+        default = f"Default: {self.default_text}." if self.default_text else ""
+        return " ".join(part for part in (self.help, words, example, default) if part)
+
+    @property
+    def default_text(self) -> str:
+        """Default as a user writes it; empty where there is none."""
+        if self.default is None or self.default == "" or callable(self.default) or self.needed:
+            return ""
+        if self.flag:
+            return "yes" if self.default else "no"
+        return f"{self.default:g} {self.unit}" if self.unit and isinstance(self.default, float) else str(self.default)
 
     @property
     def about(self) -> str:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -70,3 +72,8 @@ def test_arrays_and_recordings(tmp_path: Path) -> None:
     of_file = inertialcal.thermal(file)
     of_recording = inertialcal.thermal(inertialcal.read(file))
     assert [row.to_dict() for row in of_file.rows] == [row.to_dict() for row in of_recording.rows]
+
+
+def test_the_types_of_the_calls_are_fresh() -> None:
+    script = Path(__file__).parents[3] / "docs" / "stubs.py"
+    assert subprocess.run([sys.executable, str(script), "--check"], check=False).returncode == 0

@@ -65,9 +65,7 @@ def with_options(command: Callable[..., int], parameters: dict[str, tuple[Any, A
 
 def option_of(one: Setting) -> tuple[Any, Any]:
     """Return annotation and default of an option: quantities are text with a unit, nothing given is None."""
-    default = default_text(one)
-    more = [f"Default: {default}." if default else "", "May be repeated." if one.many or one.pairs else ""]
-    described = " ".join(part for part in (one.described, *more) if part)
+    described = f"{one.described}{' May be repeated.' if one.many or one.pairs else ''}"
     name = f"--{one.option}"
     if one.flag:
         return Annotated[
@@ -81,13 +79,6 @@ def option_of(one: Setting) -> tuple[Any, Any]:
     return Annotated[kind | None, option], None
 
 
-def default_text(one: Setting) -> str:
-    """Return the default of a setting as help shows it; empty where it has none."""
-    if one.default is None or callable(one.default) or one.needed:
-        return ""
-    return f"{one.default:g} {one.unit}" if one.unit and isinstance(one.default, float) else str(one.default)
-
-
 def _completion(one: Setting) -> Callable[[str], Sequence[str]] | None:
     if not (one.many and one.choices):
         return None
@@ -98,4 +89,4 @@ def _completion(one: Setting) -> Callable[[str], Sequence[str]] | None:
     return words
 
 
-__all__ = ["command_of", "default_text", "option_of", "with_options"]
+__all__ = ["command_of", "option_of", "with_options"]
