@@ -19,7 +19,7 @@ from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
-from inertialcal.rigs.npsat1.faults import FAULTS
+from inertialcal.rigs.npsat1.rig import FAULTS
 from inertialcal.rigs.npsat1.setup import Bench
 from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.sensors.model.compensate import compensate

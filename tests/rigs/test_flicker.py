@@ -7,7 +7,7 @@ import pytest
 from scipy import signal
 
 from inertialcal.core.estimate import Array
-from inertialcal.rigs.parts.flicker import flicker, increment_covariance
+from inertialcal.rigs.parts.noise import flicker, increment_covariance
 from inertialcal.statistics.slow_noise import flicker_covariance
 
 

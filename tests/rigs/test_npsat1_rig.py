@@ -24,16 +24,14 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.recording import Recording
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.campaign import AT_DEGC, degrees
-from inertialcal.rigs.npsat1.climate import TURN_OVER, Climate, followed, knots, side_of_path, vacuum_part
-from inertialcal.rigs.npsat1.faults import FAULTS
-from inertialcal.rigs.npsat1.logger import column, save_starts
-from inertialcal.rigs.npsat1.reading import noise, polynomial_bias, readings, settled_bias
-from inertialcal.rigs.npsat1.recordings import WARMER_DEGC
+from inertialcal.rigs.npsat1.recordings import WARMER_DEGC, column, save_starts
+from inertialcal.rigs.npsat1.rig import FAULTS
 from inertialcal.rigs.npsat1.setup import (
     AIR,
     AVERAGING,
     CODES,
     INVERTED,
+    LATE,
     REFERENCE,
     STEP,
     VACUUM,
@@ -42,10 +40,9 @@ from inertialcal.rigs.npsat1.setup import (
     Chamber,
     chain,
 )
-from inertialcal.rigs.npsat1.tables import (
+from inertialcal.rigs.npsat1.unit import (
     AIR_TORR,
     AMBIENT_VOLTS,
-    LATE,
     NOISE_DEG_S,
     NOMINAL_SCATTER_V,
     REGION_VOLTS,
@@ -53,10 +50,23 @@ from inertialcal.rigs.npsat1.tables import (
     SLOPES,
     START_UP_AIR_DEG_S,
     START_UP_VACUUM_DEG_S,
+    TURN_OVER,
     VACUUM_VOLTS,
     WALK_DEG_H_SQRT_H,
+    Climate,
+    Run,
+    Unit,
+    draw_unit,
+    followed,
+    knots,
+    noise,
+    polynomial_bias,
+    powered_up,
+    readings,
+    settled_bias,
+    side_of_path,
+    vacuum_part,
 )
-from inertialcal.rigs.npsat1.unit import Run, Unit, draw_unit, powered_up
 from inertialcal.rigs.protocol import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from inertialcal.sensors.chain.conversion import Converted, convert

@@ -11,7 +11,7 @@ import pytest
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
-from inertialcal.rigs.parts.flicker import flicker
+from inertialcal.rigs.parts.noise import flicker
 from inertialcal.signals.segmentation.block_statistics import block_statistics
 from inertialcal.signals.segmentation.turn_windows import quiet_part, turn_windows, windows_as_given
 from inertialcal.signals.segmentation.turns import TurnPlan, Turns, find_turns

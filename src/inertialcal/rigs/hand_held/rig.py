@@ -22,8 +22,7 @@ from ..parts.campaign import drawn_error
 from ..protocol import Extra, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import campaign_text, protocol_file, recording_file
-from .motion import Motion, Part, moved
-from .positions import FACES, labelled_parts, sequence
+from .motion import FACES, Motion, Part, labelled_parts, moved, sequence
 from .setup import RIG_NAMES, Bench, Unit
 
 __all__ = ["FAULTS", "RIG", "Bench", "Held", "Unit", "build", "draw_unit", "held"]

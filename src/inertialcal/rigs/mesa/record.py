@@ -11,21 +11,30 @@ is moved on it: the accelerometer feels that as gravity, and the mercury of the 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
-from ..parts.flicker import flicker
-from .setup import GATE, MERCURY_AMPLITUDE, RANGES, UG, WORK, Bench, Run
-from .source import schedule_table, travel
+from ...physics.motion import ORDER, Window, drive, travel_of_table
+from ...physics.motion.travel import Travel
+from ..parts.noise import flicker
+from .setup import GATE, MERCURY_AMPLITUDE, RANGES, STOPS, UG, WORK, Bench, Run
 
 FLOOR = 1.3863  # 2 ln 2: Allan variance of flicker noise over its h
 PERIOD = (25.0, 40.0)  # of the thermostat [dwells]
 RISE = 0.85  # of its period in which it heats
 DEGREES = 0.1  # swing of the temperature [degC]
 RESOLUTION = 1e-10  # of the tilt meter [rad]
+CM, NG = 0.01, 1e-3 * UG
+# Vertical position [cm], attraction along the input axis [ng].
+TABLE_3 = (
+    (7.6, 71.280), (10.2, 69.623), (12.7, 67.571), (15.2, 65.103), (17.8, 62.196), (20.3, 58.823), (22.9, 54.970),
+    (25.4, 50.658), (27.9, 45.979), (30.5, 41.127), (33.1, 36.372), (35.6, 31.954), (38.1, 28.003), (40.7, 24.548),
+    (43.2, 21.562), (45.7, 18.994), (48.2, 16.788),
+)  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -147,3 +156,35 @@ def _kept(bench: Bench, run: Run, rng: np.random.Generator) -> NDArray[np.int64]
 def amplitude_of_mercury(bench: Bench, error: float) -> float:
     """Return the true tilt of the mercury, with an error of what is computed [rad]; of a lighter mass less."""
     return bench.lighter * (MERCURY_AMPLITUDE + error)
+
+
+@lru_cache(1)
+def travel() -> Travel:
+    """Return the field of the mass along its travel [m/s^2], upper stop first [m]."""
+    position, field = np.array(TABLE_3).T
+    return travel_of_table(CM * position, NG * field)
+
+
+def cycle(bench: Bench) -> tuple[Array, Array]:
+    """Return positions [m] and fields [m/s^2] of the dwells of one cycle."""
+    positions, fields = _cycle(bench.drive)
+    return positions, bench.lighter * fields
+
+
+@lru_cache(2)
+def _cycle(kind: str) -> tuple[Array, Array]:
+    one = drive(travel(), Window(*STOPS, 0.0), "ABAB" if kind == "ABAB" else "sine")
+    return one.positions, one.fields
+
+
+def schedule_table(bench: Bench) -> tuple[Array, Array, Array]:
+    """Return start [s], position [m] and field [m/s^2] of the dwells of a run, as they are planned."""
+    positions, fields = cycle(bench)
+    each = np.arange(bench.dwells) % len(positions)
+    start: Array = np.arange(bench.dwells, dtype=np.float64) * (bench.dwell + bench.move)
+    return start, positions[each], fields[each]
+
+
+def dwells_a_cycle(bench: Bench) -> int:
+    """Return how many."""
+    return len(ORDER["ABAB" if bench.drive == "ABAB" else "sine"])

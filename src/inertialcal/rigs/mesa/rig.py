@@ -18,9 +18,8 @@ from ..parts.campaign import drawn_error
 from ..protocol import Extra, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import PULSES, SCHEDULE, TEMPERATURE, TILT, begin, campaign_text, recording_file
-from .record import Drawn, amplitude_of_mercury, nominal, record
+from .record import Drawn, amplitude_of_mercury, dwells_a_cycle, nominal, record, schedule_table
 from .setup import FAULTS, RUNS, Bench, Run
-from .source import dwells_a_cycle, schedule_table
 
 __all__ = ["FAULTS", "RIG", "RUNS", "Bench", "Run", "build"]
 

@@ -8,14 +8,16 @@ from ...core.axes import AXES
 from ...core.campaign_text import Noted, toml_text
 from ...sensors.catalogue import SLOPE, T_REFERENCE
 from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
-from .logger import APPLIED, BEGIN, DAY, PRESSURE, column
+from .recordings import BEGIN, DAY, column
 from .setup import (
     AIR,
+    APPLIED,
     AVERAGED,
     AVERAGING,
     CODES,
     INTERVAL,
     INVERTED,
+    PRESSURE,
     SCALE_FACTOR_V_PER_DEG_S,
     VACUUM,
     VALID_VOLTS,

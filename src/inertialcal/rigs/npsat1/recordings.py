@@ -6,22 +6,33 @@ for each axis; the walk of the bias goes on between them. At rest the unit lies 
 
 from __future__ import annotations
 
-from dataclasses import fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
-from ...core.recording import Recording
-from ..parts.gyro_bench import body_rate
-from ..parts.stepped_table import Motion, motion
-from .climate import Climate, followed, knots, side_of_path
-from .logger import APPLIED, BEGIN, DAY, PRESSURE, Sensed, save_starts, saved
-from .reading import noise, readings
-from .setup import AIR, AVERAGING, INTERVAL, VACUUM, Bench
-from .tables import AIR_TORR
-from .unit import Unit, powered_up
-from .world import World
+from ...core.recording import SECOND, Channel, Recording
+from ...physics.earth import earth_rate, level_to_table
+from ...sensors.chain.conversion import to_temperature_counts
+from ..parts.campaign import drawn_error
+from ..parts.gyro_bench import Motion, averaged_codes, body_rate, motion, mounted
+from ..protocol import Drawn
+from .setup import (
+    AIR,
+    APPLIED,
+    AVERAGED,
+    AVERAGING,
+    CODES,
+    INTERVAL,
+    PRESSURE,
+    STEP,
+    VACUUM,
+    Bench,
+    chain,
+    thermometer,
+)
+from .unit import AIR_TORR, Climate, Unit, followed, knots, noise, powered_up, readings, reference_volts, side_of_path
 
 DIGITS = 6  # of the commanded rate [deg/s]
 WARMER_DEGC = (0.3, 0.0, -0.2)  # the three sensors beside each other
@@ -29,6 +40,10 @@ SLOWER = (1.0, 1.05, 0.95)  # their time constants, over that of the unit
 FIRST_DAY = {AIR: 0, VACUUM: 10, "table": 20, "static": 30}
 GAUGE_STEPS = 60
 WANDER_DEGC, WANDER_PERIOD = 0.02, 3000.0  # of the temperature in the laboratory
+BEGIN = 1_272_412_800  # 2010-04-28 00:00:00 UTC [s]
+DAY = 86_400
+TESTED_VOLTS = 4.2  # of the built-in test when all is well
+STARTED = 0.6  # [s] after power-up; Table 14: less than 1 s
 
 
 def chamber_recording(
@@ -123,3 +138,180 @@ def _pressure(torr: tuple[float, float], n: int) -> Array:
     """Return the pressure from start to end of a run as a gauge of two digits shows it, shape (n,) [Torr]."""
     levels = np.array([float(f"{one:.2g}") for one in np.geomspace(*torr, GAUGE_STEPS)])
     return np.asarray(levels[np.arange(n) * GAUGE_STEPS // n])
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """How the bench really is.
+
+    Parameters
+    ----------
+    table_gain, converter_gain : float
+        True over nominal.
+    thermometer : float
+        By how much the temperature channels show too much [degC].
+    latitude : float
+        [rad]
+    C_table_level : ndarray, shape (3, 3)
+        Rate table from level.
+    C_body_table : mapping of str to ndarray, shape (3, 3)
+        For each axis that is turned.
+    phase : mapping of str to float
+        Table angle of the index mark for each axis that is turned [rad].
+    C_body_chamber : ndarray, shape (3, 3)
+        Body from level, in the chamber and at rest.
+    """
+
+    table_gain: float
+    converter_gain: float
+    thermometer: float
+    latitude: float
+    C_table_level: Array
+    C_body_table: dict[str, Array]
+    phase: dict[str, float]
+    C_body_chamber: Array
+
+    @property
+    def earth_in_chamber(self) -> Array:
+        """Rate of the earth along the body axes, in the chamber and at rest, shape (3,) [rad/s]."""
+        return np.asarray(self.C_body_chamber @ earth_rate(self.latitude))
+
+
+def draw_world(bench: Bench, rng: np.random.Generator) -> tuple[World, Drawn]:
+    """Return how the bench really is, and the same for the file of the truth."""
+    standards = bench.standards
+    rate, converter, thermometer = (
+        drawn_error(standards.get(name), rng)
+        for name in ("rate_table.rate", "converter.reference", "thermometer.temperature")
+    )
+    latitude = float(np.radians(bench.latitude_deg)) + drawn_error(standards.get("site.latitude"), rng)
+    stands = {
+        "table": (bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg),
+        "chamber": (
+            bench.chamber_tilt_deg, bench.u_chamber_tilt_deg, bench.chamber_azimuth_deg, bench.u_chamber_azimuth_deg,
+        ),
+    }  # fmt: skip
+    angles = {
+        name: np.radians([rng.normal(tilt, u_tilt), rng.normal(azimuth, u_azimuth)])
+        for name, (tilt, u_tilt, azimuth, u_azimuth) in stands.items()
+    }
+    mounting = standards.get("rate_table.mounting")
+    pairs = {axis: (drawn_error(mounting, rng), drawn_error(mounting, rng)) for axis in AXES}
+    phase = {axis: float(rng.uniform(0.0, 2.0 * np.pi)) for axis in AXES}
+    level = {name: level_to_table(float(tilt), float(azimuth)) for name, (tilt, azimuth) in angles.items()}
+    world = World(
+        bench.table_gain * (1.0 + rate),
+        1.0 + converter,
+        thermometer,
+        latitude,
+        level["table"],
+        {axis: mounted(i, pairs[axis]) for i, axis in enumerate(AXES)},
+        phase,
+        level["chamber"],
+    )
+    drawn: dict[str, float | list[float] | list[list[float]]] = {
+        "table_rate_error": rate,
+        "converter_reference_error": converter,
+        "thermometer_error": thermometer,
+        "latitude": latitude,
+        **{f"tilt_and_azimuth_of_{name}": pair.tolist() for name, pair in angles.items()},
+        **{f"mounting_{axis}_turned": list(pair) for axis, pair in pairs.items()},
+        **{f"phase_{axis}_turned": angle for axis, angle in phase.items()},
+    }
+    return world, drawn
+
+
+def column(what: str, axis: str) -> str:
+    """Return the name of a column: rate, temperature, built-in test or one of the references of a sensor."""
+    return axis if what == "rate" else f"{axis}_{what}"
+
+
+def save_starts(bench: Bench, duration: float, rng: np.random.Generator) -> Array:
+    """Return where the averaging windows of a recording begin, whole seconds, shape (n,) [s]."""
+    n = int(duration / INTERVAL) + 1
+    steps = np.full(n, INTERVAL)
+    pick = rng.random(n)
+    for step, share in bench.steps.items():
+        steps[(pick >= 0.0) & (pick < share)] = step
+        pick -= share
+    starts = np.concatenate([[0], np.cumsum(steps)])
+    return np.asarray(starts[starts <= duration - AVERAGING], dtype=np.float64)
+
+
+@dataclass(frozen=True, eq=False)
+class Sensed:
+    """What there is to be saved.
+
+    Parameters
+    ----------
+    starts : ndarray, shape (n,)
+        Of the averaging windows, from the begin of the recording [s].
+    readings : ndarray, shape (n, 3)
+        Along the body axes [rad/s].
+    temperature : ndarray, shape (n, 3)
+        Of the sensors [degC].
+    powered : float
+        From power-up to the begin of the recording [s].
+    begin : int
+        Of the recording, UNIX time [s].
+    """
+
+    starts: Array
+    readings: Array
+    temperature: Array
+    powered: float
+    begin: int
+
+
+def saved(
+    bench: Bench, unit: Unit, world: World, sensed: Sensed, others: dict[str, Array], rng: np.random.Generator
+) -> Recording:
+    """Return the recording, each average stamped at its end.
+
+    Parameters
+    ----------
+    bench, unit, world : Bench, Unit, World
+        As they are.
+    sensed : Sensed
+        Readings and temperatures.
+    others : dict of str to ndarray, shape (n,)
+        Columns that are not of a sensor; they come first.
+    rng : numpy.random.Generator
+        All draws come from it.
+    """
+    codes = _codes(bench, unit, world, sensed, rng)
+    if not bench.reference_saved:
+        del codes["ref"]
+    real = {axis: AXES.index(sensor) for axis, sensor in zip(AXES, bench.wiring, strict=True)}
+    columns = others | {column(what, axis): table[:, real[axis]] for what, table in codes.items() for axis in AXES}
+    stamps = (sensed.begin + np.rint(sensed.starts + AVERAGING).astype(np.int64)) * SECOND
+    channels = tuple(Channel(name, np.ascontiguousarray(values)) for name, values in columns.items())
+    return Recording(channels, stamps, float(INTERVAL), AVERAGING, epoch="utc")
+
+
+def _codes(bench: Bench, unit: Unit, world: World, sensed: Sensed, rng: np.random.Generator) -> dict[str, Array]:
+    """Return mean codes of the five columns, shape (n, 3) each; the error of the converter is in all of them."""
+    known, channel, gain = chain(bench), thermometer(bench), world.converter_gain
+    references = gain * _references(unit, sensed.temperature, rng)
+    along_sensors = sensed.readings * np.array(bench.inverted)
+    rate, reference = averaged_codes(known, gain * along_sensors, references[0], AVERAGED)
+    fine = replace(known, step=STEP / AVERAGED, codes=(CODES[0] * AVERAGED, CODES[1] * AVERAGED))
+    beside = np.clip(np.rint(references[1] / fine.step), CODES[0] * AVERAGED, CODES[1] * AVERAGED)
+    volts = gain * channel.volts(sensed.temperature + world.thermometer)
+    volts += rng.normal(0.0, unit.temperature_std, volts.shape)
+    warm = to_temperature_counts(fine, channel.degrees(volts), reference=beside)
+    on = np.clip(sensed.powered + sensed.starts + AVERAGING - STARTED, 0.0, AVERAGING) / AVERAGING
+    tested = np.rint(TESTED_VOLTS / STEP * on * AVERAGED) / AVERAGED
+    return {
+        "rate": rate,
+        "temp": warm / AVERAGED,
+        "bit": np.repeat(tested[:, None], 3, axis=1),
+        "ref": reference,
+        "temp_ref": beside / AVERAGED,
+    }
+
+
+def _references(unit: Unit, temperature: Array, rng: np.random.Generator) -> Array:
+    """Return the reference voltages of rate and temperature, shape (2, n, 3) [V]."""
+    exact = np.stack([reference_volts(unit, which, temperature) for which in (0, 1)])
+    return np.asarray(exact + rng.normal(0.0, unit.reference_std, exact.shape))

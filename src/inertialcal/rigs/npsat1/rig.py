@@ -1,8 +1,10 @@
 """Rig of the rate-sensor suite: three rate sensors through thermal chamber, vacuum, rate table and a long rest.
 
-Sizes and signs follow the published flight unit [1]_ (``npsat1_tables``). The unit is drawn about it, power-ups about
-the unit; what the engineer does not know of his bench is drawn once (``npsat1_world``). What the sensors read stands in
-``npsat1_reading``, what the true values mean in ``npsat1_truth``.
+Sizes and signs follow the published flight unit [1]_. The unit is drawn about it, and each power-up about the unit. What
+the engineer does not know of his bench is drawn once for the whole campaign.
+
+True values: the bias is a mean over many power-ups, settled, midway between warming and cooling, without the earth's
+rate, at the true temperature. The bias on the rate table is what remains there once the bias in air is subtracted.
 
 References
 ----------
@@ -11,24 +13,57 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
+from ...core.axes import AXES
+from ...core.estimate import Array
 from ...core.recording import Recording
-from ..protocol import Rig, Twin, on_bench
+from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
-from .campaign import campaign_text, recording_file
-from .faults import FAULTS
-from .recordings import chamber_recording, static_recording, table_recordings
-from .setup import AIR, Bench
-from .truth import drawn_of, true_values
-from .unit import Unit, draw_unit
-from .world import World, draw_world
+from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, campaign_text, degrees, recording_file
+from .recordings import World, chamber_recording, draw_world, static_recording, table_recordings
+from .setup import AIR, AVERAGING, VACUUM, Bench
+from .unit import Unit, draw_unit, polynomial_bias, reference_volts
 
 __all__ = ["FAULTS", "RIG", "Bench", "build"]
 
 Recordings = dict[str, Recording]
+MODEL_DEGC = np.array([-30.0, 0.0, 40.0, 70.0])  # four points tell a cubic
+FAULTS: dict[str, Fault] = {
+    "no_temperature_change": Fault(
+        "the chamber was never switched on", "no_temperature_change", {"set_points": (23.0, 23.0, 23.0, 23.0)}
+    ),
+    "missing_reference": Fault(
+        "the reference voltages of the rates were not saved", "missing_reference", {"reference_saved": False}
+    ),
+    "swapped_axes": Fault("the connectors x and y are exchanged", "axes_mixed", {"wiring": ("y", "x", "z")}),
+    "inverted_sign": Fault("the z sensor is not mounted inverted, as is said", "inverted", {"inverted": (-1, 1, 1)}),
+    "overlapping_windows": Fault(
+        "the windows of a fit and of a hold-out test have hours in common", "overlap", {"overlapping": True}
+    ),
+    "saturated_end": Fault(
+        "the temperature channels reach the end of the converter before the ramp is at its cold end",
+        "rail",
+        {"nominal_shift": -0.9},
+    ),
+    "duplicate_recording": Fault(
+        "the file of the second ramp in air is a copy of the first", "duplicate_recording", {"copied": True}
+    ),
+    "only_cooling": Fault("the chamber only cooled", "one_path", {"set_points": (67.0, -30.0)}),
+    "wide_requirement": Fault(
+        "the bias is required over more than the ramps went through", "outside", {"required_degc": (-40.0, 85.0)}
+    ),
+    "no_zero_reference": Fault(
+        "the rate table was never still",
+        "never_still",
+        {
+            "rates_deg_s": (0.1, -0.1, 0.2, -0.2, 0.5, -0.5, 1.5, -1.5, 3.0, -3.0, 4.5, -4.5),
+            "zero_reference": False,
+        },
+    ),
+}
 
 
 def build(bench: Bench, seed: int, unit: Unit | None = None) -> Twin:
@@ -81,6 +116,82 @@ def _table(bench: Bench, unit: Unit, world: World, rng: np.random.Generator) -> 
 def _rest(bench: Bench, unit: Unit, world: World, rng: np.random.Generator) -> Recordings:
     runs = range(1, bench.static_runs + 1)
     return {recording_file("static", number): static_recording(bench, unit, world, number, rng) for number in runs}
+
+
+def true_values(unit: Unit, parts: tuple[str, ...]) -> tuple[TrueValue, ...]:
+    """Return the quantities of a unit that the tests of these parts find."""
+    found = {"thermal": _thermal, "rate_table": _on_table, "noise": _noise}
+    each = [value for part in parts for value in found[part](unit)]
+    return (*each, *(_model(unit) if {"thermal", "rate_table"} <= set(parts) else ()))
+
+
+def _model(unit: Unit) -> Iterator[TrueValue]:
+    """Yield the bias over temperature of the model: in air, with what the installation on the rate table adds."""
+    bias = polynomial_bias(unit, AIR, MODEL_DEGC)
+    for i, axis in enumerate(AXES):
+        powers = np.polynomial.Polynomial.fit(MODEL_DEGC - REFERENCE_DEGC, bias[:, i], 3).convert()
+        constant, *others = powers.coef
+        yield TrueValue("bias", axis, float(constant + unit.installation[i]), "rad/s", "model")
+        for j, value in enumerate(others, 1):
+            name = "rad/s/degC" if j == 1 else f"rad/s/degC^{j}"
+            yield TrueValue(f"bias_temperature_{j}", axis, float(value), name, "model")
+
+
+def _thermal(unit: Unit) -> Iterator[TrueValue]:
+    bias = {where: polynomial_bias(unit, where, [REFERENCE_DEGC, *AT_DEGC]) for where in (AIR, VACUUM)}
+    conditions = ["", *map(degrees, AT_DEGC)]
+    for where in (AIR, VACUUM):
+        test = NAMES[where]
+        for row, condition in enumerate(conditions):
+            yield from _each("bias", bias[where][row], "rad/s", test, condition)
+        yield from _each("hysteresis", 2.0 * unit.hysteresis, "rad/s", test)
+        yield from _each("thermal_lag", np.full(3, unit.lag), "s", test)
+        yield from _each("warm_up_change", unit.start_up[where], "rad/s", test)
+        yield from _each("warm_up_time_constant", np.full(3, unit.start_up_time[where]), "s", test)
+        for which, quantity in enumerate(("reference_voltage", "temperature_reference_voltage")):
+            yield from _each(quantity, reference_volts(unit, which, REFERENCE_DEGC), "V", test)
+    for row, condition in enumerate(conditions):
+        offset = bias[VACUUM][row] - bias[AIR][row]
+        yield from _each("vacuum_offset", offset, "rad/s", NAMES[VACUUM], condition)
+
+
+def _on_table(unit: Unit) -> Iterator[TrueValue]:
+    model = unit.model
+    matrix, own = model.matrix[0], np.diag(model.matrix[0])
+    yield from _each("bias", unit.installation, "rad/s", NAMES["rate_table"])
+    yield from _each("scale_factor", model.scale_factor * own, "V/(rad/s)")
+    yield from _each("scale_factor_error", own - 1.0, "1")
+    if model.scale_factor_asymmetry is not None:
+        yield from _each("scale_factor_asymmetry", model.scale_factor_asymmetry, "1")
+    for i, axis in enumerate(AXES):
+        for j, other in enumerate(AXES):
+            if j != i:
+                yield TrueValue("cross_axis_sensitivity", axis + other, float(matrix[i, j]), "1")
+                yield TrueValue("misalignment", axis + other, float(matrix[i, j] / own[i]), "rad")
+
+
+def _noise(unit: Unit) -> Iterator[TrueValue]:
+    yield from _each("angle_random_walk", unit.white * np.sqrt(AVERAGING), "rad/sqrt(s)")
+    yield from _each("rate_random_walk", unit.walk, "rad/s/sqrt(s)")
+
+
+def _each(quantity: str, values: Array, unit: str, test: str = "", condition: str = "") -> Iterator[TrueValue]:
+    for axis, value in zip(AXES, values, strict=True):
+        yield TrueValue(quantity, axis, float(value), unit, test, condition)
+
+
+def drawn_of(unit: Unit) -> Drawn:
+    """Return what else was drawn of a unit, for the file of the truth."""
+    found: Mapping[str, Array] = {
+        **{f"bias_volts_{where}": coefficients for where, coefficients in unit.bias_volts.items()},
+        **{f"start_up_{where}": change for where, change in unit.start_up.items()},
+        "installation": unit.installation,
+        "hysteresis": unit.hysteresis,
+        "reference_volts_of_rate": unit.reference_volts[0],
+        "reference_volts_of_temperature": unit.reference_volts[1],
+    }
+    times = {f"start_up_time_{where}": float(time) for where, time in unit.start_up_time.items()}
+    return {**{name: values.tolist() for name, values in found.items()}, **times, "lag": unit.lag}
 
 
 RIG = Rig("npsat1", TITLE, on_bench(build, Bench()), FAULTS, demonstration_seed=2011)  # the year of [1]_

@@ -11,7 +11,6 @@ from ...core.axes import AXES
 from ...core.influence import Influence
 from ...sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from ...sensors.chain.converter import Chain, Thermometer
-from .tables import LATE
 
 INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
 STEP = 5.0 / 4095.0  # [V]
@@ -23,6 +22,9 @@ VALID_VOLTS = 2.4  # of the built-in test
 INTERVAL, AVERAGING, AVERAGED = 2, 1.0, 200  # [s], [s], conversions
 PARTS = ("thermal", "rate_table", "noise")
 AIR, VACUUM = "ambient", "vacuum"
+
+LATE = {3: 0.018, 5: 1e-3, 6: 3e-4}  # steps [s] between saves and their share: ACS 206 and 238; the others are 2 s
+APPLIED, PRESSURE = "rate_dps", "pressure_torr"  # columns besides those of the sensors
 
 # The same rate again and again is one longer dwell: some 260 s at low rates, as in the thesis, between rests as long.
 LOW_RATES, RATES, LONGER = (0.05, 0.1), (0.5, 1.5, 3.0, 4.5), 4

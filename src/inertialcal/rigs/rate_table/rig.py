@@ -26,13 +26,11 @@ from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
 from ...physics.earth import level_to_table
 from ..parts.campaign import drawn_error
-from ..parts.gyro_bench import Gyro, averaged_codes, body_rate, mounted, powered_up, readings
+from ..parts.gyro_bench import Gyro, Motion, averaged_codes, body_rate, motion, mounted, powered_up, readings
 from ..parts.noise import random_walk
-from ..parts.stepped_table import Motion, motion
-from ..protocol import Drawn, Rig, TrueValue, Twin, on_bench
+from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import APPLIED, campaign_text, recording_file, reference_column, validity_column
-from .faults import FAULTS
 from .setup import REFERENCE, STEP, Bench, chain, draw_gyro
 
 __all__ = ["FAULTS", "RIG", "Bench", "build", "true_values"]
@@ -41,6 +39,31 @@ BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 RUN, SET_UP = 86_400, 7_200  # from run to run, and from axis to axis [s]
 DIGITS = 6  # of the commanded rate [deg/s]
 REFERENCE_WALK = 5e-5  # of a reference voltage [V/sqrt(s)]
+FAULTS: dict[str, Fault] = {
+    "swapped_axis": Fault("the columns x and y hold each other's sensor", "axes_mixed", {"wiring": ("y", "x", "z")}),
+    "wrong_sign": Fault("the z sensor is not mounted inverted, as is said", "inverted", {"inverted": (-1, 1, 1)}),
+    "saturated_step": Fault(
+        "the highest rate lies beyond the converter",
+        "rail",
+        {"rates_deg_s": (0.0, 0.5, -0.5, 1.5, -1.5, 0.0, 3.0, -3.0, 6.0, -4.5, 0.0)},
+    ),
+    "missing_reference": Fault(
+        "the reference voltages were not saved", "missing_reference", {"reference_saved": False}
+    ),
+    "bit_low": Fault("the built-in test is low throughout", "never_valid", {"built_in_test": 0.4}),
+    "only_positive": Fault(
+        "the table turned one way only",
+        "few_rates",
+        {"rates_deg_s": (0.0, 0.5, 1.0, 1.5, 2.0, 0.0, 3.0, 3.5, 4.0, 4.5, 0.0)},
+    ),
+    "axis_not_turned": Fault("the unit was not turned about z", "not_turned", {"turned": ("x", "y")}),
+    "never_still": Fault(
+        "no dwell at rest",
+        "never_still",
+        {"rates_deg_s": (0.5, -0.5, 1.5, -1.5, 2.5, -2.5, 3.0, -3.0, 4.5, -4.5)},
+    ),
+    "rate_off": Fault("the table turns 15 % slower than it says", "rate_disagrees", {"table_gain": 0.85}),
+}
 
 
 @dataclass(frozen=True, eq=False)

@@ -23,8 +23,8 @@ from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ..parts.campaign import drawn_error
-from ..parts.flicker import flicker
 from ..parts.head_turn import course, felt, swung
+from ..parts.noise import flicker
 from .campaign import windows
 from .setup import (
     CUT_OFF_BEFORE,

@@ -12,34 +12,32 @@ References
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import TypeAlias
 
 import numpy as np
 
 from ...core.axes import AXES
+from ...core.campaign_text import Noted, toml_text
 from ...core.estimate import Array
+from ...core.influence import Influence
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...sensors.noise.simulate import simulate
 from ...sensors.noise.terms import BiasInstability, RandomWalk, RateRandomWalk, Sinusoid, quantity_name
-from ..parts.campaign import drawn_error
+from ..parts.campaign import campaign_head, channel_entries, drawn_error, standard_tables
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
-from .campaign import campaign_text, recording_file
-from .setup import Bench
 
 __all__ = ["FAULTS", "RIG", "Bench", "build"]
 
 Drift: TypeAlias = RandomWalk | RateRandomWalk | BiasInstability
-
 BEGIN = 1_272_467_400  # 2010-04-28 15:10:00 UTC [s]
 APART = 86_400  # from record to record [s]
 SPREAD = 0.2  # of the sizes, from unit to unit (1)
 STEP = 1e-5  # of what is saved [deg/s]
 KNOCK = 0.05  # amplitude of a disturbance [rad/s]
 WARMING = 2_000.0  # time constant of a warm-up [s]
-
-
 FAULTS: dict[str, Fault] = {
     "knocked": Fault("somebody knocks against the bench", "disturbed", {"knocked": True}),
     "warming": Fault("the unit still warms up", "warm_up", {"warming": 3e-4}),
@@ -47,6 +45,7 @@ FAULTS: dict[str, Fault] = {
     "stuck": Fault("the channel of y hangs", "constant", {"stuck": "y"}),
     "too_short": Fault("40 s are no record of noise", "too_short", {"samples": 20, "skipped": 0.0}),
 }
+SCALE = Influence(0.002, "1", certificate="data sheet of the unit")
 
 
 def build(bench: Bench, seed: int) -> Twin:
@@ -124,6 +123,88 @@ def _knock(n: int) -> Array:
     middle = n // 2
     swing[middle : middle + 60] = KNOCK * np.sin(np.arange(60) / 3.0) * np.exp(-np.arange(60) / 20.0)
     return swing
+
+
+@dataclass(frozen=True)
+class Bench:
+    """The record as it is made.
+
+    Parameters
+    ----------
+    records, samples : int
+        Records, and averages of each.
+    interval, averaging : float
+        From average to average, and length of each [s].
+    walk, rate_walk, flicker : float
+        Sizes about which those of a unit are drawn: N [rad/sqrt(s)], K [rad/s/sqrt(s)], B [rad/s].
+    skipped : float
+        Part of the averages that is not saved (1).
+    scale_factor : Influence
+        Uncertainty of what turns readings into rates.
+    knocked : bool
+        Whether somebody knocks against the bench.
+    warming : float
+        Change of all biases while the unit warms up [rad/s].
+    humming : float
+        Amplitude of a line in x [rad/s].
+    stuck : str
+        Axis whose channel hangs; none where empty.
+    """
+
+    records: int = 2
+    samples: int = 12_000
+    interval: float = 2.0
+    averaging: float = 1.0
+    walk: float = 7e-5
+    rate_walk: float = 8e-7
+    flicker: float = 3e-5
+    skipped: float = 0.001
+    scale_factor: Influence = SCALE
+    knocked: bool = False
+    warming: float = 0.0
+    humming: float = 0.0
+    stuck: str = ""
+
+
+def recording_name(number: int) -> str:
+    """Return the name of a record in the campaign."""
+    return f"still{number}"
+
+
+def recording_file(number: int) -> str:
+    """Return the file of a record, in the campaign folder."""
+    return f"recordings/{recording_name(number)}.csv"
+
+
+def campaign_text(bench: Bench) -> str:
+    """Return the text of campaign.toml, with the marks for the seed and for the seal of the truth."""
+    title, about = "Noise of a simulated three-axis gyro", "a three-axis rate gyro that stands still"
+    times = {"interval": f"{bench.interval:g} s", "averaging": f"{bench.averaging:g} s"}
+    recordings = {
+        recording_name(number): {
+            "sensor": "suite",
+            "file": recording_file(number),
+            "clock": {"column": "unix_s", "stamp": "end", **times},
+            "channels": channel_entries({axis: axis for axis in AXES}, "deg/s"),
+        }
+        for number in range(1, bench.records + 1)
+    }
+    saved = f"Each average lasts {bench.averaging:g} s; one is saved every {bench.interval:g} s."
+    limits = {"angle_random_walk": "0.36 deg/sqrt(h)", "bias_instability": "20 deg/h"}
+    requirements = [
+        {"id": f"R{i}", "text": f"{quantity.replace('_', ' ')} at most {limit}", "quantity": quantity, "upper": limit}
+        for i, (quantity, limit) in enumerate(limits.items(), 1)
+    ]
+    return toml_text(
+        {
+            **campaign_head("still_gyro", "simulated rate gyro", title, about),
+            "standards": standard_tables({"sensor.scale_factor": bench.scale_factor}),
+            "sensors": {"suite": {"kind": "gyro", "axes": list(AXES), "unit": "deg/s"}},
+            "recordings": Noted(recordings, above=saved),
+            "tests": [{"id": "noise", "procedure": "static_noise", "recordings": list(recordings)}],
+            "requirements": requirements,
+        }
+    )
 
 
 RIG = Rig("still_gyro", TITLE, on_bench(build, Bench()), FAULTS)
