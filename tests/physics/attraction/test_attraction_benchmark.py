@@ -15,8 +15,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.physics.attraction import Lattice
-from inertialcal.physics.attraction.field import G
+from inertialcal.physics.attraction.bodies import G, Lattice
 from inertialcal.physics.budget import Doubts, Source, linear_budget, monte_carlo_budget
 from inertialcal.physics.mass_shape import Gain, Grid, best_cells, largest_field
 

@@ -8,7 +8,7 @@ from cuboid_reference import cuboid_field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.physics.attraction import Lattice, Prism
+from inertialcal.physics.attraction.bodies import Lattice, Prism
 
 CLAIM = 1e-12
 

@@ -10,8 +10,9 @@ import numpy as np
 import pytest
 from scipy import optimize
 
+from closed_bodies import Point
 from inertialcal.core.errors import DataError
-from inertialcal.physics.attraction import Point, surface_tilt
+from inertialcal.physics.attraction.tilt import surface_tilt
 from inertialcal.physics.mass_shape import Grid, best_cells
 
 GRAVITY = 9.81

@@ -10,8 +10,8 @@ import pytest
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
+from closed_bodies import Placed
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.physics.attraction import Placed
 from inertialcal.physics.budget import Doubts, Source, compared, linear_budget, monte_carlo_budget, shares
 from inertialcal.physics.budget import monte_carlo as drawing
 from inertialcal.physics.mass_shape import Grid, best_cells

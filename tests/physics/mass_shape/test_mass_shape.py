@@ -14,7 +14,7 @@ from scipy import integrate, optimize
 
 from inertialcal.core.constants import REINEL_GRAVITATIONAL_CONSTANT, REINEL_GRAVITY
 from inertialcal.core.errors import DataError
-from inertialcal.physics.attraction import ProofMass
+from inertialcal.physics.attraction.extended import ProofMass
 from inertialcal.physics.mass_shape import (
     Gain,
     Grid,

@@ -11,8 +11,10 @@ import numpy as np
 import pytest
 from scipy import interpolate
 
+from closed_bodies import Point
 from inertialcal.core.constants import REINEL_GRAVITATIONAL_CONSTANT, REINEL_GRAVITY
-from inertialcal.physics.attraction import Lattice, Point, Prism, ProofMass, Sphere, mean_field
+from inertialcal.physics.attraction.bodies import Lattice, Prism
+from inertialcal.physics.attraction.extended import ProofMass, mean_field
 from inertialcal.physics.mass_shape import Grid, best_cells
 
 G = REINEL_GRAVITATIONAL_CONSTANT.value * 1e-3  # m^3/s^2/kg
@@ -101,6 +103,6 @@ def test_the_satellites_mass() -> None:
     fields = []
     for mass in (1.0, 4.0):
         radius = (3.0 * mass / (4.0 * math.pi * 11340.0)) ** (1.0 / 3.0)
-        fields.append(G * Sphere(mass, radius, (radius + 0.102, 0.0, 0.0)).field(np.zeros((1, 3)))[0, 0] / NG * 1e-9)
+        fields.append(G * Point(mass, (radius + 0.102, 0.0, 0.0)).field(np.zeros((1, 3)))[0, 0] / NG * 1e-9)
     assert fields[0] == pytest.approx(4.05e-10, abs=0.005e-10)
     assert fields[1] > 1e-9

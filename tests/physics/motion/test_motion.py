@@ -5,8 +5,10 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from closed_bodies import Point
 from inertialcal.core.errors import DataError
-from inertialcal.physics.attraction import Lattice, Point, ProofMass
+from inertialcal.physics.attraction.bodies import Lattice
+from inertialcal.physics.attraction.extended import ProofMass
 from inertialcal.physics.motion import (
     Window,
     best_window,

@@ -25,7 +25,6 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .axial import direction
 from .bodies import Body, positive
 
 ALONG, RADII, AROUND = 16, 6, 24
@@ -64,7 +63,8 @@ class ProofMass:
                 f"inner radius {self.inner_radius:g} m is not between 0 and the radius, {self.radius:g} m",
                 code="no_extent",
             )
-        direction(self.axis)
+        if not 0.0 < math.hypot(*self.axis) < math.inf:
+            raise DataError(f"axis {self.axis} has no direction", code="no_direction")
 
     def points(self) -> tuple[Array, Array]:
         """Return places about its centre (n, 3) [m], and weights that sum to one, shape (n,)."""

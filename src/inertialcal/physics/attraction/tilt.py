@@ -8,9 +8,6 @@ potential U of the attraction, so that between two pools a distance L apart it l
 Positive is higher at the second pool: liquid is drawn toward what attracts. Terms of the square of the tilt, and the
 attraction along gravity against g, are left out: 1e-8 of it. That the ground leans under the load is not in it.
 
-An instrument with many parts, a source mass among them, is a `Composite` of bodies; what its own parts do to its proof
-mass is `attraction` or `mean_field` of that body at the proof mass, what they do to its pools is `surface_tilt` of it.
-
 References
 ----------
 .. [1] Reinel, NASA TM X-53857, 1969, Appendix C: pools of mercury 1 m apart, 0.680, 0.595 and 0.496e-8 rad. Where they
@@ -25,8 +22,7 @@ from numpy.typing import ArrayLike
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import DataError
 from ...core.estimate import Array
-from .bodies import Body, positive
-from .field import G, attraction
+from .bodies import Body, G, positive
 
 PANELS, NODES = 12, 16  # of the line between the pools, and of each
 FLAT = 1e-6  # of the distance: by how much pools may differ in height
@@ -72,8 +68,8 @@ def surface_tilt(
     ends, moved = _triples(pools, "pools"), _triples(shifts, "shifts")
     line = _line(ends, np.array(up, dtype=float))
     at, weights = _along()
-    places = ends[0] + at[:, None] * line
-    found = attraction(body, places - moved[:, None, :], gravitational_constant)
+    places = (ends[0] + at[:, None] * line - moved[:, None, :]).reshape(-1, 3)
+    found = gravitational_constant * body.field(np.ascontiguousarray(places)).reshape(len(moved), len(at), 3)
     mean: Array = np.einsum("nij,i,j->n", found, weights, line / np.linalg.norm(line))
     return mean / gravity
 

@@ -14,8 +14,7 @@ import numpy as np
 from ...core.constants import GRAVITATIONAL_CONSTANT
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..attraction.bodies import finite
-from ..attraction.lattice import Lattice
+from ..attraction.bodies import Lattice, finite
 from ..motion.clearance import refuse_overlap
 
 OFF = 1e-9  # of a length of one

@@ -13,8 +13,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..attraction.bodies import finite, positive, slipped
-from ..attraction.lattice import Lattice
+from ..attraction.bodies import Lattice, finite, positive, slipped
 from .gain import Gain
 
 DENSEST = 23000.0  # kg/m^3: no metal is denser than osmium, 22,590

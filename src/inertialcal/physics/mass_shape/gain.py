@@ -14,8 +14,8 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ..attraction.bodies import Lattice
 from ..attraction.extended import ProofMass
-from ..attraction.lattice import Lattice
 
 Direction = tuple[float, float, float]
 HERE = (0.0, 0.0, 0.0)

@@ -14,7 +14,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..attraction.lattice import Lattice
+from ..attraction.bodies import Lattice
 from .cells import PLAIN, Grid, best_cells
 from .gain import Gain
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ..attraction.lattice import Lattice
+from ..attraction.bodies import Lattice
 from .travel import Direction, unit
 
 LOOKED = 201  # positions along the travel

@@ -10,7 +10,7 @@ import numpy as np
 
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....physics.attraction import Lattice
+from ....physics.attraction.bodies import Lattice
 from ....physics.mass_shape import Bound, Gain, Grid, Pieces, best_cells, best_stack, largest_field, most_in_weight
 from .settings import Body
 

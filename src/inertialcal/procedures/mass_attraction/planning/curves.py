@@ -6,7 +6,7 @@ import numpy as np
 
 from ....core.curve import Column, Curve
 from ....core.estimate import Array
-from ....physics.attraction import Prism
+from ....physics.attraction.bodies import Prism
 from ....physics.mass_shape import growth
 from .body import MassBody
 from .drive import POINTS, MassDrive, MassForecast

@@ -11,7 +11,7 @@ import numpy as np
 
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....physics.attraction import ProofMass
+from ....physics.attraction.extended import ProofMass
 from ....physics.budget import Doubts, Share, Source, compared, monte_carlo_budget, shares
 from ....physics.motion import (
     Drive,

@@ -22,7 +22,8 @@ from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import remarks_line
 from ....core.show.tables import Block, html, text
 from ....core.units import parse_quantity
-from ....physics.attraction import ProofMass, surface_tilt
+from ....physics.attraction.extended import ProofMass
+from ....physics.attraction.tilt import surface_tilt
 from ....physics.budget import Doubts
 from ....physics.mass_shape import Gain, Grid, change
 from ....physics.motion import refuse_overlap

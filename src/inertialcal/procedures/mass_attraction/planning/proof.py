@@ -9,7 +9,8 @@ import numpy as np
 from ....core.curve import Column, Curve
 from ....core.key import Key, told_for
 from ....core.results import Row
-from ....physics.attraction import Lattice, ProofMass, mean_field
+from ....physics.attraction.bodies import Lattice
+from ....physics.attraction.extended import ProofMass, mean_field
 from ....physics.motion import Travel
 
 TEST = "mass_attraction"
