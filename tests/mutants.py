@@ -455,7 +455,7 @@ MUTANTS = (
         "return -_angle(x, y, z, r), -_angle(y, z, x, r), -_angle(z, x, y, r), lx, lz, ly",
         "test_attraction_bodies test_attraction_lattice",
     ),
-    Mutant("tilt.py", "places - moved[:, None, :]", "places + moved[:, None, :]", "test_tilt"),
+    Mutant("tilt.py", "line - moved[:, None, :]", "line + moved[:, None, :]", "test_tilt"),
     Mutant(
         "bound.py",
         '"sphere": (_sphere_volume, _sphere_field, 0.5)',
