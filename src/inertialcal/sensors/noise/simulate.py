@@ -20,7 +20,7 @@ from __future__ import annotations
 from functools import singledispatch
 
 import numpy as np
-from scipy import fft, signal
+from scipy import fft
 
 from ...core.errors import DataError
 from ...core.estimate import Array
@@ -105,6 +105,8 @@ def _(term: RateRamp, n: int, interval: float, averaging: float, rng: np.random.
 
 @samples.register
 def _(term: GaussMarkov, n: int, interval: float, averaging: float, rng: np.random.Generator) -> Array:
+    from scipy import signal  # noqa: PLC0415 - starts slowly, and estimating needs none of it
+
     v, gap = averaging / term.correlation_time, (interval - averaging) / term.correlation_time
     end_variance = -np.expm1(-2.0 * v)  # of the end of a window, given its start; sigma = 1
     mean_share = -np.expm1(-v) / v  # of the start, in the mean over the window

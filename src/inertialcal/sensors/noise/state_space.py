@@ -27,7 +27,7 @@ from dataclasses import dataclass, replace
 from functools import singledispatch
 
 import numpy as np
-from scipy import linalg, optimize
+from scipy import linalg
 
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
@@ -335,6 +335,8 @@ def flicker_bank(
         raise PlanError(f"averaging times from {shortest:g} to {longest:g} s, need ascending positive ones")
     decades = float(np.log10(longest / shortest))
     count = int(np.ceil(decades)) + 1 if states is None else states
+    from scipy import optimize  # noqa: PLC0415 - starts slowly
+
     if count < 1:
         raise PlanError(f"{count} states, need 1 or more")
     tau = np.geomspace(shortest, longest, max(GRID, int(GRID * decades)))
