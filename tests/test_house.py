@@ -223,17 +223,6 @@ def test_tests_mirror_the_tree() -> None:
         assert len(where) == 1 or where[0] in {*ORDER, "docs"}, f"{path} mirrors no folder"
 
 
-def test_help_loads_nothing_heavy() -> None:
-    code = (
-        "import sys\n"
-        "from inertialcal.cli.__main__ import main\n"
-        "try:\n    main(['--help'])\nexcept SystemExit: pass\n"
-        f"print('LOADED', [name for name in {HEAVY!r} if name in sys.modules])\n"
-    )
-    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)
-    assert done.stdout.rstrip().endswith("LOADED []")
-
-
 def test_importing_the_package_loads_nothing_heavy() -> None:
     code = f"import sys, inertialcal\nprint([name for name in {HEAVY!r} if name in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True, timeout=60)

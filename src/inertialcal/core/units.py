@@ -17,19 +17,22 @@ difference.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-
-import numpy as np
-from numpy.typing import ArrayLike
+from typing import TYPE_CHECKING
 
 from .errors import DataError
-from .estimate import Array
 from .unit.atoms import NONE, PREFIXES, Factor, Powers, by_symbol, kind_of, merged, product, quotient, raised
 from .unit.parse import read_quantity, read_unit
 from .unit.spelling import spell
+
+if TYPE_CHECKING:
+    from numpy.typing import ArrayLike
+
+    from .estimate import Array
 
 _REMEMBERED = 4096  # texts
 
@@ -164,7 +167,7 @@ def factor(from_unit: str, to_unit: str, difference: bool = False) -> float:
             code="unit_mismatch",
         )
     number = _in_base_units(quotient(source, target))[0]
-    if not (np.isfinite(number) and number > 0.0):
+    if not (math.isfinite(number) and number > 0.0):
         raise DataError(
             f"the factor from {from_unit!r} to {to_unit!r} is beyond what a number can hold",
             code="unit_mismatch",
@@ -192,6 +195,8 @@ def convert(values: ArrayLike, from_unit: str, to_unit: str) -> Array:
     DataError
         With code ``unit_mismatch``, if the dimensions differ.
     """
+    import numpy as np  # noqa: PLC0415 - help of a command reads units, and needs no arrays
+
     numbers: Array = np.asarray(values, dtype=np.float64)
     source, target = read_unit(from_unit), read_unit(to_unit)
     if source == target:
@@ -252,7 +257,7 @@ def power(unit: str, exponent: float | Fraction) -> str:
 
 def _simple(exponent: float | Fraction) -> Fraction:
     """Nearest simple fraction: 1/3 as a float is meant as 1/3."""
-    if not np.isfinite(float(exponent)):
+    if not math.isfinite(float(exponent)):
         raise ValueError("the exponent is not finite")
     simple = Fraction(exponent).limit_denominator(12)
     if abs(float(simple - Fraction(exponent))) > 1e-12:
