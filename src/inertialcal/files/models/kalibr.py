@@ -16,7 +16,9 @@ References
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 
@@ -27,15 +29,61 @@ from ...core.remarks import Remark
 from ...core.units import factor, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from .model_format import ImportedModels, ModelFormat, ModelText
-from .plain_yaml import Plain, dump_yaml, parse_yaml
 from .triad import Triad, filled, ideal, invertible, lost, model_of, numbers, triad
 
 NAME = "Kalibr"
 KEYS = ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:")  # one of them stands in every file
+DEEPEST = 12  # maps and lists within each other
 LARGEST_SKEW = 1e-6  # off which a matrix is no rotation
 NO_BIAS = "Kalibr's file holds no bias: taken as 0"
 HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s; noise: inertialcal allan FILE --for kalibr\n"
 HOLDS = {"accelerometer": frozenset({"scale_factor"}), "gyro": frozenset({"g_sensitivity", "scale_factor"})}
+
+
+def parse_yaml(text: str, where: str = "") -> object:
+    """Return the content of a YAML file: dicts, lists, numbers, words, None.
+
+    Raises
+    ------
+    DataError
+        ``not_yaml``, with the line, for what is no YAML, and for anchors, aliases, tags, a key twice, or more than 12
+        levels: a calibration file needs none of them.
+    """
+    import yaml  # noqa: PLC0415 - starts slowly
+
+    depth = 0
+    try:
+        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            if getattr(event, "anchor", None) or getattr(event, "tag", None):
+                raise _not_yaml("anchors, aliases and tags of YAML are not read", event.start_mark, where)
+            depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
+            if depth > DEEPEST:
+                raise _not_yaml(f"more than {DEEPEST} maps or lists within each other", event.start_mark, where)
+        document = yaml.compose(text, Loader=yaml.SafeLoader)
+        _check_node(document, where)
+        return yaml.constructor.SafeConstructor().construct_document(document)
+    except yaml.MarkedYAMLError as error:
+        raise _not_yaml(f"not YAML: {error.problem}", error.problem_mark, where) from None
+    except (yaml.YAMLError, ValueError) as error:  # a character that YAML has not; a date that there is not
+        raise DataError(f"not YAML: {error}".splitlines()[0], where=where, code="not_yaml") from None
+
+
+def _check_node(node: Any, where: str) -> None:
+    """Refuse a key that appears twice; take 1e-5 as the number that it is for everyone but YAML 1.1."""
+    if node.id == "scalar":
+        if node.style is None and re.fullmatch(r"[-+]?[0-9]+[eE][-+]?[0-9]+", node.value):
+            node.tag = "tag:yaml.org,2002:float"
+        return
+    keys = [key.value for key, _ in node.value] if node.id == "mapping" else []
+    for i, value in enumerate(node.value):
+        if keys and keys.index(keys[i]) < i:
+            raise _not_yaml(f"key {keys[i]!r} appears twice", value[0].start_mark, where)
+        _check_node(value[1] if keys else value, where)
+
+
+def _not_yaml(what: str, mark: Any, where: str) -> DataError:
+    place = f"{where}:{mark.line + 1}" if where else f"line {mark.line + 1}"
+    return DataError(what, where=place, do="Write it as maps, lists and numbers", code="not_yaml")
 
 
 def read(given: ModelText) -> ImportedModels | None:
@@ -111,12 +159,14 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
     DataError
         ``not_held`` for axes that are left-handed; as ``triad.triad``.
     """
+    import yaml  # noqa: PLC0415 - starts slowly
+
     lower_a, to_imu = _parted(_in_si(models.get("accelerometer"))[0])
     matrix, force = _in_si(models.get("gyro"))
     lower_g, to_gyro = _parted(matrix)
     whole = np.eye(4)
     whole[:3, :3] = to_imu
-    own: dict[str, Plain] = {
+    own: dict[str, object] = {
         "T_i_b": whole.tolist(),
         "accelerometers": {"M": lower_a.tolist()},
         "gyroscopes": {
@@ -127,7 +177,8 @@ def dump(models: Mapping[Kind, SensorModel]) -> str:
         "model": "scale-misalignment",
         "time_offset": 0.0,
     }
-    return HEAD + dump_yaml({"imu0": own})
+    content = yaml.safe_dump({"imu0": own}, sort_keys=False, default_flow_style=None, width=1000)
+    return f"{HEAD}{content}"
 
 
 def _parted(matrix: Array) -> tuple[Array, Array]:
