@@ -9,7 +9,8 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.signals.correlation import autocorrelation, cross_correlation
-from inertialcal.signals.spectrum import correlation_spectrum, fourier_coefficients, hanning_smoothed
+from inertialcal.signals.spectrum.blackman_tukey import correlation_spectrum, hanning_smoothed
+from inertialcal.signals.spectrum.fourier import fourier_coefficients
 
 CLOSE = 1e-12
 

@@ -195,31 +195,6 @@ def earth_rate_in_dwell(
     return np.stack([c * x + s * y, c * y - s * x, np.full_like(c, z)], axis=-1)
 
 
-def u_of_unknown_start(latitude: float, C_table_level: Array, angle_turned: ArrayLike) -> Array:
-    """Return the standard uncertainty of the mean earth rate of a dwell whose start angle is unknown.
-
-    All start angles are equally likely: the mean across the axis is zero, and what the angle turned has not
-    averaged out has an arcsine distribution in each of x and y.
-
-    Parameters
-    ----------
-    latitude : float
-        Geodetic [rad].
-    C_table_level : ndarray, shape (3, 3)
-        Table from level.
-    angle_turned : array_like, shape (...)
-        During the dwell [rad].
-
-    Returns
-    -------
-    ndarray, shape (..., 3)
-        Of x, y and z in the table frame; z does not depend on the start [rad/s].
-    """
-    x, y, _ = C_table_level @ earth_rate(latitude)
-    left = np.abs(np.sinc(0.5 * np.asarray(angle_turned, dtype=float) / np.pi)) * np.hypot(x, y) / np.sqrt(2.0)
-    return np.stack([left, left, np.zeros_like(left)], axis=-1)
-
-
 def geocentric_latitude(latitude: ArrayLike, height: ArrayLike = 0.0) -> Array:
     """Return the angle at the earth's centre between a place and the equator.
 
@@ -239,23 +214,6 @@ def geocentric_latitude(latitude: ArrayLike, height: ArrayLike = 0.0) -> Array:
     normal = A / np.sqrt(1.0 - E2 * np.sin(phi) ** 2)  # radius of curvature in the prime vertical
     flat = 1.0 - E2 * normal / (normal + np.asarray(height, dtype=float))
     return np.asarray(np.arctan2(flat * np.sin(phi), np.cos(phi)))
-
-
-def geodetic_latitude(geocentric: ArrayLike) -> Array:
-    """Return the geodetic latitude of a place on the ellipsoid.
-
-    Parameters
-    ----------
-    geocentric : array_like
-        Geocentric latitude [rad].
-
-    Returns
-    -------
-    ndarray
-        Geodetic latitude [rad].
-    """
-    psi = _latitude(geocentric)
-    return np.asarray(np.arctan2(np.sin(psi), (1.0 - E2) * np.cos(psi)))
 
 
 def normal_gravity(latitude: ArrayLike, height: ArrayLike = 0.0) -> Array:
@@ -279,24 +237,6 @@ def normal_gravity(latitude: ArrayLike, height: ArrayLike = 0.0) -> Array:
     h = np.asarray(height, dtype=float)
     surface = NORMAL_GRAVITY_EQUATOR.value * (1.0 + SOMIGLIANA_CONSTANT.value * sine2) / np.sqrt(1.0 - E2 * sine2)
     return np.asarray(surface * (1.0 - 2.0 / A * (1.0 + F + M - 2.0 * F * sine2) * h + 3.0 * (h / A) ** 2))
-
-
-def gravity_in_table(C_table_level: Array, gravity: float) -> Array:
-    """Return the gravity vector in the table frame at table angle zero.
-
-    Parameters
-    ----------
-    C_table_level : ndarray, shape (3, 3)
-        Table from level.
-    gravity : float
-        Magnitude of local gravity [m/s2].
-
-    Returns
-    -------
-    ndarray, shape (3,)
-        Gravity, which points down; an accelerometer at rest reads its negative [m/s2].
-    """
-    return np.asarray(C_table_level @ np.array([0.0, 0.0, gravity]))
 
 
 def _latitude(latitude: ArrayLike) -> NDArray[np.float64]:

@@ -13,7 +13,7 @@ from scipy import optimize
 from closed_bodies import Point
 from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction.tilt import surface_tilt
-from inertialcal.physics.mass_shape import Grid, best_cells
+from inertialcal.physics.mass_shape.cells import Grid, best_cells
 
 GRAVITY = 9.81
 APART = 0.01  # of a value: what Appendix C leaves with the place of the pools unknown

@@ -12,9 +12,11 @@ from scipy.spatial.transform import Rotation
 
 from closed_bodies import Placed
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.physics.budget import Doubts, Source, compared, linear_budget, monte_carlo_budget, shares
 from inertialcal.physics.budget import monte_carlo as drawing
-from inertialcal.physics.mass_shape import Grid, best_cells
+from inertialcal.physics.budget.linear import linear_budget, shares
+from inertialcal.physics.budget.monte_carlo import compared, monte_carlo_budget
+from inertialcal.physics.budget.source import Doubts, Source
+from inertialcal.physics.mass_shape.cells import Grid, best_cells
 
 BODY = best_cells(Grid(0.0508, (6, 12, 12), 0.0762, 11340.0), 150)
 SOURCE = Source(BODY, (0.0, -1.0, 0.0), (0.127, 0.432))

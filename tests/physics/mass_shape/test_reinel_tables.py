@@ -15,7 +15,7 @@ from closed_bodies import Point
 from inertialcal.core.constants import REINEL_GRAVITATIONAL_CONSTANT, REINEL_GRAVITY
 from inertialcal.physics.attraction.bodies import Lattice, Prism
 from inertialcal.physics.attraction.extended import ProofMass, mean_field
-from inertialcal.physics.mass_shape import Grid, best_cells
+from inertialcal.physics.mass_shape.cells import Grid, best_cells
 
 G = REINEL_GRAVITATIONAL_CONSTANT.value * 1e-3  # m^3/s^2/kg
 NG = REINEL_GRAVITY.value * 1e-2 * 1e-9  # m/s^2

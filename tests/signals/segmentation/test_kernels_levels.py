@@ -107,5 +107,5 @@ def test_margin_reaches_a_block_beyond_what_moves(run: Any, slow: tuple[int, ...
 
 
 def test_every_kernel_is_here() -> None:
-    assert sorted(NAMES) == ["drop_lower", "fill_blocks", "fill_clear", "fill_jump", "fill_peaks",
+    assert sorted(NAMES) == ["drop_lower", "fill_blocks", "fill_clear", "fill_jump", "fill_moments", "fill_peaks",
                              "fill_window_variance", "margin", "mark_above"]  # fmt: skip

@@ -13,7 +13,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Times
 from inertialcal.rigs.parts.noise import flicker
 from inertialcal.signals.segmentation.block_statistics import block_statistics
-from inertialcal.signals.segmentation.turn_windows import quiet_part, turn_windows, windows_as_given
+from inertialcal.signals.segmentation.turn_windows import quiet_part, turn_windows
 from inertialcal.signals.segmentation.turns import TurnPlan, Turns, find_turns
 
 RATE = 25.0  # samples a second
@@ -190,10 +190,9 @@ def test_windows_are_equally_long_equally_far_and_quiet() -> None:
     half = 0.5 * (first.before.mean - first.after.mean)
     u = NOISE / np.sqrt(600.0 * RATE) / np.sqrt(2.0)
     assert half == pytest.approx([0.0, AMBIENT[1], AMBIENT[2]], abs=5.0 * u)
-    x, stamps = record()
-    again = windows_as_given(x, stamps, [(first.before.start_ns, first.before.stop_ns)])[0]
-    assert again.mean == pytest.approx(first.before.mean, rel=1e-12)
-    assert (again.start, again.stop) == (first.before.start, first.before.stop)
+    x, _ = record()
+    inside = x[first.before.start : first.before.stop]
+    assert inside.mean(axis=0) == pytest.approx(first.before.mean, rel=1e-12)
 
 
 def test_windows_stop_short_of_a_push_and_say_so_where_they_cannot() -> None:
@@ -256,18 +255,6 @@ def test_the_quiet_part_of_a_stretch() -> None:
     assert parts[0] < 0.1
     assert parts[1] == pytest.approx(2.0 / 3.0, abs=0.03)
     assert parts[2] == 1.0
-
-
-def test_windows_given_are_checked_for_sense_only() -> None:
-    x, stamps = record()
-    two = windows_as_given(x, stamps, [(EPOCH, EPOCH + 100 * SECOND), (EPOCH + 1195 * SECOND, EPOCH + 1210 * SECOND)])
-    assert [one.length for one in two] == [100.0, 15.0]
-    assert two[1].variance[1] > 100.0 * two[0].variance[1]  # the turn itself: taken as it is
-    assert two[0].mean == pytest.approx(x[:2500].mean(axis=0))
-    with pytest.raises(PlanError, match=r"ends before it starts"):
-        windows_as_given(x, stamps, [(EPOCH + SECOND, EPOCH)])
-    with pytest.raises(DataError, match=r"holds 0 sample\(s\), need 2 or more"):
-        windows_as_given(x, stamps, [(EPOCH - 9 * SECOND, EPOCH - SECOND)])
 
 
 @pytest.mark.parametrize(

@@ -24,7 +24,7 @@ from inertialcal.sensors.noise.terms import (
     Term,
 )
 from inertialcal.signals.names import Method
-from inertialcal.signals.spectrum import psd
+from inertialcal.signals.spectrum.psd import psd
 from inertialcal.signals.spectrum.tapers import Tapers, hann, slepian
 from inertialcal.statistics.intervals import covers
 

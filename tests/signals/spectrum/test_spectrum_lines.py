@@ -14,8 +14,10 @@ from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
 from inertialcal.signals.names import Method
-from inertialcal.signals.spectrum import allan_of_spectrum, compare_allan, find_lines, psd
+from inertialcal.signals.spectrum.allan_check import allan_of_spectrum, compare_allan
 from inertialcal.signals.spectrum.background import background_of
+from inertialcal.signals.spectrum.lines import find_lines
+from inertialcal.signals.spectrum.psd import psd
 
 INTERVAL = 0.01  # s
 N = 2**13

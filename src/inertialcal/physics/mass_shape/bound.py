@@ -54,11 +54,6 @@ class Bound:
     reach: float
     sphere: float
 
-    @property
-    def over_sphere(self) -> float:
-        """How many times the sphere's."""
-        return self.field / self.sphere
-
 
 def largest_field(mass: float, density: float, stand_off: float, keep: Keep = "plane") -> Bound:
     """Return the largest field that a mass can have at a point.

@@ -79,39 +79,6 @@ def drive(travel: Travel, window: Window, kind: Kind) -> Drive:
     return Drive(kind, positions, travel.at(positions))
 
 
-def sine_of_field(travel: Travel, window: Window, samples: int) -> Array:
-    """Return positions over one period for which the field is a pure sine, shape (samples,) [m].
-
-    It starts at the mean and rises first. The field must rise or fall all along the window.
-
-    Parameters
-    ----------
-    travel : Travel
-        Field against position.
-    window : Window
-        Between whose ends the mass moves.
-    samples : int
-        Number of positions, evenly in time.
-
-    Raises
-    ------
-    DataError
-        If the field turns within the window: then two positions have one field.
-    """
-    ends = travel.at([window.start, window.end])
-    looked = travel.at(np.linspace(window.start, window.end, 201))
-    if not (np.diff(looked) * np.sign(ends[1] - ends[0]) > 0.0).all():
-        raise DataError(
-            f"the field turns between {window.start:g} and {window.end:g} m: a position does not follow from it",
-            do="Take a window in which the field only rises or only falls.",
-            code="not_monotonic",
-        )
-    phase = 2.0 * np.pi * np.arange(samples) / samples
-    wanted = ends.mean() + np.ptp(ends) / 2.0 * np.sin(phase)
-    wanted = np.clip(wanted, ends.min(), ends.max())
-    return np.array([position_of(travel, float(w), (window.start, window.end)) for w in wanted])
-
-
 def sine_of_position(window: Window, samples: int) -> Array:
     """Return positions over one period of a sinusoidal motion, shape (samples,) [m]; from the middle to the start."""
     phase = 2.0 * np.pi * np.arange(samples) / samples

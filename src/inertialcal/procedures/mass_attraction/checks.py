@@ -7,7 +7,7 @@ from collections.abc import Iterator
 from ...core.constants import GRAVITATIONAL_CONSTANT
 from ...core.errors import DataError
 from ...core.remarks import Remark
-from ...physics.mass_shape import largest_field
+from ...physics.mass_shape.bound import largest_field
 from .plan import Plan, SourceMass
 from .readings import Readings, Run
 from .response.of_run import tilt_used

@@ -32,7 +32,9 @@ from ...files.text.encoding import decode
 from ...signals.programme1969 import cards, reductions
 from ...signals.programme1969.cards import Case, MeasuredCase, Request, read_cards, series_with_gaps
 from ...signals.programme1969.programme import NG, Analysis, run_case, scale_factor
-from ...signals.sine import design_of, fit_line, sine_drive
+from ...signals.sine.design import design_of
+from ...signals.sine.drive import sine_drive
+from ...signals.sine.fit import fit_line
 from ...statistics.intervals import t_interval
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from ...core.remarks import Remark
 from ...core.show.rounding import number
 from ...files.text.headers import bare_name
 from ...physics.motion.schedule import Schedule
-from ...signals.sine import Drive, applied_drive, averaging_response, sine_drive
+from ...signals.sine.drive import Drive, applied_drive, averaging_response, sine_drive
 
 HALF = 0.5  # of the samples, that may be missing
 SEEN = 1e-3  # of an amplitude, from which averaging is remarked

@@ -25,7 +25,10 @@ from ...signals.allan import Allan, allan
 from ...signals.codes import coarse_steps
 from ...signals.names import Deviation
 from ...signals.record_quality import BadSegment, record_quality
-from ...signals.spectrum import Agreement, Line, Lines, Spectrum, compare_allan, find_lines, psd
+from ...signals.spectrum.allan_check import Agreement, compare_allan
+from ...signals.spectrum.density import Spectrum
+from ...signals.spectrum.lines import Line, Lines, find_lines
+from ...signals.spectrum.psd import psd
 from .plan import Plan
 from .readings import Readings, Run
 

@@ -25,7 +25,7 @@ from ...core.units import divide, power
 from ...sensors.noise.expected import Deviation, expected_variance, sampled_spectrum
 from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit
-from ...signals.spectrum import Spectrum
+from ...signals.spectrum.density import Spectrum
 from .axis_noise import INTERVAL, AxisNoise, Recorded
 from .record_length import reaches
 from .rows import FILE_UNIT

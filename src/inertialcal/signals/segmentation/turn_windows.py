@@ -9,17 +9,16 @@ quiet: the windows are then given as far as they exist, and whoever uses them kn
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.errors import DataError, PlanError
+from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.recording import SECOND, Times
+from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ..time.samples import Flags
-from .block_statistics import Blocks, Signal, columns, moments
+from .block_statistics import Blocks
 from .level_scatter import LevelScatter
 from .turns import Turn, TurnPlan, Turns
 
@@ -248,38 +247,3 @@ def quiet_part(turns: Turns, start_ns: int, stop_ns: int) -> float:
     end = -(-(stop_ns - blocks.start_ns) // blocks.length_ns)
     a, b = np.searchsorted(blocks.at, (begin, end))
     return float(np.count_nonzero(turns.quiet[a:b])) / max(end - begin, 1)
-
-
-def windows_as_given(signal: Signal, time_ns: Times, windows_ns: Sequence[tuple[int, int]]) -> tuple[Window, ...]:
-    """Return windows of the user, by the sample and as they are.
-
-    Parameters
-    ----------
-    signal : ndarray, shape (n,) or (n, channels), or a sequence of ndarray, shape (n,)
-        Of any type of number.
-    time_ns : ndarray of int64, shape (n,)
-        Stamps, not descending [ns].
-    windows_ns : sequence of (int, int)
-        Start and stop, half-open [ns].
-
-    Raises
-    ------
-    PlanError
-        If a window ends before it starts.
-    DataError
-        If a window holds fewer than two samples.
-    """
-    channels = columns(signal)
-    for start, stop in windows_ns:
-        if stop <= start:
-            raise PlanError(f"window {start} to {stop} ns ends before it starts")
-    edges = np.searchsorted(time_ns, np.array(windows_ns, dtype=np.int64).reshape(-1, 2))
-    mean, variance, _, _, count = moments(channels, edges[:, 0].copy(), edges[:, 1].copy())
-    found = []
-    for i, (start, stop) in enumerate(windows_ns):
-        if count[i].min() < 2:
-            text = f"window {start} to {stop} ns holds {count[i].min()} sample(s), need 2 or more"
-            do = f"The record runs from {time_ns[0]} to {time_ns[-1]} ns" if len(time_ns) else ""
-            raise DataError(text, do=do, code="empty_window")
-        found.append(Window(int(edges[i, 0]), int(edges[i, 1]), start, stop, mean[i], variance[i], count[i]))
-    return tuple(found)

@@ -9,28 +9,3 @@ falsifies, are left out.
 means and ``compare_allan`` whether a measured one agrees. ``correlation_spectrum`` and ``fourier_coefficients`` are
 what older reports are made with: spectrum from correlations, and lines of a complete record.
 """
-
-from .allan_check import Agreement, AllanCurve, SpectralAllan, allan_of_spectrum, compare_allan
-from .blackman_tukey import CorrelationSpectrum, correlation_spectrum, hanning_smoothed
-from .density import Spectrum
-from .fourier import FourierCoefficients, fourier_coefficients
-from .lines import Line, Lines, find_lines
-from .psd import psd
-
-__all__ = [
-    "Agreement",
-    "AllanCurve",
-    "CorrelationSpectrum",
-    "FourierCoefficients",
-    "Line",
-    "Lines",
-    "SpectralAllan",
-    "Spectrum",
-    "allan_of_spectrum",
-    "compare_allan",
-    "correlation_spectrum",
-    "find_lines",
-    "fourier_coefficients",
-    "hanning_smoothed",
-    "psd",
-]

@@ -7,7 +7,7 @@ import numpy as np
 from ....core.curve import Column, Curve
 from ....core.estimate import Array
 from ....physics.attraction.bodies import Prism
-from ....physics.mass_shape import growth
+from ....physics.mass_shape.growth import growth
 from .body import MassBody
 from .drive import POINTS, MassDrive, MassForecast
 from .rows import CM, HOUR

@@ -11,7 +11,7 @@ from ....core.key import Key, told_for
 from ....core.results import Row
 from ....physics.attraction.bodies import Lattice
 from ....physics.attraction.extended import ProofMass, mean_field
-from ....physics.motion import Travel
+from ....physics.motion.travel import Travel
 
 TEST = "mass_attraction"
 CM = 100.0

@@ -10,7 +10,7 @@ from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
 from ....core.show.rounding import with_uncertainty
 from ....core.show.tables import Block, Table
-from ....physics.mass_shape import checked
+from ....physics.mass_shape.stated import checked
 from .body import MassBody
 from .drive import DRIVES, SCALING, MassBudget, MassDrive, MassForecast
 from .settings import Constants

@@ -23,7 +23,7 @@ import numpy as np
 from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import DataError, PlanError
 from ....core.estimate import Array
-from ....signals.sine import LineFit
+from ....signals.sine.fit import LineFit
 from ..plan import Plan
 from ..readings import Line, Run
 from .line import Fitted, fit_line, fit_lines, fits_better_late

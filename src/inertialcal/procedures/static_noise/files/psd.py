@@ -13,7 +13,8 @@ from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import number, with_uncertainty
 from ....core.show.tables import Block, Table, html, text
 from ....core.units import factor
-from ....signals.spectrum import Line, Spectrum
+from ....signals.spectrum.density import Spectrum
+from ....signals.spectrum.lines import Line
 from ..curves import density_unit
 from ..reduction import FILE_UNIT
 from .allan import NoiseFile, SensorNoise, allan
