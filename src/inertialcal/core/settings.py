@@ -80,13 +80,13 @@ class Setting:
     def described(self) -> str:
         """Help with choices, example and default."""
         words = f"One of: {', '.join(self.choices)}." if self.choices else ""
-        example = f"Example: {self.example}." if self.example and self.example != self.default_text else ""
-        default = f"Default: {self.default_text}." if self.default_text else ""
+        example = f"Example: {self.example}." if self.example and self.example != self.plain_default else ""
+        default = f"Default: {self.plain_default}." if self.plain_default else ""
         return " ".join(part for part in (self.help, words, example, default) if part)
 
     @property
-    def default_text(self) -> str:
-        """Default as a user writes it; empty where there is none."""
+    def plain_default(self) -> str:
+        """Default in the unit inside, for help, which must not load the units; empty without one."""
         if self.default is None or self.default == "" or callable(self.default) or self.needed:
             return ""
         if self.flag:

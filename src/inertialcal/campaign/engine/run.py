@@ -18,7 +18,7 @@ from ...report.page import report_html
 from ..file.load import Campaign, load
 from ..inputs.sources import Store
 from ..models.build import build_models, model_files
-from ..models.judged import JudgedModel, Residual, hold_out_residuals
+from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
 from ..outcome.provenance import provenance
 from ..outcome.publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
@@ -241,7 +241,7 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
         remarks += [remark.at("closed loop") for one in modelled.every for remark in one.remarks]
     results, verdicts = results_content(campaign, prepared, tested, modelled, remarks)
     stated = [worst(verdicts)] if campaign.file.requirements else []
-    if modelled is not None and any(one.loops for one in modelled.every):
+    if modelled is not None and modelled.whole_verdict != NOT_RUN:
         stated.append(modelled.whole_verdict)
     verdict = next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in stated), "")
     results["verdict"] = verdict or None

@@ -66,7 +66,7 @@ def build_models(
             for name in sensors_of(campaign, test):
                 by_sensor.setdefault(name, []).append(test)
     if not by_sensor:
-        return None
+        return _residuals_alone(residuals)
     _check(campaign, by_sensor)
     found = {}
     for name, tests in by_sensor.items():
@@ -78,7 +78,22 @@ def build_models(
         if made is not None:
             found[name] = made
     first, *others = found or [""]
-    return replace(found[first], others={name: found[name] for name in others}) if found else None
+    if not found:
+        return _residuals_alone(residuals)
+    return replace(found[first], others={name: found[name] for name in others})
+
+
+def _residuals_alone(residuals: Mapping[str, Residual]) -> JudgedModel | None:
+    """Return the closed loop of tests held out where no model is made; None where none is."""
+    loops = _residual_loops(residuals, 1.0)
+    return JudgedModel(None, residuals=loops, verdict=overall([one.loop for one in loops])) if loops else None
+
+
+def _residual_loops(residuals: Mapping[str, Residual], share: float) -> tuple[ResidualLoop, ...]:
+    """Return each axis of each test held out with its verdict."""
+    every = [(test, one.against, loop) for test, one in residuals.items() for loop in one.found.loops]
+    words = judged([loop for *_, loop in every], share)
+    return tuple(ResidualLoop(test, against, loop) for (test, against, _), loop in zip(every, words, strict=True))
 
 
 def _check(campaign: Campaign, by_sensor: Mapping[str, Sequence[Test]]) -> None:
@@ -134,14 +149,11 @@ def _build(
     if found is None:
         return JudgedModel(whole, terms.by_quantity)
     left = residuals if procedure.takes_corrections else {}
-    of_residuals = [(test, one.against, loop) for test, one in left.items() for loop in one.found.loops]
-    share = _share(campaign, procedure) / (2.0 if of_residuals else 1.0)
+    share = _share(campaign, procedure) / (2.0 if any(one.found.loops for one in left.values()) else 1.0)
     loops = judged(found.loops, share)
-    words = judged([loop for *_, loop in of_residuals], share)
-    warm = tuple(
-        ResidualLoop(test, against, loop) for (test, against, _), loop in zip(of_residuals, words, strict=True)
-    )
-    verdict = overall((*loops, *words)) if loops or words else NOT_RUN
+    warm = _residual_loops(left, share)
+    every = (*loops, *(one.loop for one in warm))
+    verdict = overall(every) if every else NOT_RUN
     whole = replace(whole, judged=verdict == "PASS")
     return JudgedModel(whole, terms.by_quantity, loops, verdict, found.remarks, found.curves, warm)
 
@@ -218,4 +230,5 @@ def _share(campaign: Campaign, procedure: Procedure[Any, Any, Any]) -> float:
 def model_files(modelled: JudgedModel) -> dict[str, str]:
     """Return the text of each model file, by its name; none of a model that is worse than none."""
     named = {FIRST: modelled} | {f"model_{name}.json": one for name, one in modelled.others.items()}
-    return {name: dump_model(one.model) for name, one in named.items() if one.verdict != "FAIL"}
+    return {name: dump_model(one.model) for name, one in named.items()
+            if one.model is not None and one.verdict != "FAIL"}  # fmt: skip

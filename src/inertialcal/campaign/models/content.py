@@ -21,11 +21,13 @@ def named_models(campaign: Campaign, modelled: JudgedModel | None) -> dict[str, 
     if modelled is None:
         return {}
     others = {f"{RESERVED}_{name}": (campaign.file.sensors[name].unit, one) for name, one in modelled.others.items()}
-    return {RESERVED: (modelled_sensor(campaign).unit, modelled)} | others
+    return {} if modelled.model is None else {RESERVED: (modelled_sensor(campaign).unit, modelled)} | others
 
 
 def parameter_rows(modelled: JudgedModel) -> list[Row]:
     """Return rows of the parameters of a model: what goes into model.json."""
+    if modelled.model is None:
+        return []
     estimate = modelled.model.estimate
     rows = []
     if estimate is not None:
@@ -40,7 +42,7 @@ def parameter_rows(modelled: JudgedModel) -> list[Row]:
 
 def closed_loop_content(campaign: Campaign, modelled: JudgedModel | None, unit: str) -> dict[str, Any]:
     """Return what the closed loop gave, in the unit of the sensor."""
-    every = () if modelled is None else tuple(one for one in modelled.every if one.loops)
+    every = () if modelled is None else tuple(one for one in modelled.every if one.is_judged)
     if modelled is None or not every:
         reason = _not_run(campaign, modelled)
         return {"verdict": NOT_RUN, "reason": reason, "axes": [], "over_temperature": []}

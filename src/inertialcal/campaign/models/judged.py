@@ -40,11 +40,11 @@ class ResidualLoop:
 
 @dataclass(frozen=True, eq=False)
 class JudgedModel:
-    """A model and its closed loop.
+    """A model and its closed loop; or a closed loop of tests that make no model.
 
     Parameters
     ----------
-    model : SensorModel
+    model : SensorModel or None
         ``judged`` where the closed loop PASSes.
     by_quantity : bool
         Rows of a quantity are shown side by side.
@@ -62,7 +62,7 @@ class JudgedModel:
         Models of further sensors, by the name of the sensor.
     """
 
-    model: SensorModel
+    model: SensorModel | None
     by_quantity: bool = True
     loops: tuple[AxisLoop, ...] = ()
     verdict: str = NOT_RUN
@@ -77,9 +77,14 @@ class JudgedModel:
         return (self, *self.others.values())
 
     @property
+    def is_judged(self) -> bool:
+        """Whether anything was held out."""
+        return bool(self.loops or self.residuals)
+
+    @property
     def whole_verdict(self) -> str:
         """The worst verdict of all models that were judged; ``not run`` where none was."""
-        found = {one.verdict for one in self.every if one.loops}
+        found = {one.verdict for one in self.every if one.is_judged}
         return next((word for word in ("FAIL", "INCONCLUSIVE", "PASS") if word in found), NOT_RUN)
 
 

@@ -16,7 +16,7 @@ from ..engine.engine import Prepared, ReducedTest
 from ..engine.prepared import sensor_of
 from ..file.load import Campaign
 from ..models.content import closed_loop_content, named_models, parameter_rows
-from ..models.judged import JudgedModel
+from ..models.judged import NOT_RUN, JudgedModel
 from .budgets import budget_rows
 from .curves import curves_content
 from .exclusions import exclusion_rows, left_out
@@ -109,7 +109,8 @@ def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: Judged
             unit = sensor_of(campaign, one.test, kind).unit
             found += budget_rows(one.test.id, part.estimate, unit, one.procedure.budgeted(part), kind)
     for name, (unit, made) in named_models(campaign, modelled).items():
-        found += budget_rows(name, made.model.estimate, unit)
+        if made.model is not None:
+            found += budget_rows(name, made.model.estimate, unit)
     return found
 
 
@@ -161,7 +162,7 @@ def _verification(
                 "verdict": "OPEN" if is_open else worst(mine),
             }
         )  # fmt: skip
-    if modelled is not None and any(one.loops for one in modelled.every):
+    if modelled is not None and modelled.whole_verdict != NOT_RUN:
         held = [test.id for test in campaign.file.tests if test.use == "hold_out"]
         text = "compensation improves readings that the model has not seen"
         row = {

@@ -141,13 +141,18 @@ def _without(recording: Recording, name: str, bias: ThermalCorrection) -> tuple[
         outside = max(outside, int(np.count_nonzero(np.isfinite(warmth) & ~inside)))
         level[channel.name] = float(np.mean(warmth[inside]))
         off = np.where(inside, law.basis(np.where(inside, warmth, law.domain[0])) @ law.coefficients, np.nan)
-        earth = earth_along(bias.result.plan)[0][AXES.index(channel.name)]
+        earth = _earth(bias.result)[AXES.index(channel.name)]
         channels.append(replace(channel, data=np.asarray(channel.data, dtype=float) - (off - earth)))
     remarks = recording.remarks
     if outside:
         what = f"{bias.test} knows no bias at the temperature of the sample: left out"
         remarks = (*remarks, Remark("outside", "warning", what, place, outside))
     return replace(recording, channels=tuple(channels), remarks=remarks), level
+
+
+def _earth(result: Result) -> Array:
+    """Return the earth rate along the axes; nothing for accelerometers, shape (3,)."""
+    return earth_along(result.plan)[0] if result.readings.unit == "rad/s" else np.zeros(len(AXES))
 
 
 def _law(bias: ThermalCorrection, axis: str, place: str) -> Law:
@@ -176,9 +181,9 @@ def _nowhere(domain: tuple[float, float], warmth: Array, axis: str, place: str, 
 
 def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) -> dict[Origin, Unknowns]:
     """Return what is not known of the bias that was taken off, a dwell a recording, by origin."""
-    result, n = bias.result, len(levels)
+    result, n, unit = bias.result, len(levels), bias.result.readings.unit
     standards = {name: one for name, one in result.plan.standards.items() if name not in CANCELLED}
-    standards.setdefault(PATH, Influence(0.0, "rad/s"))  # one path alone was seen: the thermal test remarks it
+    standards.setdefault(PATH, Influence(0.0, unit))  # one path alone was seen: the thermal test remarks it
     plan = replace(result.plan, standards=standards)
     laws = {axis: one.law for axis, one in result.sensors.items()}
     asked = {}
@@ -186,9 +191,9 @@ def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) ->
         warmth = [level.get(axis, law.domain[0]) for level in levels]
         powers = powers_of(law.order, law.domain, result.plan.reference_temperature)
         keys = [Key("bias", axis, at=At(DWELL, i, "")) for i in range(n)] + law_keys(axis, law.order)
-        units = ("rad/s",) * len(keys)
+        units = (unit,) * len(keys)
         asked[axis] = [Asked(tuple(keys), units, np.vstack([law.basis(warmth), powers]), by_temperature=False)]
-    found = estimate(plan, laws, asked, "rad/s")
+    found = estimate(plan, laws, asked, unit)
     if found is None:
         return {}
     every = [_taken_off(found, one, n, bias.test) for one in found.components if np.any(one.u)]
@@ -198,13 +203,14 @@ def _unknowns(bias: ThermalCorrection, levels: Sequence[Mapping[str, float]]) ->
 def law_of(bias: ThermalCorrection) -> dict[Key, tuple[float, str]]:
     """Return value and unit of each coefficient of the bias over temperature, SI."""
     found = {}
-    earth = earth_along(bias.result.plan)[0]
+    unit = bias.result.readings.unit
+    earth = _earth(bias.result)
     for axis, one in bias.result.sensors.items():
         powers = powers_of(one.law.order, one.law.domain, bias.result.plan.reference_temperature)
         values = powers @ one.law.coefficients
         values[0] -= earth[AXES.index(axis)]
         for key, value in zip(law_keys(axis, one.law.order), values, strict=True):
-            found[key] = float(value), power_unit("rad/s", "degC", key.power)
+            found[key] = float(value), power_unit(unit, "degC", key.power)
     return found
 
 

@@ -87,8 +87,9 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         """Return the recordings of all sources."""
         from .recordings import ThermalRecording, readings_from
 
-        return readings_from([ThermalRecording(one, source.run, source.name) for source in sources
-                              for _, one in source.recordings()])  # fmt: skip
+        warmed = [ThermalRecording(one, source.run, source.name) for source in sources
+                  for _, one in source.recordings()]  # fmt: skip
+        return readings_from(warmed, sources[0].facts.si)
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
         """Return the bias over temperature."""

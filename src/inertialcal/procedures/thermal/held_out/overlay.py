@@ -31,17 +31,18 @@ def overlays(held: Result, first: Result, second: Result | None) -> tuple[Curve,
     first, second : Result, Result or None
         Of the fit in air, and of that in the condition of those held out; of one condition, the first alone.
     """
-    made = []
+    made, unit = [], held.readings.unit
+    earth = earth_along(held.plan)[0] if unit == "rad/s" else np.zeros(len(AXES))
     for axis, one in held.sensors.items():
         if axis not in first.sensors or (second is not None and axis not in second.sensors):
             continue
         columns: dict[str, Any] = {"temperature": Column(one.cells.temperature, "degC")}
-        raw = one.cells.reading - earth_along(held.plan)[0][AXES.index(axis)]
-        columns["raw"] = Column(raw, "rad/s")
-        columns["by_temperature"] = Column(raw - _bias(first, axis, one.cells.temperature), "rad/s")
+        raw = one.cells.reading - earth[AXES.index(axis)]
+        columns["raw"] = Column(raw, unit)
+        columns["by_temperature"] = Column(raw - _bias(first, axis, one.cells.temperature), unit)
         if second is not None:
             left = raw - _bias(second, axis, one.cells.temperature)
-            columns["by_temperature_and_pressure"] = Column(left, "rad/s")
+            columns["by_temperature_and_pressure"] = Column(left, unit)
         columns["run"] = Column([held.readings.labels[run] for run in one.cells.run])
         made.append(Curve(NAME, axis, columns))
     return tuple(made)
