@@ -168,3 +168,16 @@ def latitude_needed(test: SaidTest) -> Iterator[Problem]:
         what = f"test {test.id!r}: plan.attitude needs site.latitude"
         where = test.at("tests", test.number, "plan", "attitude")
         yield Problem(what, where, "earth rate depends on both", code="missing_key")
+
+
+def reading_units(test: SaidTest, settings: Sequence[str]) -> Iterator[Problem]:
+    """Yield settings that are in the unit of readings, but not in one of this test's sensors."""
+    from ..core.units import kind, parse_quantity  # noqa: PLC0415 - numpy starts slowly
+
+    kinds = {kind(one.unit) for one in test.sensors.values()}
+    for name in settings:
+        text = test.plan.get(name)
+        if isinstance(text, str) and kind(parse_quantity(text).unit) not in kinds:
+            where = test.at("tests", test.number, "plan", name)
+            what = f"test {test.id!r}: plan.{name} = {text!r} is not in the unit of the sensor"
+            yield Problem(what, where, do="Give it in the unit of the readings", code="wrong_value")

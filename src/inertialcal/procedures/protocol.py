@@ -698,7 +698,7 @@ class Procedure(Generic[P, R, S]):
         return False
 
     def write(self, found: Reduced, output: Path) -> list[str]:
-        """Write what ``-o`` names; return a line for each file.
+        """Write what ``-o`` names; return the paths of the files.
 
         Raises
         ------

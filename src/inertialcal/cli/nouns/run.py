@@ -17,7 +17,7 @@ def run_noun(
 ) -> int:
     """Reduce files by a procedure, write what was asked for, print the figures; return the exit status."""
     from ...campaign.calls.call import call
-    from ..shown.summary import print_reduced
+    from ..shown.summary import closed_loop_text, print_reduced
 
     output, figure, axis, campaign, as_json, quiet = (
         given.pop(name) for name in ("output", "figure", "figure_axis", "campaign", "as_json", "quiet")
@@ -32,13 +32,14 @@ def run_noun(
         if value is not None
     }
     found = call(procedure.name, files, said, held_out=held_out, options=True)
-    written: list[str] = []
+    written: dict[str, str] = {}
     if writes:
-        written += procedure.write(found, output)
+        written |= {path: f"written: {path}" for path in procedure.write(found, output)}
     elif output is not None:
-        written.append(figures.write(output, found, files, {"figure": figure, "axis": axis}, most=3))
+        written[str(output)] = figures.write(output, found, files, {"figure": figure, "axis": axis}, most=3)
     if campaign is not None:
-        written.append(f"written: {found.write_campaign(campaign)}")
+        path = str(found.write_campaign(campaign))
+        written[path] = f"written: {path}"
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
@@ -56,9 +57,11 @@ def run_noun(
         if own is None:
             rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
             print_reduced(found.columns, rows, remarks)
+            if held_out:
+                print(closed_loop_text(found.results))
         else:
             print(own)
-        for line in written:
+        for line in written.values():
             print(line)
     return 0
 

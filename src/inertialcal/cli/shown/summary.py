@@ -118,8 +118,10 @@ def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
 def closed_loop_text(results: Mapping[str, Any]) -> str:
     """Return one line an axis: error before and after compensation, on readings held out."""
     loop = results["closed_loop"]
+    over = list(_over_temperature_text(loop.get("over_temperature", ())))
     if not loop["axes"]:
-        return f"closed loop: {loop['verdict']} ({loop['reason']})"
+        reason = f" ({loop['reason']})" if loop["reason"] else ""
+        return "\n".join([f"closed loop: {loop['verdict']}{reason}", *over])
     rows = [
         [
             f"  {one['axis']}", number(one["raw_rms"], 3), number(one["compensated_rms"], 3), one["unit"],
@@ -129,7 +131,7 @@ def closed_loop_text(results: Mapping[str, Any]) -> str:
     ]  # fmt: skip
     heads = ["  axis", "rms error", "compensated", "unit", "dwells", "runs", "verdict", ""]
     said = f"closed loop, on readings held out: {loop['verdict']}\n{table(rows, heads)}"
-    return "\n".join([said, *_over_temperature_text(loop.get("over_temperature", ()))])
+    return "\n".join([said, *over])
 
 
 def _over_temperature_text(rows: Sequence[Mapping[str, Any]]) -> Iterator[str]:

@@ -8,9 +8,13 @@ from typing import Annotated, Any
 from pydantic import BeforeValidator
 
 from ..errors import DataError
-from ..units import normalise, parse_quantity, same_dimension
+from ..units import kind, normalise, parse_quantity, same_dimension
+from ..units import si_unit as si_of
 
 GRAM = re.compile(r"(?<=\d)\s*g\s*(/\s*[cm]?m|$)")  # of a mass or density: there g is a gram, not an acceleration
+
+READING = "reading"  # unit of a setting that is in the unit of the sensor, whichever kind it is
+KINDS_OF_READING = ("angular_rate", "acceleration")
 
 
 def quantity(si_unit: str, difference: bool = False) -> Any:
@@ -29,10 +33,13 @@ def quantity(si_unit: str, difference: bool = False) -> Any:
             raise ValueError(f'{given!r} is not a quantity: write "number unit", like "1 {si_unit}", in quotes')
         try:
             read = parse_quantity(GRAM.sub(r" gram\1", given) if si_unit in {"kg", "kg/m^3"} else given)
+            if si_unit == READING and kind(read.unit) in KINDS_OF_READING:
+                return read.to(si_of(read.unit))
             if read.unit == "1" and si_unit != "1":
                 raise ValueError(f'{given!r} has no unit: write a number with its unit, like "1 {si_unit}"')
-            if not same_dimension(read.unit, si_unit):
-                raise ValueError(f"{given!r} is not in a unit like {si_unit}")
+            if si_unit == READING or not same_dimension(read.unit, si_unit):
+                like = "deg/s or m/s2" if si_unit == READING else si_unit
+                raise ValueError(f"{given!r} is not in a unit like {like}")
             return read.to(si_unit, difference=difference)
         except DataError as error:
             raise ValueError(_text(error)) from None

@@ -75,11 +75,11 @@ class Plan:
     )  # fmt: skip
     settled: float | None = setting(
         "What may be left of the start-up; a tenth of the scatter of a sample where not given.",
-        None, unit="rad/s", example="0.001 deg/s",
+        None, unit="reading", example="0.001 deg/s",
     )  # fmt: skip
     no_hysteresis: float | None = setting(
         "Gap between warming and cooling that counts as none; none is ever shown where not given.",
-        None, unit="rad/s", example="0.001 deg/s",
+        None, unit="reading", example="0.001 deg/s",
     )  # fmt: skip
     run_level: Literal["power_up", "recording"] = setting(
         "What the runs are: separate power-ups, or merely separate recordings.", "power_up"

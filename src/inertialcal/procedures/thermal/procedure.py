@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..entries import latitude_needed
+from ..entries import latitude_needed, reading_units
 from ..protocol import (
     READING,
     Command,
@@ -175,8 +175,9 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
         return finding(rows)
 
     def check(self, test: SaidTest) -> Iterator[Problem]:
-        """Yield an attitude without a latitude."""
+        """Yield an attitude without a latitude, and limits in the unit of another kind of sensor."""
         yield from latitude_needed(test)
+        yield from reading_units(test, ("settled", "no_hysteresis"))
 
     def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
         """Return the command to type next."""
