@@ -5,15 +5,17 @@ from __future__ import annotations
 import io
 import struct
 import zlib
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from scipy import io as scipy_io
+from scipy import sparse
 
 from inertialcal.core.errors import DataError
-from inertialcal.files import source
-from inertialcal.files.binary.mat5_elements import check_elements
+from inertialcal.files import read, source
+from inertialcal.files.binary.matlab import check_elements
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
 
@@ -102,8 +104,24 @@ def test_matrices_without_end() -> None:
 
 
 def test_compressed_zeros_stop_early(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inertialcal.files.binary.mat5_elements.LARGEST", 10**6)
+    monkeypatch.setattr("inertialcal.files.binary.matlab.LARGEST", 10**6)
     with pytest.raises(DataError, match=r"holds .* GiB or more") as caught:
         check_elements(HEADER + element(15, zlib.compress(bytes(10**7))), "a.mat")
     assert caught.value.problems[0].code == "too_large"
     assert source.LARGEST > 10**9
+
+
+def test_a_sparse_matrix_is_refused_and_says_what_to_do(tmp_path: Path) -> None:
+    path = tmp_path / "sparse.mat"
+    scipy_io.savemat(path, {"t": np.arange(5.0), "x": sparse.csc_matrix(np.eye(5))})
+    with pytest.raises(DataError, match="sparse matrix") as caught:
+        read(path)
+    assert (caught.value.problems[0].code, caught.value.problems[0].where) == ("sparse_matrix", str(path))
+    assert "full(x)" in caught.value.problems[0].do
+
+
+@pytest.mark.parametrize("kind", [0, 18, 200])
+def test_a_class_that_there_is_not(kind: int) -> None:
+    assert (
+        refused(HEADER + matrix(THREE, 3, flags=kind)) == f"a matrix of class {kind}, which there is not, at byte 136"
+    )
