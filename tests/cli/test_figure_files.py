@@ -52,7 +52,7 @@ def test_rate_table_writes_a_figure_beside_its_table(call: Call) -> None:
     assert out.rstrip().endswith("written: x.png (input_output axis x)")
     assert Path("x.png").read_bytes().startswith(b"\x89PNG")
     status, out, _ = call("rate-table", "x.csv", "-o", "x.svg", "--figure", "rate_error", "--json")
-    assert (json.loads(out)["written"], status) == ("x.svg", 0)
+    assert (json.loads(out)["written"], status) == (["x.svg"], 0)
 
 
 def test_info_draws_the_channels_of_one_file(call: Call) -> None:

@@ -138,6 +138,10 @@ class Planners(_Lazy):
         if cmd_name not in _planners():
             return None
         name, declared = _planners()[cmd_name]
+        if procedure_of(name).planner_type is not None:
+            from .nouns.planner import planner_of
+
+            return _built(planner_of(procedure_of(name), declared), cmd_name, declared.help)
         return _built(_function(name, f"{name}_plan", "plan"), cmd_name, declared.help)
 
 

@@ -29,6 +29,7 @@ if TYPE_CHECKING:
     from ..core.recording import Recording
     from ..core.remarks import Remark
     from ..core.results import Interval, Row
+    from ..core.show.tables import Block
     from ..core.unknowns import Unknowns
     from ..files.info.survey import Survey
     from ..files.text.table import Table
@@ -301,6 +302,24 @@ class Reduced(Protocol):
         ...
 
 
+class Planned(Protocol):
+    """What a test will give, before it is made."""
+
+    @property
+    def remarks(self) -> Sequence[Remark]:
+        """What there is to say of the plan."""
+        ...
+
+    @property
+    def results(self) -> Mapping[str, Any]:
+        """``results`` and ``curves`` as ``results.json`` has them, and what else ``--json`` prints."""
+        ...
+
+    def parts(self) -> Sequence[Block]:
+        """Return what is shown."""
+        ...
+
+
 class Correction(Protocol):
     """What a later test takes off its recordings: all at once, since its unknowns are common to them."""
 
@@ -481,6 +500,7 @@ class Procedure(Generic[P, R, S]):
     kind_of_test: str = ""
     commands: Sequence[Command] = ()
     planner: Command | None = None
+    planner_type: type[object] | None = None  # its settings, where options are enough for them
     command_module: str = ""
     plan_type: type[P]
     said_type: type[object] | None = None  # its noun's own settings on a file: a dataclass of settings
@@ -704,6 +724,16 @@ class Procedure(Generic[P, R, S]):
         ------
         StoreError
             If it cannot be written.
+        """
+        raise NotImplementedError
+
+    def planned(self, given: Mapping[str, Any]) -> Planned:
+        """Return what a test will give, by the settings of ``planner_type`` as text with units.
+
+        Raises
+        ------
+        UsageError, PlanError
+            If they cannot be meant.
         """
         raise NotImplementedError
 

@@ -26,12 +26,7 @@ def run_noun(
     writes = output is not None and procedure.writes(output)
     if not writes:
         figures.check_figure(output, {"--figure": figure, "--figure-axis": axis})
-    said = {
-        name: _pairs(settings[name], value) if settings[name].pairs else value
-        for name, value in given.items()
-        if value is not None
-    }
-    found = call(procedure.name, files, said, held_out=held_out, options=True)
+    found = call(procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True)
     written: dict[str, str] = {}
     if writes:
         written |= {path: f"written: {path}" for path in procedure.write(found, output)}
@@ -50,7 +45,7 @@ def run_noun(
         }
         json_out(
             declared.word,
-            content | ({"written": [line.removeprefix("written: ") for line in written]} if written else {}),
+            content | ({"written": list(written)} if written else {}),
         )
     elif not quiet:
         own = procedure.report(found)
@@ -66,7 +61,13 @@ def run_noun(
     return 0
 
 
-def _pairs(one: Setting, given: list[str]) -> dict[str, str]:
-    """Return NAME=VALUE options; a value without a name stands under itself."""
-    named = [text for text in given if "=" in text]
-    return {text: text for text in given if "=" not in text} | pairs(named, f"--{one.option}", one.example)
+def pairs_of(settings: Mapping[str, Setting], given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options that were given, NAME=VALUE by name; a value without a name stands under itself."""
+    found = {name: value for name, value in given.items() if value is not None}
+    for name, texts in found.items():
+        one = settings[name]
+        if one.pairs:
+            named = [text for text in texts if "=" in text]
+            bare = {text: text for text in texts if "=" not in text}
+            found[name] = bare | pairs(named, f"--{one.option}", one.example)
+    return found
