@@ -35,21 +35,11 @@ SUMMED = 4096  # samples up to which each lag is summed as it stands
 
 @dataclass(frozen=True, eq=False)
 class Correlation:
-    """Correlation at lags from zero on.
+    """Correlation at lags from zero on."""
 
-    Parameters
-    ----------
-    values : ndarray, shape (lags + 1,)
-        NaN at a lag without any pair [product of the units].
-    pairs : ndarray of int, shape (lags + 1,)
-        Behind each.
-    scale : float
-        Root of the product of both mean squares: what `normalised` divides by.
-    """
-
-    values: Array
-    pairs: NDArray[np.int64]
-    scale: float
+    values: Array  # NaN at a lag without any pair [product of the units], shape (lags + 1,)
+    pairs: NDArray[np.int64]  # behind each, shape (lags + 1,)
+    scale: float  # root of the product of both mean squares: what `normalised` divides by
 
     @property
     def normalised(self) -> Array:

@@ -41,26 +41,15 @@ FALSE_ALARM = 0.01  # of drift, an axis
 
 @dataclass(frozen=True)
 class Drift:
-    """A smooth curve through one axis.
+    """A smooth curve through one axis."""
 
-    Parameters
-    ----------
-    axis : int
-        Which.
-    rise, u : float
-        From the first to the last block, and its standard uncertainty from noise, rather too large than too small
-        [unit].
-    chance : float
-        Probability that noise shows such a rise.
-    early : float
-        Part of the rise that falls in the first third.
-    """
-
-    axis: int
+    axis: int  # which
+    # rise, u: from the first to the last block, and its standard uncertainty from noise, rather too large than too
+    # small [unit]
     rise: float
     u: float
-    chance: float
-    early: float
+    chance: float  # probability that noise shows such a rise
+    early: float  # part of the rise that falls in the first third
 
     @property
     def significant(self) -> bool:

@@ -34,61 +34,32 @@ MOST_STUCK = 20  # stuck stretches of an axis that are looked for
 
 @dataclass(frozen=True)
 class BadSegment:
-    """A stretch of one axis that is disturbed or stuck.
+    """A stretch of one axis that is disturbed or stuck."""
 
-    Parameters
-    ----------
-    axis : int
-        Which.
-    first, last : int
-        Samples of the record.
-    start, stop : float
-        The same since the first sample [s].
-    peak : float
-        Largest deviation from the level around, in standard deviations of the noise; 0 where stuck.
-    """
-
-    axis: int
+    axis: int  # which
+    # first, last: samples of the record
     first: int
     last: int
+    # start, stop: the same since the first sample [s]
     start: float
     stop: float
-    peak: float
+    peak: float  # largest deviation from the level around, in standard deviations of the noise; 0 where stuck
 
 
 @dataclass(frozen=True, eq=False)
 class RecordQuality:
-    """What stands in the way of noise terms.
+    """What stands in the way of noise terms."""
 
-    Parameters
-    ----------
-    bad : tuple of BadSegment
-        Disturbances, by axis and time.
-    stuck : tuple of BadSegment
-        Stretches of one value, the longest of an axis first.
-    moving : tuple of int
-        Axes that are not at rest at all.
-    widening : tuple of float
-        By how much more than white noise the means of the widest windows scatter, for each axis; NaN where it is too
-        short to be judged.
-    drifts : tuple of Drift
-        Of the axes that could be tested.
-    values : ndarray, shape (n, axes)
-        The record.
-    interval : float
-        From sample to sample [s].
-    names : tuple of str
-        Of the axes.
-    """
-
-    bad: tuple[BadSegment, ...]
-    stuck: tuple[BadSegment, ...]
-    moving: tuple[int, ...]
+    bad: tuple[BadSegment, ...]  # disturbances, by axis and time
+    stuck: tuple[BadSegment, ...]  # stretches of one value, the longest of an axis first
+    moving: tuple[int, ...]  # axes that are not at rest at all
+    # by how much more than white noise the means of the widest windows scatter, for each axis; NaN where it is too
+    # short to be judged
     widening: tuple[float, ...]
-    drifts: tuple[Drift, ...]
-    values: Array
-    interval: float
-    names: tuple[str, ...]
+    drifts: tuple[Drift, ...]  # of the axes that could be tested
+    values: Array  # the record, shape (n, axes)
+    interval: float  # from sample to sample [s]
+    names: tuple[str, ...]  # of the axes
 
     def cleaned(self) -> Array:
         """Return the record with NaN where it is disturbed or stuck, shape (n, axes)."""

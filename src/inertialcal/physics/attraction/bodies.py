@@ -58,19 +58,12 @@ class Body(Protocol):
 
 @dataclass(frozen=True)
 class Prism:
-    """Uniform cuboid with edges along the axes [1]_.
+    """Uniform cuboid with edges along the axes [1]_."""
 
-    Parameters
-    ----------
-    lower, upper : tuple of float
-        Opposite vertices [m].
-    density : float
-        [kg/m^3].
-    """
-
+    # lower, upper: opposite vertices [m]
     lower: tuple[float, float, float]
     upper: tuple[float, float, float]
-    density: float
+    density: float  # [kg/m^3]
 
     def __post_init__(self) -> None:
         finite("density", self.density)
@@ -102,24 +95,15 @@ class Prism:
 class Lattice:
     """Body of equal cuboid cells.
 
-    Parameters
-    ----------
-    density : ndarray, shape (nx, ny, nz)
-        Of each cell; zero where there is none [kg/m^3].
-    edges : tuple of float
-        Of a cell [m].
-    lower : tuple of float
-        Vertex of the first cell, with the smallest coordinates [m].
-
     Raises
     ------
     DataError
         If the density is no lattice of finite numbers, or an edge is not above zero.
     """
 
-    density: Array
-    edges: tuple[float, float, float]
-    lower: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    density: Array  # of each cell; zero where there is none [kg/m^3], shape (nx, ny, nz)
+    edges: tuple[float, float, float]  # of a cell [m]
+    lower: tuple[float, float, float] = (0.0, 0.0, 0.0)  # vertex of the first cell, with the smallest coordinates [m]
 
     def __post_init__(self) -> None:
         if self.density.ndim != len("xyz") or not np.isfinite(self.density).all():

@@ -35,25 +35,17 @@ SURFACE = 1.0 - 1e-12  # of the outer radius: from where a shell is one radius
 class ProofMass:
     """Cylinder whose acceleration is measured.
 
-    Parameters
-    ----------
-    length, radius : float
-        [m].
-    inner_radius : float
-        Equal to the radius: a thin shell. Zero: solid [m].
-    axis : tuple of float
-        Direction.
-
     Raises
     ------
     DataError
         If a length is not above zero, the inner radius is above the outer, or the axis has no direction.
     """
 
+    # length, radius: [m]
     length: float
     radius: float
-    inner_radius: float = 0.0
-    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
+    inner_radius: float = 0.0  # equal to the radius: a thin shell. Zero: solid [m]
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)  # direction
 
     def __post_init__(self) -> None:
         positive("length of the proof mass", self.length)

@@ -26,18 +26,10 @@ NAME = "amplitude"
 
 @dataclass(frozen=True)
 class Share:
-    """What one doubt adds.
+    """What one doubt adds."""
 
-    Parameters
-    ----------
-    name : str
-        Which.
-    u : float
-        Standard uncertainty of the amplitude from it [m/s^2].
-    """
-
-    name: str
-    u: float
+    name: str  # which
+    u: float  # standard uncertainty of the amplitude from it [m/s^2]
 
 
 def shares(source: Source, doubts: Doubts) -> tuple[Share, ...]:

@@ -22,33 +22,16 @@ OFF = 1e-9  # of a length of one
 
 @dataclass(frozen=True)
 class Doubts:
-    """Standard uncertainties.
+    """Standard uncertainties."""
 
-    Parameters
-    ----------
-    density : float
-        Of the material, common to all pieces, relative.
-    piece_density : float
-        Of each piece, relative.
-    piece_place : float
-        Of each piece in the body, along each direction [m].
-    place : tuple of float
-        Of the body against the proof mass, the same at both stops, along x, y and z [m].
-    stop : float
-        Of each stop along the travel [m].
-    angle : float
-        Of the body about each of x, y and z, through the origin of its frame [rad].
-    gravitational_constant : float
-        Relative.
-    """
-
-    density: float = 0.0
-    piece_density: float = 0.0
-    piece_place: float = 0.0
+    density: float = 0.0  # of the material, common to all pieces, relative
+    piece_density: float = 0.0  # of each piece, relative
+    piece_place: float = 0.0  # of each piece in the body, along each direction [m]
+    # of the body against the proof mass, the same at both stops, along x, y and z [m]
     place: tuple[float, float, float] = (0.0, 0.0, 0.0)
-    stop: float = 0.0
-    angle: float = 0.0
-    gravitational_constant: float = GRAVITATIONAL_CONSTANT.u / GRAVITATIONAL_CONSTANT.value
+    stop: float = 0.0  # of each stop along the travel [m]
+    angle: float = 0.0  # of the body about each of x, y and z, through the origin of its frame [rad]
+    gravitational_constant: float = GRAVITATIONAL_CONSTANT.u / GRAVITATIONAL_CONSTANT.value  # relative
 
     def __post_init__(self) -> None:
         for name, value in vars(self).items():
@@ -69,30 +52,17 @@ class Doubts:
 class Source:
     """A mass moved between two stops before a proof mass at the origin.
 
-    Parameters
-    ----------
-    body : Lattice
-        At position zero; each cell is a piece.
-    direction : tuple of float
-        Of the travel, of length one.
-    stops : tuple of float
-        Positions of both ends [m].
-    axis : tuple of float
-        Input axis, of length one.
-    gravitational_constant : float
-        [m^3/s^2/kg].
-
     Raises
     ------
     DataError
         If a direction is not of length one, a stop is not finite, both are one, or the mass lies in the origin at one.
     """
 
-    body: Lattice
-    direction: tuple[float, float, float]
-    stops: tuple[float, float]
-    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)
-    gravitational_constant: float = GRAVITATIONAL_CONSTANT.value
+    body: Lattice  # at position zero; each cell is a piece
+    direction: tuple[float, float, float]  # of the travel, of length one
+    stops: tuple[float, float]  # positions of both ends [m]
+    axis: tuple[float, float, float] = (1.0, 0.0, 0.0)  # input axis, of length one
+    gravitational_constant: float = GRAVITATIONAL_CONSTANT.value  # [m^3/s^2/kg]
 
     def __post_init__(self) -> None:
         finite("stop", *self.stops)

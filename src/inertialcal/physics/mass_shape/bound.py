@@ -38,21 +38,11 @@ SERIES = 1e-4  # of one, from which the closed forms lose more than eight digits
 
 @dataclass(frozen=True)
 class Bound:
-    """The largest attraction of a mass.
+    """The largest attraction of a mass."""
 
-    Parameters
-    ----------
-    field : float
-        Along the axis, for a gravitational constant of one [kg/m^2].
-    reach : float
-        Distance of its farthest place on the axis [m].
-    sphere : float
-        Field of the sphere of this mass that touches the stand-off [kg/m^2].
-    """
-
-    field: float
-    reach: float
-    sphere: float
+    field: float  # along the axis, for a gravitational constant of one [kg/m^2]
+    reach: float  # distance of its farthest place on the axis [m]
+    sphere: float  # field of the sphere of this mass that touches the stand-off [kg/m^2]
 
 
 def largest_field(mass: float, density: float, stand_off: float, keep: Keep = "plane") -> Bound:

@@ -26,27 +26,16 @@ PLAIN = Gain()
 class Grid:
     """Where cells can be: a cuboid of cells, its face at a stand-off from the point, which is the origin.
 
-    Parameters
-    ----------
-    edge : float
-        Of a cell [m].
-    shape : tuple of int
-        Number of cells along x, y and z; y and z lie symmetrically about the x axis.
-    stand_off : float
-        Between the point and the face of the first cells, along x [m].
-    density : float
-        Of the material [kg/m^3].
-
     Raises
     ------
     DataError
         If a length is not above zero, the mass would overlap the point, or no material is that dense.
     """
 
-    edge: float
-    shape: tuple[int, int, int]
-    stand_off: float
-    density: float
+    edge: float  # of a cell [m]
+    shape: tuple[int, int, int]  # number of cells along x, y and z; y and z lie symmetrically about the x axis
+    stand_off: float  # between the point and the face of the first cells, along x [m]
+    density: float  # of the material [kg/m^3]
 
     def __post_init__(self) -> None:
         positive("edge of a cell", self.edge)

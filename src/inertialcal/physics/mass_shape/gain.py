@@ -23,22 +23,13 @@ HERE = (0.0, 0.0, 0.0)
 
 @dataclass(frozen=True)
 class Gain:
-    """What is to be as large as possible.
+    """What is to be as large as possible."""
 
-    Parameters
-    ----------
-    axis : tuple of float
-        Input axis of the instrument.
-    at : sequence of (weight, shift)
-        Weights of the positions, and how far the body is shifted there [m]: one of weight 1 for the attraction itself;
-        1 and -1 for its change over a stroke.
-    proof_mass : ProofMass, optional
-        What is attracted; default: a point.
-    """
-
-    axis: Direction = (1.0, 0.0, 0.0)
+    axis: Direction = (1.0, 0.0, 0.0)  # input axis of the instrument
+    # weights of the positions, and how far the body is shifted there [m]: one of weight 1 for the attraction itself; 1
+    # and -1 for its change over a stroke
     at: Sequence[tuple[float, Direction]] = field(default=((1.0, HERE),))
-    proof_mass: ProofMass | None = None
+    proof_mass: ProofMass | None = None  # what is attracted; default: a point
 
     def of_cells(self, grid: Lattice) -> Array:
         """Return what each cell adds if its density is one, shape (nx, ny, nz) [m].

@@ -13,17 +13,10 @@ from .bound import Keep, largest_field
 
 @dataclass(frozen=True, eq=False)
 class Growth:
-    """Fields for a gravitational constant of one.
+    """Fields for a gravitational constant of one."""
 
-    Parameters
-    ----------
-    mass : ndarray, shape (n,)
-        [kg].
-    sphere, best : ndarray, shape (n,)
-        [kg/m^2].
-    """
-
-    mass: Array
+    mass: Array  # [kg], shape (n,)
+    # sphere, best: [kg/m^2], shape (n,)
     sphere: Array
     best: Array
 

@@ -21,36 +21,19 @@ from .gain import Gain
 
 @dataclass(frozen=True)
 class Pieces:
-    """Cubes of one size.
+    """Cubes of one size."""
 
-    Parameters
-    ----------
-    cells : int
-        Length of an edge in cells of the grid.
-    count : int
-        How many there are.
-    """
-
-    cells: int
-    count: int
+    cells: int  # length of an edge in cells of the grid
+    count: int  # how many there are
 
 
 @dataclass(frozen=True, eq=False)
 class Stack:
-    """A body from an inventory.
+    """A body from an inventory."""
 
-    Parameters
-    ----------
-    body : Lattice
-        What was built.
-    places : tuple of ndarray
-        For each size, first cells of its pieces, shape (count, 3).
-    gain, bound : float
-        Of the body, and of as many single cells, for a gravitational constant of one [kg/m^2].
-    """
-
-    body: Lattice
-    places: tuple[Array, ...]
+    body: Lattice  # what was built
+    places: tuple[Array, ...]  # for each size, first cells of its pieces, shape (count, 3)
+    # gain, bound: of the body, and of as many single cells, for a gravitational constant of one [kg/m^2]
     gain: float
     bound: float
 

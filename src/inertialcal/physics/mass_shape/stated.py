@@ -16,19 +16,12 @@ FACTORS = (-30.0, 30.0)  # logarithms of the masses that are looked at, over the
 
 @dataclass(frozen=True)
 class Checked:
-    """A stated attraction beside the most that can be.
+    """A stated attraction beside the most that can be."""
 
-    Parameters
-    ----------
-    stated, bound : float
-        [m/s^2].
-    mass_needed : float
-        Least mass with the stated attraction [kg].
-    """
-
+    # stated, bound: [m/s^2]
     stated: float
     bound: float
-    mass_needed: float
+    mass_needed: float  # least mass with the stated attraction [kg]
 
     @property
     def excess(self) -> float:

@@ -24,21 +24,11 @@ ORDER: dict[str, tuple[int, ...]] = {"sine": (0, 1, 0, -1), "square": (1, 1, -1,
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """One cycle of positions.
+    """One cycle of positions."""
 
-    Parameters
-    ----------
-    kind : str
-        Name of the drive.
-    positions : ndarray, shape (dwells,)
-        Of each dwell [m].
-    fields : ndarray, shape (dwells,)
-        There.
-    """
-
-    kind: str
-    positions: Array
-    fields: Array
+    kind: str  # name of the drive
+    positions: Array  # of each dwell [m], shape (dwells,)
+    fields: Array  # there, shape (dwells,)
 
     @property
     def amplitude(self) -> float:

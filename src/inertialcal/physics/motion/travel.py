@@ -26,17 +26,10 @@ FEWEST = 4  # positions of a table, for a cubic
 
 @dataclass(frozen=True, eq=False)
 class Travel:
-    """Field along the input axis against the position of the mass.
+    """Field along the input axis against the position of the mass."""
 
-    Parameters
-    ----------
-    field : callable
-        Positions, shape (n,) [m] -> fields, shape (n,), in any one unit.
-    first, last : float
-        Positions that the mass can have [m].
-    """
-
-    field: Callable[[Array], Array]
+    field: Callable[[Array], Array]  # positions, shape (n,) [m] -> fields, shape (n,), in any one unit
+    # first, last: positions that the mass can have [m]
     first: float
     last: float
 
@@ -137,19 +130,12 @@ def travel_of_table(positions: ArrayLike, fields: ArrayLike) -> Travel:
 
 @dataclass(frozen=True)
 class Window:
-    """Part of a travel.
+    """Part of a travel."""
 
-    Parameters
-    ----------
-    start, end : float
-        [m].
-    change : float
-        Field at the start less that at the end.
-    """
-
+    # start, end: [m]
     start: float
     end: float
-    change: float
+    change: float  # field at the start less that at the end
 
 
 def best_window(travel: Travel, length: float) -> Window:

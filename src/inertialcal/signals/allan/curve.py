@@ -27,70 +27,37 @@ MOST_ROWS = 40  # printed
 
 @dataclass(frozen=True, eq=False)
 class Allan:
-    """Deviations of one or several channels.
+    """Deviations of one or several channels."""
 
-    Parameters
-    ----------
-    tau : ndarray, shape (k,)
-        Averaging time [s]: averaging factor times sample interval.
-    m : ndarray of int64, shape (k,)
-        Averaging factor [samples].
-    n : ndarray of int64, shape (k, axes)
-        Terms behind each deviation.
-    deviation, lo, hi : ndarray, shape (k, axes)
-        Deviation of the rate, and the ends of its interval, in ``unit``; NaN where no term is there, ends also
-        where a channel is constant.
-    edf : ndarray, shape (k, axes)
-        Equivalent degrees of freedom.
-    power : ndarray, shape (k, axes)
-        Exponent of the noise around each averaging time: 2 quantisation, 0 white, -1 flicker, -2 random walk.
-    inflation : ndarray, shape (k, axes)
-        By how much missing samples raise the variance of white noise; divided out where ``power`` is 0 or more.
-    ends : ndarray, shape (k, axes)
-        Sum of the squared weights that errors of the integrated signal have in a term, over 2 / m^2: 3 of a complete
-        record, more where gaps leave ends of stretches inside of windows. Of the Allan deviations; else 3.
-    p : float
-        Probability of the intervals.
-    interval : float
-        From sample to sample [s].
-    averaging : float or None
-        What each sample is the mean of [s]; None when nobody said.
-    samples : int
-        Length of the record.
-    missing : ndarray of int64, shape (axes,)
-        Samples that are not there.
-    kind : {"overlapping", "non_overlapping", "modified", "hadamard", "overlapping_hadamard"}
-        Which deviation.
-    quantity : {"rate", "increment", "angle"}
-        What the samples were.
-    names : tuple of str
-        One a channel.
-    unit : str
-        Of the deviation; empty when nobody said.
-    remarks : tuple of Remark
-        What is suspicious.
-    """
-
-    tau: Array
-    m: NDArray[np.int64]
-    n: NDArray[np.int64]
+    tau: Array  # averaging time [s]: averaging factor times sample interval, shape (k,)
+    m: NDArray[np.int64]  # averaging factor [samples], shape (k,)
+    n: NDArray[np.int64]  # terms behind each deviation, shape (k, axes)
+    # deviation, lo, hi: deviation of the rate, and the ends of its interval, in ``unit``; NaN where no term is there,
+    # ends also where a channel is constant, shape (k, axes)
     deviation: Array
     lo: Array
     hi: Array
-    edf: Array
+    edf: Array  # equivalent degrees of freedom, shape (k, axes)
+    # exponent of the noise around each averaging time: 2 quantisation, 0 white, -1 flicker, -2 random walk, shape (k,
+    # axes)
     power: Array
+    # by how much missing samples raise the variance of white noise; divided out where ``power`` is 0 or more, shape (k,
+    # axes)
     inflation: Array
+    # sum of the squared weights that errors of the integrated signal have in a term, over 2 / m^2: 3 of a complete
+    # record, more where gaps leave ends of stretches inside of windows. Of the Allan deviations; else 3, shape (k,
+    # axes)
     ends: Array
-    p: float
-    interval: float
-    averaging: float | None
-    samples: int
-    missing: NDArray[np.int64]
-    kind: Deviation
-    quantity: Quantity
-    names: tuple[str, ...]
-    unit: str = ""
-    remarks: tuple[Remark, ...] = ()
+    p: float  # probability of the intervals
+    interval: float  # from sample to sample [s]
+    averaging: float | None  # what each sample is the mean of [s]; None when nobody said
+    samples: int  # length of the record
+    missing: NDArray[np.int64]  # samples that are not there, shape (axes,)
+    kind: Deviation  # which deviation
+    quantity: Quantity  # what the samples were
+    names: tuple[str, ...]  # one a channel
+    unit: str = ""  # of the deviation; empty when nobody said
+    remarks: tuple[Remark, ...] = ()  # what is suspicious
 
     def __len__(self) -> int:
         return len(self.tau)

@@ -75,24 +75,12 @@ KINDS: dict[str, Kind] = {
 
 @dataclass(frozen=True, eq=False)
 class Variances:
-    """Variances of one channel, in squares of the unit of the samples.
+    """Variances of one channel, in squares of the unit of the samples."""
 
-    Parameters
-    ----------
-    variance : ndarray, shape (k,)
-        NaN where no term is there.
-    terms : ndarray of int64, shape (k,)
-        Number of terms.
-    inflation : ndarray, shape (k,)
-        By how much missing samples raise white noise; not yet divided out.
-    ends : ndarray, shape (k,)
-        Squared weights of errors of the running sum, as `curve.Allan` has them.
-    """
-
-    variance: Array
-    terms: NDArray[np.int64]
-    inflation: Array
-    ends: Array
+    variance: Array  # NaN where no term is there, shape (k,)
+    terms: NDArray[np.int64]  # number of terms, shape (k,)
+    inflation: Array  # by how much missing samples raise white noise; not yet divided out, shape (k,)
+    ends: Array  # squared weights of errors of the running sum, as `curve.Allan` has them, shape (k,)
 
 
 def terms_of(kind: Kind, points: int, factors: NDArray[np.int64]) -> NDArray[np.int64]:

@@ -37,24 +37,13 @@ _spare: list[NDArray[np.uint8]] = []
 
 @dataclass(frozen=True, eq=False)
 class Phase:
-    """The integrated signal of one channel.
+    """The integrated signal of one channel."""
 
-    Parameters
-    ----------
-    values : ndarray of float64 or int64, shape (points,)
-        One point more than samples, or as many for an integrated signal.
-    count : ndarray of int32
-        Number of samples (or points) there before each point, shape (points,) (or (points + 1,)); empty if none misses.
-    pointwise : bool
-        Whether points themselves are missing, as in an integrated signal, rather than samples.
-    missing : int
-        Samples that are not there.
-    """
-
-    values: Numbers
+    values: Numbers  # one point more than samples, or as many for an integrated signal, shape (points,)
+    # number of samples (or points) there before each point, shape (points,) (or (points + 1,)); empty if none misses
     count: NDArray[np.int32]
-    pointwise: bool
-    missing: int = 0
+    pointwise: bool  # whether points themselves are missing, as in an integrated signal, rather than samples
+    missing: int = 0  # samples that are not there
 
     @property
     def complete(self) -> bool:

@@ -35,33 +35,18 @@ NUMBERED = {HARMONICS: "MA", CURVE: "JA"}  # a card with a number follows
 
 @dataclass(frozen=True)
 class Request:
-    """What to do next.
+    """What to do next."""
 
-    Parameters
-    ----------
-    what : int
-        1 analyse; 2 tilt trace, 3 straight line, 4 harmonics, 5 adjusted curve, each with an analysis after it.
-    number : int
-        MA or JA, where one belongs to it.
-    """
-
-    what: int
-    number: int = 0
+    what: int  # 1 analyse; 2 tilt trace, 3 straight line, 4 harmonics, 5 adjusted curve, each with an analysis after it
+    number: int = 0  # MA or JA, where one belongs to it
 
 
 @dataclass(frozen=True)
 class SyntheticCase:
-    """A series of sine and cosine, for a test of the programme itself; names as on the card.
+    """A series of sine and cosine, for a test of the programme itself; names as on the card."""
 
-    Parameters
-    ----------
-    N, NH, MAXL, MAXK, LXS, KXS, LXC, KXC, LY, KY, KO : int
-        Samples; sample time [s]; lags; lines; amplitude and half period (in samples) of the sine, of the cosine, and of
-        the cosine of the tilt meter; samples per cycle.
-    requests : tuple of Request
-        In their order.
-    """
-
+    # N, NH, MAXL, MAXK, LXS, KXS, LXC, KXC, LY, KY, KO: samples; sample time [s]; lags; lines; amplitude and half
+    # period (in samples) of the sine, of the cosine, and of the cosine of the tilt meter; samples per cycle
     N: int
     NH: int
     MAXL: int
@@ -73,26 +58,15 @@ class SyntheticCase:
     LY: int
     KY: int
     KO: int
-    requests: tuple[Request, ...] = ()
+    requests: tuple[Request, ...] = ()  # in their order
 
 
 @dataclass(frozen=True, eq=False)
 class MeasuredCase:
-    """Measured series; names as on the card.
+    """Measured series; names as on the card."""
 
-    Parameters
-    ----------
-    N, NH, ML, NA, MN, MAXL, MAXK, KO, MON, MD : int
-        Samples used; sample time [s]; values on the cards; input amplitude [ng]; wrong values; lags; lines; samples per
-        cycle; month; day.
-    AX, AY : ndarray of int64, shape (ML,)
-        Impulses of the accelerometer; readings of the tilt meter.
-    wrong : tuple of int
-        Positions from 1, each in the series as shortened by those before it.
-    requests : tuple of Request
-        In their order.
-    """
-
+    # N, NH, ML, NA, MN, MAXL, MAXK, KO, MON, MD: samples used; sample time [s]; values on the cards; input amplitude
+    # [ng]; wrong values; lags; lines; samples per cycle; month; day
     N: int
     NH: int
     ML: int
@@ -103,10 +77,11 @@ class MeasuredCase:
     KO: int
     MON: int
     MD: int
+    # AX, AY: impulses of the accelerometer; readings of the tilt meter, shape (ML,)
     AX: Counts
     AY: Counts
-    wrong: tuple[int, ...] = ()
-    requests: tuple[Request, ...] = ()
+    wrong: tuple[int, ...] = ()  # positions from 1, each in the series as shortened by those before it
+    requests: tuple[Request, ...] = ()  # in their order
 
 
 Case = SyntheticCase | MeasuredCase

@@ -39,38 +39,26 @@ ANCHOR = 9  # samples of each mean of the straight line
 
 @dataclass(frozen=True, eq=False)
 class Analysis:
-    """What one request for an analysis prints.
+    """What one request for an analysis prints."""
 
-    Parameters
-    ----------
-    x, y : ndarray, shape (N,)
-        Series analysed, their means removed.
-    removed : float
-        Mean that the last step had left in ``x``.
-    std_x, std_y : float
-        Roots of the mean squares.
-    correlation_x, correlation_y, cross : ndarray, shape (MAXL + 1,)
-        Unbiased, at lags 0 to MAXL.
-    density, smoothed : ndarray, shape (M,)
-        Of ``x``, lines 1 to M, per unit of the sample interval's frequency.
-    amplitude, smoothed_amplitude : ndarray, shape (M,)
-        From the densities and the bandwidth.
-    cosine, sine, line : ndarray, shape (N/2,)
-        A(K), B(K) and C(K), K = 1 ... N/2.
-    """
-
+    # x, y: series analysed, their means removed, shape (N,)
     x: Array
     y: Array
-    removed: float
+    removed: float  # mean that the last step had left in ``x``
+    # std_x, std_y: roots of the mean squares
     std_x: float
     std_y: float
+    # correlation_x, correlation_y, cross: unbiased, at lags 0 to MAXL, shape (MAXL + 1,)
     correlation_x: Array
     correlation_y: Array
     cross: Array
+    # density, smoothed: of ``x``, lines 1 to M, per unit of the sample interval's frequency, shape (M,)
     density: Array
     smoothed: Array
+    # amplitude, smoothed_amplitude: from the densities and the bandwidth, shape (M,)
     amplitude: Array
     smoothed_amplitude: Array
+    # cosine, sine, line: A(K), B(K) and C(K), K = 1 ... N/2, shape (N/2,)
     cosine: Array
     sine: Array
     line: Array
@@ -93,24 +81,12 @@ class Analysis:
 
 @dataclass(frozen=True)
 class ScaleFactor:
-    """What is printed of the scale factor [unit of the series per g].
+    """What is printed of the scale factor [unit of the series per g]."""
 
-    Parameters
-    ----------
-    fourier : float
-        From B(K) of the input line.
-    spectrum : float
-        From the amplitude of the spectrum at line M/2.
-    std : float
-        Standard deviation of the series from the sine of that amplitude (divided by N) [unit of the series].
-    error : float
-        That over the input amplitude.
-    """
-
-    fourier: float
-    spectrum: float
-    std: float
-    error: float
+    fourier: float  # from B(K) of the input line
+    spectrum: float  # from the amplitude of the spectrum at line M/2
+    std: float  # standard deviation of the series from the sine of that amplitude (divided by N) [unit of the series]
+    error: float  # that over the input amplitude
 
 
 def analyse(x: Array, y: Array, interval: float, lags: int, lines: int) -> Analysis:

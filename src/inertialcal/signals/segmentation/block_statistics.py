@@ -31,34 +31,21 @@ Signal = Numbers | Sequence[Numbers]
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Blocks of a record that hold samples.
+    """Blocks of a record that hold samples."""
 
-    Parameters
-    ----------
-    first, stop : ndarray of int, shape (b,)
-        Samples of each block, half-open.
-    at : ndarray of int, shape (b,)
-        Which block of time it is, counted from 0 at the first sample, ascending.
-    start_ns : int
-        Where block 0 begins [ns].
-    length_ns : int
-        Of a block [ns].
-    mean, variance, lo, hi : ndarray, shape (b, channels)
-        Of the finite samples, the variance with n - 1 [unit of the signal, or its square]; NaN where too few.
-    count : ndarray of int, shape (b, channels)
-        Finite samples.
-    """
-
+    # first, stop: samples of each block, half-open, shape (b,)
     first: Indices
     stop: Indices
-    at: Indices
-    start_ns: int
-    length_ns: int
+    at: Indices  # which block of time it is, counted from 0 at the first sample, ascending, shape (b,)
+    start_ns: int  # where block 0 begins [ns]
+    length_ns: int  # of a block [ns]
+    # mean, variance, lo, hi: of the finite samples, the variance with n - 1 [unit of the signal, or its square]; NaN
+    # where too few, shape (b, channels)
     mean: Array
     variance: Array
     lo: Array
     hi: Array
-    count: NDArray[np.int64]
+    count: NDArray[np.int64]  # finite samples, shape (b, channels)
 
     def __len__(self) -> int:
         return len(self.first)

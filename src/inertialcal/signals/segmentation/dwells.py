@@ -32,51 +32,23 @@ CORRELATED = 0.99  # largest correlation of neighbours that is told from drift
 
 @dataclass(frozen=True, eq=False)
 class Dwell:
-    """A stretch at one level, as one reading.
+    """A stretch at one level, as one reading."""
 
-    Parameters
-    ----------
-    start, stop : int
-        Samples used, half-open; what was dropped at the edges lies outside.
-    mean : ndarray, shape (channels,)
-        Of the samples used [unit of the signal].
-    scatter : ndarray, shape (channels,)
-        Standard deviation of the samples used (n - 1) [unit of the signal].
-    n : int
-        Samples used.
-    n_effective : ndarray, shape (channels,)
-        Independent samples that they are worth for the mean.
-    time_ns : tuple of int, or None
-        First and last stamp used [ns].
-    edge_dropped : int
-        Samples dropped at the two edges.
-    missing : int
-        Samples inside that are not finite.
-    outliers : int
-        Single outliers inside, left out.
-    gaps : int
-        Gaps of the time axis inside.
-    disturbed : int
-        Samples of the same placement left out because of a disturbance.
-    stuck : ndarray of bool, shape (channels,)
-        Whether all samples used are equal.
-    applied : ndarray, shape (applied channels,), or None
-        Mean of the reference over the samples used, where the dwell was cut by one.
-    """
-
+    # start, stop: samples used, half-open; what was dropped at the edges lies outside
     start: int
     stop: int
-    mean: Array
-    scatter: Array
-    n: int
-    n_effective: Array
-    time_ns: tuple[int, int] | None
-    edge_dropped: int
-    missing: int
-    outliers: int
-    gaps: int
-    stuck: Flags
-    disturbed: int = 0
+    mean: Array  # of the samples used [unit of the signal], shape (channels,)
+    scatter: Array  # standard deviation of the samples used (n - 1) [unit of the signal], shape (channels,)
+    n: int  # samples used
+    n_effective: Array  # independent samples that they are worth for the mean, shape (channels,)
+    time_ns: tuple[int, int] | None  # first and last stamp used [ns]
+    edge_dropped: int  # samples dropped at the two edges
+    missing: int  # samples inside that are not finite
+    outliers: int  # single outliers inside, left out
+    gaps: int  # gaps of the time axis inside
+    stuck: Flags  # whether all samples used are equal, shape (channels,)
+    disturbed: int = 0  # samples of the same placement left out because of a disturbance
+    # mean of the reference over the samples used, where the dwell was cut by one, shape (applied channels,)
     applied: Array | None = None
 
     @property

@@ -31,27 +31,15 @@ KNOWN = 1e6  # degrees of freedom of what is stated
 
 @dataclass(frozen=True, eq=False)
 class Noise:
-    """Scatter per channel where nothing happens.
+    """Scatter per channel where nothing happens."""
 
-    Parameters
-    ----------
-    scale : ndarray, shape (channels,)
-        Standard deviation of a sample, at least half a step [unit of the signal].
-    dof : ndarray, shape (channels,)
-        Degrees of freedom of ``scale``.
-    step : ndarray, shape (channels,)
-        Smallest difference, other than zero, between two neighbouring samples [unit of the signal].
-    live : ndarray of bool, shape (channels,)
-        Whether the noise is larger than half a step, so that many equal neighbours mean a stuck sensor.
-    stated : bool
-        Whether it was stated, not measured.
-    """
-
-    scale: Array
-    dof: Array
+    scale: Array  # standard deviation of a sample, at least half a step [unit of the signal], shape (channels,)
+    dof: Array  # degrees of freedom of ``scale``, shape (channels,)
+    # smallest difference, other than zero, between two neighbouring samples [unit of the signal], shape (channels,)
     step: Array
+    # whether the noise is larger than half a step, so that many equal neighbours mean a stuck sensor, shape (channels,)
     live: NDArray[np.bool_]
-    stated: bool = False
+    stated: bool = False  # whether it was stated, not measured
 
     @property
     def feigned(self) -> Array:

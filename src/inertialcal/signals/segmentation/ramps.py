@@ -25,21 +25,13 @@ WARMING, COOLING, NO_PATH = 1, -1, 0
 
 @dataclass(frozen=True, eq=False)
 class Ramps:
-    """Samples of a record by their path.
+    """Samples of a record by their path."""
 
-    Parameters
-    ----------
-    path : ndarray of int, shape (n,)
-        1 warming, -1 cooling, 0 on no path.
-    ramp : ndarray of int, shape (n,)
-        Number of the ramp that a sample belongs to, from 0; samples on no path have that of the ramp they begin.
-    ways : tuple of int
-        1 or -1 of each ramp.
-    """
-
-    path: NDArray[np.int64]
+    path: NDArray[np.int64]  # 1 warming, -1 cooling, 0 on no path, shape (n,)
+    # number of the ramp that a sample belongs to, from 0; samples on no path have that of the ramp they begin, shape
+    # (n,)
     ramp: NDArray[np.int64]
-    ways: tuple[int, ...]
+    ways: tuple[int, ...]  # 1 or -1 of each ramp
 
     def __len__(self) -> int:
         return len(self.ways)

@@ -68,38 +68,22 @@ class Interval:
 
 @dataclass(frozen=True, eq=False)
 class Segmentation:
-    """A record cut into still and moving stretches that together hold every sample once.
+    """A record cut into still and moving stretches that together hold every sample once."""
 
-    Parameters
-    ----------
-    start, stop : ndarray of int, shape (k,)
-        Stretches in order, half-open; ``stop[i] == start[i + 1]``.
-    still : ndarray of bool, shape (k,)
-        Still or moving.
-    level, scatter : ndarray, shape (k, channels)
-        Mean and standard deviation (n - 1) of the good samples; NaN where there are none, or one.
-    noise : Noise
-        Scatter of a sample where nothing happens.
-    widening : ndarray, shape (channels,)
-        By how much more than white noise the means of the widest windows scatter between changes.
-    samples : Samples
-        The signal with its single outliers marked.
-    stuck : ndarray of bool, shape (k,)
-        Still stretches in which a channel that is noisy elsewhere does not vary at all.
-    plan : Detection
-        What it was found with.
-    """
-
+    # start, stop: stretches in order, half-open; ``stop[i] == start[i + 1]``, shape (k,)
     start: Indices
     stop: Indices
-    still: Flags
+    still: Flags  # still or moving, shape (k,)
+    # level, scatter: mean and standard deviation (n - 1) of the good samples; NaN where there are none, or one, shape
+    # (k, channels)
     level: Array
     scatter: Array
-    noise: Noise
+    noise: Noise  # scatter of a sample where nothing happens
+    # by how much more than white noise the means of the widest windows scatter between changes, shape (channels,)
     widening: Array
-    samples: Samples
-    stuck: Flags
-    plan: Detection
+    samples: Samples  # the signal with its single outliers marked
+    stuck: Flags  # still stretches in which a channel that is noisy elsewhere does not vary at all, shape (k,)
+    plan: Detection  # what it was found with
 
     def __len__(self) -> int:
         return len(self.start)

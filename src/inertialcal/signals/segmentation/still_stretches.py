@@ -33,31 +33,21 @@ from .noise_scale import Noise, noise_scale
 class Detection:
     """How still and moving are told apart.
 
-    Parameters
-    ----------
-    false_alarm : float
-        Probability that a record of white noise at a constant level is found to move at all.
-    shortest : int
-        Samples of the shortest still stretch, 12 or more.
-    longest_window : int
-        Samples of the widest window in which a level is averaged; a change spread over more than twice this
-        counts as drift.
-    longest_gap : float
-        Longest stretch without good samples that a still stretch may hold [sample intervals].
-    noise : tuple of float, optional
-        Standard deviation of a sample at rest, one a channel [unit of the signal]; measured by default. To
-        be stated where a record has no rest from which to measure it.
-
     Raises
     ------
     PlanError
         If a value is out of range.
     """
 
-    false_alarm: float = 0.01
-    shortest: int = SHORTEST
+    false_alarm: float = 0.01  # probability that a record of white noise at a constant level is found to move at all
+    shortest: int = SHORTEST  # samples of the shortest still stretch, 12 or more
+    # samples of the widest window in which a level is averaged; a change spread over more than twice this counts as
+    # drift
     longest_window: int = 32
+    # longest stretch without good samples that a still stretch may hold [sample intervals]
     longest_gap: float = LONGEST_GAP
+    # standard deviation of a sample at rest, one a channel [unit of the signal]; measured by default. To be stated
+    # where a record has no rest from which to measure it
     noise: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
@@ -80,24 +70,14 @@ class Detection:
 
 @dataclass(frozen=True, eq=False)
 class Found:
-    """What ``still_stretches`` gives, in good samples counted from 0.
+    """What ``still_stretches`` gives, in good samples counted from 0."""
 
-    Parameters
-    ----------
-    start, stop : ndarray of int, shape (k,)
-        Still stretches, half-open, ascending.
-    outlier : ndarray of bool, shape (n,)
-        Single outliers inside them.
-    noise : Noise
-        Scatter of a sample where nothing happens.
-    widening : ndarray, shape (channels,)
-        By how much more than white noise the means of the widest windows scatter between changes.
-    """
-
+    # start, stop: still stretches, half-open, ascending, shape (k,)
     start: Indices
     stop: Indices
-    outlier: Flags
-    noise: Noise
+    outlier: Flags  # single outliers inside them, shape (n,)
+    noise: Noise  # scatter of a sample where nothing happens
+    # by how much more than white noise the means of the widest windows scatter between changes, shape (channels,)
     widening: Array
 
 

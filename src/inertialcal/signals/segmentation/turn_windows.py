@@ -25,27 +25,19 @@ from .turns import Turn, TurnPlan, Turns
 
 @dataclass(frozen=True, eq=False)
 class Window:
-    """A stretch of the record.
+    """A stretch of the record."""
 
-    Parameters
-    ----------
-    start, stop : int
-        Samples, half-open.
-    start_ns, stop_ns : int
-        Its time, half-open [ns].
-    mean, variance : ndarray, shape (channels,)
-        Of the samples in it; of windows found, the variance is the mean of those of the blocks [unit of the signal].
-    count : ndarray of int, shape (channels,)
-        Finite samples.
-    """
-
+    # start, stop: samples, half-open
     start: int
     stop: int
+    # start_ns, stop_ns: its time, half-open [ns]
     start_ns: int
     stop_ns: int
+    # mean, variance: of the samples in it; of windows found, the variance is the mean of those of the blocks [unit of
+    # the signal], shape (channels,)
     mean: Array
     variance: Array
-    count: Array
+    count: Array  # finite samples, shape (channels,)
 
     @property
     def length(self) -> float:
@@ -55,22 +47,13 @@ class Window:
 
 @dataclass(frozen=True, eq=False)
 class WindowPair:
-    """Windows before and after a turn.
+    """Windows before and after a turn."""
 
-    Parameters
-    ----------
-    turn : Turn
-        Between them.
-    before, after : Window or None
-        None where there is no room.
-    problems : tuple of Remark
-        Why they are not quiet; empty where they are.
-    """
-
-    turn: Turn
+    turn: Turn  # between them
+    # before, after: none where there is no room
     before: Window | None
     after: Window | None
-    problems: tuple[Remark, ...]
+    problems: tuple[Remark, ...]  # why they are not quiet; empty where they are
 
     @property
     def quiet(self) -> bool:

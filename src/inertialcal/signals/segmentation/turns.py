@@ -51,44 +51,28 @@ Instant = int | tuple[int, int]  # [ns]
 class TurnPlan:
     """How turns are found, and which windows beside them are quiet.
 
-    Parameters
-    ----------
-    block : float
-        Length of a block [s].
-    spike : float
-        Least peak of a turn, in standard deviations of a quiet sample.
-    step : float
-        Least change of level of a turn, and most that a level may move inside a window, in standard deviations of such
-        differences elsewhere.
-    longest : float
-        Longest turn [s].
-    settle : float
-        Left out on both sides of a turn: the filter settles, hands let go [s].
-    window : float, optional
-        Length of the windows before and after a turn, the same for both [s]; as long as it is quiet by default.
-    shortest, widest : float
-        Least and greatest length where none is stated; levels beside a spike are means over the least [s].
-    variance_ratio : float
-        Most by which the variance of one half of a window, or of one window, may exceed that of the other.
-    temperature_slope : float
-        Greatest slope of the temperature in a window [degC/s].
-
     Raises
     ------
     PlanError
         If a value is out of range.
     """
 
-    block: float = 1.0
-    spike: float = 10.0
+    block: float = 1.0  # length of a block [s]
+    spike: float = 10.0  # least peak of a turn, in standard deviations of a quiet sample
+    # least change of level of a turn, and most that a level may move inside a window, in standard deviations of such
+    # differences elsewhere
     step: float = 5.0
-    longest: float = 60.0
-    settle: float = 10.0
+    longest: float = 60.0  # longest turn [s]
+    settle: float = 10.0  # left out on both sides of a turn: the filter settles, hands let go [s]
+    # length of the windows before and after a turn, the same for both [s]; as long as it is quiet by default
     window: float | None = None
+    # shortest, widest: least and greatest length where none is stated; levels beside a spike are means over the least
+    # [s]
     shortest: float = 30.0
     widest: float = 600.0
+    # most by which the variance of one half of a window, or of one window, may exceed that of the other
     variance_ratio: float = 2.0
-    temperature_slope: float = np.inf
+    temperature_slope: float = np.inf  # greatest slope of the temperature in a window [degC/s]
 
     def __post_init__(self) -> None:
         for name in ("block", "spike", "step", "longest", "shortest", "widest", "temperature_slope"):
@@ -110,61 +94,32 @@ class TurnPlan:
 
 @dataclass(frozen=True, eq=False)
 class Turn:
-    """A turn of the head, or a spike that may be one.
+    """A turn of the head, or a spike that may be one."""
 
-    Parameters
-    ----------
-    start_ns, stop_ns : int
-        First and last of the blocks that the spike reaches into, half-open [ns]; both the instant that was given, where
-        no spike is seen there.
-    first, stop : int
-        The same in blocks.
-    peak : float
-        Furthest sample from the level around, in standard deviations of a quiet sample.
-    step : ndarray, shape (channels,)
-        Level after less level before [unit of the signal]; NaN where one is not there.
-    significance : float
-        Largest of the steps, in standard deviations of such differences elsewhere; NaN where none is there.
-    given : bool
-        Whether the user said that it is one.
-    """
-
+    # start_ns, stop_ns: first and last of the blocks that the spike reaches into, half-open [ns]; both the instant that
+    # was given, where no spike is seen there
     start_ns: int
     stop_ns: int
+    # first, stop: the same in blocks
     first: int
     stop: int
-    peak: float
-    step: Array
+    peak: float  # furthest sample from the level around, in standard deviations of a quiet sample
+    step: Array  # level after less level before [unit of the signal]; NaN where one is not there, shape (channels,)
+    # largest of the steps, in standard deviations of such differences elsewhere; NaN where none is there
     significance: float
-    given: bool = False
+    given: bool = False  # whether the user said that it is one
 
 
 @dataclass(frozen=True, eq=False)
 class Turns:
-    """Turns of a record.
+    """Turns of a record."""
 
-    Parameters
-    ----------
-    turns : tuple of Turn
-        In order of time.
-    others : tuple of Turn
-        Spikes that are not taken for turns.
-    blocks : Blocks
-        The record.
-    quiet : ndarray of bool, shape (b,)
-        Full blocks in which nothing moves.
-    segmentation : Segmentation
-        What the detector found in the full blocks.
-    plan : TurnPlan
-        What it was found with.
-    """
-
-    turns: tuple[Turn, ...]
-    others: tuple[Turn, ...]
-    blocks: Blocks
-    quiet: Flags
-    segmentation: Segmentation
-    plan: TurnPlan
+    turns: tuple[Turn, ...]  # in order of time
+    others: tuple[Turn, ...]  # spikes that are not taken for turns
+    blocks: Blocks  # the record
+    quiet: Flags  # full blocks in which nothing moves, shape (b,)
+    segmentation: Segmentation  # what the detector found in the full blocks
+    plan: TurnPlan  # what it was found with
 
     @property
     def remarks(self) -> tuple[Remark, ...]:

@@ -36,28 +36,15 @@ STEPS = 50  # of the bisection
 
 @dataclass(frozen=True, eq=False)
 class Amplitude:
-    """Amplitudes of records of unknown phase, arrays of shape (k,) each.
+    """Amplitudes of records of unknown phase, arrays of shape (k,) each."""
 
-    Parameters
-    ----------
-    value : ndarray
-        Most likely; 0 where noise alone is as long [unit].
-    u : ndarray
-        Standard uncertainty of one component, which that of the length is above the noise [unit].
-    lo, hi : ndarray
-        95 % interval.
-    chance : ndarray
-        Of so long a line from noise alone.
-    limit : ndarray
-        95 % upper limit.
-    """
-
-    value: Array
-    u: Array
+    value: Array  # most likely; 0 where noise alone is as long [unit]
+    u: Array  # standard uncertainty of one component, which that of the length is above the noise [unit]
+    # lo, hi: 95 % interval
     lo: Array
     hi: Array
-    chance: Array
-    limit: Array
+    chance: Array  # of so long a line from noise alone
+    limit: Array  # 95 % upper limit
 
 
 def amplitude_of(in_phase: ArrayLike, quadrature: ArrayLike, u: ArrayLike, dof: float) -> Amplitude:

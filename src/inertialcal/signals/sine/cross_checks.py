@@ -26,26 +26,17 @@ SMALL = 1e-3  # of the uncertainty of the fit: a smaller difference is none
 
 @dataclass(frozen=True)
 class CrossCheck:
-    """Another estimate of what is in phase.
+    """Another estimate of what is in phase."""
 
-    Parameters
-    ----------
-    name : str
-        ``"alternating_differences"`` or ``"generalised_least_squares"``.
-    value, u : float or None
-        Amplitude in phase and its standard uncertainty; None where it could not be made.
-    difference, u_difference : float or None
-        From that of the fit, and its standard uncertainty: of the difference, noise in common left out.
-    reason : str
-        Why it could not be made.
-    """
-
-    name: str
+    name: str  # ``"alternating_differences"`` or ``"generalised_least_squares"``
+    # value, u: amplitude in phase and its standard uncertainty; None where it could not be made
     value: float | None = None
     u: float | None = None
+    # difference, u_difference: from that of the fit, and its standard uncertainty: of the difference, noise in common
+    # left out
     difference: float | None = None
     u_difference: float | None = None
-    reason: str = ""
+    reason: str = ""  # why it could not be made
 
     @property
     def disagrees(self) -> bool:

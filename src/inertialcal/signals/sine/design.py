@@ -37,24 +37,12 @@ AT_ONCE = 16_384  # samples
 
 @dataclass(frozen=True, eq=False)
 class Design:
-    """Columns of the fit.
+    """Columns of the fit."""
 
-    Parameters
-    ----------
-    drive : Drive
-        At the samples that there are.
-    drift : {"dct", "polynomial"}
-        Which.
-    rows : int
-        Highest row of the cosine transform, or degree.
-    side_bands : int
-        On each side.
-    """
-
-    drive: Drive
-    drift: Drift
-    rows: int
-    side_bands: int
+    drive: Drive  # at the samples that there are
+    drift: Drift  # which
+    rows: int  # highest row of the cosine transform, or degree
+    side_bands: int  # on each side
 
     @property
     def line(self) -> int:

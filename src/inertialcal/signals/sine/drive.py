@@ -29,27 +29,13 @@ NOTHING = 1e-6  # of its largest possible value, below which a component is zero
 
 @dataclass(frozen=True, eq=False)
 class Drive:
-    """Drive at the times of the samples.
+    """Drive at the times of the samples."""
 
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        Middle of each sample, ascending [s].
-    in_phase : ndarray, shape (n,)
-        Of unit amplitude, or in the unit that is applied.
-    quadrature : ndarray, shape (n,), or None
-        A quarter of a period ahead, where the samples show it.
-    frequency : float
-        Lowest of the drive [Hz].
-    phase_known : bool
-        Whether the sign of what is in phase means anything.
-    """
-
-    times: Array
-    in_phase: Array
-    quadrature: Array | None
-    frequency: float
-    phase_known: bool
+    times: Array  # middle of each sample, ascending [s], shape (n,)
+    in_phase: Array  # of unit amplitude, or in the unit that is applied, shape (n,)
+    quadrature: Array | None  # a quarter of a period ahead, where the samples show it, shape (n,)
+    frequency: float  # lowest of the drive [Hz]
+    phase_known: bool  # whether the sign of what is in phase means anything
 
     @cached_property
     def step(self) -> float:

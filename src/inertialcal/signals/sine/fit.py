@@ -33,39 +33,23 @@ DISTINCT = 1e-9  # smallest eigenvalue of the scaled normal equations that count
 
 @dataclass(frozen=True, eq=False)
 class LineFit:
-    """Drive found in one record, or in several of one design.
+    """Drive found in one record, or in several of one design."""
 
-    Parameters
-    ----------
-    in_phase, u_in_phase : ndarray, shape (k,)
-        Amplitude in phase with the drive, signed, and its standard uncertainty [unit of the readings, or that over the
-        unit applied].
-    quadrature, u_quadrature : ndarray, shape (k,), or None
-        A quarter of a period ahead of it.
-    correlation : float
-        Of both.
-    dof : float
-        Degrees of freedom of all uncertainties.
-    noise : ndarray, shape (k,)
-        Standard deviation of white noise with the density that there is at the drive [unit of the readings].
-    drift : ndarray, shape (columns of drift, k)
-        Coefficients, in the order of the design.
-    cofactors : ndarray, shape (columns of drive and drift, same)
-        Covariance of the coefficients for noise of unit variance.
-    design : Design
-        What was fitted.
-    """
-
+    # in_phase, u_in_phase: amplitude in phase with the drive, signed, and its standard uncertainty [unit of the
+    # readings, or that over the unit applied], shape (k,)
     in_phase: Array
     u_in_phase: Array
+    # quadrature, u_quadrature: a quarter of a period ahead of it, shape (k,)
     quadrature: Array | None
     u_quadrature: Array | None
-    correlation: float
-    dof: float
+    correlation: float  # of both
+    dof: float  # degrees of freedom of all uncertainties
+    # standard deviation of white noise with the density that there is at the drive [unit of the readings], shape (k,)
     noise: Array
-    drift: Array
+    drift: Array  # coefficients, in the order of the design, shape (columns of drift, k)
+    # covariance of the coefficients for noise of unit variance, shape (columns of drive and drift, same)
     cofactors: Array
-    design: Design
+    design: Design  # what was fitted
 
     @property
     def density(self) -> Array:

@@ -31,22 +31,13 @@ LOWEST, HIGHEST = -12.0, 16.0  # of it
 
 @dataclass(frozen=True, eq=False)
 class Generalised:
-    """Estimate in phase, with the weights and the covariance behind it.
+    """Estimate in phase, with the weights and the covariance behind it."""
 
-    Parameters
-    ----------
-    value, u : float
-        Amplitude in phase and its standard uncertainty, the noise taken as found.
-    weights : ndarray, shape (n,)
-        Of the readings.
-    covariance : ndarray, shape (n, n)
-        Generalised, of the readings: for weights that add up to 0.
-    """
-
+    # value, u: amplitude in phase and its standard uncertainty, the noise taken as found
     value: float
     u: float
-    weights: Array
-    covariance: Array
+    weights: Array  # of the readings, shape (n,)
+    covariance: Array  # generalised, of the readings: for weights that add up to 0, shape (n, n)
 
 
 def generalised_fit(drive: Drive, readings: Array) -> Generalised:

@@ -58,22 +58,13 @@ class AllanCurve(Protocol):
 
 @dataclass(frozen=True, eq=False)
 class SpectralAllan:
-    """Allan deviation that a spectrum means.
+    """Allan deviation that a spectrum means."""
 
-    Parameters
-    ----------
-    tau : ndarray, shape (k,)
-        Averaging times [s].
-    deviation, edf : ndarray, shape (k, axes)
-        Deviation [unit], and equivalent degrees of freedom of its square.
-    continued : ndarray, shape (k, axes)
-        Part of the variance from below the lowest frequency of the spectrum.
-    """
-
-    tau: Array
+    tau: Array  # averaging times [s], shape (k,)
+    # deviation, edf: deviation [unit], and equivalent degrees of freedom of its square, shape (k, axes)
     deviation: Array
     edf: Array
-    continued: Array
+    continued: Array  # part of the variance from below the lowest frequency of the spectrum, shape (k, axes)
 
 
 def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
@@ -133,30 +124,15 @@ def _continued(spectrum: Spectrum) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Agreement:
-    """A measured Allan deviation beside the one that the spectrum means.
+    """A measured Allan deviation beside the one that the spectrum means."""
 
-    Parameters
-    ----------
-    tau : ndarray, shape (k,)
-        Times compared [s].
-    ratio : ndarray, shape (k, axes)
-        Measured deviation over that of the spectrum; NaN where not compared.
-    chance : ndarray, shape (k, axes)
-        Probability of a variance ratio so far from 1, beyond the allowance; NaN where not compared.
-    agree : ndarray of bool, shape (axes,)
-        False where any time disagrees.
-    compared : int
-        Time and axis pairs compared.
-    false_alarm : float
-        Largest probability, an axis, of a disagreement between consistent figures.
-    """
-
-    tau: Array
-    ratio: Array
+    tau: Array  # times compared [s], shape (k,)
+    ratio: Array  # measured deviation over that of the spectrum; NaN where not compared, shape (k, axes)
+    # probability of a variance ratio so far from 1, beyond the allowance; NaN where not compared, shape (k, axes)
     chance: Array
-    agree: NDArray[np.bool_]
-    compared: int
-    false_alarm: float
+    agree: NDArray[np.bool_]  # false where any time disagrees, shape (axes,)
+    compared: int  # time and axis pairs compared
+    false_alarm: float  # largest probability, an axis, of a disagreement between consistent figures
 
     @property
     def remarks(self) -> tuple[Remark, ...]:

@@ -39,18 +39,10 @@ STRAIGHT = 1e-3  # standard deviation of the place, below which no slope is need
 
 @dataclass(frozen=True, eq=False)
 class Background:
-    """Level of the noise of one axis.
+    """Level of the noise of one axis."""
 
-    Parameters
-    ----------
-    level : ndarray, shape (k,)
-        NaN where there are too few neighbours [unit^2/Hz].
-    dof : ndarray, shape (k,)
-        Degrees of freedom of the level.
-    """
-
-    level: Array
-    dof: Array
+    level: Array  # NaN where there are too few neighbours [unit^2/Hz], shape (k,)
+    dof: Array  # degrees of freedom of the level, shape (k,)
 
 
 def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:

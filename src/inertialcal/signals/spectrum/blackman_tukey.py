@@ -29,24 +29,12 @@ from ...core.estimate import Array
 
 @dataclass(frozen=True, eq=False)
 class CorrelationSpectrum:
-    """One-sided density from correlations.
+    """One-sided density from correlations."""
 
-    Parameters
-    ----------
-    frequency : ndarray, shape (M + 1,)
-        From 0 to half of the sampling frequency [Hz].
-    density : ndarray, shape (M + 1,)
-        May be negative [unit^2/Hz].
-    bandwidth : float
-        Of one value, B [Hz].
-    smoothed : bool
-        Whether Hanning's weights were applied.
-    """
-
-    frequency: Array
-    density: Array
-    bandwidth: float
-    smoothed: bool = False
+    frequency: Array  # from 0 to half of the sampling frequency [Hz], shape (M + 1,)
+    density: Array  # may be negative [unit^2/Hz], shape (M + 1,)
+    bandwidth: float  # of one value, B [Hz]
+    smoothed: bool = False  # whether Hanning's weights were applied
 
     @property
     def amplitude(self) -> Array:

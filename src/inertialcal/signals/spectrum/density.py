@@ -26,52 +26,25 @@ PER_DECADE = 3  # rows shown of a decade
 
 @dataclass(frozen=True, eq=False)
 class Spectrum:
-    """One-sided spectral density of one or several axes.
+    """One-sided spectral density of one or several axes."""
 
-    Parameters
-    ----------
-    frequency : ndarray, shape (k,)
-        Ascending and equally spaced, above 0 and below half of the sampling frequency [Hz].
-    density : ndarray, shape (k, axes)
-        One-sided, of the samples as they are [unit^2/Hz].
-    edf : float
-        Equivalent degrees of freedom of each value: it is distributed about as chi-square of so many, over them.
-    neighbours : ndarray, shape (j,)
-        Correlation of two values that lie 0, 1, ... spacings apart, in noise of a level spectrum.
-    lobe : int
-        Half width, in spacings, of the peak that a line makes.
-    enbw : float
-        Equivalent noise bandwidth of the window [Hz].
-    interval : float
-        From sample to sample [s].
-    segment : int
-        Samples of each segment.
-    segments : int
-        Segments averaged.
-    used, missing : int
-        Samples that lie in a segment; samples without a value in at least one axis.
-    method : {"welch", "multitaper"}
-        Of estimation.
-    p : float
-        Probability of the intervals ``lo`` to ``hi``.
-    remarks : tuple of Remark
-        What was left out, and axes that do not vary.
-    """
-
-    frequency: Array
-    density: Array
+    frequency: Array  # ascending and equally spaced, above 0 and below half of the sampling frequency [Hz], shape (k,)
+    density: Array  # one-sided, of the samples as they are [unit^2/Hz], shape (k, axes)
+    # equivalent degrees of freedom of each value: it is distributed about as chi-square of so many, over them
     edf: float
+    # correlation of two values that lie 0, 1, ... spacings apart, in noise of a level spectrum, shape (j,)
     neighbours: Array
-    lobe: int
-    enbw: float
-    interval: float
-    segment: int
-    segments: int
+    lobe: int  # half width, in spacings, of the peak that a line makes
+    enbw: float  # equivalent noise bandwidth of the window [Hz]
+    interval: float  # from sample to sample [s]
+    segment: int  # samples of each segment
+    segments: int  # segments averaged
+    # used, missing: samples that lie in a segment; samples without a value in at least one axis
     used: int
     missing: int
-    method: Method
-    p: float = 0.6827
-    remarks: tuple[Remark, ...] = ()
+    method: Method  # of estimation
+    p: float = 0.6827  # probability of the intervals ``lo`` to ``hi``
+    remarks: tuple[Remark, ...] = ()  # what was left out, and axes that do not vary
 
     @property
     def spacing(self) -> float:

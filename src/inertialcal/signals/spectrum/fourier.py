@@ -22,19 +22,12 @@ from ...core.estimate import Array
 
 @dataclass(frozen=True, eq=False)
 class FourierCoefficients:
-    """Coefficients of one record.
+    """Coefficients of one record."""
 
-    Parameters
-    ----------
-    cosine, sine : ndarray, shape (n // 2 + 1,) or (n // 2 + 1, k)
-        Of line 0 (the mean), 1, ... [unit].
-    samples : int
-        Of the record.
-    """
-
+    # cosine, sine: of line 0 (the mean), 1, ... [unit], shape (n // 2 + 1,) or (n // 2 + 1, k)
     cosine: Array
     sine: Array
-    samples: int
+    samples: int  # of the record
 
     @property
     def amplitude(self) -> Array:

@@ -42,63 +42,33 @@ MOST_HARMONIC = 50
 
 @dataclass(frozen=True)
 class Line:
-    """One finding.
+    """One finding."""
 
-    Parameters
-    ----------
-    name : str
-        ``"9.97 Hz"``, or ``"3 x 9.97 Hz"`` for a multiple of a lower one.
-    axis : int
-        In which axis.
-    kind : {"line", "broad"}
-        Whether it is as narrow as a line.
-    frequency, u_frequency : float
-        Centre of its power, and the standard uncertainty of that [Hz].
-    width : float
-        From its first to its last value that stands out [Hz].
-    amplitude, u_amplitude : float
-        Of the sine of the same power [unit].
-    ratio : float
-        Largest density over the level of the noise.
-    chance : float
-        Probability that noise alone shows such a ratio anywhere in the spectrum (at most 1).
-    times, lowest : int, float
-        Which multiple it is of which lower one [Hz]; 0 for one that is none.
-    """
-
-    name: str
-    axis: int
-    kind: Literal["line", "broad"]
+    name: str  # ``"9.97 Hz"``, or ``"3 x 9.97 Hz"`` for a multiple of a lower one
+    axis: int  # in which axis
+    kind: Literal["line", "broad"]  # whether it is as narrow as a line
+    # frequency, u_frequency: centre of its power, and the standard uncertainty of that [Hz]
     frequency: float
     u_frequency: float
-    width: float
+    width: float  # from its first to its last value that stands out [Hz]
+    # amplitude, u_amplitude: of the sine of the same power [unit]
     amplitude: float
     u_amplitude: float
-    ratio: float
-    chance: float
+    ratio: float  # largest density over the level of the noise
+    chance: float  # probability that noise alone shows such a ratio anywhere in the spectrum (at most 1)
+    # times, lowest: which multiple it is of which lower one [Hz]; 0 for one that is none
     times: int = 0
     lowest: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class Lines:
-    """All findings, and what was tested.
+    """All findings, and what was tested."""
 
-    Parameters
-    ----------
-    found : tuple of Line
-        By axis and frequency.
-    marked : ndarray of bool, shape (k, axes)
-        Values of the spectrum that belong to a finding, its flanks included.
-    false_alarm : float
-        Probability, an axis, that noise alone shows any finding.
-    tested : tuple of float
-        Lowest and highest frequency tested [Hz]; NaN where the spectrum has too few values to test any.
-    """
-
-    found: tuple[Line, ...]
-    marked: Flags
-    false_alarm: float
+    found: tuple[Line, ...]  # by axis and frequency
+    marked: Flags  # values of the spectrum that belong to a finding, its flanks included, shape (k, axes)
+    false_alarm: float  # probability, an axis, that noise alone shows any finding
+    # lowest and highest frequency tested [Hz]; NaN where the spectrum has too few values to test any
     tested: tuple[float, float]
 
     def __len__(self) -> int:

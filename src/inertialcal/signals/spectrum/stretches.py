@@ -14,19 +14,12 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Stretches:
-    """Runs of samples that all have a value.
+    """Runs of samples that all have a value."""
 
-    Parameters
-    ----------
-    start, stop : ndarray of int, shape (k,)
-        Half-open, ascending.
-    missing : int
-        Samples in none of them.
-    """
-
+    # start, stop: half-open, ascending, shape (k,)
     start: Indices
     stop: Indices
-    missing: int
+    missing: int  # samples in none of them
 
     @property
     def longest(self) -> int:

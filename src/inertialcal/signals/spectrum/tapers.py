@@ -30,21 +30,11 @@ BEATING = 0.05  # that a mirror image may add to the variance of a value
 
 @dataclass(frozen=True, eq=False)
 class Tapers:
-    """Tapers of one length, each with the sum of squares 1.
+    """Tapers of one length, each with the sum of squares 1."""
 
-    Parameters
-    ----------
-    weights : ndarray, shape (k, n)
-        A taper a row.
-    step : int
-        From one segment to the next [samples].
-    lobe : int
-        Half width of their main lobe [1 / length].
-    """
-
-    weights: Array
-    step: int
-    lobe: int
+    weights: Array  # a taper a row, shape (k, n)
+    step: int  # from one segment to the next [samples]
+    lobe: int  # half width of their main lobe [1 / length]
 
     @property
     def enbw(self) -> float:

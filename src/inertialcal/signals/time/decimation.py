@@ -19,17 +19,11 @@ from ...core.recording import SECOND, Times
 
 @dataclass(frozen=True, eq=False)
 class Bins:
-    """A signal in bins of time.
+    """A signal in bins of time."""
 
-    Parameters
-    ----------
-    time : ndarray, shape (b,)
-        Middle of the samples of each bin, since the first sample [s]; of a gap, between its neighbours.
-    lo, hi : ndarray, shape (b, channels)
-        Least and largest finite value [unit of the signal]; NaN where there is none.
-    """
-
+    # middle of the samples of each bin, since the first sample [s]; of a gap, between its neighbours, shape (b,)
     time: Array
+    # lo, hi: least and largest finite value [unit of the signal]; NaN where there is none, shape (b, channels)
     lo: Array
     hi: Array
 

@@ -24,33 +24,15 @@ LONGEST_GAP = 10.0  # sample intervals: what happened in a longer gap nobody kno
 
 @dataclass(frozen=True, eq=False)
 class Samples:
-    """A signal with what is known of each sample, ready to be cut into dwells.
+    """A signal with what is known of each sample, ready to be cut into dwells."""
 
-    Parameters
-    ----------
-    values : ndarray, shape (n, channels)
-        May hold NaN; column-major, so that a channel lies in one piece.
-    finite : ndarray of bool, shape (n,)
-        Whether every channel has a value.
-    outlier : ndarray of bool, shape (n,)
-        Samples to leave out.
-    gap : ndarray of bool, shape (n,)
-        Whether a gap lies between a sample and the one before it.
-    ticks : ndarray, shape (n,)
-        Time since the first sample [sample intervals]; the index where there is no time.
-    time_ns : ndarray of int64, shape (n,), or None
-        Stamps [ns].
-    sample_interval : float or None
-        Nominal time from sample to sample [s].
-    """
-
-    values: Array
-    finite: Flags
-    outlier: Flags
-    gap: Flags
-    ticks: Array
-    time_ns: Times | None = None
-    sample_interval: float | None = None
+    values: Array  # may hold NaN; column-major, so that a channel lies in one piece, shape (n, channels)
+    finite: Flags  # whether every channel has a value, shape (n,)
+    outlier: Flags  # samples to leave out, shape (n,)
+    gap: Flags  # whether a gap lies between a sample and the one before it, shape (n,)
+    ticks: Array  # time since the first sample [sample intervals]; the index where there is no time, shape (n,)
+    time_ns: Times | None = None  # stamps [ns], shape (n,)
+    sample_interval: float | None = None  # nominal time from sample to sample [s]
 
     def duration(self, samples: int | None, seconds: float | None, default: int) -> int:
         """Return a length in samples from whichever of the two is given.

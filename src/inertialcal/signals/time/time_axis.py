@@ -45,20 +45,11 @@ WIDEST = float(np.iinfo(np.int64).max)  # [ns]
 
 @dataclass(frozen=True, eq=False)
 class Gaps:
-    """Stretches without samples.
+    """Stretches without samples."""
 
-    Parameters
-    ----------
-    after : ndarray of int64, shape (k,)
-        Index of the last sample before each gap.
-    length : ndarray, shape (k,)
-        Step across the gap [s].
-    missing : ndarray of int64, shape (k,)
-        Samples that are missing in each, at the nominal interval; 0 where a sample came late.
-    """
-
-    after: Indices
-    length: Array
+    after: Indices  # index of the last sample before each gap, shape (k,)
+    length: Array  # step across the gap [s], shape (k,)
+    # samples that are missing in each, at the nominal interval; 0 where a sample came late, shape (k,)
     missing: Indices
 
     def __len__(self) -> int:
@@ -67,47 +58,27 @@ class Gaps:
 
 @dataclass(frozen=True, eq=False)
 class TimeAxis:
-    """What the stamps of a recording say.
+    """What the stamps of a recording say."""
 
-    Parameters
-    ----------
-    n : int
-        Number of stamps.
-    duration : float
-        From the earliest to the latest stamp [s].
-    pattern : {"regular", "bursts", "single"}
-        See the module head.
-    interval : float or None
-        Nominal sample interval [s]; None where all stamps are equal.
-    median_step, longest_step : float
-        Of the forward steps [s]; 0 where there is none.
-    jitter_rms, jitter_max : float
-        Deviation of a step that is no gap from the interval (bursts), or from its nearest whole multiple
-        (regular) [s].
-    gaps : Gaps
-        Empty where the pattern is not regular.
-    steps : tuple of (float, int)
-        Forward step [s] to a quarter of the interval, and how often it occurs; the most frequent first,
-        at most 12. Empty where the pattern is not regular.
-    repeated, backward : ndarray of int64
-        Index of each stamp that equals the one before it, or is earlier.
-    averaging : float or None
-        Length of the window that each sample is the mean of [s]; None when nobody said.
-    """
-
-    n: int
-    duration: float
-    pattern: Literal["regular", "bursts", "single"]
-    interval: float | None
+    n: int  # number of stamps
+    duration: float  # from the earliest to the latest stamp [s]
+    pattern: Literal["regular", "bursts", "single"]  # see the module head
+    interval: float | None  # nominal sample interval [s]; None where all stamps are equal
+    # median_step, longest_step: of the forward steps [s]; 0 where there is none
     median_step: float
     longest_step: float
+    # jitter_rms, jitter_max: deviation of a step that is no gap from the interval (bursts), or from its nearest whole
+    # multiple (regular) [s]
     jitter_rms: float
     jitter_max: float
-    gaps: Gaps
+    gaps: Gaps  # empty where the pattern is not regular
+    # forward step [s] to a quarter of the interval, and how often it occurs; the most frequent first, at most 12. Empty
+    # where the pattern is not regular
     steps: tuple[tuple[float, int], ...]
+    # repeated, backward: index of each stamp that equals the one before it, or is earlier
     repeated: Indices
     backward: Indices
-    averaging: float | None = None
+    averaging: float | None = None  # length of the window that each sample is the mean of [s]; None when nobody said
 
     @property
     def dead_time(self) -> float | None:
