@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .campaign.calls.nouns import rate_table, thermal
+    from .campaign.calls.nouns import mass_attraction, rate_table, thermal
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
@@ -27,7 +27,6 @@ if TYPE_CHECKING:
     from .files.write.recording import write
     from .procedures.flip.files.call import flip
     from .procedures.mass_attraction.deck import programme_1969
-    from .procedures.mass_attraction.files import mass_attraction
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.positions.files.call import positions
     from .procedures.positions.lot.batch import positions_batch
@@ -72,7 +71,6 @@ _HOMES = {
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
     "flip": ("procedures.flip.files.call", "flip"),
-    "mass_attraction": ("procedures.mass_attraction.files", "mass_attraction"),
     "load_model": ("campaign.models.find", "load_model"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),

@@ -19,10 +19,12 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.rig import Bench, Run
 from inertialcal.rigs.protocol import Changes, Rig, Twin
+from one_way_in import same_rows
 from typed_commands import call
 
 RUNS = (*(Run(f"run{i}") for i in range(1, 4)), Run("null1", moved=False))
-OPTIONS = ("--gate", "100 s", "--column", "pulses", "--unit", "pulses=count")
+OPTIONS = ("--gate", "100 s", "--column", "x=pulses")
+SAID: dict[str, Any] = {"gate": "100 s", "columns": {"x": "pulses"}}
 
 
 def small(seed: int, changes: Changes) -> Twin:
@@ -37,27 +39,36 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def files(folder: Path) -> tuple[str, ...]:
-    moved = (str(folder / f"recordings/run{i}.csv") for i in range(1, 4))
-    return (*moved, "--schedule", str(folder / "schedule.csv"), "--null", str(folder / "recordings/null1.csv"))
+    runs = (str(folder / f"recordings/{run.name}.csv") for run in RUNS)
+    return (*runs, "--schedule", str(folder / "schedule.csv"), "--null", "null1")
 
 
-KNOWN = ("--tilt", "tilt_rad", "--tilt-is", "known", "--mercury", "9.2e-10 rad", "--nominal", "10.21 count/s/ug")
+def test_command_python_and_campaign_give_the_same_rows(
+    folder: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    found = same_rows(
+        capsys, "mass-attraction", [folder / f"recordings/{run.name}.csv" for run in RUNS], tmp_path / "campaign",
+        schedule=str(folder / "schedule.csv"), null=["null1.csv"], gate="100 s", tilt="known", mercury="9.2e-10 rad",
+        columns={"x": "pulses", "tilt": "tilt_rad"}, scale_factor="10.21 count/s/ug",
+        standards={"source_mass.density": "0.3 %", "tilt_meter.mercury": "3e-10 rad"},
+    )  # fmt: skip
+    assert "relative_to_fixture" not in [one.code for one in found.remarks]
+    assert len(list((tmp_path / "campaign" / "recordings").glob("schedule*.csv"))) == 1
+    moved = {one.name: one.moved for one in found.result.responses}
+    assert moved == {run.name: run.moved for run in RUNS}
 
 
-def test_it_gives_what_the_campaign_gives(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    status, out, _ = call(capsys, "mass-attraction", *files(folder), *OPTIONS, *KNOWN, "--json")
-    assert status == 0
-    rows = {(row["quantity"], row["condition"]): row for row in json.loads(out)["results"]}
-    shown = {(row["quantity"], row["condition"]): row for row in run(folder, write=False).results["results"]}
-    for key in (("scale_factor", "run run1 alone"), ("null_response", "run null1 alone")):
-        assert rows[key]["unit"] == shown[key]["unit"]
-        assert rows[key]["u"] == pytest.approx(shown[key]["u"], rel=1e-6)
-    assert rows["scale_factor", ""]["value"] == pytest.approx(shown["scale_factor", ""]["value"], rel=1e-9)
+def test_like_the_campaign_of_a_rig_it_gives_the_rows_of_the_campaign(folder: Path) -> None:
+    paths = [folder / f"recordings/{run.name}.csv" for run in RUNS]
+    found = ic.mass_attraction(paths, like=str(folder))
+    own = run(folder, write=False).results["results"]
+    named = [{**row.to_dict(), "test": ""} for row in found.rows]
+    assert json.loads(json.dumps(named)) == [{**row, "test": ""} for row in json.loads(json.dumps(own))]
 
 
-def test_python_gives_the_same_and_draws_it(folder: Path, tmp_path: Path) -> None:
+def test_python_draws_it(folder: Path) -> None:
     paths = [folder / f"recordings/run{i}.csv" for i in range(1, 4)]
-    found = ic.mass_attraction(paths, folder / "schedule.csv", column="pulses", gate="100 s", units={"pulses": "count"})
+    found = ic.mass_attraction(paths, schedule=str(folder / "schedule.csv"), **SAID)
     assert found.to_frame()["quantity"][0] == "scale_factor"
     assert "scale_factor" in str(found)
     assert found.rows[0].unit == "count/s/ug"
@@ -65,19 +76,18 @@ def test_python_gives_the_same_and_draws_it(folder: Path, tmp_path: Path) -> Non
         ic.plot(found, figure=name)
 
 
-def test_the_schedule_may_begin_when_it_is_said_to(folder: Path) -> None:
-    """The record of run 1 begins with its schedule; said an hour later, the phase is another or nothing fits."""
-    one = folder / "recordings/run1.csv"
-    options: dict[str, Any] = {"column": "pulses", "gate": "100 s", "units": {"pulses": "count"}}
-    own = ic.mass_attraction(one, folder / "schedule.csv", **options)
-    same = ic.mass_attraction(one, folder / "schedule.csv", begin="2010-04-28T20:00:00Z", stamp="end", **options)
+def test_the_schedule_may_begin_at_an_instant(folder: Path) -> None:
+    """The record of run 1 begins with its schedule; an hour later, the phase is another or nothing fits."""
+    one, options = folder / "recordings/run1.csv", SAID | {"schedule": str(folder / "schedule.csv")}
+    own = ic.mass_attraction(one, **options)
+    same = ic.mass_attraction(one, begin="2010-04-28T20:00:00Z", stamp="end", **options)
     assert same.rows[0].value == pytest.approx(own.rows[0].value)
     with pytest.raises(InertialcalError, match="100 of 100 samples lie in no dwell"):
-        ic.mass_attraction(one, folder / "schedule.csv", begin="2010-04-28T20:00:00Z", **options)
+        ic.mass_attraction(one, begin="2010-04-28T20:00:00Z", **options)
     with pytest.raises(InertialcalError, match="the record ends 30 dwells before its schedule"):
-        ic.mass_attraction(one, folder / "schedule.csv", begin="2010-04-28T21:00:00Z", stamp="end", **options)
+        ic.mass_attraction(one, begin="2010-04-28T21:00:00Z", stamp="end", **options)
     with pytest.raises(InertialcalError, match="begin: "):
-        ic.mass_attraction(one, folder / "schedule.csv", begin="noon", **options)
+        ic.mass_attraction(one, begin="noon", **options)
 
 
 def test_a_planned_schedule_is_read_with_the_doubt_of_what_it_applies(folder: Path, tmp_path: Path) -> None:
@@ -91,48 +101,44 @@ def test_a_planned_schedule_is_read_with_the_doubt_of_what_it_applies(folder: Pa
     doubt = planned.schedule.u_applied
     assert doubt is not None
     assert doubt >= 0.03
-    found = ic.mass_attraction(folder / "recordings/run1.csv", tmp_path / "plan.csv", column="pulses", gate="100 s",
-                               units={"pulses": "count"})  # fmt: skip
+    found = ic.mass_attraction(folder / "recordings/run1.csv", schedule=str(tmp_path / "plan.csv"), **SAID)
     assert "relative_to_fixture" not in [one.code for one in found.remarks]
     estimate = found.result.estimate
     assert estimate is not None
     (part,) = [one for one in estimate.components if one.source == "acceleration applied"]
     assert np.sqrt(part.covariance[0, 0]) == pytest.approx(doubt * abs(estimate.values[0]))
-    assert estimate.values[0] * planned.schedule.amplitude == pytest.approx(found.responses[0].amplitude)
+    assert estimate.values[0] * planned.schedule.amplitude == pytest.approx(found.result.responses[0].amplitude)
 
 
 def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> None:
     with_time = (folder / "recordings/run1.csv").read_text().splitlines()
     table = tmp_path / "run1.csv"
     table.write_text("\n".join(["pulses [count]", *(line.split(",")[1] for line in with_time[1:])]) + "\n")
-    own = ic.mass_attraction(table, folder / "schedule.csv", gate="100 s")
-    same = ic.mass_attraction(folder / "recordings/run1.csv", folder / "schedule.csv", column="pulses", gate="100 s",
-                              units={"pulses": "count"})  # fmt: skip
+    schedule = str(folder / "schedule.csv")
+    own = ic.mass_attraction(table, schedule=schedule, gate="100 s")
+    same = ic.mass_attraction(folder / "recordings/run1.csv", schedule=schedule, **SAID)
     assert own.rows[0].value == pytest.approx(same.rows[0].value)
     table.write_text("\n".join(table.read_text().splitlines()[:-1]) + "\n")
     with pytest.raises(InertialcalError, match="99 rows, but the schedule has 100 dwells"):
-        ic.mass_attraction(table, folder / "schedule.csv", gate="100 s")
+        ic.mass_attraction(table, schedule=schedule, gate="100 s")
     with pytest.raises(InertialcalError, match="a gate of 10 s, rows of dwells of 100 s"):
-        ic.mass_attraction(table, folder / "schedule.csv", gate="10 s")
+        ic.mass_attraction(table, schedule=schedule, gate="10 s")
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
-        (("--column", "pulses", "--unit", "pulses=count"), "nothing says for how long they were counted"),
-        (("--gate", "100 s"), "no column is clearly that of the pulses"),
-        (("--gate", "100"), "gate: '100'"),
-        (("--gate=-100 s",), "gate: '-100 s' It must be above zero"),
-        ((*OPTIONS, "--nominal=-10 count/s/ug"), "nominal: '-10 count/s/ug' It must be above zero"),
-        ((*OPTIONS, "--begin", "2010-04-28T20:00:00Z"), "one begin of the schedule"),
-        ((*OPTIONS, "--stamp", "late"), "stamp 'late' There are: start, middle, end"),
-        ((*OPTIONS, "--stamp", "end"), "whatever its stamp is"),
-        (("--gate", "130 s", "--column", "pulses", "--unit", "pulses=count"), "the mass dwells for 100 s"),
-        ((*OPTIONS, "--tilt", "case_degc"), "has no unit of tilt"),
-        ((*OPTIONS, "--tilt", "tilt_rad", "--tilt-is", "known"), "needs the nominal scale factor"),
-        ((*OPTIONS, "--tilt-is", "guessed"), "There are: regressed, known, ignored"),
-        ((*OPTIONS, "--u-high-g", "1 count/s/ug"), "Say --high-g"),
-        ((*OPTIONS, "--in", "deg"), "no unit of acceleration"),
+        (("--column", "x=pulses"), 'Add: --gate "100 s"'),
+        (("--gate", "100 s"), "cannot tell which column holds the pulses"),
+        (("--gate", "100", "--column", "pulses"), "'100' has no unit"),
+        (("--gate=-100 s", "--column", "pulses"), "gate -100 s: need a positive time"),
+        ((*OPTIONS, "--begin", "2010-04-28T20:00:00Z"), "the record begins 720 dwells after"),
+        ((*OPTIONS, "--stamp", "late"), "'late' is not one of"),
+        (("--gate", "130 s", "--column", "x=pulses"), "the mass dwells for 100 s"),
+        ((*OPTIONS, "--column", "tilt=case_degc"), "unit missing or of the wrong kind: 'case_degc'"),
+        ((*OPTIONS, "--tilt", "guessed"), "'guessed' is not one of"),
+        ((*OPTIONS, "--tilt-sign", "0"), "tilt-sign"),
+        ((*OPTIONS, "--high-g", "1 count/s/ug"), "is not a TOML table"),
         ((*OPTIONS, "--figure", "mass_runs"), "no file for the figure is named"),
     ],
 )
@@ -149,7 +155,8 @@ def test_a_file_twice_and_a_schedule_that_is_none_are_refused(
 ) -> None:
     one = str(folder / "recordings/run1.csv")
     assert call(capsys, "mass-attraction", one, one, "--schedule", str(folder / "schedule.csv"))[0] == 2
-    assert call(capsys, "mass-attraction", one, "--schedule", one)[0] == 3
+    assert call(capsys, "mass-attraction", one, "--schedule", one, *OPTIONS)[0] == 3
+    assert call(capsys, "mass-attraction", one, *OPTIONS)[0] == 2
 
 
 @pytest.mark.parametrize(

@@ -80,7 +80,8 @@ class Setting:
     def described(self) -> str:
         """Help with choices, example and default."""
         words = f"One of: {', '.join(self.choices)}." if self.choices else ""
-        example = f"Example: {self.example}." if self.example and self.example != self.plain_default else ""
+        written = "" if self.choices or self.example == self.plain_default else self.example
+        example = f"Example: {written}." if written else ""
         default = f"Default: {self.plain_default}." if self.plain_default else ""
         return " ".join(part for part in (self.help, words, example, default) if part)
 
@@ -102,18 +103,6 @@ class Setting:
     def path(self) -> bool:
         """Whether it names a file."""
         return Path in (self.kind, *get_args(self.kind))
-
-    @property
-    def default_text(self) -> str:
-        """Default in the unit of the example; empty without one."""
-        if self.default is None or self.table is not None:
-            return ""
-        if not self.unit:
-            return str(self.default)
-        from .units import factor, parse_quantity  # noqa: PLC0415 - numpy starts slowly
-
-        unit = parse_quantity(self.example).unit
-        return f"{float(str(self.default)) * factor(self.unit, unit):g} {unit}"
 
     @property
     def written(self) -> str:
@@ -206,9 +195,14 @@ def starter(kind: type[object], active: Collection[str], head: str) -> str:
 
 def settings_table(kind: type[object]) -> list[tuple[str, str, str, str]]:
     """Return a row for each setting of the groups of a dataclass: key, how to write it, default, help."""
-    return [
-        (f"{group.name}.{one.name}", one.written.partition(" = ")[2], one.default_text, one.about)
-        for group in settings_of(kind)
-        if group.table is not None
-        for one in settings_of(group.table)
-    ]
+    from .units import factor, parse_quantity  # noqa: PLC0415 - numpy starts slowly
+
+    rows = []
+    for group in settings_of(kind):
+        for one in () if group.table is None else settings_of(group.table):
+            default = one.plain_default
+            if default and one.unit:
+                unit = parse_quantity(one.example).unit
+                default = f"{float(str(one.default)) * factor(one.unit, unit):g} {unit}"
+            rows.append((f"{group.name}.{one.name}", one.written.partition(" = ")[2], default, one.about))
+    return rows

@@ -87,6 +87,8 @@ class InputSpec:
         Channels of one sensor each (temperatures, reference voltages) are named by the body axis that it feels.
     several_sensors : bool
         A test may hold recordings of several sensors of one clock.
+    pulses : bool
+        Pulses may come without a scale factor: it is what the test finds.
     """
 
     kinds: tuple[Kind, ...]
@@ -98,6 +100,7 @@ class InputSpec:
     windows: Literal["mask", "records", "refused"] = "mask"
     by_body: bool = False
     several_sensors: bool = False
+    pulses: bool = False
 
 
 @dataclass(frozen=True)

@@ -36,7 +36,7 @@ from ..file.cross_checks import cross_checks
 from ..file.load import Campaign, standards_of
 from ..file.schema import CampaignFile
 from ..outcome.contents import displayed_rows
-from .document import Document, document_of
+from .document import INNER_FILES, Document, document_of
 from .given import Files, Given, files_of
 
 if TYPE_CHECKING:
@@ -342,27 +342,27 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
     path = folder / FILE
     if path.exists():
         raise StoreError(f"{path} exists", do="Name another folder", code="exists")
-    recordings: dict[str, Any] = {}
+    placed: dict[str, str] = {}
+
+    def place(source: str) -> str:
+        if source not in placed:
+            placed[source] = _placed(source, files, folder, set(placed.values()), write)
+        return placed[source]
+
+    recordings: dict[str, dict[str, Any]] = {}
     sensors = {name: dict(sensor) for name, sensor in document["sensors"].items()}
     try:
         (folder / "recordings").mkdir(parents=True, exist_ok=True)
-        placed: dict[str, str] = {}
         for name, entry in document["recordings"].items():
-            source = entry["file"]
-            if source not in placed:
-                placed[source] = _placed(source, files, folder, set(placed.values()), write)
-            recordings[name] = {**entry, "file": placed[source]}
-            for key, value in entry.items():  # files that say more of it: a schedule
-                if isinstance(value, Mapping) and isinstance(value.get("file"), str):
-                    inner = _placed(value["file"], files, folder, set(placed.values()), write)
-                    recordings[name][key] = {**value, "file": inner}
+            recordings[name] = {**entry, "file": place(entry["file"])}
+            inner = {key: value for key, value in entry.items() if isinstance(value, Mapping)}
+            for key, value in inner.items():  # files that say more of it
+                own = {what: place(value[what]) for what in INNER_FILES if isinstance(value.get(what), str)}
+                recordings[name][key] = {**value, **own}
         for sensor in sensors.values():
             chain = sensor.get("chain", {})
             if "model" in chain:
-                sensor["chain"] = {
-                    **chain,
-                    "model": _placed(chain["model"], files, folder, set(placed.values()), write),
-                }
+                sensor["chain"] = {**chain, "model": place(chain["model"])}
         path.write_text(toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8")
     except OSError as error:
         raise StoreError(f"cannot write {folder}: {error.strerror}", code="not_writable") from None

@@ -20,6 +20,7 @@ from ..file.load import load
 
 Document = dict[str, Any]
 SCHEMA = 1
+INNER_FILES = ("file", "schedule")  # keys of tables in an entry that name another file
 
 
 def document_of(
@@ -171,6 +172,10 @@ class _Like:
             raise UsageError(what, do=do, code="unknown_name")
         name = next(iter(fits))
         entry = {key: value for key, value in fits[name].items() if key != "file" and (named or key != "run")}
+        for key, value in entry.items():  # other files lie in the folder of that campaign
+            own = value if isinstance(value, Mapping) else {}
+            inner = {what: str(self.folder / own[what]) for what in INNER_FILES if isinstance(own.get(what), str)}
+            entry[key] = {**own, **inner} if inner else value
         channels = entry.get("channels", {})
         taken = {what: str(channel["column"]) for what, channel in channels.items()}
         plan = read[name].get("plan", {})

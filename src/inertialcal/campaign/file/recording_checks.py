@@ -24,7 +24,7 @@ def sensor_checks(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
         except DataError as error:
             what = f"sensors.{name}.range: {error.problems[0].what}"
             yield Problem(what, at("sensors", name, "range"), code="wrong_value")
-    if sensor.chain.kind != "none" and sensor.chain.scale_factor is None:
+    if sensor.chain.kind == "adc" and sensor.chain.scale_factor is None:
         what = f"sensors.{name}.chain: kind = {sensor.chain.kind!r} needs scale_factor"
         yield Problem(what, at("sensors", name, "chain"), code="missing_key")
         return

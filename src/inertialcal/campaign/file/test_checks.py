@@ -63,14 +63,18 @@ def _same_kind(file: CampaignFile, test: Test, where: str) -> Iterator[Problem]:
 
 
 def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
-    """Find a kind of sensor that the procedure does not test."""
-    where, tested = at("tests", number, "procedure"), procedure_of(test.procedure).inputs.kinds
-    kinds = {file.sensors[file.recordings[n].sensor].kind for n in test.recordings if n in file.recordings
-             and file.recordings[n].sensor in file.sensors}  # fmt: skip
-    others = kinds - {*tested}
+    """Find a kind of sensor that the procedure does not test, and pulses without the scale factor that it needs."""
+    where, inputs = at("tests", number, "procedure"), procedure_of(test.procedure).inputs
+    named = {file.recordings[n].sensor for n in test.recordings if n in file.recordings}
+    sensors = {name: file.sensors[name] for name in sorted(named) if name in file.sensors}
+    others = {one.kind for one in sensors.values()} - {*inputs.kinds}
     if others:
-        what = f"test {test.id!r}: {test.procedure} tests {tested[0]}s, the sensor is of kind {others.pop()!r}"
+        what = f"test {test.id!r}: {test.procedure} tests {inputs.kinds[0]}s, the sensor is of kind {others.pop()!r}"
         yield Problem(what, where, code="wrong_value")
+    for name, one in sensors.items():
+        if one.chain.kind == "pulse_rate" and one.chain.scale_factor is None and not inputs.pulses:
+            what = f"sensors.{name}.chain: {test.procedure} needs scale_factor"
+            yield Problem(what, at("sensors", name, "chain"), code="missing_key")
 
 
 def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:

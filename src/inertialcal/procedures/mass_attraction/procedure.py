@@ -8,12 +8,14 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Role, Source
 from .figures import FIGURES
+from .given import SaidMass
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.show.sentence import Sentence, WrittenRow
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
+    from ..given import Described, GivenFile
     from .entry import MassEntry
     from .readings import Readings
     from .reduction import Result
@@ -39,7 +41,8 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     planner = Command(
         "mass-attraction", "Source mass, drive, budget, and uncertainty of the scale factor against hours."
     )
-    plan_type, influences = Plan, INFLUENCES
+    plan_type, said_type, influences = Plan, SaidMass, INFLUENCES
+    kind_of_test = "mass attraction"
     figures = FIGURES
     inputs = InputSpec(
         ("accelerometer",),
@@ -47,7 +50,14 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         table="lines",
         missing=True,
         windows="refused",
+        pulses=True,
     )
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return the channels of a record, with the schedule of the mass."""
+        from .given import described
+
+        return [described(given, self.inputs)]
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the input axis and the scale factor of the data sheet, with the standards."""

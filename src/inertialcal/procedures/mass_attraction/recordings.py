@@ -24,6 +24,7 @@ from .readings import Readings, Run
 READING, TILT, TEMPERATURE = "reading", "tilt", "temperature"
 INSIDE = 0.02  # of a dwell, by which a sample may reach beyond it: clocks of logger and mover
 HALF = 0.5
+SAME = 0.01  # relative difference of gate and dwell that rounding explains
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,6 +79,8 @@ def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
 
 def _run(one: SourceMassRecording) -> tuple[Run, list[Remark]]:
     where = one.recording.source.path or one.name
+    if one.recording.time_ns is None:
+        return _run_of_rows(one, where), list(one.recording.remarks)
     seconds, averaging = _clock(one, where)
     _check_ends(one, seconds, averaging, where)
     dwell = _dwell_of(one.schedule, seconds, averaging)
@@ -100,6 +103,23 @@ def _run(one: SourceMassRecording) -> tuple[Run, list[Remark]]:
         one.name, one.schedule, means[READING], means.get(TILT), means.get(TEMPERATURE), one.moved, where
     )  # fmt: skip
     return run, remarks
+
+
+def _run_of_rows(one: SourceMassRecording, where: str) -> Run:
+    """Return a run whose record has no time: a row a dwell."""
+    gate, dwell = one.recording.averaging_time, one.schedule.dwell
+    if one.begin is not None:
+        what, do = "the file has no time for the schedule to begin at", "Name the time column, or leave begin out"
+        raise DataError(what, where, do=do, code="no_time")
+    if gate is not None and abs(gate / dwell - 1.0) > SAME:
+        what, why = f"a gate of {gate:g} s, rows of dwells of {dwell:g} s", "pulses are counted for the gate"
+        raise DataError(what, where, why, "Correct the wrong one", "gate_disagrees")
+    columns = [
+        np.asarray(one.recording.channel(name).data, dtype=np.float64) if name in one.recording.names else None
+        for name in (READING, TILT)
+    ]
+    assert columns[0] is not None  # noqa: S101 - each has a reading
+    return run_of_rows(one.schedule, columns[0], columns[1], one.name, where, one.moved)
 
 
 def _clock(one: SourceMassRecording, where: str) -> tuple[Array, float]:

@@ -1,0 +1,82 @@
+"""What a record of a moved mass is taken for by its noun: pulses of one axis, and the schedule of the mass."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import PurePath
+from typing import Literal
+
+from ...core.axes import AXES
+from ...core.errors import UsageError
+from ...core.settings import setting
+from ...core.units import same_dimension
+from ..given import Described, GivenFile
+from ..given import described as described_by_unit
+from ..protocol import InputSpec
+
+UNIT = "ug"  # of readings, where no scale factor shows another one
+
+
+@dataclass(frozen=True)
+class SaidMass:
+    """Settings of the noun beyond plan and recording."""
+
+    schedule: str | None = setting(
+        "CSV file with the dwells of the mass: start, stop, position, applied.", None, example="schedule.csv"
+    )
+    gate: str | None = setting("Time over which pulses are counted.", None, example="100 s")
+    null: list[str] | None = setting(
+        "File among those given whose mass was at rest, by its path or name.", None, example="null1.csv"
+    )
+    begin: str | None = setting(
+        "Start of the schedule on the clock of the file: UTC, or elapsed time; the first sample by default.", None,
+        example="2010-04-28T20:00:00Z",
+    )  # fmt: skip
+    stamp: Literal["start", "middle", "end"] = setting("Part of its gate that a time stamp marks.", "middle")
+
+
+def described(given: GivenFile, spec: InputSpec) -> Described:
+    """Return the channels of a record, with its schedule.
+
+    Raises
+    ------
+    UsageError
+        If schedule or gate is missing, or it is not clear which column holds the pulses.
+    """
+    own, said = given.own, given.said
+    if own.get("schedule") is None:
+        do = f"Add: {given.add('schedule', 'schedule.csv')}"
+        raise UsageError("the schedule of the mass is missing", do=do, code="missing")
+    columns = {what: name for what, name in said.columns.items() if what != name or what in (*AXES, *_names(spec))}
+    bare = [name for what, name in said.columns.items() if what not in columns]
+    if not any(axis in columns for axis in AXES):
+        counted = [one.name for one in given.recording.channels if one.unit and same_dimension(one.unit, "count")]
+        pulses = bare or counted
+        if len(pulses) != 1:
+            have = ", ".join(given.recording.names)
+            what = f"{given.name}: cannot tell which column holds the pulses; it has {have}"
+            raise UsageError(what, do=f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
+        columns["x"] = pulses[0]
+    chain = said.chain
+    if chain is None:
+        if own.get("gate") is None:
+            what, do = (
+                f"{given.name}: pulses without the time over which they are counted",
+                given.add("gate", '"100 s"'),
+            )
+            raise UsageError(what, do=f"Add: {do}", code="no_gate")
+        chain = f'{{ kind = "pulse_rate", gate = "{own["gate"]}" }}'
+    found = described_by_unit(replace(given, said=replace(said, columns=columns, chain=chain)), spec)
+    if not found.sensor["chain"].get("scale_factor"):
+        found.sensor["unit"] = UNIT
+    mass: dict[str, object] = {"schedule": own["schedule"]}
+    if own.get("begin") is not None:
+        mass["begin"] = own["begin"]
+    if {given.name, PurePath(given.name).name, PurePath(given.name).stem} & set(own.get("null") or ()):
+        mass["moved"] = False
+    clock = {} if own.get("stamp") is None else {"clock": {"stamp": own["stamp"]}}
+    return replace(found, entry=found.entry | clock | {"mass": mass})
+
+
+def _names(spec: InputSpec) -> list[str]:
+    return [role.name for role in spec.roles]
