@@ -132,7 +132,7 @@ def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> 
         (("--gate", "100 s"), "cannot tell which column holds the pulses"),
         (("--gate", "100", "--column", "pulses"), "'100' has no unit"),
         (("--gate=-100 s", "--column", "pulses"), "gate -100 s: need a positive time"),
-        ((*OPTIONS, "--begin", "2010-04-28T20:00:00Z"), "the record begins 720 dwells after"),
+        ((*OPTIONS, "--begin", "2010-04-28T20:00:00Z"), "100 of 100 samples lie in no dwell"),
         ((*OPTIONS, "--stamp", "late"), "'late' is not one of"),
         (("--gate", "130 s", "--column", "x=pulses"), "the mass dwells for 100 s"),
         ((*OPTIONS, "--column", "tilt=case_degc"), "unit missing or of the wrong kind: 'case_degc'"),

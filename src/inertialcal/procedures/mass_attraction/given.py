@@ -74,8 +74,11 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         mass["begin"] = own["begin"]
     if {given.name, PurePath(given.name).name, PurePath(given.name).stem} & set(own.get("null") or ()):
         mass["moved"] = False
-    clock = {} if own.get("stamp") is None else {"clock": {"stamp": own["stamp"]}}
-    return replace(found, entry=found.entry | clock | {"mass": mass})
+    entry = found.entry | {"mass": mass}
+    if own.get("stamp") is not None:
+        gate = {} if own.get("gate") is None else {"averaging": own["gate"]}
+        entry["clock"] = {"stamp": own["stamp"]} | gate
+    return replace(found, entry=entry)
 
 
 def _names(spec: InputSpec) -> list[str]:
