@@ -40,15 +40,15 @@ def over_temperature(folder: Path) -> Path:
     return path
 
 
-def moved(folder: Path) -> tuple[Path, Path]:
-    """A record of pulses in the gates of a schedule, and the schedule."""
+def moved(folder: Path) -> Reduced:
+    """What a record of pulses in the gates of a schedule gives."""
     plan = repeated([0.1, 0.4], [7e-7, 2e-7], cycles=40, dwell=100.0, move=20.0, drive="abab")
     path, schedule = folder / "pulses.csv", folder / "schedule.csv"
     pulses = np.rint(1e5 + 1e8 * plan.applied + np.random.default_rng(1).normal(0.0, 3.0, len(plan)))
     table = np.column_stack([1.7e9 + plan.middle, pulses])
     np.savetxt(path, table, fmt="%.6f", delimiter=",", header="unix_s,pulses [count]", comments="")
     write_schedule(schedule, plan)
-    return path, schedule
+    return ic.mass_attraction(path, schedule=str(schedule), gate="100 s")
 
 
 def readings(units: int) -> np.ndarray[Any, np.dtype[np.float64]]:
@@ -89,7 +89,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "allan": ic.allan(still, sample_rate=100.0, unit="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, unit="rad/s"),
         "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, unit="rad/s"),
-        "mass_attraction": ic.mass_attraction(*moved(tmp_path_factory.mktemp("moved")), gate="100 s"),
+        "mass_attraction": moved(tmp_path_factory.mktemp("moved")),
         "plan_mass_attraction": ic.plan_mass_attraction(body={"cube": "5 cm", "count": 40, "stand_off": "8 cm"}),
         "positions": ic.positions(laid(tmp_path_factory.mktemp("laid")), units={"acc": "m/s2"}, gravity="9.81 m/s2"),
         "positions_batch": ic.positions_batch(readings(20), 9.81),
