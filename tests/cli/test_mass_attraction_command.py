@@ -49,7 +49,7 @@ def test_command_python_and_campaign_give_the_same_rows(
     found = same_rows(
         capsys, "mass-attraction", [folder / f"recordings/{run.name}.csv" for run in RUNS], tmp_path / "campaign",
         schedule=str(folder / "schedule.csv"), null=["null1.csv"], gate="100 s", tilt="known", mercury="9.2e-10 rad",
-        columns={"x": "pulses", "tilt": "tilt_rad"}, scale_factor="10.21 count/s/ug",
+        tilt_sign=1, columns={"x": "pulses", "tilt": "tilt_rad"}, scale_factor="10.21 count/s/ug",
         standards={"source_mass.density": "0.3 %", "tilt_meter.mercury": "3e-10 rad"},
     )  # fmt: skip
     assert "relative_to_fixture" not in [one.code for one in found.remarks]
@@ -136,6 +136,7 @@ def test_a_table_without_time_is_a_row_a_dwell(folder: Path, tmp_path: Path) -> 
         ((*OPTIONS, "--stamp", "late"), "'late' is not one of"),
         (("--gate", "130 s", "--column", "x=pulses"), "the mass dwells for 100 s"),
         ((*OPTIONS, "--column", "tilt=case_degc"), "unit missing or of the wrong kind: 'case_degc'"),
+        ((*OPTIONS, "--null", "null2.csv"), "no such file among those given"),
         ((*OPTIONS, "--tilt", "guessed"), "'guessed' is not one of"),
         ((*OPTIONS, "--tilt-sign", "0"), "tilt-sign"),
         ((*OPTIONS, "--high-g", "1 count/s/ug"), "is not a TOML table"),

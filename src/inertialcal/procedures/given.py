@@ -91,6 +91,8 @@ class GivenFile:
         It is a file, which has rows.
     options : bool
         The caller types options, not arguments of Python.
+    names : tuple of str
+        Of all files.
     """
 
     name: str
@@ -101,6 +103,7 @@ class GivenFile:
     read_rows: Callable[[], Table]
     has_rows: bool = True
     options: bool = True
+    names: tuple[str, ...] = ()
 
     @cached_property
     def recording(self) -> Recording:

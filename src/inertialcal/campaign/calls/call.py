@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, get_args
 
 from pydantic import ValidationError
 
@@ -204,6 +204,7 @@ def call(
             partial(files.table, one),
             has_rows=one not in files.held,
             options=options,
+            names=(*names, *held),
         )
         for one in [*names, *held]
     ]
@@ -302,6 +303,8 @@ def _as_said(one: Setting, value: Any, options: bool) -> Any:
             raise UsageError(f"{name}: {value!r} is not a TOML table", do=do, code="wrong_value") from None
     if one.many:
         return [value] if isinstance(value, str | int | float) else list(value)
+    if one.choices and isinstance(value, str):  # a choice of numbers, typed as an option
+        return {str(choice): choice for choice in get_args(one.kind)}.get(value, value)
     return value
 
 

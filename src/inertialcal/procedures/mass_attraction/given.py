@@ -72,13 +72,22 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     mass: dict[str, object] = {"schedule": own["schedule"]}
     if own.get("begin") is not None:
         mass["begin"] = own["begin"]
-    if {given.name, PurePath(given.name).name, PurePath(given.name).stem} & set(own.get("null") or ()):
+    at_rest = set(own.get("null") or ())
+    if at_rest & _called(given.name):
         mass["moved"] = False
+    if unknown := at_rest.difference(*map(_called, given.names)):
+        do = "Name files that are given; the order does not matter"
+        raise UsageError(f"{given.add('null', unknown.pop())}: no such file among those given", do=do, code="no_file")
     entry = found.entry | {"mass": mass}
     if own.get("stamp") is not None:
         gate = {} if own.get("gate") is None else {"averaging": own["gate"]}
         entry["clock"] = {"stamp": own["stamp"]} | gate
     return replace(found, entry=entry)
+
+
+def _called(name: str) -> set[str]:
+    """Return path, name and name without suffix of a file."""
+    return {name, PurePath(name).name, PurePath(name).stem}
 
 
 def _names(spec: InputSpec) -> list[str]:
