@@ -144,7 +144,7 @@ def test_a_bias_that_is_off_already_cannot_be_left_in() -> None:
     model = chain_model(sensor())
     assert model is not None
     raw, entry = head(applied=["bias"])
-    with pytest.raises(DataError, match="taken off before, and is to be left in"):
+    with pytest.raises(DataError, match="removed before"):
         after_model(raw, entry, model, True)
 
 

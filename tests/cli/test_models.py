@@ -169,7 +169,7 @@ BAD_MODELS = [
     ("model", ["--column", "x=acc"], "wrong_unit", "column 'acc [g]': the data are in 'g'"),
     ("model", ["--column", "x=n"], "no_unit", "nothing says the unit of column 'n'"),
     ("singular", [], "not_invertible", "the matrix cannot be inverted"),
-    ("turning", [], "not_unique", "slope comes down to"),
+    ("turning", [], "not_unique", "slope falls to"),
     ("future", [], "schema_version", "schema version 99 is not known"),
     ("gone", [], "missing_file", "no such file"),
     ("text", [], "not_json", "no JSON"),
