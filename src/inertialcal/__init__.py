@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .campaign.calls.nouns import mass_attraction, rate_table, thermal
+    from .campaign.calls.nouns import allan, mass_attraction, psd, rate_table, thermal
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
@@ -32,8 +32,6 @@ if TYPE_CHECKING:
     from .procedures.positions.lot.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
     from .procedures.sine.files import sine
-    from .procedures.static_noise.files.allan import allan
-    from .procedures.static_noise.files.psd import psd
     from .report.plot import plot
 
 __all__ = [
@@ -64,8 +62,8 @@ __all__ = [
 ]
 
 _HOMES = {
-    "allan": ("procedures.static_noise.files.allan", "allan"),
-    "psd": ("procedures.static_noise.files.psd", "psd"),
+    "allan": ("campaign.calls.nouns", "allan"),
+    "psd": ("campaign.calls.nouns", "psd"),
     "sine": ("procedures.sine.files", "sine"),
     "check": ("campaign.engine.run", "check"),
     "compare": ("campaign.compare.compare", "compare"),

@@ -83,7 +83,9 @@ def stated_unit(unit: str, sensor_unit: str) -> str:
 
 
 def displayed(row: Row, sensor_unit: str) -> Row:
-    """Return the row in the units of the campaign."""
+    """Return the row in the units of the campaign; those of a sensor of no known kind stay in that of the file."""
+    if kind_of_unit(sensor_unit) is None:
+        return row
     unit = display_unit(row.quantity, row.unit, sensor_unit)
     if unit == row.unit:
         return row
@@ -122,7 +124,8 @@ def displayed_curve(curve: Curve, sensor_unit: str) -> Curve:
     sensor_unit : str
         As the campaign has it: ``"deg/s"``.
     """
-    columns = {name: _displayed(column, sensor_unit) for name, column in curve.columns.items()}
+    known = kind_of_unit(sensor_unit) is not None
+    columns = {name: _displayed(column, sensor_unit) if known else column for name, column in curve.columns.items()}
     short = [name for name in columns if name in TEN_DIGITS or curve.picture]
     return replace(curve, columns=columns | {name: _shortened(columns[name]) for name in short})
 

@@ -19,6 +19,7 @@ from ..core.units import divide, kind, normalise, parse_quantity
 
 if TYPE_CHECKING:
     from ..core.recording import Recording
+    from ..core.remarks import Remark
     from ..files.text.table import Table
     from .protocol import InputSpec, Role
 
@@ -140,6 +141,10 @@ class Described:
         Settings that follow from it.
     windows : list of [str, str]
         Of the test.
+    test : str
+        Its id where each sensor has its own test; else all that is described is one test.
+    remarks : tuple of Remark
+        What a reader of the figures should know.
     """
 
     entry: dict[str, Any]
@@ -147,6 +152,8 @@ class Described:
     columns: dict[str, str]
     plan: dict[str, Any] = field(default_factory=dict[str, Any])
     windows: list[list[str]] = field(default_factory=list[list[str]])
+    test: str = ""
+    remarks: tuple[Remark, ...] = ()
 
 
 def bare(named: Mapping[str, str]) -> str | None:

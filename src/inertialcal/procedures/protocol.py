@@ -77,6 +77,8 @@ class InputSpec:
         Key of its reduced tables in an entry; empty where it reads recordings only.
     missing : bool
         A literal NaN is a missing sample; refused otherwise.
+    bare : bool
+        Sensors of no known kind, in the unit of the file, and samples that are increments or their sum are taken.
     ground_model : {"refused", "bias_kept", "applied"}
         Of the chain.
     voltages : bool
@@ -95,6 +97,7 @@ class InputSpec:
     roles: tuple[Role, ...] = ()
     table: str = ""
     missing: bool = False
+    bare: bool = False
     ground_model: Literal["refused", "bias_kept", "applied"] = "refused"
     voltages: bool = False
     windows: Literal["mask", "records", "refused"] = "mask"
@@ -260,8 +263,18 @@ class Reduced(Protocol):
     """What a noun found in its files, as commands and plots see it."""
 
     @property
+    def word(self) -> str:
+        """The command: a procedure may have several."""
+        ...
+
+    @property
     def rows(self) -> Sequence[Row]:
         """The figures, in the unit of the sensor."""
+        ...
+
+    @property
+    def tested(self) -> Sequence[Tested[Any, Any, Any]]:
+        """Its tests, SI."""
         ...
 
     @property
@@ -343,10 +356,11 @@ class Correction(Protocol):
 
 
 class Command(NamedTuple):
-    """A noun of the command line, or of ``plan``: its word and one line of help."""
+    """A noun of the command line, or of ``plan``: its word, one line of help, the figure it draws by default."""
 
     word: str
     help: str
+    figure: str = ""
 
 
 @dataclass(frozen=True)
@@ -716,19 +730,9 @@ class Procedure(Generic[P, R, S]):
         """Return what its command adds to ``--json``."""
         return {}
 
-    def writes(self, output: Path) -> bool:
-        """Return whether ``-o`` names something that it writes itself; else it is a figure."""
-        return False
-
-    def write(self, found: Reduced, output: Path) -> list[str]:
-        """Write what ``-o`` names; return the paths of the files.
-
-        Raises
-        ------
-        StoreError
-            If it cannot be written.
-        """
-        raise NotImplementedError
+    def files(self, found: Reduced) -> Mapping[str, str]:
+        """Return what ``-o FOLDER`` writes besides all figures: texts by file name."""
+        return {}
 
     def planned(self, given: Mapping[str, Any]) -> Planned:
         """Return what a test will give, by the settings of ``planner_type`` as text with units.

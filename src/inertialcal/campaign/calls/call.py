@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any, get_args
 from pydantic import ValidationError
 
 from ...core.campaign_text import FILE, toml_text
-from ...core.errors import InertialcalError, Problem, StoreError, UsageError
+from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.schema.settings import settings_values
@@ -29,7 +29,7 @@ from ...core.show.tables import Block, html, text
 from ...files.time.plausible import time_remarks
 from ...procedures import procedure_of
 from ...procedures.given import GivenFile, Said
-from ...procedures.protocol import Procedure
+from ...procedures.protocol import Procedure, Tested
 from ..engine.engine import ReducedTest
 from ..engine.run import Whole, reduce_campaign
 from ..file.cross_checks import cross_checks
@@ -82,6 +82,8 @@ class Reduced:
         What was given.
     shown : object
         Settings of what is shown (``Procedure.shown_type``).
+    word : str
+        The command.
     """
 
     procedure: str
@@ -93,6 +95,12 @@ class Reduced:
     document: Document
     files: Files
     shown: Any = None
+    word: str = ""
+
+    @property
+    def tested(self) -> list[Tested[Any, Any, Any]]:
+        """Plan, readings and result of each test, SI."""
+        return [one.tested for one in self.whole.tested]
 
     @property
     def tests(self) -> list[ReducedTest]:
@@ -165,6 +173,7 @@ def call(
     *,
     held_out: Sequence[str | Path] = (),
     options: bool = False,
+    word: str = "",
 ) -> Reduced:
     """Return what a procedure finds in files, Recordings or arrays.
 
@@ -181,6 +190,8 @@ def call(
         Files that the model is judged on.
     options : bool
         Messages speak of options, not of arguments.
+    word : str
+        The command, where the procedure has several.
 
     Raises
     ------
@@ -208,11 +219,13 @@ def call(
         )
         for one in [*names, *held]
     ]
-    plan = _plan(procedure, parts["plan"], options)
+    plan, _ = _settings(procedure.plan_type, parts["plan"], options)
+    shown = None
+    if procedure.shown_type is not None:
+        shown = procedure.shown_type(**_settings(procedure.shown_type, parts["shown"], options)[1])
     try:
-        document, columns = document_of(procedure, given_files, plan, held)
-        campaign = campaign_of(document)
-        whole = reduce_campaign(campaign, files)
+        document, columns, described = document_of(procedure, given_files, plan, held)
+        campaign, whole, refused = _reduced(document, files)
     except InertialcalError as error:
         read = [(one, files.held[one].source.sha256) for one in names if one in files.held]
         error.inputs = error.inputs or tuple(read)
@@ -220,9 +233,42 @@ def call(
     rows = tuple(displayed_rows(campaign, whole.tested))
     timed = [remark for one in files.held.values() for remark in time_remarks(one)]
     judged = [] if whole.modelled is None else [remark for one in whole.modelled.every for remark in one.remarks]
-    remarks = gather([*(remark for one in whole.tested for remark in one.result.remarks), *judged, *timed])
-    shown = None if procedure.shown_type is None else _made(procedure.shown_type, parts["shown"])
-    return Reduced(procedure.name, rows, whole.inputs, columns, remarks, whole, document, files, shown)
+    several = len(whole.tested) > 1 and not held
+    tested = [one.at(each.test.id) if several else one for each in whole.tested for one in each.result.remarks]
+    remarks = gather([*described, *tested, *refused, *judged, *timed])
+    word = word or procedure.commands[0].word
+    return Reduced(procedure.name, rows, whole.inputs, columns, remarks, whole, document, files, shown, word)
+
+
+def _reduced(document: Document, files: Files) -> tuple[Campaign, Whole, list[Remark]]:
+    """Reduce a document; where one sensor of several cannot be, leave its test out of it and say why.
+
+    Raises
+    ------
+    UsageError, DataError
+        If nothing can be reduced.
+    """
+    campaign = campaign_of(document)
+    try:
+        return campaign, reduce_campaign(campaign, files), []
+    except DataError as error:
+        tests = document["tests"]
+        if len(tests) < 2 or any(one["use"] != "fit" for one in tests):
+            raise
+        possible, problems = [], []
+        for one in tests:
+            try:
+                reduce_campaign(campaign_of({**document, "tests": [one]}), files)
+            except DataError as own:
+                problems += own.problems
+            else:
+                possible.append(one)
+        if not possible or not problems:
+            raise error from None
+    document["tests"] = possible
+    campaign = campaign_of(document)
+    refused = [Remark("no_result", "error", one.what, one.where, do=one.do) for one in problems]
+    return campaign, reduce_campaign(campaign, files), refused
 
 
 def settings_by_group(procedure: Procedure[Any, Any, Any]) -> dict[str, tuple[Setting, ...]]:
@@ -271,25 +317,25 @@ def _made(kind: type[Any], given: Mapping[str, Any]) -> Any:
     return kind(**{name: value for name, value in given.items() if name in known})
 
 
-def _plan(procedure: Procedure[Any, Any, Any], given: Mapping[str, Any], options: bool) -> dict[str, Any]:
-    """Return the settings of the plan as a campaign has them; what is wrong is said in the words of the caller.
+def _settings(kind: type[Any], given: Mapping[str, Any], options: bool) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return settings as a campaign has them, and their values, SI; what is wrong is in the words of the caller.
 
     Raises
     ------
     UsageError
         If a setting cannot be meant.
     """
-    known = {one.name: one for one in settings_of(procedure.plan_type)}
+    known = {one.name: one for one in settings_of(kind)}
     plan = {name: _as_said(known[name], value, options) for name, value in given.items()}
 
     def called(path: tuple[str | int, ...]) -> str:
         first, *inner = (str(part) for part in path if isinstance(part, str))
         return ".".join([f"--{first.replace('_', '-')}" if options else first, *inner])
 
-    _, problems = settings_values(procedure.plan_type, plan, lambda *_: "", called=called)
+    values, problems = settings_values(kind, plan, lambda *_: "", called=called)
     if problems:
         raise UsageError(problems)
-    return plan
+    return plan, values
 
 
 def _as_said(one: Setting, value: Any, options: bool) -> Any:
@@ -388,15 +434,16 @@ def _placed(source: str, files: Files, folder: Path, taken: set[str], write: Cal
     return name
 
 
-def function_of(name: str) -> Callable[..., Reduced]:
-    """Return a procedure as a function: its settings are its arguments and its documentation."""
+def function_of(name: str, word: str = "") -> Callable[..., Reduced]:
+    """Return a command of a procedure as a function: its settings are its arguments and its documentation."""
     procedure = procedure_of(name)
+    word = word or procedure.commands[0].word
     groups = settings_by_group(procedure)
 
     def function(
         recordings: Given | Sequence[Given], /, *, hold_out: Sequence[str | Path] = (), **given: Any
     ) -> Reduced:
-        return call(name, recordings, given, held_out=hold_out)
+        return call(name, recordings, given, held_out=hold_out, word=word)
 
     keyword = inspect.Parameter.KEYWORD_ONLY
     first = inspect.Parameter("recordings", inspect.Parameter.POSITIONAL_ONLY)
@@ -405,7 +452,7 @@ def function_of(name: str) -> Callable[..., Reduced]:
     if "hold_out" in procedure.uses:
         named.append(inspect.Parameter("hold_out", keyword, default=()))
     function.__signature__ = inspect.Signature([first, *named])  # type: ignore[attr-defined]
-    function.__name__ = function.__qualname__ = procedure.commands[0].word.replace("-", "_")
+    function.__name__ = function.__qualname__ = word.replace("-", "_")
     function.__module__ = "inertialcal"
     function.__doc__ = documentation(procedure)
     return function

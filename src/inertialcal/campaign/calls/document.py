@@ -14,6 +14,7 @@ from typing import Any
 
 from ...core.campaign_text import FILE
 from ...core.errors import UsageError
+from ...core.remarks import Remark
 from ...procedures.given import Described, GivenFile, Said
 from ...procedures.protocol import Procedure
 from ..file.load import load
@@ -28,8 +29,8 @@ def document_of(
     given: Sequence[GivenFile],
     plan: Mapping[str, Any],
     held_out: Sequence[str] = (),
-) -> tuple[Document, dict[str, str]]:
-    """Return a campaign with a test of all files, and one of those held out; and which column is what.
+) -> tuple[Document, dict[str, str], list[Remark]]:
+    """Return a campaign with a test of all files, and one of those held out; which column is what; and remarks.
 
     Parameters
     ----------
@@ -58,7 +59,8 @@ def document_of(
         for table in ("site", "standards"):
             document[table] = _over(like.document.get(table, {}), document[table])
     columns: dict[str, str] = {}
-    uses: dict[str, dict[str, Any]] = {}
+    uses: dict[tuple[str, str], dict[str, Any]] = {}
+    remarks: list[Remark] = []
     for one in given:
         found = [like.entry(one, procedure.name)] if like is not None else list(procedure.described(one))
         for each in found:
@@ -66,18 +68,22 @@ def document_of(
             sensor = each.entry.get("sensor") or _sensor(sensors, each)
             own = {"sensor": sensor, "file": one.name} | each.entry | _reading(one.said, each.entry)
             document["recordings"][name] = own
-            columns = columns or each.columns
-            test = uses.setdefault("hold_out" if one.name in held_out else "fit", {"recordings": [], "plan": {}})
+            if one.name == given[0].name:
+                columns = columns | each.columns
+            remarks += each.remarks
+            use = "hold_out" if one.name in held_out else "fit"
+            test = uses.setdefault((use, each.test), {"recordings": [], "plan": {}})
             test["recordings"].append(name)
             test["plan"] |= each.plan
             if each.windows:
                 test.setdefault("windows", []).extend(each.windows)
     used = {entry["sensor"] for entry in document["recordings"].values()}
     document["sensors"] = {name: sensor for name, sensor in sensors.items() if name in used}
-    for use, test in uses.items():
-        head = {"id": procedure.name if use == "fit" else f"{procedure.name}_held_out", "procedure": procedure.name}
+    for (use, own), test in uses.items():
+        name = own or procedure.name
+        head = {"id": name if use == "fit" else f"{name}_held_out", "procedure": procedure.name}
         document["tests"].append({**head, "use": use, **test, "plan": test["plan"] | dict(plan)})
-    return document, columns
+    return document, columns, remarks
 
 
 def _reading(said: Said, entry: Mapping[str, Any]) -> dict[str, Any]:
@@ -122,7 +128,7 @@ def _over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 def _named(one: GivenFile, each: Described, taken: Mapping[str, Any], several: bool) -> str:
     """Return a name for a recording: that of its file, with the kind of sensor where a file has several."""
     stem = re.sub(r"[^A-Za-z0-9_.-]", "_", PurePath(one.name).name.split(".")[0]).strip("_.-")[:40] or "recording"
-    wanted = f"{stem}_{each.sensor['kind']}" if several else stem
+    wanted = f"{stem}_{each.test or each.sensor['kind']}" if several else stem
     count = 2
     name = wanted
     while name in taken:
@@ -132,7 +138,7 @@ def _named(one: GivenFile, each: Described, taken: Mapping[str, Any], several: b
 
 def _sensor(sensors: dict[str, dict[str, Any]], each: Described) -> str:
     """Return the sensor of a recording: the one of its kind, with all axes that any file has."""
-    name = str(each.sensor["kind"])
+    name = each.test or str(each.sensor["kind"])
     known = sensors.setdefault(name, dict(each.sensor))
     known["axes"] = [axis for axis in ("x", "y", "z") if axis in {*known["axes"], *each.sensor["axes"]}]
     return name

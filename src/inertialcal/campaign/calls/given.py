@@ -112,17 +112,19 @@ def files_of(given: Given | Sequence[Given], said: Said) -> tuple[list[str], Fil
 
 
 def _of_array(values: Array, said: Said) -> Recording:
-    """Return an array of shape (n,) or (n, up to 3) as a recording with channels x, y, z."""
+    """Return an array of shape (n,) or (n, k) as a recording with channels x, y, z, or numbered ones."""
     columns = values[:, None] if values.ndim == 1 else values
-    if columns.ndim != 2 or columns.shape[1] > len(AXES):
-        raise DataError(f"array of shape {values.shape}, need (n,) or (n, 3)", code="wrong_value")
+    if columns.ndim != 2 or not columns.size:
+        raise DataError(f"array of shape {values.shape}, need (n,) or (n, axes)", code="wrong_value")
+    count = columns.shape[1]
+    names = AXES[:count] if count <= len(AXES) else [f"column_{i + 1}" for i in range(count)]
     if said.sample_rate is None:
         raise DataError("an array has no time", do="Add sample_rate=... [Hz]", code="no_time")
     unit = next(iter(said.units.values()), None)
     spoken = None if unit is None else normalise(unit)
     channels = tuple(
-        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name)
-        for i, name in enumerate(AXES[: columns.shape[1]])
+        Channel(name, np.ascontiguousarray(columns[:, i]), spoken, "flag", name if name in AXES else "")
+        for i, name in enumerate(names)
     )
     return Recording(channels, sample_interval=1.0 / said.sample_rate, interval_from="flag")
 

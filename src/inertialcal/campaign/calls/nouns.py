@@ -16,6 +16,7 @@ __all__ = ["Reduced"]
 def __getattr__(name: str) -> Any:
     """Return the function of a noun."""
     for one in procedure_names():
-        if name in {declared.word.replace("-", "_") for declared in procedure_of(one).commands}:
-            return function_of(one)
+        for declared in procedure_of(one).commands:
+            if name == declared.word.replace("-", "_"):
+                return function_of(one, declared.word)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

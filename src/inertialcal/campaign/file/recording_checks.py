@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
+from ...core.axes import AXES
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.schema.toml import At
 from ...core.units import kind, parse_quantity
@@ -14,6 +15,9 @@ from ..inputs.chains import build_chain, scale_factors
 from .recordings import ROLES, CommonKeys, own_keys
 from .schema import CampaignFile
 from .sensors import Sensor
+
+# What is added up to the readings of a sensor: kinds of unit of increments and their sum.
+ADDED = {"gyro": ("angle",), "accelerometer": ("velocity",), "other": ()}
 
 
 def sensor_checks(name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
@@ -91,14 +95,16 @@ def _file(folder: Path | None, name: str, given: str, where: str) -> Iterator[Pr
 
 
 def _channel_units(name: str, entry: CommonKeys, sensor: Sensor, at: At) -> Iterator[Problem]:
-    wanted = kind(sensor.unit)
+    wanted = kind(sensor.unit) if sensor.unit else ""
     for channel, one in (entry.channels or {}).items():
         where = at("recordings", name, "channels", channel)
         axis = channel.rpartition("_")[2]
         if axis in {"x", "y", "z"} and axis not in sensor.axes:
             yield Problem(f"recordings.{name}: the sensor has no axis {axis!r}", where, code="unknown_name")
-        need = _kinds(channel, sensor, wanted)
-        if need and kind(one.unit) not in need:
+        need = ADDED[sensor.kind] if one.quantity and channel in AXES else _kinds(channel, sensor, wanted)
+        if sensor.kind == "other" and channel in AXES:
+            continue
+        if need and (not one.unit or kind(one.reading_unit) not in need):
             what = f"recordings.{name}: channel {channel} in {one.unit!r}, need a unit of {' or '.join(need)}"
             yield Problem(what, where, code="wrong_value")
 

@@ -13,6 +13,7 @@ from pydantic import Field, create_model, field_validator, model_validator
 from ...core.schema.quantities import Duration, Frequency, Unit
 from ...core.schema.words import Axis, Name, Strict, Text
 from ...core.times import read_instant
+from ...core.units import divide, parse_quantity
 from ...procedures import loaded_procedures
 from ...procedures.entries import EntryKey
 from ...procedures.protocol import Role
@@ -39,10 +40,25 @@ class Clock(Strict):
 
 
 class ChannelEntry(Strict):
-    """NAME = { column, unit } in ``channels``."""
+    """NAME = { column, unit } in ``channels``; what a sample adds up to, and a scale factor, of a sensor at rest."""
 
     column: Text
-    unit: Unit
+    unit: Unit | Literal[""] = ""
+    quantity: Literal["increment", "angle"] | None = None
+    scale_factor: Text | None = None
+
+    @model_validator(mode="after")
+    def _scaled(self) -> ChannelEntry:
+        if self.scale_factor is not None and not parse_quantity(self.scale_factor).value:
+            raise ValueError(f"scale_factor = {self.scale_factor!r}: write output over input, like 131 count/(deg/s)")
+        return self
+
+    @property
+    def reading_unit(self) -> str:
+        """Unit of a sample over its scale factor; empty where nobody said."""
+        if self.scale_factor is None:
+            return self.unit
+        return divide(self.unit or "count", parse_quantity(self.scale_factor).unit)
 
 
 OF_CHAIN = ("reference", "temperature", "temperature_reference", "gain")  # channels that readings are made with

@@ -80,9 +80,9 @@ class Chain(Strict):
 class Sensor(Strict):
     """[sensors.NAME]: a triad, or part of one."""
 
-    kind: Literal["gyro", "accelerometer"]
+    kind: Literal["gyro", "accelerometer", "other"]
     axes: list[Axis] = Field(min_length=1, max_length=3)
-    unit: Unit
+    unit: Unit | Literal[""] = ""
     range: list[str] | None = Field(default=None, min_length=2, max_length=2)
     mounting: list[list[float]] | None = None
     chain: Chain = Chain(kind="none")
@@ -93,8 +93,10 @@ class Sensor(Strict):
             raise ValueError(f"axes = {self.axes}: an axis appears twice")
         if self.mounting is not None and not _is_rotation_or_mirror(self.mounting):
             raise ValueError("mounting: needs three rows of three numbers, orthonormal: sensor from body")
-        wanted = "angular_rate" if self.kind == "gyro" else "acceleration"
-        if kind(self.unit) != wanted:
+        wanted = {"gyro": "angular_rate", "accelerometer": "acceleration"}.get(self.kind)
+        if wanted and not self.unit:
+            raise ValueError(f"unit is missing: {wanted.replace('_', ' ')}")
+        if wanted and kind(self.unit) != wanted:
             raise ValueError(f"unit = {self.unit!r} is no unit of {wanted.replace('_', ' ')}")
         return self
 

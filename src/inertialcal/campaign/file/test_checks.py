@@ -67,7 +67,7 @@ def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
     where, inputs = at("tests", number, "procedure"), procedure_of(test.procedure).inputs
     named = {file.recordings[n].sensor for n in test.recordings if n in file.recordings}
     sensors = {name: file.sensors[name] for name in sorted(named) if name in file.sensors}
-    others = {one.kind for one in sensors.values()} - {*inputs.kinds}
+    others = {one.kind for one in sensors.values()} - {*inputs.kinds, *(["other"] if inputs.bare else [])}
     if others:
         what = f"test {test.id!r}: {test.procedure} tests {inputs.kinds[0]}s, the sensor is of kind {others.pop()!r}"
         yield Problem(what, where, code="wrong_value")
@@ -98,6 +98,11 @@ def _test_recordings(file: CampaignFile, number: int, test: Test, at: At) -> Ite
                 what = f"test {test.id!r}: recording {name!r} has {key}, a {test.procedure} needs {needs}"
                 yield Problem(what, at("recordings", name, key), code="wrong_value")
         yield from procedure.check_recording(said, name, entry)
+        for channel, one in (entry.channels or {}).items():
+            if not procedure.inputs.bare and (one.quantity or one.scale_factor):
+                key = "quantity" if one.quantity else "scale_factor"
+                what = f"test {test.id!r}: recording {name!r} has channels with {key}, a {test.procedure} takes none"
+                yield Problem(what, at("recordings", name, "channels", channel), code="wrong_value")
         if test.groups is not None and not _by_row(entry):
             what = f"test {test.id!r}: groups, but recording {name!r} names no column of groups"
             yield Problem(what, at("tests", number, "groups"), do=procedure.chosen_by, code="wrong_value")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -10,11 +11,11 @@ from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
-from ...core.units import convert, kind, si_unit
+from ...core.units import convert, kind, multiply, parse_quantity, si_unit
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.correction import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
-from ..file.recordings import OF_CHAIN, ROLES, Clock, RecordingEntry
+from ..file.recordings import OF_CHAIN, ROLES, ChannelEntry, Clock, RecordingEntry
 from ..file.schema import Test
 from ..file.sensors import Sensor
 from .chains import build_chain
@@ -76,11 +77,11 @@ def in_body_axes(
         raise DataError(f"recordings.{name}: no channel x, y or z", code="wrong_column")
     columns = {what: one.column for what, one in channels.items()}
     recording = _declared(recording, columns)
-    warm = {what: columns[what] for what, one in channels.items() if kind(one.unit) == TEMPERATURE}
+    warm = {what: columns[what] for what, one in channels.items() if one.unit and kind(one.unit) == TEMPERATURE}
     amplified = _gain_columns(columns, axes)
     recording = _in_si(recording, amplified, "1") if amplified else recording
     if chain is None:
-        recording = _in_si(recording, {axis: columns[axis] for axis in axes}, si_unit(sensor.unit))
+        recording = _readings(recording, {axis: channels[axis] for axis in axes}, sensor)
     else:
         used = {k: v for k, v in columns.items() if k not in NO_CHAIN and k not in warm and not k.startswith(GAIN)}
         recording = apply_chain(chain, recording, used, _gains(recording, chain))
@@ -99,7 +100,8 @@ def _with_units(recording: Recording, units: dict[str, str]) -> Recording:
     """Return the recording with the units that the campaign states, by column."""
     stated = {recording.channel(column).name: unit for column, unit in units.items()}
     channels = tuple(
-        replace(c, unit=stated[c.name], unit_from="campaign") if c.name in stated else c for c in recording.channels
+        replace(c, unit=stated[c.name] or None, unit_from="campaign") if c.name in stated else c
+        for c in recording.channels
     )
     return replace(recording, channels=channels)
 
@@ -154,6 +156,28 @@ def _in_si(recording: Recording, columns: dict[str, str], unit: str) -> Recordin
         made.append(Channel(name, values, unit, channel.unit_from, name if name in AXES else ""))
     others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
     return replace(recording, channels=(*made, *others))
+
+
+def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor: Sensor) -> Recording:
+    """Rename the columns of axes, in SI; increments and their sum stay so, other sensors in the unit of the file."""
+    columns = {axis: one.column for axis, one in entries.items()}
+    if sensor.kind == "other":
+        made = [replace(recording.channel(column), name=axis, axis=axis) for axis, column in columns.items()]
+        others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
+        return replace(recording, channels=(*made, *others))
+    scaled = {}
+    for one in entries.values():
+        if one.scale_factor is not None:
+            given = recording.channel(one.column)
+            values = given.data / abs(parse_quantity(one.scale_factor).value)
+            scaled[given.name] = replace(given, data=values, unit=one.reading_unit)
+    recording = replace(recording, channels=tuple(scaled.get(one.name, one) for one in recording.channels))
+    added = {one.quantity for one in entries.values()}
+    if len(added) > 1:
+        what = "channels x, y, z: some are rates, others increments or their sum"
+        raise DataError(what, recording.source.path, do="Give each its own sensor", code="wrong_value")
+    si = si_unit(sensor.unit)
+    return _in_si(recording, columns, multiply(si, "s") if added != {None} else si)
 
 
 def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Recording:

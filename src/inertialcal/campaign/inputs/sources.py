@@ -300,12 +300,13 @@ class Ready:
 def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> Facts:
     """Return what is known of a sensor, the site and the standards before any reading."""
     site = site or Site()
-    si = si_unit(sensor.unit)
+    known = None if sensor.kind == "other" else sensor.kind
+    si = si_unit(sensor.unit) if known else sensor.unit
     ends = None if sensor.range is None else [parse_quantity(text).to(si) for text in sensor.range]
     counted = sensor.chain.kind == "pulse_rate"
     pulses = build_chain(sensor).scale_factor if counted else None
     return Facts(
-        kind=sensor.kind,
+        kind=known,
         unit=sensor.unit,
         si=si,
         axes=tuple(sensor.axes),

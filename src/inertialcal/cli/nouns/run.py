@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from pathlib import Path
 from typing import Any
 
+from ...core.errors import StoreError, UsageError
 from ...core.settings import Setting
-from ...procedures.protocol import Command, Procedure
+from ...procedures.protocol import Command, Procedure, Reduced
 from .. import figures
 from ..pairs import pairs
-from ..shown.output import json_out
+from ..shown.output import clean, json_out
 
 
 def run_noun(
@@ -17,21 +19,27 @@ def run_noun(
 ) -> int:
     """Reduce files by a procedure, write what was asked for, print the figures; return the exit status."""
     from ...campaign.calls.call import call
-    from ..shown.summary import closed_loop_text, print_reduced
+    from ..shown.summary import closed_loop_text, print_reduced, remarks_text
 
     output, figure, axis, campaign, as_json, quiet = (
         given.pop(name) for name in ("output", "figure", "figure_axis", "campaign", "as_json", "quiet")
     )
     files, held_out = given.pop("files"), given.pop("hold_out", None) or []
-    writes = output is not None and procedure.writes(output)
-    if not writes:
+    folder = output is not None and not output.suffix
+    if folder:
+        check_folder(output, figure)
+    else:
         figures.check_figure(output, {"--figure": figure, "--figure-axis": axis})
-    found = call(procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True)
+    found = call(
+        procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True, word=declared.word
+    )
     written: dict[str, str] = {}
-    if writes:
-        written |= {path: f"written: {path}" for path in procedure.write(found, output)}
+    if folder:
+        paths = write_folder(output, found, procedure.files(found), declared.figure)
+        written |= {path: f"written: {path}" for path in paths}
     elif output is not None:
-        written[str(output)] = figures.write(output, found, files, {"figure": figure, "axis": axis}, most=3)
+        chosen = {"figure": figure or declared.figure or None, "axis": axis}
+        written[str(output)] = figures.write(output, found, files, chosen, most=3)
     if campaign is not None:
         path = str(found.write_campaign(campaign))
         written[path] = f"written: {path}"
@@ -43,22 +51,66 @@ def run_noun(
             "columns": dict(found.columns),
             **procedure.content(found),
         }
-        json_out(
-            declared.word,
-            content | ({"written": list(written)} if written else {}),
-        )
+        json_out(declared.word, content | ({"written": list(written)} if written else {}))
     elif not quiet:
         own = procedure.report(found)
+        rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
         if own is None:
-            rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
             print_reduced(found.columns, rows, remarks)
             if held_out:
                 print(closed_loop_text(found.results))
         else:
-            print(own)
+            print("\n".join([clean(own), "", *remarks_text(remarks)]).rstrip())
         for line in written.values():
             print(line)
     return 0
+
+
+def check_folder(folder: Path, figure: str | None) -> None:
+    """Refuse a folder that cannot be one, before anything is computed.
+
+    Raises
+    ------
+    UsageError
+        If a figure is chosen, or the name is that of a file.
+    """
+    if figure is not None:
+        raise UsageError(f"--figure {figure}: a folder takes all figures", do="Name a file: -o figure.png")
+    if folder.exists() and not folder.is_dir():
+        do = "Name a folder, or end the name with .png, .svg or .pdf for a single figure"
+        raise UsageError(f"not a folder: {folder}", do=do, code="wrong_value")
+
+
+def write_folder(folder: Path, found: Reduced, texts: Mapping[str, str], only: str) -> list[str]:
+    """Write all figures, or all of one name, each test's axes one below the other, and texts; return their paths.
+
+    Raises
+    ------
+    StoreError
+        If the folder cannot be written.
+    """
+    from ...files.write.atomic import atomic_write
+    from ...report.figure_file import write_figure
+    from ...report.figures import figures as all_figures
+
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise StoreError(f"cannot make {folder}: {error.strerror}", code="not_writable") from None
+    written = []
+    for name, kind in all_figures().items():
+        by_test: dict[str, list[Any]] = {}
+        for picture in kind.pictures(found.results) if only in ("", name) else []:
+            by_test.setdefault(picture.test, []).append(picture)
+        for test, drawn in by_test.items():
+            label = "".join(c if c.isalnum() and c.isascii() else "_" for c in test)
+            written.append(folder / f"{name}_{label}.png")
+            write_figure(written[-1], drawn, found.inputs)
+    for name, content in texts.items():
+        written.append(folder / name)
+        with atomic_write(written[-1], found.inputs) as new:
+            new.write_text(content, encoding="utf-8")
+    return [clean(str(path)) for path in written]
 
 
 def pairs_of(settings: Mapping[str, Setting], given: Mapping[str, Any]) -> dict[str, Any]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -10,10 +12,21 @@ import typer
 from .. import figures
 from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
 from ..shown.output import json_out
-from .static_noise import Averaging, SampleRate, TimeColumn, _named, _recorded
 
 if TYPE_CHECKING:
     from ...procedures.sine.files import SineFile
+
+
+SampleRate = Annotated[
+    float | None, typer.Option("--sample-rate", help="Samples per second, where the file has no time; or in its place.")
+]
+TimeColumn = Annotated[
+    str | None, typer.Option("--time-column", help="Name, or number from 1, of the column with the time.")
+]
+Averaging = Annotated[
+    str | None,
+    typer.Option(help='What each sample is the mean of, where that is less than the sample interval: "1 s".'),
+]
 
 
 def sine(
@@ -76,3 +89,32 @@ def _print(found: SineFile, line: str) -> None:
         print(one)
     if line:
         print(line)
+
+
+@contextmanager
+def _named(files: Sequence[Path]) -> Iterator[None]:
+    """Let a refusal name the files that it is about, with their hashes, as far as they can be read."""
+    from ...core.errors import InertialcalError
+
+    try:
+        yield
+    except InertialcalError as error:
+        from ...files.source import load
+
+        for path in files:
+            with suppress(InertialcalError):
+                error.inputs = (*error.inputs, (str(path), load(path).sha256))
+        raise
+
+
+def _recorded(
+    unit: list[str], sample_rate: float | None, averaging: str | None, time_column: str | None, start: str | None,
+    stop: str | None, mission_start: str | None, frame: str | None,
+) -> dict[str, Any]:  # fmt: skip
+    """Return what was said of the recording itself."""
+    from ..pairs import pairs
+
+    return {
+        "units": pairs(unit, "--unit", "gyro=deg/s"), "sample_rate": sample_rate, "averaging": averaging,
+        "time_column": time_column, "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
+    }  # fmt: skip

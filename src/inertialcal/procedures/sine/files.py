@@ -17,11 +17,10 @@ from ...core.show.tables import Block, html, text
 from ...files.source import load
 from ...files.text.headers import bare_name
 from ..mass_attraction.schedule_csv import read_schedule
-from ..static_noise.files.settings import one_of, quantity
-from ..static_noise.files.sources import Source, recordings_of
 from .inputs import channel_of, driven_by_schedule, driven_by_sine
 from .plan import Plan
 from .reduction import SineResult, line_of
+from .sources import Source, one_of, quantity, recordings_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame

@@ -20,7 +20,7 @@ from ...core.units import factor
 from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import DOUBTS, NoiseFit, duration
 from ...sensors.noise.fitting.problem import run_of
-from ...sensors.noise.terms import sample_unit
+from ...sensors.noise.terms import Term, sample_unit
 from ...signals.allan import Allan, allan
 from ...signals.codes import coarse_steps
 from ...signals.names import Deviation
@@ -75,6 +75,11 @@ class AxisNoise:
     def reason(self) -> str:
         """Why there are no terms."""
         return "" if self.problem is None else self.problem.what
+
+    @property
+    def terms(self) -> tuple[Term, ...]:
+        """Terms that were found, SI."""
+        return () if self.fit is None else self.fit.terms
 
     @property
     def doubt(self) -> str:
@@ -140,7 +145,7 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     looked = looked_through(plan, run, axis)
     there = np.isfinite(looked.rates)
     curve = fitted(plan, run, axis, there)
-    alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.seconds
+    alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
     asked, told = (curve, ()) if alike else shown(plan, run, axis, there)
     found = spectral(plan, looked.rates, run.interval, curve, axis)
     return Recorded(run, looked, curve, asked, replace(found, remarks=(*told, *found.remarks)))
@@ -189,9 +194,9 @@ def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> Allan:
 def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> tuple[Allan, tuple[Remark, ...]]:
     """Return the deviation that was asked for, at octaves where no averaging time that was asked for fits."""
     try:
-        return _allan(plan, run, axis, there, plan.deviation, plan.seconds or plan.taus), ()
+        return _allan(plan, run, axis, there, plan.deviation, plan.tau or plan.taus), ()
     except DataError as error:
-        if not plan.seconds:
+        if not plan.tau:
             raise
         what = f"{axis}: {error.problems[0].what}: octaves are shown"
     found = _allan(plan, run, axis, there, plan.deviation, "octave")

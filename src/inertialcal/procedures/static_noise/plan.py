@@ -1,7 +1,8 @@
-"""What a test of noise is told (Plan) and what it works on (Readings)."""
+"""Settings of a test of noise: its plan, what its nouns say of a file, what they show."""
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -32,7 +33,7 @@ class Plan:
     taus: Literal["octave", "decade", "all"] = setting(
         "Averaging times that are shown; the fit takes octaves.", "octave"
     )
-    seconds: tuple[float, ...] = fact("Averaging times that are shown instead [s].", "command", ())
+    tau: list[float] | None = setting("Averaging times that are shown instead.", None, unit="s", example="10 s")
     terms: list[TermName] | None = setting(
         "Terms that are fitted; where not given, all that the record shows, by the criterion of "
         "sensors.noise.fitting.order.", None, example="random_walk",
@@ -49,3 +50,31 @@ class Plan:
         "Relative error for which the length of a record is worked out.", 0.1, above=0.0, example="0.1"
     )
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+
+@dataclass(frozen=True)
+class Samples:
+    """What a noun of noise at rest is told of the samples of a file."""
+
+    quantity: Literal["rate", "increment", "angle"] | None = setting(
+        "What a sample is, where the unit does not tell: a rate, what is added in it, or the integral.", None
+    )
+    scale_factor: Mapping[str, str] = setting(
+        "Scale factor of a column or group in counts or volts.", dict[str, str], example='gyro="131 count/(deg/s)"'
+    )
+
+
+FilterName = Literal["kalibr", "px4", "gtsam", "kf-gins"]
+
+
+@dataclass(frozen=True)
+class Filters:
+    """Which settings of navigation filters are shown."""
+
+    for_filter: list[FilterName] | None = setting(
+        "Print the settings of this filter: kalibr, px4, gtsam or kf-gins.", None, example="kalibr", option="for"
+    )
+    horizon: float | None = setting(
+        "With --for: a walk stands in for all that wanders, exact at this averaging time.", None, unit="s",
+        example="100 s", above=0.0,
+    )  # fmt: skip

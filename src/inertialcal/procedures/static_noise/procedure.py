@@ -19,7 +19,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Filters, Plan, Samples
 
 if TYPE_CHECKING:
     from ...core.recording import Recording
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from ...core.results import Interval, Row
     from ...core.show.sentence import Sentence, WrittenRow
     from ...files.info.survey import Survey
+    from ..given import Described, GivenFile
+    from ..protocol import Reduced
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -48,11 +50,18 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
             "psd",
             "Spectrum of a sensor at rest: its lines by name, its noise terms, and a check against the Allan"
             " deviation.",
+            "spectrum",
         ),
     )
-    plan_type, influences = Plan, INFLUENCES
+    plan_type, said_type, shown_type, influences = Plan, Samples, Filters, INFLUENCES
     figures = FIGURES
-    inputs = InputSpec(("gyro", "accelerometer"), missing=True, ground_model="bias_kept", windows="records")
+    inputs = InputSpec(("gyro", "accelerometer"), missing=True, bare=True, ground_model="bias_kept", windows="records")
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return the sensors at rest of a file, each with a test of its own."""
+        from .given import described_sensors
+
+        return described_sensors(given, self.inputs)
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the kind of the sensor and the standards; the unit only where there is no kind."""
@@ -64,11 +73,13 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         from .readings import AtRest
         from .recordings import readings_from
 
-        found = [
-            AtRest(one, {axis: axis for axis in AXES if axis in one.names}, name=label, shown=source.facts.unit)
-            for source in sources
-            for label, one in source.recordings()
-        ]
+        found = []
+        for source in sources:
+            added = next((one.quantity for axis, one in (source.entry.channels or {}).items() if axis in AXES), None)
+            shown = "" if added else source.facts.unit
+            for label, one in source.recordings():
+                channels = {axis: axis for axis in AXES if axis in one.names}
+                found.append(AtRest(one, channels, quantity=added or "rate", name=label, shown=shown))
         readings = readings_from(plan, found)
         check(plan, readings)
         return readings
@@ -134,6 +145,24 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
     def doubt(self, result: Result, axis: str) -> str:
         """Return why the terms of an axis may not hold."""
         return result.doubt(axis)
+
+    def report(self, found: Reduced) -> str:
+        """Return the terms, or the spectrum, of each sensor as text, and settings of filters."""
+        from .shown import report
+
+        return report(found)
+
+    def content(self, found: Reduced) -> Mapping[str, object]:
+        """Return curves, and settings of filters."""
+        from .shown import content
+
+        return content(found)
+
+    def files(self, found: Reduced) -> Mapping[str, str]:
+        """Return curves as CSV, terms as JSON, and settings of filters."""
+        from .shown import files
+
+        return files(found)
 
     def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
         """Return the command to type next."""

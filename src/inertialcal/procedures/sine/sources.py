@@ -10,12 +10,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.axes import AXES
-from ....core.errors import DataError, UsageError
-from ....core.recording import Channel, Recording
-from ....core.units import normalise
-from ....files import read
-from .settings import quantity
+from ...core.axes import AXES
+from ...core.errors import DataError, UsageError
+from ...core.recording import Channel, Recording
+from ...core.units import normalise, parse_quantity
+from ...files import read
 
 Source = str | Path | Recording | NDArray[Any]
 
@@ -85,3 +84,51 @@ def _of_array(values: NDArray[Any], unit: str | None, sample_rate: float | None)
         for i, name in enumerate(names)
     )
     return Recording(channels, sample_interval=1.0 / sample_rate, interval_from="flag")
+
+
+def one_of(given: str, known: Sequence[str], what: str) -> str:
+    """Return a word.
+
+    Parameters
+    ----------
+    given : str
+        By the user.
+    known : sequence of str
+        Words that there are.
+    what : str
+        Name of the setting, for the message.
+
+    Raises
+    ------
+    UsageError
+        If it is none of them.
+    """
+    if given not in known:
+        raise UsageError(f"{what}: {given!r}", do=f"There are: {', '.join(known)}", code="wrong_value")
+    return given
+
+
+def quantity(given: str, unit: str, what: str, like: str) -> float:
+    """Return a number in a unit.
+
+    Parameters
+    ----------
+    given : str
+        By the user: ``"10 min"``.
+    unit : str
+        Of the number.
+    what : str
+        Name of the setting, for the message.
+    like : str
+        How to write it.
+
+    Raises
+    ------
+    UsageError
+        If it has no unit, or another one.
+    """
+    try:
+        return float(parse_quantity(given).to(unit, difference=True))
+    except DataError:
+        do = f'Write a number with its unit, like "{like}"'
+        raise UsageError(f"{what}: {given!r}", do=do, code="no_unit") from None

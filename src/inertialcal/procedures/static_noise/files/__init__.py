@@ -1,1 +1,0 @@
-"""Noise of files without a campaign: Allan deviation, spectrum, numbers for filters."""

@@ -1,0 +1,226 @@
+"""What ``allan`` and ``psd`` print and write: terms, what the record cannot show, how long to record; spectra."""
+
+from __future__ import annotations
+
+import csv
+import io
+import json
+import textwrap
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+from ...core.results import Row, finite
+from ...core.show.result_tables import figure, interval, not_estimated
+from ...core.show.rounding import number, with_uncertainty
+from ...core.show.tables import aligned, ending, short
+from ...core.units import factor
+from ...sensors.noise.fitting.noise_fit import duration
+from ...sensors.noise.terms import sample_unit
+from ..protocol import Tested
+from .curves import density_unit
+from .filters import filter_block
+from .record_length import reaches, sentence
+from .rows import FILE_UNIT
+
+if TYPE_CHECKING:
+    from ...sensors.noise.to_filters import FilterBlock
+    from ..protocol import Reduced
+
+Test = Tested[Any, Any, Any]
+WIDTH = 110  # of wrapped text
+PER_DECADE = 3  # rows of a spectrum
+TERMS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "what the record tells")
+ALONE = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
+LINES = ("  axis", "line", "frequency", "unit", "amplitude", "unit", "over noise", "kind")
+SIZE, TIME = "gauss_markov_sigma", "gauss_markov_correlation_time"  # a limit of one says all of the other
+ENDINGS = {"kalibr": "imu.yaml", "px4": "px4.params", "gtsam": "gtsam_params.py", "kf-gins": "kf-gins.yaml"}
+
+
+def report(found: Reduced) -> str:
+    """Return what a command prints: each sensor, then the settings of filters."""
+    show = _spectrum if found.word == "psd" else _terms
+    sensors = ["\n".join(line for line in show(found, one) if line) for one in found.tested]
+    return "\n\n".join([*sensors, *(f"# {target}\n{block}" for target, block in blocks(found).items())])
+
+
+def content(found: Reduced) -> dict[str, object]:
+    """Return what ``--json`` has besides rows: curves, those of the spectrum for ``psd``, and settings of filters."""
+    shown = [one for one in found.results["curves"] if found.word != "psd" or one["name"] == "spectrum"]
+    filters = {
+        target: {"text": block.text, "cannot_hold": list(block.cannot_hold), "missing": list(block.missing)}
+        for target, block in blocks(found).items()
+    }
+    return {"curves": shown} | ({"filters": filters} if filters else {})
+
+
+def files(found: Reduced) -> dict[str, str]:
+    """Return what a folder takes besides figures: curves as CSV, terms as JSON, settings of filters."""
+    texts = {"curves.csv": _curves_text(found), "terms.json": _terms_text(found)}
+    return texts | {ENDINGS[target]: f"{block}\n" for target, block in blocks(found).items()}
+
+
+def blocks(found: Reduced) -> dict[str, FilterBlock]:
+    """Return the settings of the filters that are wanted."""
+    wanted = found.shown.for_filter or ()
+    return {one: filter_block(found, one, found.shown.horizon) for one in wanted}
+
+
+def _rows(found: Reduced, test: Test) -> list[Row]:
+    return [row for row in found.rows if row.test == test.id]
+
+
+def _terms(found: Reduced, test: Test) -> Iterator[str]:
+    """Yield what there is to say of the terms of a sensor."""
+    readings, result = test.readings, test.result
+    several = f" in {len(readings)} records" if len(readings) > 1 else ""
+    yield f"{test.id}: {duration(readings.length)} at {number(1.0 / readings.records[0].interval)} Hz{several}"
+    every = _rows(found, test)
+    rows = [row for row in every if row.case.plain]
+    inside = {row.key: row for row in result.rows() if row.case.plain}
+    known = {(one.axis, reach.quantity): reach for one in result.axes for reach in reaches(test.plan, one)}
+    cells = []
+    for row in (one for one in rows if one.status == "estimated"):
+        reach, shown = known.get((row.axis, row.quantity)), row.to_dict()
+        told = "" if reach is None else sentence(reach, test.plan.relative_error).partition(": ")[2]
+        si = _density(inside[row.key]) if test.facts.kind else ""
+        cells.append([f"  {row.quantity}", short(row.axis), figure(shown), row.unit, interval(shown), si, told])
+    yield aligned(cells, TERMS)
+    groups: dict[tuple[str, str], list[str]] = {}
+    for row in rows:
+        reach = known.get((row.axis, row.quantity))
+        if row.status == "upper_limit" and reach is not None:
+            longer = f" ({duration(reach.needed)})" if reach.needed is not None and reach.needed > reach.record else ""
+            limit = f"{row.quantity} {figure(row.to_dict())} {row.unit}{longer}"
+            groups.setdefault((short(row.axis), reach.reason), []).append(limit)
+    if groups:
+        yield "  not found: below a 95 % limit (in brackets: the record that would show a term at its limit)"
+    for (axis, reason), limits in groups.items():
+        yield _wrapped(f"    {axis}: {reason}: {', '.join(limits)}", "       ")
+    yield from _nothing(test, rows)
+    lines = [row for row in every if row.quantity == "line_amplitude"]
+    cells = [[f"  {row.case}", short(row.axis), figure(row.to_dict()), row.unit] for row in lines]
+    yield aligned(cells, ("  line of the spectrum", "axis", "amplitude ± u", "unit")) if cells else ""
+    cells = [
+        [f"  {ending(row.member.label)}", row.quantity, short(row.axis),
+         figure(row.to_dict()), row.unit, interval(row.to_dict())]
+        for row in every
+        if row.member is not None and row.key.at is None
+    ]  # fmt: skip
+    yield aligned(cells, ALONE) if cells else ""
+
+
+def _nothing(test: Test, rows: Sequence[Row]) -> Iterator[str]:
+    """Yield why axes have no terms at all, and why single terms have no limit either."""
+    without = {axis.axis: axis.reason for axis in test.result.axes if axis.fit is None}
+    for reason in dict.fromkeys(without.values()):
+        axes = ", ".join(short(axis) for axis in without if without[axis] == reason)
+        yield _wrapped(f"  no terms of {axes}: {reason}")
+    limited = {row.axis for row in rows if (row.quantity, row.status) == (SIZE, "upper_limit")}
+    missing = [
+        row.to_dict()
+        for row in rows
+        if row.status == "not_estimated"
+        and row.axis not in without
+        and not (row.quantity == TIME and row.axis in limited)
+    ]
+    yield from (f"  {line}" for line in not_estimated(missing))
+
+
+def _density(row: Row) -> str:
+    """Return a figure in SI, white noise as a density."""
+    unit = {"rad/sqrt(s)": "rad/s/sqrt(Hz)", "m/s/sqrt(s)": "m/s^2/sqrt(Hz)"}.get(row.unit, row.unit)
+    return f"{number(row.value, 4)} {unit}"
+
+
+def _wrapped(text: str, indent: str = "  ") -> str:
+    return textwrap.fill(text, WIDTH, subsequent_indent=indent)
+
+
+def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
+    """Yield the bands of a sensor's spectrum, its lines, its terms, and the check against the Allan deviation."""
+    unit = test.facts.unit or FILE_UNIT
+    scale = factor(sample_unit(test.facts.kind), unit) if test.facts.kind else 1.0
+    records = [(one.axis, record.spectral) for one in test.result.axes for record in one.records]
+    spectra = [(axis, one.spectrum) for axis, one in records if one.spectrum is not None]
+    if not spectra:
+        yield f"{test.id}: no spectrum"
+    else:
+        first = spectra[0][1]
+        yield _wrapped(
+            f"{test.id}: spectrum ({first.method}), {first.segments} segment(s) of "
+            f"{number(first.segment * first.interval, 4)} s, {number(first.edf, 3)} degrees of freedom a value; "
+            f"means over bands [{density_unit(unit)}]"
+        )
+        bands: dict[float, dict[str, float]] = {}
+        for axis, one in spectra:
+            frequency, density, _ = one.smoothed(PER_DECADE)
+            for f, value in zip(frequency.tolist(), (density[:, 0] * scale**2).tolist(), strict=True):
+                bands.setdefault(f, {})[axis] = value
+        axes = list(dict.fromkeys(axis for axis, _ in spectra))
+        rows = [[f"  {number(f, 4)}", *(number(own.get(axis), 4) for axis in axes)] for f, own in sorted(bands.items())]
+        yield aligned(rows, ("  f [Hz]", *axes), range(len(axes) + 1))
+    lines = [
+        (f"  {axis}", line.name, with_uncertainty(line.frequency, line.u_frequency), "Hz",
+         with_uncertainty(line.amplitude * scale, line.u_amplitude * scale), unit, number(line.ratio, 3), line.kind)
+        for axis, one in records
+        for line in (one.lines.found if one.lines is not None else ())
+    ]  # fmt: skip
+    if lines:
+        yield "lines"
+        yield aligned(lines, LINES, (2, 4, 6))
+    terms = [row for row in _rows(found, test) if row.case.plain and row.status == "estimated"]
+    yield "terms"
+    cells = [[f"  {row.quantity}", short(row.axis), figure(row.to_dict()), row.unit, row.reason.text] for row in terms]
+    yield aligned(cells, ("  term", "axis", "value ± u", "unit", ""))
+    for axis, one in records:
+        agreement = one.agreement
+        if agreement is None or not agreement.compared:
+            yield f"{axis}: Allan deviation and spectrum could not be compared"
+        else:
+            word = "agree" if agreement.agree.all() else "DISAGREE"
+            yield f"{axis}: Allan deviation and spectrum {word} at {agreement.compared} averaging times"
+
+
+def _curves_text(found: Reduced) -> str:
+    """Return the curves as CSV: one line a point, with its sensor, axis, record, curve and unit."""
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow(["curve", "sensor", "axis", "record", "of", "at", "at_unit", "column", "value", "unit"])
+    for curve in content(found)["curves"]:  # type: ignore[attr-defined]
+        if curve["name"] != "record_length":
+            writer.writerows(_points(curve))
+    return buffer.getvalue()
+
+
+def _points(curve: Mapping[str, Any]) -> Iterator[Sequence[Any]]:
+    (name, at), *others = curve["columns"].items()
+    head = [curve["name"], curve["test"], curve["axis"], curve.get("recording", ""), curve.get("of", "")]
+    for column, values in others:
+        for place, value in zip(at["values"], values["values"], strict=True):
+            shown = "" if value is None else value if isinstance(value, str) else repr(value)
+            yield [*head, repr(place), at["unit"] or name, column, shown, values["unit"]]
+
+
+def _terms_text(found: Reduced) -> str:
+    """Return the terms as JSON: rows in the units of data sheets, and each term's parameters, SI."""
+    sensors = [
+        {
+            "sensor": one.id, "kind": one.facts.kind, "unit": one.facts.unit,
+            "sample_interval": one.readings.records[0].interval, "averaging": one.readings.records[0].averaging,
+            "axes": [
+                {
+                    "axis": axis.axis,
+                    "terms": [{"term": term.name} | {name: finite(getattr(term, name)) for name in term.parameters}
+                              for term in axis.terms],
+                }
+                for axis in one.result.axes
+            ],
+        }
+        for one in found.tested
+    ]  # fmt: skip
+    whole = {
+        "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
+        "sensors": sensors,
+        "results": [row.to_dict() for row in found.rows],
+    }
+    return json.dumps(whole, indent=1, ensure_ascii=False, allow_nan=False) + "\n"
