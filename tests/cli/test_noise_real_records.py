@@ -57,7 +57,7 @@ def test_a_disturbance_is_remarked_and_left_out(capsys: pytest.CaptureFixture[st
     assert len(told) == 3
     assert all("left out" in what for what in told)
     left_out = values(content, "angle_random_walk")
-    kept = allan(capsys, path, "--unit", "gyro=deg/s", "--keep-disturbed")
+    kept = allan(capsys, path, "--unit", "gyro=deg/s", "--disturbed", "keep")
     assert all("kept in" in what for what in remarks(kept, "disturbed"))
     assert np.mean(values(kept, "angle_random_walk")) != pytest.approx(np.mean(left_out))
 

@@ -315,7 +315,7 @@ def test_a_record_without_terms_is_left_out_of_several_and_told() -> None:
 
 def test_averaging_times_that_no_record_has_leave_the_terms_as_they_are() -> None:
     readings = records({"x": (RandomWalk(WALK),)}, 1, 2_000)
-    found = noise.reduce(replace(GYRO, seconds=(1e4,)), readings)
+    found = noise.reduce(replace(GYRO, tau=[1e4]), readings)
     assert "octaves are shown" in told(found, "taus_not_shown").what
     assert found.rows() == noise.reduce(GYRO, readings).rows()
 
@@ -488,7 +488,7 @@ def test_other_deviations_are_shown_with_what_the_terms_give_of_them(deviation: 
 
 
 def test_averaging_times_may_be_listed() -> None:
-    found = noise.reduce(replace(GYRO, seconds=(0.1, 1.0, 10.0)), records({"x": (RandomWalk(WALK),)}))
+    found = noise.reduce(replace(GYRO, tau=[0.1, 1.0, 10.0]), records({"x": (RandomWalk(WALK),)}))
     curve = next(one for one in found.curves() if one.name == "allan")
     assert np.allclose(curve.columns["tau"].values, [0.1, 1.0, 10.0])
 

@@ -220,6 +220,8 @@ def call(
         for one in [*names, *held]
     ]
     plan, _ = _settings(procedure.plan_type, parts["plan"], options)
+    if procedure.said_type is not None:
+        _settings(procedure.said_type, parts["own"], options)
     shown = None
     if procedure.shown_type is not None:
         shown = procedure.shown_type(**_settings(procedure.shown_type, parts["shown"], options)[1])
@@ -255,7 +257,8 @@ def _reduced(document: Document, files: Files) -> tuple[Campaign, Whole, list[Re
         tests = document["tests"]
         if len(tests) < 2 or any(one["use"] != "fit" for one in tests):
             raise
-        possible, problems = [], []
+        possible: list[dict[str, Any]] = []
+        problems: list[Problem] = []
         for one in tests:
             try:
                 reduce_campaign(campaign_of({**document, "tests": [one]}), files)
@@ -330,7 +333,7 @@ def _settings(kind: type[Any], given: Mapping[str, Any], options: bool) -> tuple
 
     def called(path: tuple[str | int, ...]) -> str:
         first, *inner = (str(part) for part in path if isinstance(part, str))
-        return ".".join([f"--{first.replace('_', '-')}" if options else first, *inner])
+        return ".".join([f"--{known[first].option}" if options and first in known else first, *inner])
 
     values, problems = settings_values(kind, plan, lambda *_: "", called=called)
     if problems:

@@ -79,9 +79,9 @@ def document_of(
                 test.setdefault("windows", []).extend(each.windows)
     used = {entry["sensor"] for entry in document["recordings"].values()}
     document["sensors"] = {name: sensor for name, sensor in sensors.items() if name in used}
-    for (use, own), test in uses.items():
-        name = own or procedure.name
-        head = {"id": name if use == "fit" else f"{name}_held_out", "procedure": procedure.name}
+    for (use, test_id), test in uses.items():
+        stem = test_id or procedure.name
+        head = {"id": stem if use == "fit" else f"{stem}_held_out", "procedure": procedure.name}
         document["tests"].append({**head, "use": use, **test, "plan": test["plan"] | dict(plan)})
     return document, columns, remarks
 

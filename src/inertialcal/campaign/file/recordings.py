@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_type_hints
 
 from pydantic import Field, create_model, field_validator, model_validator
 
-from ...core.schema.quantities import Duration, Frequency, Unit
+from ...core.schema.quantities import Duration, Frequency, UnitOrNone
 from ...core.schema.words import Axis, Name, Strict, Text
 from ...core.times import read_instant
 from ...core.units import divide, parse_quantity
@@ -43,7 +43,7 @@ class ChannelEntry(Strict):
     """NAME = { column, unit } in ``channels``; what a sample adds up to, and a scale factor, of a sensor at rest."""
 
     column: Text
-    unit: Unit | Literal[""] = ""
+    unit: UnitOrNone = ""
     quantity: Literal["increment", "angle"] | None = None
     scale_factor: Text | None = None
 

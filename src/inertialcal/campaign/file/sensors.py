@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.schema.quantities import Duration, Unit, Voltage
+from ...core.schema.quantities import Duration, UnitOrNone, Voltage
 from ...core.schema.words import Axis, PerAxis, Strict, Text
 from ...core.units import kind
 
@@ -82,7 +82,7 @@ class Sensor(Strict):
 
     kind: Literal["gyro", "accelerometer", "other"]
     axes: list[Axis] = Field(min_length=1, max_length=3)
-    unit: Unit | Literal[""] = ""
+    unit: UnitOrNone = ""
     range: list[str] | None = Field(default=None, min_length=2, max_length=2)
     mounting: list[list[float]] | None = None
     chain: Chain = Chain(kind="none")
@@ -93,6 +93,8 @@ class Sensor(Strict):
             raise ValueError(f"axes = {self.axes}: an axis appears twice")
         if self.mounting is not None and not _is_rotation_or_mirror(self.mounting):
             raise ValueError("mounting: needs three rows of three numbers, orthonormal: sensor from body")
+        if self.kind == "other" and self.chain.kind != "none":
+            raise ValueError('kind = "other": readings stay in the unit of the file, without a chain')
         wanted = {"gyro": "angular_rate", "accelerometer": "acceleration"}.get(self.kind)
         if wanted and not self.unit:
             raise ValueError(f"unit is missing: {wanted.replace('_', ' ')}")

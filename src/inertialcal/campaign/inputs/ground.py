@@ -90,7 +90,7 @@ def _ground(sensor: Sensor, given: Ground, axes: tuple[str, ...]) -> GroundModel
     k, unit = len(axes), si_unit(sensor.unit)
     ends = given.temperature_range
     base = SensorModel(
-        kind=sensor.kind,
+        kind="accelerometer" if sensor.kind == "accelerometer" else "gyro",
         axes=axes,
         scale_factor=np.ones(k),
         output_unit=unit,

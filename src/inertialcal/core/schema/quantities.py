@@ -63,6 +63,7 @@ def _text(error: DataError) -> str:
 
 
 Unit = Annotated[str, BeforeValidator(read_unit)]
+UnitOrNone = Annotated[str, BeforeValidator(lambda given: "" if given == "" else read_unit(given))]  # "": not known
 Angle = quantity("rad")
 AngularRate = quantity("rad/s")
 Acceleration = quantity("m/s^2")

@@ -123,7 +123,7 @@ def _taken(given: GivenFile, channel: Channel, scale_factor: str | None) -> _Tak
     meant = unit
     if scale_factor is not None:
         meant = divide(unit or "count", parse_quantity(scale_factor).unit)
-        if si_unit(meant) not in {*RATES, *ADDED}:
+        if si_unit(meant) not in {*RATES, *ADDED} or parse_quantity(scale_factor).unit == "1":
             what = f"{where} is in {unit or 'counts'}: a scale factor of {scale_factor!r} does not make it a rate"
             raise UsageError(what, do='Write output over input: "131 count/(deg/s)"', code="unit_mismatch")
     si = si_unit(meant) if meant else ""
