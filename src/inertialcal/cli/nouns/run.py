@@ -30,9 +30,7 @@ def run_noun(
         check_folder(output, figure)
     else:
         figures.check_figure(output, {"--figure": figure, "--figure-axis": axis})
-    found = call(
-        procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True, word=declared.word
-    )
+    found = call(procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True, word=declared.word)
     written: dict[str, str] = {}
     if folder:
         paths = write_folder(output, found, procedure.files(found), declared.figure)
