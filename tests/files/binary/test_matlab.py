@@ -125,3 +125,15 @@ def test_a_class_that_there_is_not(kind: int) -> None:
     assert (
         refused(HEADER + matrix(THREE, 3, flags=kind)) == f"a matrix of class {kind}, which there is not, at byte 136"
     )
+
+
+@pytest.mark.parametrize("kind", [1, 2, 4])
+def test_more_cells_than_the_file_has_bytes(kind: int) -> None:
+    """scipy makes room for them all before it looks for the first: a damaged dimension takes minutes."""
+    assert refused(HEADER + matrix(THREE, 10**9, flags=kind)).startswith("a matrix of 1000000000 values, for which it")
+
+
+def test_a_text_without_its_letters() -> None:
+    """scipy would take what follows the matrix for them, and crash."""
+    parts = matrix(THREE, 1, flags=4)[8:-32]  # flags, dimensions, name
+    assert refused(HEADER + element(14, parts)).startswith("an element that is cut off at byte")

@@ -36,7 +36,7 @@ HEADER = 128  # bytes of text, version and byte order
 MATRIX, COMPRESSED = 14, 15
 SIZES = {1: 1, 2: 1, 3: 2, 4: 2, 5: 4, 6: 4, 7: 4, 9: 8, 12: 8, 13: 8, 16: 1, 17: 2, 18: 4}  # by type
 FLAGS, DIMENSIONS, NAME = (5, 6), (5, 6), (1, 2, 16)  # types of the first three elements of a matrix
-CELL, SPARSE, NUMBERS = 1, 5, range(6, 16)  # classes of matrices, table 1-3
+CELL, STRUCTURE, OBJECT, TEXT, SPARSE, NUMBERS = 1, 2, 3, 4, 5, range(6, 16)  # classes of matrices, table 1-3
 OPAQUE = 17  # the last class: objects, whose elements are others
 MATRICES_DEEPEST = 32  # matrices within matrices
 
@@ -175,6 +175,11 @@ class _Checker:
         *_, following = self.expected(data, following, end, NAME)
         if not 0 <= values <= LARGEST:
             raise self.damaged(f"a matrix of {values} values at byte {at}")
+        least = {CELL: 8, STRUCTURE: 8, OBJECT: 8, TEXT: 1}.get(flags & 0xFF, 0)  # bytes that a value takes
+        if least * (values - 1) > end - following:  # scipy would make them all first
+            raise self.damaged(f"a matrix of {values} values, for which it is too short, at byte {at}")
+        if flags & 0xFF == TEXT:
+            self.expected(data, following, end, tuple(SIZES))
         parts = 2 if flags & 0x0800 else 1  # real and imaginary
         if flags & 0xFF in NUMBERS:
             for _ in range(parts):
