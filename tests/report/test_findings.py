@@ -82,16 +82,16 @@ def test_a_test_that_carries_nothing_says_so() -> None:
 @pytest.mark.parametrize(
     ("word", "verification", "axes", "said"),
     [
-        (None, [], [], "judges nothing"),
-        ("PASS", [("R1", "PASS")], [], "Every requirement holds with its uncertainty."),
-        ("PASS", [("closed loop", "PASS")], [1], "Compensation improves readings that the model has not seen."),
+        (None, [], [], "gives no verdict"),
+        ("PASS", [("R1", "PASS")], [], "All requirements are met, uncertainty included."),
+        ("PASS", [("closed loop", "PASS")], [1], "Compensation improves hold-out readings."),
         ("INCONCLUSIVE", [("R1", "INCONCLUSIVE"), ("R2", "OPEN")], [], "No test covers R2."),
         ("INCONCLUSIVE", [("R1", "INCONCLUSIVE"), ("R2", "INCONCLUSIVE")], [], "The data cannot decide R1 and R2"),
-        ("FAIL", [("R1", "FAIL"), ("R2", "PASS")], [], "R1: an interval lies wholly outside what is allowed."),
+        ("FAIL", [("R1", "FAIL"), ("R2", "PASS")], [], "R1: an interval lies entirely outside its limits."),
         ("FAIL", [("closed loop", "FAIL")], [1], "worse than raw, so no model is delivered"),
         ("FAIL", [("R1", "INCONCLUSIVE"), ("closed loop", "FAIL")], [1], "is delivered. The data cannot decide R1: "),
-        ("FAIL", [("R1", "FAIL"), ("R2", "OPEN")], [], "what is allowed. No test covers R2."),
-        ("INCONCLUSIVE", [("closed loop", "INCONCLUSIVE")], [1], "The data cannot tell whether compensation improves"),
+        ("FAIL", [("R1", "FAIL"), ("R2", "OPEN")], [], "outside its limits. No test covers R2."),
+        ("INCONCLUSIVE", [("closed loop", "INCONCLUSIVE")], [1], "The data cannot show whether compensation improves"),
     ],
 )
 def test_the_verdict_says_why(
@@ -142,7 +142,7 @@ def test_a_budget_says_the_source_with_the_largest_share() -> None:
     rows = wrap(
         [{"source": "a", "share": 0.2}, {"source": "b", "share": 0.8}, {"source": "c", "share": None}], "/budgets"
     )
-    assert plain(findings.of_budget(rows)) == "Mostly b, a share of 0.8 of the variance"
+    assert plain(findings.of_budget(rows)) == "Mostly b: 0.8 of the variance"
 
 
 def left_out(count: int, counts: str, test: str = "t", rule: str = "edge") -> dict[str, Any]:
@@ -158,7 +158,7 @@ def left_out(count: int, counts: str, test: str = "t", rule: str = "edge") -> di
         (
             [left_out(1, "dwell"), left_out(54, "row", "u", "not_chosen")],
             "One dwell and rows at one place left out, by two stated rules; "
-            "what several tests leave out counts in each",
+            "items left out by several tests count once per test",
         ),
         ([left_out(4, "window", rule="settling")], "Parts of four windows left out, by one stated rule"),
     ],
@@ -229,9 +229,9 @@ def test_counts_are_words() -> None:
 @pytest.mark.parametrize(
     ("judged", "verdict", "words"),
     [
-        (True, "PASS", "A model judged on readings held out: PASS"),
-        (False, "INCONCLUSIVE", "A model of which readings held out cannot tell whether it improves them"),
-        (False, "not run", "A model that no readings held out have judged"),
+        (True, "PASS", "Model judged on hold-out readings: PASS"),
+        (False, "INCONCLUSIVE", "Hold-out readings cannot show whether the model improves them"),
+        (False, "not run", "Model not judged on hold-out readings"),
     ],
 )
 def test_what_readings_held_out_say_of_a_model(judged: bool, verdict: str, words: str) -> None:

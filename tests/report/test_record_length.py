@@ -54,9 +54,9 @@ def test_lengths_are_said_in_the_unit_of_people(hours: float, said: str) -> None
 
 
 def test_the_finding_counts_what_is_known_and_what_is_not_found() -> None:
-    assert told(finding(found(curve()))) == "One term is known to 10 % or better; one of two terms was not found"
+    assert told(finding(found(curve()))) == "One term known to 10 % or better; one of two terms not detected"
     poor = curve(relative_error=[31.0, None], needed=[15.0, 1.3])
-    said = "Angle random walk of x is known to 31 %; a record of 15 h would give 10 %; one of two terms was not found"
+    said = "Angle random walk of x: uncertainty 31 %; a recording of 15 h would give 10 %; one of two terms not detected"
     assert told(finding(found(poor))) == said
     assert " of x in still is known" in told(finding(found(poor, curve("other"))))
     assert told(finding(found(curve(relative_error=[None, None])))) == "None of two terms was found"
@@ -82,8 +82,8 @@ def test_the_section_tells_why_and_how_long_and_the_table_of_the_test_does_not_a
     rows = [row("gauss_markov_sigma", 13.0, "upper_limit", u=None, reason=SHORT), row("angle_random_walk", 0.2)]
     known = found(curve(), rows=rows)
     shown = rendered("noise", tests=by_test(known))
-    assert "still : how well records of 8 min know each term" in shown
-    assert f"Gauss-Markov size x not found {SHORT}" in shown
+    assert "still : uncertainty of each term from recordings of 8 min" in shown
+    assert f"Gauss-Markov size x not detected {SHORT}" in shown
     assert "angle random walk x 0.5 % long enough for 10 %" in shown
     (section,) = sections(wrap(rows, "/results"), [], [], [])
     table = rendered("lines", lines=section.lines, ways=section.ways, elsewhere=explained(known))

@@ -24,7 +24,7 @@ class Coefficient:
 
     Parameters
     ----------
-    words : Finding
+    meaning : Finding
         What it is.
     symbol : str
         In the equation, and as a key of model.json.
@@ -33,14 +33,14 @@ class Coefficient:
     unit : str
         SI.
     row : Branch or None
-        The row of results that tells its uncertainty.
+        The row of results that gives its uncertainty.
     note : str
         Why it has none.
     origin : str
         Test that it comes from, or citation.
     """
 
-    words: Finding
+    meaning: Finding
     symbol: str
     value: Number
     unit: str
@@ -89,49 +89,31 @@ def _coefficient(one: Any, model: Branch, rows: dict[tuple[str, str], Any]) -> C
     for place in one.index:
         value = value[place]
     origin = model["provenance"].get(one.name)
-    from_where = "" if origin is None else origin["test"] or origin["source"]
-    note = model["not_estimated"].get(one.name, "")
     row = rows.get((one.quantity, one.axis))
+    note = model["not_estimated"].get(one.name, "")
     if row is not None and row["status"] == "not_estimated":
-        note = row["reason"]
-        row = None
-    unit = "1" if one.field == "matrix" and not one.index[0] else one.unit
-    return Coefficient(_words(one, model["axes"]), _symbol(one, model["axes"]), value, unit, row, note, from_where)
-
-
-def _words(one: Any, axes: Sequence[str]) -> Finding:
+        row, note = None, row["reason"]
+    symbol, unit, meaning = str(one.name), one.unit, (f"{one.quantity.replace('_', ' ')} ", Text(one.axis))
     if one.field == "matrix" and not one.index[0]:
-        return (axes[one.index[1]], " sensor reads, ", axes[one.index[2]], " axis moves")
-    return (f"{one.quantity.replace('_', ' ')} ", Text(one.axis))
-
-
-def _symbol(one: Any, axes: Sequence[str]) -> str:
-    if one.field == "matrix" and not one.index[0]:
-        return f"M_{axes[one.index[1]]}{axes[one.index[2]]}"
-    return str(one.name)
+        sensor, axis = (model["axes"][place] for place in one.index[1:])
+        symbol, unit, meaning = f"M_{sensor}{axis}", "1", ("sensor ", sensor, ", input ", axis)
+    return Coefficient(
+        meaning, symbol, value, unit, row, note, "" if origin is None else origin["test"] or origin["source"]
+    )
 
 
 def _sentence(one: Any, rows: dict[tuple[str, str], Any]) -> Finding:
-    """Say an entry of the matrix, or a bias, as a sentence."""
+    """Say an entry of the matrix, or a bias, in words; nothing where it was not estimated."""
     row = rows.get((one.quantity, one.axis))
     if row is None or row["value"] is None or one.quantity not in {"scale_factor_error", "misalignment", "bias"}:
         return ()
     figure = Figure(row["value"], row["u"], Text("" if row["unit"] == "1" else row["unit"]))
     sensor = Text(one.axis[:1])
     if one.quantity == "bias":
-        return ("The ", sensor, " sensor reads ", figure, " at no input.")
+        return (sensor, " bias: ", figure, ".")
     if one.quantity == "misalignment":
-        return (
-            "As ",
-            Text(one.axis[1:]),
-            " moves, the ",
-            sensor,
-            " sensor reads as if turned towards it by ",
-            figure,
-            ".",
-        )
+        return (sensor, " sensor turned towards ", Text(one.axis[1:]), " by ", figure, ".")
     ends = row["interval"]
     if ends is not None and None not in (ends["lo"], ends["hi"]) and ends["lo"].raw <= 0.0 <= ends["hi"].raw:
-        return ("The ", sensor, " sensor reads its own axis right, as far as the data tell: error ", figure, ".")
-    much = "too much" if row["value"].raw >= 0 else "too little"
-    return ("The ", sensor, " sensor reads ", much, " of its own axis: error ", figure, ".")
+        return (sensor, " scale factor: no error shown (", figure, ").")
+    return (sensor, " scale factor too ", "high" if row["value"].raw >= 0 else "low", ": error ", figure, ".")

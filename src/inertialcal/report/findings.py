@@ -96,23 +96,20 @@ def worst(verdicts: Iterable[Branch]) -> str:
 
 
 def of_closed_loop(loop: Branch) -> Finding:
-    """Say on the worst axis what compensation did to readings that the model had not seen."""
+    """Say what compensation did to hold-out readings, on the worst axis."""
     axis = worst_axis(loop)
     if axis is None:
         return ("Closed loop not run: ", loop["reason"])
+    several = len({str(one["unit"]) for one in loop["axes"]}) > 1
+    worst = " (worst axis relative to raw) " if several else " (worst axis) "
     return (
-        "Compensation takes the rms error of ", axis["axis"], _why_this(loop), "from ",
+        "Compensation takes the rms error of ", axis["axis"], worst, "from ",
         Figure(axis["raw_rms"]), " to ", Figure(axis["compensated_rms"], None, axis["unit"]), ": ", loop["verdict"],
     )  # fmt: skip
 
 
-def _why_this(loop: Branch) -> str:
-    several = len({str(one["unit"]) for one in loop["axes"]}) > 1
-    return ", with the largest share left, " if several else ", the axis with the largest left, "
-
-
 def worst_axis(loop: Branch) -> Branch | None:
-    """Return the axis with the largest rms error left after compensation; of several units, the largest share left."""
+    """Return the axis with the largest rms error after compensation, relative to raw where units differ."""
     axes: list[Branch] = [one for one in loop["axes"] if one["compensated_rms"] is not None]
     if len({str(one["unit"]) for one in axes}) > 1:
         return max(axes, key=lambda one: one["compensated_rms"].raw / (one["raw_rms"].raw or 1.0))
@@ -122,24 +119,24 @@ def worst_axis(loop: Branch) -> Branch | None:
 def of_verdict(verdict: str | None, verification: Sequence[Branch], loop: Branch) -> Finding:
     """Say in one sentence why the verdict is what it is."""
     if not verdict:
-        return ("No requirement is stated and no closed loop was run, so this report judges nothing.",)
+        return ("No requirements stated and no closed loop run, so this report gives no verdict.",)
     named = {word: [row["requirement"] for row in verification if row["verdict"] == word] for word in VERDICTS}
     if verdict in ("FAIL", "INCONCLUSIVE"):
         reasons = (_failed(named["FAIL"]), _undecided(named["INCONCLUSIVE"]), _open(named["OPEN"]))
         return _joined([one for one in reasons if one])
-    what = "Every requirement holds" if any(row["requirement"] != LOOP for row in verification) else ""
-    better = "compensation improves readings that the model has not seen" if loop["axes"] else ""
-    told = " with its uncertainty, and ".join(part for part in (what, better) if part)
-    return (told[:1].upper() + told[1:] + ("." if what and better else " with its uncertainty." if what else "."),)
+    stated = any(row["requirement"] != LOOP for row in verification)
+    met = "All requirements are met, uncertainty included." if stated else ""
+    better = "Compensation improves hold-out readings." if loop["axes"] else ""
+    return (" ".join(one for one in (met, better) if one),)
 
 
 def _failed(names: Sequence[str]) -> Finding:
     """Say what fails, requirements and closed loop each in their own words."""
     stated = [name for name in names if name != LOOP]
-    parts: Finding = (*_names(stated), ": an interval lies wholly outside what is allowed.") if stated else ()
+    parts: Finding = (*_names(stated), ": an interval lies entirely outside its limits.") if stated else ()
     if len(stated) == len(names):
         return parts
-    worse = "Compensation makes readings that the model has not seen worse than raw, so no model is delivered."
+    worse = "Compensation makes hold-out readings worse than raw, so no model is delivered."
     return _joined([one for one in (parts, (worse,)) if one])
 
 
@@ -149,10 +146,10 @@ def _undecided(names: Sequence[str]) -> Finding:
     parts: Finding = ()
     if stated:
         parts = ("The data cannot decide ", *_names(stated), ": an interval straddles a limit, ")
-        parts = (*parts, "or a reading that is needed is missing.")
+        parts = (*parts, "or a needed reading is missing.")
     if len(stated) == len(names):
         return parts
-    unknown = "The data cannot tell whether compensation improves readings that the model has not seen."
+    unknown = "The data cannot show whether compensation improves hold-out readings."
     return _joined([one for one in (parts, (unknown,)) if one])
 
 
@@ -177,7 +174,7 @@ def of_requirements(verification: Sequence[Branch]) -> Finding:
     """Say how many of the rows of the verification matrix came out which way."""
     stated = [row for row in verification if row["requirement"] != LOOP]
     if not stated:
-        return ("No requirement is stated",)
+        return ("No requirements stated",)
     tally = [f"{count(n)} {word}" for word in VERDICTS if (n := sum(row["verdict"] == word for row in stated))]
     return (f"{counted(len(stated), 'requirement').capitalize()}: {listed(tally)}",)
 
@@ -188,7 +185,7 @@ def of_budget(rows: Sequence[Branch]) -> Finding:
     most = max(known, key=lambda row: row["share"].raw, default=None)
     if most is None:
         return ("No source of uncertainty is known",)
-    return ("Mostly ", most["source"], ", a share of ", Figure(most["share"]), " of the variance")
+    return ("Mostly ", most["source"], ": ", Figure(most["share"]), " of the variance")
 
 
 def of_exclusions(rows: Sequence[Branch]) -> Finding:
@@ -203,7 +200,9 @@ def of_exclusions(rows: Sequence[Branch]) -> Finding:
     told += [f"{kind}s at {counted(by_kind[kind], 'place')}" for kind in ("row", "sample") if by_kind[kind]]
     told += [f"parts of {counted(sum(_whole(row) for row in rows), 'window')}"] if by_kind["window"] else []
     rules = counted(len({str(row["rule"]) for row in rows}), "stated rule")
-    several = "; what several tests leave out counts in each" if len({str(row["test"]) for row in rows}) > 1 else ""
+    several = (
+        "; items left out by several tests count once per test" if len({str(row["test"]) for row in rows}) > 1 else ""
+    )
     text = f"{listed(told)} left out, by {rules}{several}"
     return (text[:1].upper() + text[1:],)
 
@@ -223,10 +222,10 @@ def of_model(model: Branch | None, loop: Branch) -> Finding:
     if model is None:
         return ("No model is delivered",)
     if loop["verdict"] == "INCONCLUSIVE":
-        return ("A model of which readings held out cannot tell whether it improves them",)
+        return ("Hold-out readings cannot show whether the model improves them",)
     if not model["judged"]:
-        return ("A model that no readings held out have judged",)
-    return ("A model judged on readings held out: ", loop["verdict"])
+        return ("Model not judged on hold-out readings",)
+    return ("Model judged on hold-out readings: ", loop["verdict"])
 
 
 def _unit(unit: str) -> str:

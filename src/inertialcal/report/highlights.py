@@ -54,7 +54,7 @@ def highlights(results: Branch) -> list[Highlight]:
         row = largest(every)
         if len(chosen) < 3 and row is not None:
             several = len({str(one["test"]) for one in every}) > 1
-            of = f" and tests: {clean(str(row['test']))}" if several else ""
+            of = f" and tests (here: {clean(str(row['test']))})" if several else ""
             chosen.append(_of_row(row, f"largest {quantity.replace('_', ' ')} of all axes{of}"))
     return chosen
 
@@ -65,16 +65,12 @@ def _closed_loop(loop: Branch) -> Highlight | None:
         return None
     figure = (Figure(axis["raw_rms"]), " → ", Figure(axis["compensated_rms"], None, axis["unit"]))
     label = ("rms error of ", axis["axis"], ", raw → compensated")
-    return Highlight(label, figure, _which(loop))
-
-
-def _which(loop: Branch) -> str:
     several = len({str(one["unit"]) for one in loop["axes"]}) > 1
-    return f"on readings held out; the {'largest share' if several else 'axis with the largest error'} left"
+    return Highlight(label, figure, f"hold-out readings, worst axis{' relative to raw' if several else ''}")
 
 
 def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
-    """Relative errors and angles beside each other: 1 % is taken for as much as 0.01 rad."""
+    """Return the largest relative error or angle: 1 % counts as much as 0.01 rad."""
     known = [row for quantity in ERRORS for row in estimated(rows, quantity, None)]
     row = max(known, key=_relative, default=None)
     return None if row is None else _of_row(row, "largest of all scale factor errors and misalignments")
@@ -86,7 +82,7 @@ def _relative(row: Branch) -> float:
 
 
 def _least_margin(verdicts: Sequence[Branch]) -> Highlight | None:
-    """Return the verdict with the least margin for its limits: a negative one crosses them."""
+    """Return the verdict with the smallest margin relative to its limits; negative = outside."""
     known = [one for one in verdicts if one["margin"] is not None]
     one = min(known, key=_margin, default=None)
     if one is None:
@@ -94,12 +90,12 @@ def _least_margin(verdicts: Sequence[Branch]) -> Highlight | None:
     at: Finding = () if one["at"] is None else (" at ", Figure(one["at"], None, one["at_unit"]))
     label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"],
              *_limits(one))  # fmt: skip
-    rule = "interval to limit, the least for the size of the limits; negative is beyond"
+    rule = "smallest margin to a limit; negative = outside"
     return Highlight(label, (Figure(one["margin"], None, one["unit"]),), rule)
 
 
 def _limits(one: Branch) -> Finding:
-    """Say what the margin is to."""
+    """Return the limits that the margin is to."""
     lower, upper, unit = one["lower"], one["upper"], one["unit"]
     if lower is not None and upper is not None:
         return ("; limits ", Figure(lower), " to ", Figure(upper, None, unit))

@@ -1,4 +1,4 @@
-"""How well the records of a sensor at rest know each term of its noise, and how long one would have to be."""
+"""How well recordings of a sensor at rest determine each noise term, and how long a recording should be."""
 
 from __future__ import annotations
 
@@ -12,16 +12,16 @@ from .numbers import Branch, Number
 
 @dataclass(frozen=True)
 class Reach:
-    """What the records of a test of noise tell of one term of one axis, and how long one would have to be.
+    """Uncertainty of one noise term of one axis from the recordings of a test, and the length that is needed.
 
     Parameters
     ----------
     test, axis, term : str
         Which.
     known : Number or None
-        Relative error; None for a term that was not found.
+        Relative error; None for a term that was not detected.
     wanted : Number or None
-        Relative error that was asked for.
+        Relative error that the plan requires.
     unit : str
         Of both.
     record : Number
@@ -31,7 +31,7 @@ class Reach:
     time : str
         Unit of these two.
     reason : str
-        Why the term was not found, or is not to be relied on.
+        Why the term was not detected, or is unreliable.
     """
 
     test: str
@@ -47,17 +47,17 @@ class Reach:
 
     @property
     def enough(self) -> bool:
-        """Whether these records know the term as well as was asked for."""
+        """Whether these recordings are long enough."""
         return self.known is not None and self.wanted is not None and self.known.raw <= self.wanted.raw
 
     @property
     def longer(self) -> bool:
-        """Whether a longer record is known that would be enough."""
+        """Whether a known, longer recording would be enough."""
         return not self.enough and self.needed is not None and self.needed.raw > self.record.raw
 
 
 def reaches(curves: Iterable[Branch], rows: Iterable[Branch]) -> list[Reach]:
-    """Return what the records of all tests of noise tell of each term, with the reasons of their rows."""
+    """Return the reach of every term of every noise test, with the reasons of their rows."""
     found = []
     reasons = {(row["test"], row["axis"], row["quantity"]): row["reason"] for row in rows if not row["condition"]}
     for curve in curves:
@@ -81,33 +81,32 @@ def by_test(reaches: Iterable[Reach]) -> list[list[Reach]]:
 
 
 def explained(reaches: Iterable[Reach]) -> set[tuple[str, str, str]]:
-    """Return the test, axis and quantity of each: the section of noise says their reason."""
+    """Return test, axis and quantity of each: the noise section gives their reason."""
     return {(one.test, one.axis, one.term) for one in reaches}
 
 
 def finding(reaches: Sequence[Reach]) -> Finding:
-    """Say which term is known worst for what was asked, and how many were not found."""
+    """Say which term is least well determined, and how many were not detected."""
     found = [(one, one.known, one.wanted) for one in reaches if one.known is not None and one.wanted is not None]
     missing = len(reaches) - len(found)
-    lost = f"; {count(missing)} of {counted(len(reaches), 'term')} {'was' if missing == 1 else 'were'} not found"
-    lost = lost if missing else ""
+    lost = f"; {count(missing)} of {counted(len(reaches), 'term')} not detected" if missing else ""
     if not found:
-        return (f"None of {counted(len(reaches), 'term')} was found",)
+        return (f"None of {counted(len(reaches), 'term')} detected",)
     poor = [(one, known, wanted) for one, known, wanted in found if not one.enough and not one.reason]
     doubtful = next((one for one, _, _ in found if one.reason), None)
     if poor:
         one, known, wanted = max(poor, key=lambda each: each[1].raw)
         term = words(one.term).capitalize()
-        said: Finding = (term, " of ", *_where(one, reaches), " is known to ", Figure(known, None, one.unit))
+        said: Finding = (term, " of ", *_where(one, reaches), ": uncertainty ", Figure(known, None, one.unit))
         if one.longer and one.needed is not None:
             needed = Length(one.needed, one.time)
-            said = (*said, "; a record of ", needed, " would give ", Figure(wanted, None, one.unit))
+            said = (*said, "; a recording of ", needed, " would give ", Figure(wanted, None, one.unit))
         return (*said, lost)
     if doubtful is not None:
         term = words(doubtful.term).capitalize()
         return (term, " of ", *_where(doubtful, reaches), ": ", doubtful.reason, lost)
     one, _, wanted = found[0]
-    start = f"{counted(len(found), 'term').capitalize()} {'is' if len(found) == 1 else 'are'} known to "
+    start = f"{counted(len(found), 'term').capitalize()} known to "
     return (start, Figure(wanted, None, one.unit), " or better", lost)
 
 

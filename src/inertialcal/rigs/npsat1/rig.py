@@ -1,7 +1,7 @@
 """Rig of the rate-sensor suite: three rate sensors through thermal chamber, vacuum, rate table and a long rest.
 
-Sizes and signs follow the published flight unit [1]_. The unit is drawn about it, and each power-up about the unit. What
-the engineer does not know of his bench is drawn once for the whole campaign.
+Sizes and signs follow the published flight unit [1]_. The unit is drawn about it, and each power-up about the unit.
+What the engineer does not know of his bench is drawn once for the whole campaign.
 
 True values: the bias is a mean over many power-ups, settled, midway between warming and cooling, without the earth's
 rate, at the true temperature. The bias on the rate table is what remains there once the bias in air is subtracted.
