@@ -8,7 +8,10 @@ import numpy as np
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
-from inertialcal.procedures.positions.reduction import Plan, Readings, Truth
+from inertialcal.procedures.positions.fit.gyro import problem_of
+from inertialcal.procedures.positions.fit.rotations import angles
+from inertialcal.procedures.positions.gravity import local_gravity
+from inertialcal.procedures.positions.reduction import Plan, Readings, Truth, reduce
 from inertialcal.procedures.positions.simulation import FACES, spread
 from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held
 
@@ -72,6 +75,19 @@ def changed(readings: Readings, acc: Array, gyro: Array, time: float = 1.0) -> R
         gyro=replace(readings.gyro, mean=readings.gyro.mean @ gyro),
         rotations=rotations,
     )
+
+
+def held_out(plan: Plan, readings: Readings, first: int) -> tuple[float, float]:
+    """Fit the first positions; return the errors of the others, rms: lengths [m/s^2], angles of transitions [rad]."""
+    result = reduce(plan, readings.take(0, first))
+    rest = readings.take(first, len(readings))
+    lengths = np.linalg.norm(result.acc.sensor.applied(rest.acc.mean), axis=1) - local_gravity(plan)
+    gyro = result.gyro
+    assert gyro is not None
+    assert gyro.rotated is not None
+    problem = problem_of(plan, rest, result.acc, gyro.rest, gyro.sensor.ideal, gyro.sensor.zero)
+    missed = angles(problem, gyro.rotated.W)
+    return float(np.sqrt(np.mean(lengths**2))), float(np.sqrt(np.mean(missed**2)))
 
 
 def protocol(bench: Bench, seed: int = 1) -> dict[str, dict[str, int]]:

@@ -247,7 +247,7 @@ PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split
 # The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
 SERIALISER = ("core/key.py", "core/remarks.py", "core/influence.py")
 INPUT = ("files/", "cli/rig_names.py", "campaign/models/inputs.py",
-         "procedures/positions/files/", "report/sections.py")  # fmt: skip
+         "procedures/positions/given.py", "report/sections.py")  # fmt: skip
 
 
 def told(node: ast.AST) -> str:

@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .campaign.calls.nouns import allan, mass_attraction, psd, rate_table, thermal
+    from .campaign.calls.nouns import allan, mass_attraction, positions, psd, rate_table, thermal
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
@@ -28,7 +28,6 @@ if TYPE_CHECKING:
     from .procedures.flip.files.call import flip
     from .procedures.mass_attraction.deck import programme_1969
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
-    from .procedures.positions.files.call import positions
     from .procedures.positions.lot.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
     from .procedures.sine.files import sine
@@ -74,7 +73,7 @@ _HOMES = {
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
     "plot": ("report.plot", "plot"),
     "programme_1969": ("procedures.mass_attraction.deck", "programme_1969"),
-    "positions": ("procedures.positions.files.call", "positions"),
+    "positions": ("campaign.calls.nouns", "positions"),
     "positions_batch": ("procedures.positions.lot.batch", "positions_batch"),
     "score": ("campaign.twins.score", "score"),
     "simulate": ("campaign.twins.twin", "simulate"),

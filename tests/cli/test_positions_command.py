@@ -12,6 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+import inertialcal
 from inertialcal import load_model
 from inertialcal.campaign.compare.compare import compare
 from inertialcal.campaign.twins.twin import csv_text
@@ -26,6 +27,7 @@ from typed_commands import call, call_json
 SMALL = Bench(positions=14, dwell=2.5, first=4.0, records=1)
 ONCE = Bench(variant="ferraris", rounds=1, records=1, dwell=2.0, first=2.0)
 SI = ("--unit", "acc=m/s2", "--unit", "gyro=rad/s", "--gravity", "9.807 m/s2")
+WAY = "as_published"
 SCALE = 0.1  # of the accelerometers, and of the gyros five times that, by which a short record may be off [%]
 MISTAKES = {"unit_slip", "axes_disagree", "sample_rate_suspect", "rotations_do_not_close", "duplicate_recording"}
 
@@ -46,19 +48,23 @@ def clean(tmp_path_factory: pytest.TempPathFactory) -> str:
 
 @pytest.fixture(scope="module")
 def found(tmp_path_factory: pytest.TempPathFactory, clean: str) -> dict[str, Any]:
-    """What one run prints as JSON, with models and a figure written."""
-
+    """What one run prints as JSON, with models written."""
     folder, out = tmp_path_factory.mktemp("out"), io.StringIO()
-    files = ["-o", str(folder / "m.json"), "-o", str(folder / "f.svg"), "--figure", "sphere"]
     with contextlib.redirect_stdout(out), pytest.raises(SystemExit) as left:
-        main(["positions", clean, *SI, "--hold-out", "4", *files, "--json"])
+        main(["positions", clean, *SI, "-o", str(folder / "m.json"), "--json"])
     assert not left.value.code
     content: dict[str, Any] = json.loads(out.getvalue())
     return content | {"folder": folder}
 
 
+def by_sensor(content: dict[str, Any], method: str = "") -> dict[tuple[str, str, str], dict[str, Any]]:
+    """Return rows by sensor, quantity and axis: the result, or those of a method."""
+    wanted = [row for row in content["results"] if (row["condition"] == method if method else row["condition"] != WAY)]
+    return {(row["sensor"], row["quantity"], row["axis"]): row for row in wanted}
+
+
 def test_scale_factors_and_g_sensitivity_are_those_of_the_unit(found: dict[str, Any]) -> None:
-    rows = {(row["test"], row["quantity"], row["axis"]): row for row in found["results"] if not row["condition"]}
+    rows = by_sensor(found)
     for true in build(SMALL, 1).truth:
         row = rows[true.condition, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
@@ -76,30 +82,30 @@ def test_clean_record_raises_no_alarm(found: dict[str, Any]) -> None:
     assert {"disturbed_position", "outlier_rotation"}.isdisjoint(one["code"] for one in found["remarks"])
 
 
-def test_positions_held_out_are_judged_with_and_without_g_sensitivity(found: dict[str, Any]) -> None:
-    held = {(row["quantity"], row["condition"]): row for row in found["results"] if row["condition"]}
-    assert set(held) == {
-        ("gravity_error", "held out"),
-        ("transition_error", "held out"),
-        ("transition_error", "held out, no g-sensitivity"),
-    }
-    assert held["transition_error", "held out"]["unit"] == "rad"  # the unit that the file is in
-    assert all(row["interval"]["lo"] <= row["value"] <= row["interval"]["hi"] for row in held.values())
-    curve = next(one for one in found["curves"] if one["name"] == "transitions")
-    assert sum(curve["columns"]["held_out"]["values"]) == 3  # between the four held out
+def test_a_file_held_out_is_judged_and_the_models_with_it(tmp_path: Path) -> None:
+    first, second = written(tmp_path, replace(SMALL, records=2))
+    found = inertialcal.positions(
+        first, hold_out=[second], units={"acc": "m/s2", "gyro": "rad/s"}, gravity="9.807 m/s2"
+    )
+    loop = found.results["closed_loop"]
+    assert {one["verdict"] for one in loop["axes"]} == {"PASS"}
+    assert [one["axis"] for one in loop["axes"]][0] == "accelerometer"
+    assert {name: model.judged for name, model in found.models.items()} == {"accelerometer": True, "gyro": True}
+    assert [test["use"] for test in found.document["tests"]] == ["fit", "hold_out"]
 
 
-def test_models_and_figure_are_written(found: dict[str, Any]) -> None:
-
+def test_models_and_figure_are_written(capsys: pytest.CaptureFixture[str], clean: str, found: dict[str, Any]) -> None:
     folder = found["folder"]
-    assert [Path(one).name for one in found["written"]] == ["f.svg", "m_acc.json", "m_gyro.json"]
+    assert [Path(one).name for one in found["written"]] == ["m_acc.json", "m_gyro.json"]
     acc, gyro = load_model(folder / "m_acc.json"), load_model(folder / "m_gyro.json")
     assert (acc.kind, gyro.kind) == ("accelerometer", "gyro")
     assert gyro.g_sensitivity is not None
     with pytest.raises(DataError, match="one is a model of the accelerometer, the other of the gyro"):
         compare(folder / "m_acc.json", folder / "m_gyro.json")
-    rows = {(row["test"], row["quantity"], row["axis"]): row["value"] for row in found["results"]}
-    assert acc.matrix[0][0, 0] == pytest.approx(1.0 + 0.01 * rows["accelerometer", "scale_factor_error", "x"])
+    error = by_sensor(found)["accelerometer", "scale_factor_error", "x"]["value"]
+    assert acc.matrix[0][0, 0] == pytest.approx(1.0 + 0.01 * error)
+    words = ("-o", str(folder / "f.svg"), "--figure", "positions_sphere")
+    assert call(capsys, "positions", clean, *SI, *words)[0] == 0
     assert "<svg" in (folder / "f.svg").read_text(encoding="utf-8")
 
 
@@ -131,13 +137,10 @@ def test_two_files_of_one_clock_are_one_recording(
 ) -> None:
     _, acc, gyro = split(tmp_path, clean)
     content = call_json(capsys, "positions", gyro, acc, *SI)
-    assert "axes_in_order" in {one["code"] for one in content["remarks"]}
-    one, other = (
-        {(r["test"], r["quantity"], r["axis"]): r["value"] for r in every["results"] if not r["condition"]}
-        for every in (content, found)
-    )
+    assert content["columns"]["acc_x"] == "column_2"
+    one, other = by_sensor(content), by_sensor(found)
     for key in (("accelerometer", "bias", "x"), ("gyro", "scale_factor_error", "y"), ("gyro", "bias", "z")):
-        assert one[key] == pytest.approx(other[key], rel=1e-3)
+        assert one[key]["value"] == pytest.approx(other[key]["value"], rel=1e-3)
     lines = Path(gyro).read_text(encoding="utf-8").splitlines(keepends=True)
     (tmp_path / "late_gyro.mat").write_text("".join(lines[100:]), encoding="utf-8")
     status, _, err = call(capsys, "positions", acc, str(tmp_path / "late_gyro.mat"), *SI)
@@ -169,7 +172,7 @@ def test_labelled_parts_of_faces_and_turns(
 ) -> None:
     path, sections, _ = ferraris
     content = call_json(capsys, "positions", path, *SI, "--sections", sections, *STATED)
-    rows = {(row["test"], row["quantity"], row["axis"]): row for row in content["results"] if not row["condition"]}
+    rows = by_sensor(content)
     for true in build(ONCE, 1).truth:
         row = rows[true.condition, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
@@ -178,7 +181,7 @@ def test_labelled_parts_of_faces_and_turns(
     beside = [row for row in content["results"] if row["condition"] == "as_published"]
     assert len(beside) == 15 + 15 + 9  # K, R and b of both sensors, K_ga
     assert {(row["u"], row["interval"]) for row in beside} == {(None, None)}
-    form = {(row["test"], row["quantity"], row["axis"]): row["value"] for row in beside}
+    form = {key: row["value"] for key, row in by_sensor(content, WAY).items()}
     for true in build(ONCE, 1).truth:
         if true.quantity == "scale_factor_error":
             assert form[true.condition, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
@@ -234,21 +237,18 @@ def test_table_a_row_a_position(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     ("words", "status", "said"),
     [
         ((), 2, "no unit, or several"),
-        (("--unit", "acc=deg/s", "--unit", "gyro=rad/s"), 2, "'deg/s' is no unit of an accelerometer"),
-        ((*SI, "--orientations", "x+,x-"), 2, "2 orientations for 14 positions"),
+        (("--unit", "acc=deg/s", "--unit", "gyro=rad/s"), 2, "deg/s"),
+        ((*SI, "--orientations", "x+,x-"), 3, "2 orientations for 14 positions"),
         ((*SI, "--orientations", "x+,up"), 2, "position 2: 'up'"),
         ((*SI, "--orientations", "faces"), 3, "deg away from any face"),
-        ((*SI, "--hold-out", "14"), 2, "hold out '14' of 14 positions"),
-        ((*SI, "--latitude", "48 deg"), 2, "which is meant"),
-        ((*SI, "--zero", "mag=3"), 2, "There are: acc, gyro"),
-        ((*SI, "--zero", "acc=much"), 2, "no number"),
-        ((*SI, "--turn", "360"), 2, "Write a number with its unit, like 360 deg"),
-        ((*SI, "--standard", "turn.angle=1 m"), 2, "with its unit, like turn.angle=0.5 deg"),
-        ((*SI, "--standard", "turn=1 deg"), 2, "There are: gravity.value"),
+        ((*SI, "--acc-zero", "much"), 2, "'much' is not a number"),
+        ((*SI, "--turn", "360"), 2, "turn"),
+        ((*SI, "--standard", "turn.angle=1 m"), 2, "turn.angle"),
+        ((*SI, "--standard", "turn=1 deg"), 2, "turn"),
         ((*SI, "--column", "ax=acc_x"), 2, "There are: acc_x, acc_y"),
-        ((*SI, "--sections", "nowhere"), 2, "neither a file nor a column"),
+        ((*SI, "--sections", "nowhere"), 3, "nowhere"),
         ((*SI, "--shortest", "60 s"), 3, "never lies still for 60 s"),
-        ((*SI, "--figure", "sphere"), 2, "Say it: -o figure.png"),
+        ((*SI, "--figure", "positions_sphere"), 2, "-o"),
         ((*SI, "-o", "figure.gif"), 2, "End the name with one of"),
     ],
 )
@@ -262,5 +262,5 @@ def test_wrong_word_is_told(
 
 def test_words_before_files(capsys: pytest.CaptureFixture[str], clean: str) -> None:
     assert "given twice" in call(capsys, "positions", clean, clean, *SI)[2]
-    assert "is no name of a file's part" in call(capsys, "positions", f"top={clean}", *SI)[2]
-    assert "gyros alone" in call(capsys, "positions", f"gyro={clean}", *SI)[2]
+    assert "is not a sensor, position or turn" in call(capsys, "positions", f"top={clean}", *SI)[2]
+    assert "no recording of accelerometers" in call(capsys, "positions", f"gyro={clean}", *SI)[2]

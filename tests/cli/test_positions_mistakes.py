@@ -80,23 +80,20 @@ def test_a_face_that_is_missing_is_told(capsys: pytest.CaptureFixture[str], tmp_
     content = call_json(capsys, "positions", str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
     remarks = {one["code"]: one["what"] for one in content["remarks"]}
     assert "5 of the six faces, y+ missing" in remarks["face_missing"]
-    assert not [row for row in content["results"] if row["condition"]]
+    assert not [row for row in content["results"] if row["condition"] == "as_published"]
 
 
 @pytest.mark.parametrize(
     ("words", "status", "text"),
     [
-        (("--latitude", "500 deg"), 2, "latitude of 500 deg: need -90 to 90 deg"),
-        (("--gravity", "-9.8 m/s2"), 2, "gravity of -9.8 m/s2: need more than 0"),
-        (("--gravity", "0 m/s2"), 2, "need more than 0"),
-        (("--shortest", "-1 s"), 2, "shortest rest of -1 s"),
-        (("--shortest", "60 s"), 3, "--shortest '2 s'"),
-        (("--turn", "0 deg"), 2, "a turn by 0 deg"),
+        (("--latitude", "500 deg"), 3, "latitude of 500 deg: need -90 to 90 deg"),
+        (("--gravity", "-9.8 m/s2"), 3, "gravity of -9.8 m/s2: need more than 0"),
+        (("--gravity", "0 m/s2"), 3, "need more than 0"),
+        (("--shortest", "-1 s"), 3, "shortest rest of -1 s"),
+        (("--shortest", "60 s"), 3, "never lies still for 60 s"),
         (("--column", "acc_x=ax"), 2, "no channel 'ax'"),
-        (("--unit", "acc=mss"), 2, "--unit acc=mss: unit 'mss'"),
+        (("--unit", "acc=mss"), 2, "'acc' stands twice"),
         (("--orientations", "up.csv"), 2, "no file 'up.csv'"),
-        (("-o", "f.png", "--figure", "allan"), 2, "There are: residuals, sphere, transitions"),
-        (("--hold-out", "11"), 3, "Hold out fewer"),
     ],
 )
 def test_wrong_words_are_told(
@@ -112,7 +109,7 @@ def test_wrong_words_are_told(
         ("empty", "the file is empty"),
         ("header", "holds a header and no row"),
         ("one", "one.csv: 1 sample(s)"),
-        ("no_value", "'acc_z', taken for acc_z, holds no value"),
+        ("no_value", "literal 'NaN' in required column 'acc_z'"),
         ("back", "back.csv: sample 300: time runs backwards"),
     ],
 )
@@ -150,17 +147,17 @@ def test_annotated_session_of_imucal_by_the_closed_form(capsys: pytest.CaptureFi
         "--unit", "gyro=count", "--sections", "part", "--turn", "-360 deg", "--gravity", "9.81 m/s2",
     )  # fmt: skip
     expected = json.loads((folder / "expected_snapshot_example_cal.json").read_text(encoding="utf-8"))
-    per_degree = {"count/(rad/s)": np.pi / 180.0}  # theirs is per deg/s
+    theirs_per = {"count/(rad/s)": np.pi / 180.0, "count/g": 1.0 / 9.80665}  # theirs is per deg/s, and per m/s2
     names = {
         ("accelerometer", "scale_factor"): "K_a", ("accelerometer", "direction_cosine"): "R_a",
         ("accelerometer", "bias"): "b_a", ("gyro", "scale_factor"): "K_g", ("gyro", "direction_cosine"): "R_g",
         ("gyro", "bias"): "b_g", ("gyro", "g_sensitivity"): "K_ga",
     }  # fmt: skip
-    for (test, quantity), name in names.items():
+    for (sensor, quantity), name in names.items():
         rows = [
-            row["value"] * per_degree.get(row["unit"], 1.0)
+            row["value"] * theirs_per.get(row["unit"], 1.0)
             for row in content["results"]
-            if (row["test"], row["quantity"], row["condition"]) == (test, quantity, "as_published")
+            if (row["sensor"], row["quantity"], row["condition"]) == (sensor, quantity, "as_published")
         ]
         theirs = np.array(expected[name])
         wanted = np.diag(theirs) if quantity == "scale_factor" else theirs.ravel()

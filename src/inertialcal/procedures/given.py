@@ -94,6 +94,8 @@ class GivenFile:
         The caller types options, not arguments of Python.
     names : tuple of str
         Of all files.
+    label : str
+        What the caller calls it (``Procedure.split_label``).
     """
 
     name: str
@@ -105,6 +107,7 @@ class GivenFile:
     has_rows: bool = True
     options: bool = True
     names: tuple[str, ...] = ()
+    label: str = ""
 
     @cached_property
     def recording(self) -> Recording:

@@ -43,6 +43,8 @@ class ModelTerms:
         Reason by name.
     scale_factor : float or ndarray, shape (k,)
         Ideal scale factors that the estimate is relative to, where the sensor has no output in volts.
+    output_unit : str or None
+        Of the sensor, where that is neither its input's nor volts.
     input_range : ndarray, shape (k, 2), or None
         Inputs that each axis was tested at.
     bias_run_to_run : ndarray, shape (k,), or None
@@ -67,6 +69,7 @@ class ModelTerms:
     provenance: Mapping[Key, Provenance]
     not_estimated: Mapping[str, str] = field(default_factory=dict[str, str])
     scale_factor: float | Array = 1.0
+    output_unit: str | None = None
     input_range: Array | None = None
     bias_run_to_run: Array | None = None
     referenced: bool = False

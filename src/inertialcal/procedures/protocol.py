@@ -91,6 +91,8 @@ class InputSpec:
         A test may hold recordings of several sensors of one clock.
     pulses : bool
         Pulses may come without a scale factor: it is what the test finds.
+    raw : bool
+        Sensors may be in counts or volts without a chain: the procedure finds their scale factors.
     """
 
     kinds: tuple[Kind, ...]
@@ -104,6 +106,7 @@ class InputSpec:
     by_body: bool = False
     several_sensors: bool = False
     pulses: bool = False
+    raw: bool = False
 
 
 @dataclass(frozen=True)
@@ -275,6 +278,11 @@ class Reduced(Protocol):
     @property
     def tested(self) -> Sequence[Tested[Any, Any, Any]]:
         """Its tests, SI."""
+        ...
+
+    @property
+    def models(self) -> Mapping[str, SensorModel]:
+        """Models by kind of sensor."""
         ...
 
     @property
@@ -537,6 +545,10 @@ class Procedure(Generic[P, R, S]):
 
     # ---- from a file to what a campaign says of it -----------------------------------------------------------------
 
+    def split_label(self, given: str) -> tuple[str, str]:
+        """Return what a caller calls a file, and the file: ``"x+=up.csv"``; by default there are no such names."""
+        return "", given
+
     def described(self, given: GivenFile) -> Sequence[Described]:
         """Return what a file is taken for, sensor by sensor: its channels, by names and units, by default.
 
@@ -725,6 +737,10 @@ class Procedure(Generic[P, R, S]):
     def report(self, found: Reduced) -> str | None:
         """Return what its command prints; None for the table of the figures."""
         return None
+
+    def summary(self, found: Reduced) -> str:
+        """Return one line on what was in the files, for the terminal; empty for none."""
+        return ""
 
     def content(self, found: Reduced) -> Mapping[str, object]:
         """Return what its command adds to ``--json``."""

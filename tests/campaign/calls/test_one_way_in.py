@@ -5,13 +5,15 @@ from __future__ import annotations
 import subprocess
 import sys
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
 
 import inertialcal
 from inertialcal.campaign.engine.run import run
+from inertialcal.campaign.twins.twin import csv_text
+from inertialcal.rigs.hand_held.rig import Bench, build
 from one_way_in import same_rows
 
 RATE = """rate [deg/s],x [deg/s],std [deg/s],run
@@ -50,6 +52,53 @@ def test_rate_table(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
 def test_thermal(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     files = [warm_recording(tmp_path / f"warm_{seed}.csv", seed) for seed in (1, 2)]
     same_rows(capsys, "thermal", files, tmp_path / "campaign", at=["-5 degC"], standards={"converter.reference": "1 %"})
+
+
+def laid_by_hand(folder: Path, variant: Literal["tumble", "ferraris"], records: int = 1) -> list[Path]:
+    """Write records of a unit laid by hand."""
+    bench = Bench(variant=variant, positions=14, rounds=1, records=records, dwell=2.5, first=4.0)
+    paths = []
+    for number, recording in enumerate(build(bench, 1).recordings.values(), 1):
+        paths.append(folder / f"hand{number}.csv")
+        paths[-1].write_text(csv_text(recording), encoding="utf-8")
+    return paths
+
+
+STATED: dict[str, Any] = {
+    "units": {"acc": "m/s2", "gyro": "rad/s"}, "gravity": "9.807 m/s2", "latitude": "45.8 deg", "height": "300 m",
+    "standards": {"gravity.value": "0.0003 m/s2", "clock.rate": "20 ppm"},
+}  # fmt: skip
+
+
+def test_positions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = laid_by_hand(tmp_path, "tumble", 2)
+    found = same_rows(capsys, "positions", files, tmp_path / "campaign", **STATED)
+    assert {row.key.sensor for row in found.rows} == {"accelerometer", "gyro"}
+    assert (found.plan.gravity, found.plan.latitude) == (9.807, pytest.approx(np.radians(45.8)))
+
+
+def test_positions_of_known_orientation_and_of_one_sensor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (file,) = laid_by_hand(tmp_path, "ferraris")
+    settings = STATED | {"orientations": "faces", "sensor": "acc", "units": {"acc": "m/s2"}}
+    settings["standards"] = {"gravity.value": "0.0003 m/s2", "fixture.orientation": "0.1 deg"}
+    found = same_rows(capsys, "positions", [file], tmp_path / "campaign", **settings)
+    assert {row.key.sensor for row in found.rows} == {"accelerometer"}
+    assert found.result.acc.known
+
+
+def test_positions_of_a_table_in_counts(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    rng, file = np.random.default_rng(1), tmp_path / "table.csv"
+    lines = ["x,y,z,acc_x,acc_y,acc_z,acc_x_std,acc_y_std,acc_z_std,samples"]
+    for up in np.repeat([*np.eye(3), *-np.eye(3)], 2, axis=0):
+        mean = 32768.0 + 400.0 * 9.8 * up + rng.normal(0.0, 0.5, 3)
+        lines.append(",".join([*(f"{one:g}" for one in up), *(f"{one:.3f}" for one in mean), "4", "4", "4", "100"]))
+    file.write_text("\n".join(lines) + "\n")
+    found = same_rows(
+        capsys, "positions", [file], tmp_path / "campaign", units={"acc": "count"}, gravity="9.8 m/s2",
+        acc_zero={"x": "32768", "y": "32768", "z": "32768"},
+    )  # fmt: skip
+    scale = {row.axis: row.value for row in found.rows if row.quantity == "scale_factor" and row.u is not None}
+    assert scale == {axis: pytest.approx(400.0, rel=1e-3) for axis in "xyz"}
 
 
 def test_like_a_campaign(tmp_path: Path) -> None:

@@ -15,10 +15,13 @@ from functools import cached_property, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
+import numpy as np
 from pydantic import ValidationError
 
+from ...core.axes import AXES
 from ...core.campaign_text import FILE, toml_text
 from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
+from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row
 from ...core.schema.settings import settings_values
@@ -34,6 +37,7 @@ from ..engine.engine import ReducedTest
 from ..engine.run import Whole, reduce_campaign
 from ..file.cross_checks import cross_checks
 from ..file.load import Campaign, standards_of
+from ..file.recordings import OWN_KEYS
 from ..file.schema import CampaignFile
 from ..outcome.contents import displayed_rows
 from .document import INNER_FILES, Document, document_of
@@ -41,6 +45,8 @@ from .given import Files, Given, files_of
 
 if TYPE_CHECKING:
     from pandas import DataFrame
+
+    from ...sensors.model.sensor_model import SensorModel
 
 
 RETURNS = """
@@ -121,6 +127,12 @@ class Reduced:
     def unit(self) -> str:
         """Of the sensor's readings."""
         return self.tests[0].tested.facts.unit
+
+    @property
+    def models(self) -> dict[str, SensorModel]:
+        """Models by kind of sensor, of those that the readings could carry and that readings held out do not refute."""
+        every = () if self.whole.modelled is None else self.whole.modelled.every
+        return {one.model.kind: one.model for one in every if one.verdict != "FAIL"}
 
     @cached_property
     def results(self) -> dict[str, Any]:
@@ -203,7 +215,12 @@ def call(
     procedure = procedure_of(name)
     parts = split_settings(procedure, settings)
     said = _made(Said, parts["said"])
-    names, files = files_of(given, said)
+    several = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
+    paths = [one for one in several if isinstance(one, str | Path)]
+    labels = dict(procedure.split_label(str(one))[::-1] for one in paths)
+    names, files = files_of(
+        [procedure.split_label(str(one))[1] if isinstance(one, str | Path) else one for one in several], said
+    )
     held = [str(one) for one in held_out]
     given_files = [
         GivenFile(
@@ -216,6 +233,7 @@ def call(
             has_rows=one not in files.held,
             options=options,
             names=(*names, *held),
+            label=labels.get(one, ""),
         )
         for one in [*names, *held]
     ]
@@ -354,7 +372,21 @@ def _as_said(one: Setting, value: Any, options: bool) -> Any:
         return [value] if isinstance(value, str | int | float) else list(value)
     if one.choices and isinstance(value, str):  # a choice of numbers, typed as an option
         return {str(choice): choice for choice in get_args(one.kind)}.get(value, value)
+    if one.pairs and float in get_args(next((k for k in get_args(one.kind) if get_args(k)), one.kind)):
+        return _numbers(one, value, options)
     return value
+
+
+def _numbers(one: Setting, given: Mapping[str, Any], options: bool) -> dict[str, float]:
+    """Return a number an axis; one without a name is that of all."""
+    found: dict[str, float] = {}
+    for name, value in given.items():
+        try:
+            found |= dict.fromkeys(AXES if name == value else (name,), float(value))
+        except ValueError:
+            what = f"{f'--{one.option}' if options else one.name}: {value!r} is not a number"
+            raise UsageError(what, do="Write it like x=32768", code="wrong_value") from None
+    return found
 
 
 def campaign_of(document: Document, checked: bool = True) -> Campaign:
@@ -394,6 +426,7 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
     path = folder / FILE
     if path.exists():
         raise StoreError(f"{path} exists", do="Name another folder", code="exists")
+    sensors = {name: dict(sensor) for name, sensor in document["sensors"].items()}
     placed: dict[str, str] = {}
 
     def place(source: str) -> str:
@@ -401,16 +434,9 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
             placed[source] = _placed(source, files, folder, set(placed.values()), write)
         return placed[source]
 
-    recordings: dict[str, dict[str, Any]] = {}
-    sensors = {name: dict(sensor) for name, sensor in document["sensors"].items()}
     try:
         (folder / "recordings").mkdir(parents=True, exist_ok=True)
-        for name, entry in document["recordings"].items():
-            recordings[name] = {**entry, "file": place(entry["file"])}
-            inner = {key: value for key, value in entry.items() if isinstance(value, Mapping)}
-            for key, value in inner.items():  # files that say more of it
-                own = {what: place(value[what]) for what in INNER_FILES if isinstance(value.get(what), str)}
-                recordings[name][key] = {**value, **own}
+        recordings = {name: _with_files(entry, place) for name, entry in document["recordings"].items()}
         for sensor in sensors.values():
             chain = sensor.get("chain", {})
             if "model" in chain:
@@ -419,6 +445,17 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
     except OSError as error:
         raise StoreError(f"cannot write {folder}: {error.strerror}", code="not_writable") from None
     return path
+
+
+def _with_files(entry: Mapping[str, Any], place: Callable[[str], str]) -> dict[str, Any]:
+    """Return the entry of a recording with its files, and those that say more of it, where they are copied to."""
+    found = dict(entry)
+    for key, value in entry.items():
+        if isinstance(value, Mapping):
+            found[key] = {**value, **{k: place(value[k]) for k in INNER_FILES if isinstance(value.get(k), str)}}
+        elif isinstance(value, str) and (key == "file" or (key in OWN_KEYS and Path(value).is_file())):
+            found[key] = place(value)
+    return found
 
 
 def _placed(source: str, files: Files, folder: Path, taken: set[str], write: Callable[..., Any]) -> str:

@@ -68,8 +68,7 @@ def document_of(
             sensor = each.entry.get("sensor") or _sensor(sensors, each)
             own = {"sensor": sensor, "file": one.name} | each.entry | _reading(one.said, each.entry)
             document["recordings"][name] = own
-            if one.name == given[0].name:
-                columns = columns | each.columns
+            columns |= {what: column for what, column in each.columns.items() if what not in columns}
             remarks += each.remarks
             use = "hold_out" if one.name in held_out else "fit"
             test = uses.setdefault((use, each.test), {"recordings": [], "plan": {}})

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -21,6 +22,7 @@ from ...procedures.given import Said
 from ..file.recordings import RecordingEntry
 
 T = TypeVar("T")
+SENSORS = ("gyro", "acc")
 Given = str | Path | Recording | Array
 # Units of whole groups, where a unit is given without a name.
 GROUPS = {"angular_rate": ("gyro",), "acceleration": ("acc",)}
@@ -47,10 +49,17 @@ class Files:
         if name not in self.held:
             said = self.said
             units = {group: unit for key, unit in said.units.items() for group in _groups(key, unit)}
-            self.held[name] = read(
-                name, units=units, sample_rate=said.sample_rate, time_column=said.time_column, start=said.start,
+            read_as = partial(
+                read, name, sample_rate=said.sample_rate, time_column=said.time_column, start=said.start,
                 stop=said.stop, mission_start=said.mission_start, frame=said.frame,
             )  # fmt: skip
+            try:
+                self.held[name] = read_as(units=units)
+            except UsageError as error:
+                columns = {key: unit for key, unit in units.items() if key not in SENSORS}
+                if error.problems[0].code != "wrong_column" or len(columns) == len(units):
+                    raise
+                self.held[name] = read_as(units=columns)  # of one sensor, or without a header
         return self.held[name]
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:

@@ -10,6 +10,8 @@ from ...core.schema.quantities import Duration, UnitOrNone, Voltage
 from ...core.schema.words import Axis, PerAxis, Strict, Text
 from ...core.units import kind
 
+RAW = ("count", "voltage")
+
 
 class Thermometer(Strict):
     """thermometer = {...}: temperature from the voltage of its channel, T = (v - voltage) / slope + temperature."""
@@ -98,7 +100,8 @@ class Sensor(Strict):
         wanted = {"gyro": "angular_rate", "accelerometer": "acceleration"}.get(self.kind)
         if wanted and not self.unit:
             raise ValueError(f"unit is missing: {wanted.replace('_', ' ')}")
-        if wanted and kind(self.unit) != wanted:
+        raw = kind(self.unit) in RAW and self.chain.kind == "none"  # output of a sensor whose scale is to be found
+        if wanted and kind(self.unit) != wanted and not raw:
             raise ValueError(f"unit = {self.unit!r} is no unit of {wanted.replace('_', ' ')}")
         return self
 

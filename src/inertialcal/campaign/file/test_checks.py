@@ -7,12 +7,14 @@ from typing import Any
 
 from ...core.errors import Problem
 from ...core.schema.toml import At
+from ...core.units import kind
 from ...procedures import procedure_names, procedure_of
 from ...procedures.entries import SaidTest
 from ...procedures.protocol import Procedure
 from .plans import plan_values
 from .recordings import OWN_KEYS, TABLE_KEYS, CommonKeys, table_of
 from .schema import CampaignFile, Test
+from .sensors import RAW
 
 
 def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Iterator[Problem]:
@@ -56,9 +58,9 @@ def _same_kind(file: CampaignFile, test: Test, where: str) -> Iterator[Problem]:
     for name in named:
         if name in file.sensors:
             by_kind.setdefault(file.sensors[name].kind, []).append(name)
-    for kind, names in by_kind.items():
+    for each, names in by_kind.items():
         if len(names) > 1:
-            what = f"test {test.id!r}: {len(names)} {kind}s: {', '.join(names)}"
+            what = f"test {test.id!r}: {len(names)} {each}s: {', '.join(names)}"
             yield Problem(what, where, "a test takes one sensor of each kind", "Make a test for each", "wrong_value")
 
 
@@ -72,6 +74,10 @@ def _test_sensor(file: CampaignFile, number: int, test: Test, at: At) -> Iterato
         what = f"test {test.id!r}: {test.procedure} tests {inputs.kinds[0]}s, the sensor is of kind {others.pop()!r}"
         yield Problem(what, where, code="wrong_value")
     for name, one in sensors.items():
+        if kind(one.unit) in RAW and not inputs.raw:
+            what = f"test {test.id!r}: sensor {name!r} is in {one.unit}"
+            do = "Give its unit, and a chain with a scale factor"
+            yield Problem(what, where, f"a {test.procedure} needs readings in its unit", do, "wrong_value")
         if one.chain.kind == "pulse_rate" and one.chain.scale_factor is None and not inputs.pulses:
             what = f"sensors.{name}.chain: {test.procedure} needs scale_factor"
             yield Problem(what, at("sensors", name, "chain"), code="missing_key")

@@ -208,7 +208,7 @@ def _model(campaign: Campaign, sensor: Sensor, terms: ModelTerms) -> SensorModel
         sensor.kind,
         terms.axes,
         scale_factor=terms.scale_factor if volts is None else np.array([volts[axis] for axis in terms.axes]),
-        output_unit=None if volts is None else "V",
+        output_unit=terms.output_unit if volts is None else "V",
         source="" if sensor.mounting is None else f"readings in body axes, after mounting {sensor.mounting}",
         item=Item(item.maker, item.part, item.serial),
         input_range=terms.input_range,

@@ -54,7 +54,7 @@ def run_noun(
         own = procedure.report(found)
         rows, remarks = ([one.to_dict() for one in every] for every in (found.rows, found.remarks))
         if own is None:
-            print_reduced(found.columns, rows, remarks)
+            print_reduced(found.columns, rows, remarks, found=procedure.summary(found))
             if held_out:
                 print(closed_loop_text(found.results))
         else:

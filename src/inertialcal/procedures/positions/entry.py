@@ -1,25 +1,39 @@
-"""What a campaign says of a recording of positions: how the unit lay."""
+"""What a campaign says of a recording of positions: how the unit lay; or the columns of a table of rests."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Annotated, Protocol
+from collections.abc import Callable, Iterator, Sequence
+from typing import Annotated, Protocol, cast
 
 from pydantic import AfterValidator, Field
 
-from ...core.schema.quantities import Angle
-from ...core.schema.words import Text
-from ..entries import Entry, EntryKey
+from ...core.axes import AXES
+from ...core.errors import Problem
+from ...core.schema.quantities import Angle, Unit
+from ...core.schema.words import Axis, Strict, Text
+from ...core.units import kind
+from ..entries import Entry, EntryKey, SaidSensor
 from .orientations.text import FACES, LIKE, direction_of
 
 
 def _orientation(text: str) -> str:
     if text != FACES and direction_of(text) is None:
-        raise ValueError(f"{text!r} is no position; there are: {LIKE}; or {FACES} alone")
+        raise ValueError(f"{text!r} is not a position; there are: {LIKE}; or {FACES} alone")
     return text
 
 
 Orientation = Annotated[str, AfterValidator(_orientation)]
+
+
+class Rests(Strict):
+    """rests = {...}: which column of a table is what; a row is a position of one sensor."""
+
+    reading: dict[Axis, Text]
+    unit: Unit
+    scatter: dict[Axis, Text] | None = None
+    samples: Text | None = None
+    orientation: Text | None = None
+    direction: dict[Axis, Text] | None = None
 
 
 class PositionsEntry(Entry, Protocol):
@@ -32,7 +46,12 @@ class PositionsEntry(Entry, Protocol):
 
     @property
     def sections(self) -> str | None:
-        """A file, or a column, of its labelled parts."""
+        """A file, or a column, of its labelled parts; or the label of the whole."""
+        ...
+
+    @property
+    def rests(self) -> Rests | None:
+        """Columns of a table."""
         ...
 
     @property
@@ -50,4 +69,22 @@ KEYS = (
     EntryKey("orientations", Annotated[list[Orientation], Field(min_length=1)], wrong=_alone),
     EntryKey("sections", Text),
     EntryKey("turn", Angle),
+    EntryKey("rests", Rests, table=True, apart=True),
 )
+
+
+def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+    """Yield columns of a table that do not fit the sensor."""
+    rests = cast("PositionsEntry", entry).rests
+    if rests is None:
+        return
+    where, wanted = at("recordings", name, "rests"), kind(sensor.unit)
+    if set(rests.reading) != set(AXES):
+        what = f"recordings.{name}: rests.reading names {', '.join(rests.reading)}: positions need three axes"
+        yield Problem(what, where, code="wrong_value")
+    counted = kind(rests.unit) in ("count", "voltage") and sensor.chain.scale_factor is not None
+    if kind(rests.unit) != wanted and not counted:
+        yield Problem(f"recordings.{name}: unit {rests.unit!r}, need a unit of {wanted}", where, code="wrong_value")
+    if sensor.mounting is not None:
+        what = f"recordings.{name}: the sensor has a mounting, which is for recordings of channels"
+        yield Problem(what, where, do="Give the table in body axes", code="wrong_value")

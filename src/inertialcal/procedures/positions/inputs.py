@@ -1,31 +1,35 @@
 """Readings of a test of positions: recordings of accelerometers and of gyros on one clock, each of its own sensor.
 
-A test is about the sensor of its first recording; gyros need the accelerometers beside them. Recordings of both are
-paired in their order.
+Recordings of both sensors are paired in their order; gyros need the accelerometers of the same recording.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import cast
 
 import numpy as np
 
 from ...core.axes import AXES, Kind
 from ...core.errors import DataError
-from ...core.recording import Channel, Recording
+from ...core.estimate import Array
+from ...core.labelled import LabelledPart
+from ...core.recording import SECOND, Channel, Recording
+from ...core.remarks import Remark
+from ...core.units import kind
 from ..protocol import Source
-from .entry import PositionsEntry
-from .files.channels import check_clock
-from .files.sources import named_section, section_of
-from .orientations.text import FACES, of_words, runs_of, sections_of
+from .entry import PositionsEntry, Rests
+from .gravity import turn_problems
+from .orientations.text import FACES, direction_of, of_words, runs_of, sections_of, turn_of
 from .plan import Plan
-from .readings import Readings
+from .readings import Readings, Triad
 from .recordings import Section, readings_from
 
 TEMPERATURE = "temperature"
 PREFIX: dict[str, str] = {"accelerometer": "acc", "gyro": "gyro"}
+SAME_STAMP = 0.01  # of a sample interval, by which stamps of one clock may differ
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +53,12 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
     DataError
         If a recording cannot be read; ``no_accelerometers``; ``clocks_differ``.
     """
+    tables = [one for one in sources if one.is_table]
+    if tables and len(tables) < len(sources):
+        what = f"test {sources[0].test!r} reads tables of rests and recordings"
+        raise DataError(what, do="Make a test for each", code="wrong_value")
+    if tables:
+        return _of_tables(tables)
     parts = [Part(one, recording) for one in sources for _, recording in one.recordings()]
     pairs = _paired(parts, sources[0].test)
     joined = [_joined(pair) for pair in pairs]
@@ -82,11 +92,19 @@ def _joined(pair: Sequence[Part]) -> Recording:
     check_clock([one.recording for one in pair])
     made: list[Channel] = []
     for one in pair:
+        if len(one.recording) < 2:
+            what, do = f"{len(one.recording)} sample(s)", "Record again, or name another file"
+            raise DataError(what, one.source.file, "a position is a stretch at rest", do, "too_few_samples")
         missing = [axis for axis in AXES if axis not in one.recording.names]
         if missing:
             what = f"recordings.{one.source.name}: no channel {', '.join(missing)}"
             raise DataError(what, one.source.file, "positions need three axes", code="wrong_column")
-        made += [replace(one.recording.channel(axis), name=f"{PREFIX[str(one.kind)]}_{axis}") for axis in AXES]
+        channels = [one.recording.channel(axis) for axis in AXES]
+        for axis, channel in zip(AXES, channels, strict=True):
+            if not np.isfinite(np.asarray(channel.data, dtype=np.float64)).any():
+                what = f"channel {axis} of the {one.kind} holds no value"
+                raise DataError(what, one.source.file, do="Name another column, or record again", code="no_values")
+        made += [replace(c, name=f"{PREFIX[str(one.kind)]}_{c.name}") for c in channels]
     first = pair[0].recording
     made += [c for c in first.channels if c.name == TEMPERATURE]
     remarks = tuple(dict.fromkeys(remark for one in pair for remark in one.recording.remarks))
@@ -98,17 +116,163 @@ def _said(source: Source) -> PositionsEntry:
 
 
 def _sections(pair: Sequence[Part], recording: Recording) -> tuple[Section, ...]:
-    """Return the labelled parts that an entry of a pair names; none where none does."""
+    """Return the labelled parts that an entry of a pair names; none where none does.
+
+    Raises
+    ------
+    DataError
+        As `sections_of`; ``unknown_name`` if a column of labels names no position and no turn.
+    """
     source = next((one.source for one in pair if _said(one.source).sections is not None), None)
     if source is None:
         return ()
     entry = _said(source)
-    named = str(entry.sections)
-    turn = 2.0 * np.pi if entry.turn is None else entry.turn
+    named, turn = str(entry.sections), 2.0 * np.pi if entry.turn is None else entry.turn
+    if problems := turn_problems(turn):
+        raise DataError(problems)
     if source.has(named):
         return tuple(section_of(one, recording, turn) for one in source.read_file(named, sections_of))
-    said = runs_of(source.table().text(named))
-    return tuple(named_section(one.label, round(one.start), round(one.stop), turn) for one in said)
+    if _is_label(named):
+        return (named_section(named, 0, len(recording), turn),)
+    runs = runs_of(source.table().text(named))
+    known = [one for one in runs if _is_label(one.label)]
+    if not known:
+        labels = ", ".join(dict.fromkeys(one.label for one in runs))
+        what = f"column {named!r} names no position and no turn: {labels[:120]}"
+        raise DataError(what, source.file, do="Labels are like x_p, x_a, x_rot", code="unknown_name")
+    return tuple(section_of(one, recording, turn) for one in known)
+
+
+def _is_label(text: str) -> bool:
+    return direction_of(text) is not None or turn_of(text) is not None
+
+
+def section_of(said: LabelledPart, recording: Recording, turn: float) -> Section:
+    """Return a labelled part in samples; a turn by its own angle, else by the one given [rad].
+
+    Raises
+    ------
+    DataError
+        ``no_time`` if it is in seconds and the recording has none.
+    """
+    start, stop = said.start, said.stop
+    if said.seconds:
+        seconds = recording.seconds
+        if seconds is None:
+            do = "Give the sample rate, or samples"
+            raise DataError(f"section {said.label!r} is in seconds, the recording has no time", do=do, code="no_time")
+        start, stop = (float(np.searchsorted(seconds, one)) for one in (start, stop))
+    return named_section(said.label, round(start), round(stop), turn if said.angle is None else said.angle)
+
+
+def named_section(label: str, start: int, stop: int, turn: float) -> Section:
+    """Return samples [start, stop) as the position, or the turn by an angle [rad], that the label says."""
+    axis = turn_of(label)
+    if axis is not None:
+        return Section(start, stop, axis=_triple(axis), angle=turn, name=label)
+    direction = direction_of(label)
+    known = direction is not None and bool(np.isfinite(direction).all())
+    return Section(start, stop, _triple(direction) if known and direction is not None else None, name=label)
+
+
+def _triple(vector: Array) -> tuple[float, float, float]:
+    x, y, z = (float(one) for one in vector)
+    return x, y, z
+
+
+def check_clock(recordings: Sequence[Recording]) -> None:
+    """Refuse recordings whose samples are not taken at the same times.
+
+    Raises
+    ------
+    DataError
+        ``clocks_differ``.
+    """
+    first, *others = recordings
+    for other in others:
+        one, two = first.time_ns, other.time_ns
+        differ = len(first) != len(other) or (one is None) != (two is None)
+        if not differ and one is not None and two is not None and len(first):
+            most = SAME_STAMP * (first.sample_interval or 0.0) * SECOND
+            differ = bool(np.max(np.abs(one - two)) > most)
+        if differ:
+            what = f"{_span(first)}, {_span(other)}: not of one clock"
+            why = "rotations of the gyros would belong to positions of another time"
+            do = "Record both on one clock, or bring them to the same stamps"
+            raise DataError(what, other.source.path, why, do, "clocks_differ")
+
+
+def _span(one: Recording) -> str:
+    times = one.time_ns
+    ends = "" if times is None or not len(times) else f" from {times[0] / SECOND:.12g} to {times[-1] / SECOND:.12g} s"
+    return f"{Path(one.source.path).name}: {len(one)} samples{ends}"
+
+
+def _of_tables(sources: Sequence[Source]) -> Readings:
+    """Return the rows of tables as positions; those of the gyros stand in the same rows.
+
+    Raises
+    ------
+    DataError
+        ``no_accelerometers``; ``nan_in_required`` if a reading is missing; ``wrong_value`` for a scatter or number of
+        samples that cannot be.
+    """
+    by_kind = {one.facts.kind: one for one in sources}
+    if len(sources) > len(by_kind) or "accelerometer" not in by_kind:
+        what = f"test {sources[0].test!r}: need one table of accelerometers, and at most one of gyros"
+        raise DataError(what, sources[0].file, code="no_accelerometers")
+    source = by_kind["accelerometer"]
+    table, rests = source.table(), cast("Rests", _said(source).rests)
+    triads = {str(name): _triad(one) for name, one in by_kind.items()}
+    for one in sources:
+        one.chose(len(one.table()))
+    direction: Array | None = None
+    if rests.direction is not None:
+        named = {str(axis): name for axis, name in rests.direction.items()}
+        vectors = np.column_stack([table.numbers(named[axis], required=False) for axis in AXES])
+        size = np.linalg.norm(vectors, axis=1)
+        if np.any(size == 0.0):
+            raise DataError("0, 0, 0 is no direction", table.where(int(np.argmax(size == 0.0))), code="wrong_value")
+        direction = np.asarray(vectors / size[:, None])
+    elif rests.orientation is not None:
+        direction = of_words(table.text(rests.orientation), source.file)
+    what = f"each of the {len(table)} rows is a position: its mean readings"
+    remarks = [Remark("table_of_positions", "info", what, source.file, do="For a recording, give the sample rate")]
+    if not np.any(triads["accelerometer"].scatter):
+        what = "no column of scatters: the noise inside positions is unknown, and taken as zero"
+        remarks.append(Remark("no_scatter", "info", what, source.file, do="Name one acc_x_std, and samples"))
+    where = tuple(table.where(k) for k in range(len(table)))
+    remarks_of_all = (*table.remarks, *remarks)
+    return Readings(triads["accelerometer"], triads.get("gyro"), (), direction, where=where, remarks=remarks_of_all)
+
+
+def _triad(source: Source) -> Triad:
+    table, rests = source.table(), cast("Rests", _said(source).rests)
+    raw = kind(source.facts.si) in ("count", "voltage")  # its scale factor is to be found
+
+    def column(name: str | None, least: float, absent: float) -> Array:
+        if name is None:
+            return np.full(len(table), absent)
+        found = table.numbers(name)
+        wrong = ~(found >= least)
+        if wrong.any():
+            what = f"column {name!r}: {found[wrong][0]:g}, need {least:g} or more"
+            raise DataError(what, table.where(int(np.argmax(wrong))), code="wrong_value")
+        return np.asarray(found, dtype=np.float64)
+
+    reading, scatters = ({str(axis): n for axis, n in one.items()} for one in (rests.reading, rests.scatter or {}))
+    mean, scatter = np.empty((len(table), 3)), np.empty((len(table), 3))
+    for k, axis in enumerate(AXES):
+        own = np.asarray(table.numbers(reading[axis]), dtype=np.float64)
+        missing = ~np.isfinite(own)
+        if missing.any():
+            what = f"column {reading[axis]!r}: the reading of this position is missing"
+            raise DataError(what, table.where(int(np.argmax(missing))), do="Leave the row out", code="nan_in_required")
+        mean[:, k] = own if raw else source.in_si(own, rests.unit, axis)
+        scale = 1.0 if raw else source.factor(rests.unit, axis)
+        scatter[:, k] = column(scatters.get(axis), 0.0, 0.0) * scale
+    count = column(rests.samples, 1.0, 1.0)
+    return Triad(mean, scatter, np.repeat(count[:, None], len(AXES), axis=1), source.facts.si, count)
 
 
 def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:

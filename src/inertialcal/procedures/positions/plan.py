@@ -1,4 +1,4 @@
-"""What a test of positions is told: gravity, what is known of the sensor, and the standards behind it."""
+"""Settings of a test of positions: gravity, what is known of the sensor, and the standards behind it."""
 
 from __future__ import annotations
 
@@ -11,23 +11,35 @@ from ...core.settings import fact, setting
 # Influences that a test of positions is subject to, and what each would change.
 INFLUENCES = {
     "gravity.value": "scale factors of the accelerometers in proportion, and g-sensitivity",
-    "fixture.orientation": "cross-axis entries: each position is not quite the one that is named",
-    "fixture.mounting": "misalignments: all positions and turns alike are turned against the axes that are named",
-    "turn.angle": "scale factors of the gyros: each turn is not quite by the angle that is named",
+    "fixture.orientation": "cross-axis entries: each position is slightly off its nominal direction",
+    "fixture.mounting": "misalignments: all positions and turns share one tilt against the nominal axes",
+    "turn.angle": "scale factors of the gyros: each turn is slightly off its nominal angle",
     "clock.rate": "scale factors of the gyros in proportion: time is part of an angle",
 }
+
+
+@dataclass(frozen=True)
+class SaidOfFile:
+    """What the noun ``positions`` is told of its files."""
+
+    sections: Mapping[str, str] = setting(
+        "Labelled parts of a recording: a JSON file or table of label, start and end; or the column of labels; of one "
+        "of several recordings, FILE=PARTS. By default, the rests are found.", dict[str, str], example="parts.json",
+    )  # fmt: skip
+    orientations: str | None = setting(
+        "Which axis points up in each position of a recording; faces for the nearest face; or a file. By default, "
+        "unknown: gravity alone calibrates.", None, example="x+,x-,y+,y-,z+,z-",
+    )  # fmt: skip
+    turn: str | None = setting("Angle of each labelled turn; 360 deg by default.", None, example="-360 deg")
 
 
 @dataclass(frozen=True)
 class Plan:
     """How the test was made and how it is to be reduced."""
 
-    gravity: float | None = setting(
-        "Local gravity; where not given, normal gravity of latitude and height, else the standard value.",
-        None, unit="m/s^2", example="9.81 m/s2",
-    )  # fmt: skip
+    gravity: float | None = fact("Local gravity [m/s^2]; None: that of the place.", "site", None)
     latitude: float | None = fact("Geodetic latitude [rad].", "site", None)
-    height: float = setting("Height above the ellipsoid.", 0.0, unit="m", example="300 m")
+    height: float = fact("Height above the ellipsoid [m].", "site", 0.0)
     g_sensitivity: bool | None = setting(
         "Estimate what the gyros read of specific force; where not given, where the positions carry it.", None
     )

@@ -2,20 +2,36 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Source, Tested
+from ..protocol import (
+    READING,
+    RELATIVE,
+    Command,
+    Correction,
+    Facts,
+    InputSpec,
+    Procedure,
+    Quantity,
+    Reduced,
+    Source,
+    Tested,
+)
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Plan, SaidOfFile
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from ...core.axes import Kind
+    from ...core.errors import Problem
     from ...core.recording import Recording
     from ...core.results import Row
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
-    from ..entries import EntryKey
+    from ..entries import Entry, EntryKey, SaidSensor
+    from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
@@ -47,21 +63,42 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     planner = Command(
         "positions", "Positions of accelerometers to take, one after another, and the uncertainty to expect of them."
     )
-    plan_type, influences = Plan, INFLUENCES
+    plan_type, said_type, influences = Plan, SaidOfFile, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     makes_model = model_of_each = True
-    inputs = InputSpec(("accelerometer", "gyro"), several_sensors=True)
+    inputs = InputSpec(("accelerometer", "gyro"), table="rests", several_sensors=True, raw=True)
+
+    def split_label(self, given: str) -> tuple[str, str]:
+        """Return the sensor, position or turn that stands before a file, and the file."""
+        from .given import split_label
+
+        return split_label(given)
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return accelerometers and gyros of a file."""
+        from .given import described
+
+        return described(given)
+
+    def plan_fields(self, facts: Facts) -> dict[str, Any]:
+        """Return gravity, latitude and height of the site, and the standards."""
+        place = {"gravity": facts.gravity, "latitude": facts.latitude, "height": facts.height or 0.0}
+        return {**place, "standards": facts.standards}
 
     def plan(self, values: Mapping[str, Any], facts: Facts) -> Plan:
-        """Return the plan: gravity and height of the site, where the plan says none."""
+        """Return the plan of a test.
+
+        Raises
+        ------
+        PlanError
+            If gravity, latitude or the shortest rest cannot be meant.
+        """
         from ...core.errors import PlanError
         from .gravity import site_problems
 
-        place = {"gravity": facts.gravity, "height": facts.height or 0.0} | dict(values)
-        plan = Plan(**place, latitude=facts.latitude, standards=facts.standards)
-        problems = site_problems(plan)
-        if problems:
+        plan = super().plan(values, facts)
+        if problems := site_problems(plan):
             raise PlanError(problems)
         return plan
 
@@ -109,7 +146,14 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         keys, origin = found.estimate.keys, Provenance(tests[0].id, tests[0].recordings)
         provenance = dict.fromkeys(keys, origin)
         return ModelTerms(
-            found.estimate, keys, found.axes, provenance, found.not_estimated, found.scale_factor, found.input_range
+            found.estimate,
+            keys,
+            found.axes,
+            provenance,
+            found.not_estimated,
+            found.scale_factor,
+            None if found.output_unit == found.unit else found.output_unit,
+            found.input_range,
         )
 
     def held_out(
@@ -130,11 +174,53 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         what = "what is held out has fewer than two positions: nothing is judged by them"
         return HeldOut(remarks=(Remark("not_judged", "warning", what, do="Hold out a recording of more positions"),))
 
+    def check_entry(self, name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
+        """Yield columns of a table that do not fit the sensor."""
+        from .entry import entry_problems
+
+        yield from entry_problems(name, entry, sensor, at)
+
     def entry_keys(self) -> Sequence[EntryKey]:
         """Return ``orientations``, ``sections`` and ``turn``."""
         from .entry import KEYS
 
         return KEYS
+
+    def summary(self, found: Reduced) -> str:
+        """Return how many positions and rotations there are, and which gravity was used."""
+        from .gravity import local_gravity
+
+        readings = found.result.readings
+        known = 0 if readings.direction is None else int(sum(abs(one).sum() > 0.0 for one in readings.direction))
+        parts = [
+            f"{len(readings)} positions" + (f", {known} of known orientation" if 0 < known < len(readings) else "")
+        ]
+        parts += [f"{len(readings.transitions)} rotations between them"] if readings.transitions else []
+        parts += [f"{len(readings.turns)} turns by a known angle"] if readings.turns else []
+        return f"found: {', '.join(parts)}; gravity {local_gravity(found.plan):.6g} m/s2"
+
+    def writes(self, output: Path) -> bool:
+        """Return whether ``-o`` names models."""
+        return output.suffix.lower() == ".json"
+
+    def write(self, found: Reduced, output: Path) -> list[str]:
+        """Write the models; of two, each has its sensor in the name: ``model_acc.json``, ``model_gyro.json``."""
+        from ...core.errors import DataError
+        from ...files.models.model_json import dump_model
+        from ...files.write.atomic import atomic_write
+
+        short = {"accelerometer": "acc", "gyro": "gyro"}
+        models = {short[kind]: model for kind, model in found.models.items()}
+        if not models:
+            do = "See why each figure was not estimated"
+            raise DataError("nothing for a model was estimated", str(output), do=do, code="no_model")
+        written = []
+        for name, model in models.items():
+            path = output.with_stem(f"{output.stem}_{name}") if len(models) > 1 else output
+            with atomic_write(path, list(found.inputs)) as aside:
+                aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
+            written.append(str(path))
+        return written
 
     def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
         """Return the command to type next."""

@@ -82,6 +82,9 @@ def readings_from(
             raise DataError(what, name, why, "Leave one of them out", "duplicate_recording")
     chosen = [*sections, *([()] * (len(recordings) - len(sections)))]
     parts = [_one(plan, one, own) for one, own in zip(recordings, chosen, strict=True)]
+    if not any(len(part) for part in parts):
+        do, why = "Name the parts in which it rests: x_p, x_a, ...", "gravity at rest calibrates the accelerometers"
+        raise DataError("no section is a position", recordings[0].source.path, why, do, "wrong_section")
     readings = parts[0]
     for part in parts[1:]:
         readings = _joined(readings, part)
@@ -119,7 +122,11 @@ def _one(plan: Plan, recording: Recording, sections: Sequence[Section]) -> Readi
     seconds = _seconds(recording)
     if sections:
         return _by_sections(recording, values, seconds, sections)
-    segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval)
+    try:
+        segmentation = detect(values["acc"], recording.time_ns, recording.sample_interval)
+    except DataError as error:
+        path = recording.source.path
+        raise DataError([replace(p, where=": ".join(filter(None, (path, p.where)))) for p in error.problems]) from None
     shortest = plan.shortest if plan.shortest is not None else shortest_placement(segmentation)
     placed = placements(segmentation, shortest, values.get("gyro"))
     if not placed:
@@ -147,11 +154,6 @@ def _by_sections(
     still = sorted((one for one in sections if one.angle is None), key=lambda one: one.start)
     for alike in (still, [one for one in sections if one.angle is not None]):
         check_sections(alike, len(seconds), path)
-    if not still:
-        do = "Name the parts in which it rests: x_p, x_a, ..."
-        raise DataError(
-            "no section is a position", path, "gravity at rest calibrates the accelerometers", do, "wrong_section"
-        )
     placed = [Placement(one.start, one.stop) for one in still]
     samples = samples_of(values["acc"], recording.time_ns, recording.sample_interval)
     turns = tuple(
@@ -224,9 +226,9 @@ def _triad(recording: Recording, samples: Samples, name: str, placed: Sequence[P
     if len(units) > 1:
         raise DataError(f"{name} channels are in {', '.join(sorted(units))}", recording.source.path, code="wrong_unit")
     return Triad(
-        np.array([one.mean for one in dwells]),
-        np.array([one.scatter for one in dwells]),
-        np.array([one.n_effective for one in dwells]),
+        np.array([one.mean for one in dwells]).reshape(-1, 3),
+        np.array([one.scatter for one in dwells]).reshape(-1, 3),
+        np.array([one.n_effective for one in dwells]).reshape(-1, 3),
         units.pop(),
         np.array([float(one.n) for one in dwells]),
     )
@@ -266,7 +268,7 @@ def _joined(one: Readings, other: Readings) -> Readings:
         acc=_stacked(one.acc, other.acc),
         gyro=None if one.gyro is None or other.gyro is None else _stacked(one.gyro, other.gyro),
         rotations=(*one.rotations, *moved),
-        direction=_both(one.direction, other.direction),
+        direction=_directions(one, other),
         start_ns=_both(one.start_ns, other.start_ns),
         stop_ns=_both(one.stop_ns, other.stop_ns),
         temperature=_both(one.temperature, other.temperature),
@@ -283,6 +285,13 @@ def _stacked(one: Triad, other: Triad) -> Triad:
         one.unit,
         _both(one.samples, other.samples),
     )
+
+
+def _directions(one: Readings, other: Readings) -> Array | None:
+    """Return the directions of both, NaN where not known; None where none is."""
+    each = [np.full((len(part), 3), np.nan) if part.direction is None else part.direction for part in (one, other)]
+    found = np.concatenate(each)
+    return found if np.isfinite(found).any() else None
 
 
 def _both(one: Any, other: Any) -> Any:

@@ -32,8 +32,9 @@ POSITION = re.compile(
     r"(?P<sign>[+-]?)(?P<axis>[xyz])[ _]?(?P<way>\+|-|p|a|up|down|plus|minus|pos|neg)?", re.IGNORECASE
 )
 TURN = re.compile(r"(?P<sign>-?)(?P<axis>[xyz])[ _]?(?:rot|turn|rotation)", re.IGNORECASE)
+VECTOR = re.compile(r"(?:[-+]?[\d.]+(?:e[-+]?\d+)?\s+){2}[-+]?[\d.]+(?:e[-+]?\d+)?", re.IGNORECASE)
 DOWN = ("-", "a", "down", "minus", "neg")
-LIKE = "x+, x-, y+, y-, z+, z- (the axis that points up), ? for one that is not known"
+LIKE = "x+, x-, y+, y-, z+, z- (the axis that points up), a vector like 0 0.6 0.8, ? where it is not known"
 LIKE_JSON = '{"x_p": {"start": 540, "end": 1271}}'
 LABELS = ("section", "label", "name", "part", "position", "orientation")
 STARTS, STOPS, ANGLES = ("start", "begin", "from"), ("end", "stop", "to"), ("angle", "turn")
@@ -51,6 +52,10 @@ def direction_of(text: str) -> Array | None:
     """
     if text.strip() in ("?", ""):
         return np.full(3, np.nan)
+    if VECTOR.fullmatch(text.strip()):
+        vector = np.array([float(one) for one in text.split()])
+        size = float(np.linalg.norm(vector))
+        return np.asarray(vector / size) if 0.0 < size < math.inf else None
     match = POSITION.fullmatch(text.strip())
     if match is None or (match["sign"] and match["way"]):
         return None
@@ -68,31 +73,39 @@ def turn_of(text: str) -> Array | None:
     return np.asarray(np.eye(3)[AXES.index(match["axis"].lower())] * (-1.0 if match["sign"] else 1.0))
 
 
-def directions(given: str) -> Array:
-    """Return unit vectors of specific force in body axes, shape (m, 3), NaN where not known.
+def words_of(given: str | Sequence[str]) -> list[str]:
+    """Return positions in words.
 
     Parameters
     ----------
-    given : str
-        Words with commas between, or a file: a row a position, with columns x, y, z, or one of words.
+    given : str or sequence of str
+        Words, in a text with commas between; or a file: a row a position, with columns x, y, z, or one of words.
 
     Raises
     ------
     UsageError
-        ``wrong_value`` if one is neither; ``missing_file``; ``no_column`` if the file has none.
+        ``wrong_value`` if a word is no position; ``missing_file``; ``no_column`` if the file has none.
     """
-    if Path(given).is_file():
-        table = read_table(Path(given))
-        if set(AXES) <= {name.lower() for name in table.names}:
-            return unit_vectors(table)
-        label = next((name for name in table.names if name.lower() in LABELS), None)
-        if label is None:
+    words = given.split(",") if isinstance(given, str) else list(given)
+    where = "orientations"
+    if isinstance(given, str) and Path(given).is_file():
+        table, where = read_table(Path(given)), given
+        lower = {name.lower(): name for name in table.names}
+        label = next((lower[name] for name in lower if name in LABELS), None)
+        if set(AXES) <= set(lower):
+            rows = np.column_stack([table.numbers(lower[axis], required=False) for axis in AXES])
+            words = [" ".join(map(repr, row.tolist())) if np.isfinite(row).all() else "?" for row in rows]
+        elif label is not None:
+            words = list(table.text(label))
+        else:
             what = f"{given}: no columns x, y, z and none of labels; it has {', '.join(table.names)}"
             raise UsageError(what, do="Name the columns x, y, z, or position", code="no_column")
-        return of_words(table.text(label), table.source.path)
-    if "," not in given and Path(given).suffix:
+    elif isinstance(given, str) and "," not in given and Path(given).suffix:
         raise UsageError(f"orientations: no file {given!r}", do=f"Name a file, or words: {LIKE}", code="missing_file")
-    return of_words(given.split(","), "orientations")
+    words = [word.strip() or "?" for word in words]
+    if words != [FACES]:
+        of_words(words, where)
+    return words
 
 
 def of_words(words: Sequence[str], where: str) -> Array:
@@ -104,22 +117,6 @@ def of_words(words: Sequence[str], where: str) -> Array:
             raise UsageError(f"position {number}: {text.strip()!r}", where, do=f"There are: {LIKE}", code="wrong_value")
         found.append(vector)
     return np.array(found).reshape(-1, 3)
-
-
-def unit_vectors(table: Table) -> Array:
-    """Return columns x, y, z of a table as unit vectors, shape (m, 3); a row without is NaN.
-
-    Raises
-    ------
-    DataError
-        ``wrong_value`` if one has no length.
-    """
-    by_name = {name.lower(): name for name in table.names}
-    vectors = np.column_stack([table.numbers(by_name[axis], required=False) for axis in AXES])
-    size = np.linalg.norm(vectors, axis=1)
-    if np.any(size == 0.0):
-        raise DataError("0, 0, 0 is no direction", table.where(int(np.argmax(size == 0.0))), code="wrong_value")
-    return np.asarray(vectors / size[:, None])
 
 
 def sections_of(path: Path) -> tuple[LabelledPart, ...]:

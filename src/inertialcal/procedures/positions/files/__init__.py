@@ -1,1 +1,0 @@
-"""Positions of files without a campaign: which channel is what, and the call."""

@@ -1,0 +1,200 @@
+"""What a file of positions is taken for: accelerometers and gyros on one clock, or a table with a row a position.
+
+Told by the names and units of its channels. A file without a header is told by what the caller calls it
+(``acc=FILE``), else by its name, and its three columns are x, y, z. ``x+=FILE`` is one position, ``x_rot=FILE`` a turn.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from ...core.axes import AXES, Kind
+from ...core.errors import UsageError
+from ...core.recording import Channel
+from ...core.units import kind, normalise
+from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, sensor_said
+from .orientations.text import LABELS, direction_of, turn_of, words_of
+
+KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
+ROLES = tuple(f"{sensor}_{axis}" for sensor in KINDS for axis in AXES)
+TEMPERATURE = "temperature"
+IN_NAME = {"acc": "acc", "gyro": "gyr"}  # of a file without a header
+LONGEST = 1_000  # rows; a longer file without time is no table of positions
+SCATTER = re.compile(r"(^|_)(std|stdev|sd|sigma|scatter|u)(_|$)", re.IGNORECASE)
+SAMPLES = re.compile(r"^(n|samples|n_samples|count)$", re.IGNORECASE)
+PLAUSIBLE = {"m/s2": (9.0, 10.5), "g": (0.9, 1.1), "mg": (900.0, 1100.0)}  # median length of acceleration at rest
+
+
+def split_label(given: str) -> tuple[str, str]:
+    """Return the sensor, position or turn that a caller names a file by, and the file.
+
+    Raises
+    ------
+    UsageError
+        ``unknown_name`` for another name.
+    """
+    label, equals, path = given.partition("=")
+    if not equals or Path(given).exists():
+        return "", given
+    label = label.strip()
+    if label not in KINDS and direction_of(label) is None and turn_of(label) is None:
+        do = "There are: acc=FILE, gyro=FILE, x+=FILE, x-=FILE, ..., x_rot=FILE"
+        raise UsageError(f"{given}: {label!r} is not a sensor, position or turn", do=do, code="unknown_name")
+    return label, path
+
+
+def described(given: GivenFile) -> list[Described]:
+    """Return what a file of positions is, sensor by sensor.
+
+    Raises
+    ------
+    UsageError
+        If it is not clear which channel is what, or in which unit.
+    """
+    said, own, recording = given.said, given.own, given.recording
+    by_file: Mapping[str, str] = own.get("sections") or {}
+    sections = by_file.get(given.name) or by_file.get(Path(given.name).name) or bare(by_file)
+    wrong = [role for role in said.columns if role not in (*ROLES, TEMPERATURE)]
+    if wrong:
+        do = f"There are: {', '.join((*ROLES, TEMPERATURE))}"
+        raise UsageError(f"column {wrong[0]!r}", do=do, code="unknown_name")
+    if sections and (said.start is not None or said.stop is not None):
+        do = "Leave --from and --to out: the sections say which part is used"
+        raise UsageError("sections, and a part of the recording", why="samples are counted from its start", do=do)
+    is_table = recording.time_ns is None and recording.sample_interval is None and len(recording) <= LONGEST
+    is_table = is_table and given.has_rows and not sections and not given.label
+    sensors = _channels(given, is_table)
+    units = _units(given, sensors)
+    entry: dict[str, Any] = {}
+    if given.label and given.label not in KINDS:
+        entry["sections"] = given.label
+    elif sections:
+        entry["sections"] = sections
+    if own.get("orientations"):
+        entry["orientations"] = words_of(own["orientations"])
+    if own.get("turn"):
+        entry["turn"] = str(own["turn"])
+    found = []
+    for sensor, by_axis in sensors.items():
+        columns = {f"{sensor}_{axis}": channel.name for axis, channel in by_axis.items()}
+        if is_table:
+            rests = _rests(given, sensor, by_axis, units[sensor])
+            found.append(Described({"rests": rests}, sensor_said(given, KINDS[sensor], AXES, units[sensor]), columns))
+            continue
+        channels = {axis: {"column": one.name, "unit": units[sensor]} for axis, one in by_axis.items()}
+        warm = [c for c in recording.channels if c.quantity == TEMPERATURE and c.unit is not None]
+        if len(warm) == 1:
+            channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
+        said_sensor = sensor_said(given, KINDS[sensor], AXES, units[sensor])
+        found.append(Described({"channels": channels, **entry}, said_sensor, columns))
+    return found
+
+
+def _channels(given: GivenFile, is_table: bool) -> dict[str, dict[str, Channel]]:
+    """Return the channels by sensor and axis: as said, else by their names, else in their order.
+
+    Raises
+    ------
+    UsageError
+        ``no_column`` where a sensor lacks an axis, or none is there.
+    """
+    recording, columns = given.recording, given.said.columns
+    every = [c for c in recording.channels if not is_table or not (SCATTER.search(c.name) or SAMPLES.match(c.name))]
+    wanted = [given.label] if given.label in KINDS else list(KINDS)
+    if given.said.sensor is not None:
+        wanted = [one for one in wanted if given.said.sensor in (one, KINDS[one])]
+    found: dict[str, dict[str, Channel]] = {}
+    for sensor in wanted:
+        named = [c for c in every if c.quantity == sensor and c.axis in AXES]
+        own = {str(c.axis): c for c in named} if len({c.axis for c in named}) == len(named) else {}
+        roles = {role[-1]: name for role, name in columns.items() if role.startswith(f"{sensor}_")}
+        for axis, name in roles.items():
+            own = own if len(roles) < len(AXES) else {}
+            if name not in recording.names:
+                what = f"{sensor}_{axis}={name}: no channel {name!r} in {given.name}"
+                raise UsageError(what, do=f"There are: {', '.join(recording.names)}", code="no_column")
+        own |= {axis: recording.channel(name) for axis, name in roles.items()}
+        if own:
+            found[sensor] = {axis: own[axis] for axis in AXES if axis in own}
+    if not found:
+        bare = [c for c in every if c.quantity in ("", given.label) and c.data.dtype.kind in "iuf"]
+        by_name = [one for one in wanted if IN_NAME[one] in Path(given.name).name.lower()]
+        told = wanted if len(wanted) == 1 else by_name
+        if len(bare) == len(AXES) and len(told) == 1:
+            found[told[0]] = dict(zip(AXES, bare, strict=True))
+    missing = [f"{one}_{axis}" for one, by_axis in found.items() for axis in AXES if axis not in by_axis]
+    if missing or not found:
+        missing = missing or [f"acc_{axis}" for axis in AXES]
+        what = f"{given.name}: cannot tell which column is {', '.join(missing)}; it has {', '.join(recording.names)}"
+        do = f"Add: {given.add('column', f'{missing[0]}=COLUMN')}; or name the file: acc=FILE gyro=FILE"
+        raise UsageError(what, do=do, code="no_column")
+    return found
+
+
+def _units(given: GivenFile, sensors: Mapping[str, Mapping[str, Channel]]) -> dict[str, str]:
+    """Return the unit of each sensor: as said, else as the file says.
+
+    Raises
+    ------
+    UsageError
+        ``no_unit`` where there is none, or axes of one sensor differ; ``unit_mismatch`` for one of another kind.
+    """
+    found: dict[str, str] = {}
+    missing: dict[str, list[str]] = {}
+    for sensor, by_axis in sensors.items():
+        said = given.said.units.get(sensor)
+        units = {one.unit if said is None or one.unit is not None else said for one in by_axis.values()}
+        unit = units.pop()
+        if units or unit is None:
+            missing[sensor] = [one.name for one in by_axis.values()]
+            continue
+        own = KIND_OF_UNIT[KINDS[sensor]]
+        if kind(unit) not in (own, "count", "voltage"):
+            like = f"{given.add('unit', f'{sensor}={EXAMPLE[own]}')}, or {sensor}=count"
+            article = "an accelerometer" if sensor == "acc" else "a gyro"
+            what = f"{next(iter(by_axis.values())).name}: {unit!r} is not a unit of {article}"
+            raise UsageError(what, do=f"Add: {like}", code="unit_mismatch")
+        found[sensor] = normalise(unit)
+    if missing:
+        names = "; ".join(f"{', '.join(names)} of {sensor}" for sensor, names in missing.items())
+        hint = _hint(sensors["acc"]) if "acc" in missing else ""
+        units_of = {sensor: EXAMPLE[KIND_OF_UNIT[KINDS[sensor]]] for sensor in missing}
+        do = " ".join(given.add("unit", f"{sensor}={unit}") for sensor, unit in units_of.items())
+        counts = " ".join(given.add("unit", f"{sensor}=count") for sensor in missing)
+        what = f"{given.name}: no unit, or several: {names}{hint}"
+        raise UsageError(what, do=f"Add: {do}; in counts: {counts}", code="no_unit")
+    return found
+
+
+def _hint(by_axis: Mapping[str, Channel]) -> str:
+    """Say how long the acceleration is, and which unit that may be."""
+    x, y, z = (np.asarray(by_axis[axis].data, dtype=np.float64) for axis in AXES)
+    length = float(np.nanmedian(np.sqrt(x**2 + y**2 + z**2)))
+    like = next((unit for unit, (low, high) in PLAUSIBLE.items() if low <= length <= high), "")
+    return f" (median |acc| is {length:.4g}{': ' + like + '?' if like else ''})"
+
+
+def _rests(given: GivenFile, sensor: str, by_axis: Mapping[str, Channel], unit: str) -> dict[str, Any]:
+    """Return the columns of a table with a row a position."""
+    table = given.table
+    found: dict[str, Any] = {"reading": {axis: one.name for axis, one in by_axis.items()}, "unit": unit}
+    scatters = [name for name in table.names if SCATTER.search(name) and sensor in name.lower()]
+    own = {axis: [name for name in scatters if re.search(rf"(^|_){axis}(_|$)", name.lower())] for axis in AXES}
+    scatter = {axis: names[0] for axis, names in own.items() if len(names) == 1}
+    samples = [name for name in table.names if SAMPLES.match(name)]
+    lower = {name.lower(): name for name in table.names}
+    label = next((lower[name] for name in lower if name in LABELS), None)
+    if scatter:
+        found["scatter"] = scatter
+    if len(samples) == 1:
+        found["samples"] = samples[0]
+    if set(AXES) <= set(lower):
+        found["direction"] = {axis: lower[axis] for axis in AXES}
+    elif label is not None and all(direction_of(cell) is not None for cell in table.text(label)):
+        found["orientation"] = label
+    return found
