@@ -89,7 +89,7 @@ def test_a_file_held_out_is_judged_and_the_models_with_it(tmp_path: Path) -> Non
     )
     loop = found.results["closed_loop"]
     assert {one["verdict"] for one in loop["axes"]} == {"PASS"}
-    assert [one["axis"] for one in loop["axes"]][0] == "accelerometer"
+    assert loop["axes"][0]["axis"] == "accelerometer"
     assert {name: model.judged for name, model in found.models.items()} == {"accelerometer": True, "gyro": True}
     assert [test["use"] for test in found.document["tests"]] == ["fit", "hold_out"]
 

@@ -132,7 +132,7 @@ class Reduced:
     def models(self) -> dict[str, SensorModel]:
         """Models by kind of sensor, of those that the readings could carry and that readings held out do not refute."""
         every = () if self.whole.modelled is None else self.whole.modelled.every
-        return {one.model.kind: one.model for one in every if one.verdict != "FAIL"}
+        return {one.model.kind: one.model for one in every if one.model is not None and one.verdict != "FAIL"}
 
     @cached_property
     def results(self) -> dict[str, Any]:
