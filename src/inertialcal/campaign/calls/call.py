@@ -215,12 +215,10 @@ def call(
     procedure = procedure_of(name)
     parts = split_settings(procedure, settings)
     said = _made(Said, parts["said"])
-    several = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
-    paths = [one for one in several if isinstance(one, str | Path)]
-    labels = dict(procedure.split_label(str(one))[::-1] for one in paths)
-    names, files = files_of(
-        [procedure.split_label(str(one))[1] if isinstance(one, str | Path) else one for one in several], said
-    )
+    items = [given] if isinstance(given, str | Path | Recording | np.ndarray) else list(given)
+    labelled = [procedure.split_label(str(one)) if isinstance(one, str | Path) else ("", one) for one in items]
+    names, files = files_of([one for _, one in labelled], said)
+    labels = dict(zip(names, (label for label, _ in labelled), strict=True))
     held = [str(one) for one in held_out]
     given_files = [
         GivenFile(
