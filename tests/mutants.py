@@ -369,7 +369,7 @@ MUTANTS = (
         "test_sine",
     ),
     Mutant(
-        "design.py",
+        "fit.py",
         "rows[k] = 2.0 * first * rows[k - 1] - rows[k - 2]",
         "rows[k] = 2.0 * first * rows[k - 1] + rows[k - 2]",
         "test_sine",
@@ -416,7 +416,7 @@ MUTANTS = (
         "test_ramps",
     ),
     Mutant(
-        "decimation.py",
+        "samples.py",
         "hi[filled, column] = np.fmax.reduceat",
         "hi[filled, column] = np.fmin.reduceat",
         "test_decimation",

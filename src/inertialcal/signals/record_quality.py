@@ -20,8 +20,7 @@ from ..core.errors import DataError
 from ..core.estimate import Array, Numbers
 from ..core.remarks import Remark
 from ..core.show.rounding import number
-from .allan.channel import code_remarks
-from .allan.checks import checked_names
+from .allan.channel import checked_names, code_remarks
 from .codes import is_stuck, longest_run
 from .drift import Drift, drift_of
 from .segmentation.segments import NOT_WHITE

@@ -8,12 +8,9 @@ from scipy import stats
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.signals.sine.amplitude import amplitude_of, most_likely
-from inertialcal.signals.sine.cross_checks import cross_checks
-from inertialcal.signals.sine.design import design_of
-from inertialcal.signals.sine.differences import difference_weights
+from inertialcal.signals.sine.cross_checks import cross_checks, difference_weights, generalised_fit
 from inertialcal.signals.sine.drive import applied_drive, averaging_response, sine_drive
-from inertialcal.signals.sine.fit import fit_line
-from inertialcal.signals.sine.generalised import generalised_fit
+from inertialcal.signals.sine.fit import design_of, fit_line
 
 STEP = 120.0
 TIMES = 50.0 + STEP * np.arange(100)

@@ -15,9 +15,8 @@ from inertialcal.core.estimate import Array
 from inertialcal.signals.programme1969.programme import adjusted_curve, harmonics
 from inertialcal.signals.sine.amplitude import amplitude_of, chance_of_less, most_likely
 from inertialcal.signals.sine.cross_checks import cross_checks
-from inertialcal.signals.sine.design import design_of
 from inertialcal.signals.sine.drive import applied_drive, sine_drive
-from inertialcal.signals.sine.fit import LineFit, fit_line
+from inertialcal.signals.sine.fit import LineFit, design_of, fit_line
 from inertialcal.statistics.intervals import coverage_factor, covers
 
 MANY = 4000

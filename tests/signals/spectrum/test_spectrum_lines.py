@@ -15,8 +15,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
 from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum.allan_check import allan_of_spectrum, compare_allan
-from inertialcal.signals.spectrum.background import background_of
-from inertialcal.signals.spectrum.lines import find_lines
+from inertialcal.signals.spectrum.lines import background_of, find_lines
 from inertialcal.signals.spectrum.psd import psd
 
 INTERVAL = 0.01  # s

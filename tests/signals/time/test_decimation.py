@@ -10,7 +10,7 @@ from hypothesis.extra import numpy as hnp
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.time.decimation import min_max
+from inertialcal.signals.time.samples import min_max
 
 VALUES = hnp.arrays(
     np.float64,

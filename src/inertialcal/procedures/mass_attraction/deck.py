@@ -32,9 +32,8 @@ from ...files.text.encoding import decode
 from ...signals.programme1969 import cards, reductions
 from ...signals.programme1969.cards import Case, MeasuredCase, Request, read_cards, series_with_gaps
 from ...signals.programme1969.programme import NG, Analysis, run_case, scale_factor
-from ...signals.sine.design import design_of
 from ...signals.sine.drive import sine_drive
-from ...signals.sine.fit import fit_line
+from ...signals.sine.fit import design_of, fit_line
 from ...statistics.intervals import t_interval
 
 if TYPE_CHECKING:

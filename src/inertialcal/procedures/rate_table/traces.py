@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ...core.estimate import Array
 from ...core.recording import SECOND, Times
 from ...signals.segmentation.dwells import Dwell
-from ...signals.time.decimation import min_max
+from ...signals.time.samples import min_max
 
 BINS = 600  # a figure has hardly more pixels across
 NO_ROW = -1

@@ -28,8 +28,7 @@ from ...core.show.rounding import number, with_uncertainty
 from ...files.text.headers import bare_name
 from ...signals.sine.amplitude import amplitude_of
 from ...signals.sine.cross_checks import CrossCheck, cross_checks
-from ...signals.sine.design import design_of
-from ...signals.sine.fit import LineFit, fit_line
+from ...signals.sine.fit import LineFit, design_of, fit_line
 from ...statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
 from ..static_noise.reduction import FILE_UNIT
 from .inputs import Driven

@@ -21,12 +21,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..names import Deviation, Quantity
-from .channel import code_remarks, of_channel
-from .checks import checked_kind, checked_names, checked_present, checked_samples
+from .channel import checked_kind, checked_names, checked_present, checked_samples, code_remarks, joined, of_channel
 from .curve import Allan
 from .dead_time import check_averaging
 from .gaps import on_grid
-from .joined import joined
 from .taus import Factors, Taus, factors_of
 
 __all__ = ["Allan", "Deviation", "Quantity", "allan", "code_remarks", "on_grid"]

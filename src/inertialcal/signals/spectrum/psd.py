@@ -6,6 +6,8 @@ mean removed. What fits into no segment is counted and remarked. Nothing is inte
 ``"welch"``: Hann window, segments overlapping by half. ``"multitaper"``: Slepian tapers, segments side by side, for
 short records: a lower variance from one segment, at the price of broader lines.
 
+Segments of a record with gaps: equally long ones, laid into every stretch in which no sample is missing.
+
 References
 ----------
 .. [1] P. D. Welch, IEEE Trans. Audio Electroacoustics AU-15 (1967) 70-73.
@@ -14,7 +16,10 @@ References
 
 from __future__ import annotations
 
+from dataclasses import dataclass
+
 import numpy as np
+from numpy.typing import NDArray
 from scipy import fft
 
 from ...core.errors import DataError, PlanError
@@ -22,7 +27,6 @@ from ...core.estimate import Array, Numbers
 from ...core.remarks import Remark
 from ..names import Method
 from .density import Spectrum
-from .stretches import Indices, Stretches, stretches_of
 from .tapers import Tapers, correlations, hann, slepian, usable
 
 SHORTEST = 32  # samples of a segment; under several tapers by half the time bandwidth more
@@ -31,6 +35,7 @@ LONGEST_TAPER = 2**16  # samples of a segment under several tapers, by default
 HELD = 0.75  # of the samples that are there, that lie in stretches as long as a segment, by default
 AT_ONCE = 2**22  # samples transformed together: bounds the memory
 CONSTANT = 8.0 * np.finfo(float).eps  # variation, relative to the largest value, that is rounding
+Indices = NDArray[np.int64]
 
 
 def psd(
@@ -172,3 +177,41 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
             what = f"axis {axis} does not vary: it has no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
+
+
+@dataclass(frozen=True, eq=False)
+class Stretches:
+    """Runs of samples that all have a value."""
+
+    # start, stop: half-open, ascending, shape (k,)
+    start: Indices
+    stop: Indices
+    missing: int  # samples in none of them
+
+    @property
+    def longest(self) -> int:
+        """Samples of the longest one; 0 where there is none."""
+        return int((self.stop - self.start).max(initial=0))
+
+    def held(self, segment: int) -> int:
+        """Count samples in stretches that hold a segment of that length."""
+        length = self.stop - self.start
+        return int(length[length >= segment].sum())
+
+    def starts(self, segment: int, step: int) -> list[Indices]:
+        """First samples of the segments of each stretch that holds one, every ``step`` samples."""
+        pairs = zip(self.start, self.stop, strict=True)
+        return [np.arange(a, b - segment + 1, step, dtype=np.int64) for a, b in pairs if b - a >= segment]
+
+
+def stretches_of(x: Array) -> Stretches:
+    """Return the runs of samples that have a finite value in every axis.
+
+    Parameters
+    ----------
+    x : ndarray, shape (n, axes)
+        May hold NaN.
+    """
+    good = np.isfinite(x).all(axis=1)
+    edges = np.flatnonzero(np.diff(np.concatenate(([False], good, [False])).astype(np.int8)))
+    return Stretches(edges[0::2], edges[1::2], int(np.count_nonzero(~good)))

@@ -14,9 +14,8 @@ from numpy.typing import NDArray
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....physics.motion.schedule import Schedule
-from ....signals.sine.design import Design, design_of
 from ....signals.sine.drive import applied_drive
-from ....signals.sine.fit import LineFit
+from ....signals.sine.fit import Design, LineFit, design_of
 from ....signals.sine.fit import fit_line as fit_drive
 
 NONE = 1e-9  # of a length, below which it is nothing

@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.recording import SECOND, Channel, Recording
-from ....signals.time.decimation import min_max
+from ....signals.time.samples import min_max
 from ..drawing.data import envelope
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, TEXT, plain, set_labels, with_unit
