@@ -245,7 +245,7 @@ SINGLE = TEXTS - {"names", "conditions", "reasons", "source"}  # of which ``in``
 PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split", "rsplit", "removeprefix",
                      "removesuffix", "find", "fullmatch", "match", "search", "sub"})  # fmt: skip
 # The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
-SERIALISER = ("core/key.py", "core/remarks.py", "core/influence.py")
+SERIALISER = ("core/remarks.py", "core/influence.py")
 INPUT = ("files/", "cli/rig_names.py", "campaign/models/inputs.py",
          "procedures/positions/given.py", "report/sections.py")  # fmt: skip
 

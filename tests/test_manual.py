@@ -37,6 +37,7 @@ from inertialcal.core.remarks import Remark
 from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.schema import words as schema_words
 from inertialcal.core.settings import settings_of, settings_table
+from inertialcal.core.show.names import case_name
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip
 from inertialcal.procedures.mass_attraction import entry as mass_attraction
@@ -386,7 +387,7 @@ def test_every_quantity_and_status_is_documented(results: dict[str, Any]) -> Non
         assert f"`{row['quantity']}`" in page, row["quantity"]
         assert f"`{row['status']}`" in words
         named = {"", *(one["requirement"] for one in results["verdicts"])}
-        assert row["condition"] in named or f"`{row['condition']}`" in words, row["condition"]
+        assert case_name(row) in named or f"`{row['condition']}`" in words, case_name(row)
     for verdict in ("PASS", "FAIL", "INCONCLUSIVE", "OPEN"):
         assert f"| `{verdict}` |" in words
 
@@ -397,9 +398,9 @@ def test_every_quantity_condition_and_curve_of_a_flip_is_documented(tmp_path: Pa
     for folder in (build("sams1996", tmp_path / "published"), build("sams_tsh", tmp_path / "simulated")):
         found = ic.run(folder, write=False).results
         for row in found["results"]:
-            told = re.sub(r"flip \d+$", "flip 1", row["condition"])
+            told = re.sub(r"flip \d+$", "flip 1", case_name(row))
             assert f"`{row['quantity']}`" in page, row["quantity"]
-            assert not told or f"`{told}`" in words, row["condition"]
+            assert not told or f"`{told}`" in words, case_name(row)
         for curve in found["curves"]:
             columns = rows_after(curves, "A curve has")[curve["name"]][2]
             assert all(f"`{name}`" in columns for name in curve["columns"]), curve["name"]
@@ -410,9 +411,9 @@ def test_every_quantity_condition_and_curve_of_noise_is_documented(tmp_path: Pat
     words, curves = ((DOCS / name).read_text(encoding="utf-8") for name in ("words.md", "results.md"))
     found = ic.run(build("still_gyro", tmp_path / "still"), write=False).results
     for row in found["results"]:
-        told = re.sub("run .* alone", "run NAME alone", row["condition"])
+        told = re.sub("run .* alone", "run NAME alone", case_name(row))
         assert f"`{row['quantity']}`" in page, row["quantity"]
-        assert not told or f"`{told}`" in words, row["condition"]
+        assert not told or f"`{told}`" in words, case_name(row)
     for curve in found["curves"]:
         columns = rows_after(curves, "A curve has")[curve["name"]][2]
         terms = {name for name in curve["columns"] if f"`{name}`" in page}
@@ -425,9 +426,9 @@ def test_every_quantity_condition_and_curve_of_a_moved_mass_is_documented(tmp_pa
     for folder in (build("reinel1969", tmp_path / "published"), build("mesa", tmp_path / "simulated")):
         found = ic.run(folder, write=False).results
         for row in found["results"]:
-            told = re.sub("run .* alone", "run NAME alone", row["condition"])
+            told = re.sub("run .* alone", "run NAME alone", case_name(row))
             assert f"`{row['quantity']}`" in page, row["quantity"]
-            assert not told or f"`{told}`" in words, row["condition"]
+            assert not told or f"`{told}`" in words, case_name(row)
         for curve in found["curves"]:
             columns = rows_after(curves, "A curve has")[curve["name"]][2]
             assert all(f"`{name}`" in columns for name in curve["columns"]), curve["name"]

@@ -21,7 +21,7 @@ from inertialcal.campaign.compare.differences import Difference, differences
 from inertialcal.campaign.compare.matched_rows import matched
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
-from inertialcal.core.key import Key, Method, Reason, key_of
+from inertialcal.core.key import Key, Method, Reason
 from inertialcal.core.results import Row, not_estimated
 from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.assemble import model_from
@@ -31,7 +31,7 @@ from inertialcal.statistics.intervals import binomial_interval, covers
 
 def row(value: float | None, u: float | None = 0.1, dof: float | None = None, **rest: Any) -> Row:
     given = {"quantity": "bias", "axis": "x", "unit": "deg/s", "test": "rate_x"} | rest
-    key = key_of(given.pop("quantity"), given.pop("axis"))
+    key = Key(given.pop("quantity"), given.pop("axis"), power=given.pop("power", 0))
     return Row(key, value, u, dof=dof, **given)
 
 

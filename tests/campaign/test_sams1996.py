@@ -11,6 +11,7 @@ import pytest
 
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
+from inertialcal.core.show.names import case_name, reason_text
 
 ROUNDING = 0.005  # ug: Table 3 has two decimals, Tables 4 to 6 three
 LAST = 0.0011  # ug: Tables 20 to 22 have three decimals, half sums one more
@@ -53,7 +54,7 @@ def results(folder: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def rows(results: dict[str, Any]) -> Rows:
-    return {(row["test"], row["quantity"], row["axis"], row["condition"]): row for row in results["results"]}
+    return {(row["test"], row["quantity"], row["axis"], case_name(row)): row for row in results["results"]}
 
 
 @pytest.mark.parametrize(
@@ -75,7 +76,7 @@ def test_the_published_figures_come_out(
             row = rows[test, quantity, axis, f"flip {number}"]
             assert row["unit"] == "ug"
             assert (row["u"], row["status"]) == (None, "not_estimated")
-            assert "no record of the noise" in row["reason"]
+            assert "no record of the noise" in reason_text(row)
             if printed is not None:
                 assert abs(row["value"]) == pytest.approx(abs(printed), abs=within)
 
@@ -112,8 +113,8 @@ def test_side_by_side_stands_in_the_report_with_its_figure(folder: Path, results
     }  # fmt: skip
     assert page.count("Two ground models side by side, in the same dwells") == len(against)
     assert page.count("<svg") >= len(against)
-    assert "in the 4 dwells that both have" in rows["corrected", "model_bias_error_change", "y", ""]["reason"]
-    assert rows["new_model", "model_bias_error_change", "y", ""]["reason"] == "less old_model, dwell by dwell"
+    assert "in the 4 dwells that both have" in reason_text(rows["corrected", "model_bias_error_change", "y", ""])
+    assert reason_text(rows["new_model", "model_bias_error_change", "y", ""]) == "less old_model, dwell by dwell"
 
 
 def test_the_accuracy_of_the_document_stands_beside_as_published(rows: Rows) -> None:
@@ -156,9 +157,9 @@ def test_a_requirement_on_what_has_no_uncertainty_is_inconclusive_with_its_reaso
     assert (verdict["verdict"], outcome.exit_status) == ("INCONCLUSIVE", 4)
     assert "no record of the noise" in verdict["reason"]
     assert verdict["value"] == pytest.approx(TABLE_5["x"][0], abs=ROUNDING)
-    chosen = [row for row in outcome.results["results"] if row["test"] == "flips" and row["condition"] == ""]
+    chosen = [row for row in outcome.results["results"] if row["test"] == "flips" and case_name(row) == ""]
     assert {row["status"] for row in chosen} == {"not_estimated"}
-    assert not [row for row in outcome.results["results"] if row["test"] == "flips" and "flip 2" in row["condition"]]
+    assert not [row for row in outcome.results["results"] if row["test"] == "flips" and "flip 2" in case_name(row)]
 
 
 def test_results_are_the_same_bytes_wherever_the_folder_lies(folder: Path, tmp_path: Path) -> None:

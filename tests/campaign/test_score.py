@@ -17,6 +17,7 @@ from inertialcal.campaign.twins.score import Coverage, coverage, score, score_ri
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
+from inertialcal.core.show.names import case_name
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.rigs.rate_table import rig as rate_table
@@ -76,9 +77,9 @@ def test_an_estimate_far_from_the_truth_is_outside_and_none_is_no_hit(scored: Pa
 
 
 def test_other_ways_of_reduction_are_not_scored(scored: Path) -> None:
-    conditions = {row["condition"] for row in json.loads((scored / "out/results.json").read_text())["results"]}
+    conditions = {case_name(row) for row in json.loads((scored / "out/results.json").read_text())["results"]}
     assert "as_published" in conditions
-    assert {row["condition"] for row in score(scored).rows} == {""}
+    assert {case_name(row) for row in score(scored).rows} == {""}
 
 
 def test_score_refuses_what_was_not_run_and_what_is_of_another_campaign(scored: Path, tmp_path: Path) -> None:

@@ -15,6 +15,7 @@ from inertialcal.campaign.engine.run import check, run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import TRUTH, read_truth, simulate
 from inertialcal.core.errors import DataError, StoreError, UsageError
+from inertialcal.core.show.names import case_name
 from inertialcal.core.units import convert
 from inertialcal.files import read
 from inertialcal.rigs import RIGS
@@ -78,7 +79,7 @@ def test_in_memory_and_from_files_the_figures_are_the_same(folder: Path) -> None
     compared = 0
     for row in rows:
         name = f"{row['quantity']}_{row['axis']}"
-        if row["test"] == "fit" and row["condition"] == "" and name in estimate.names:
+        if row["test"] == "fit" and case_name(row) == "" and name in estimate.names:
             i = estimate.index(name)
             value, u = (
                 float(convert([x], estimate.units[i], row["unit"])[0]) for x in (estimate.values[i], estimate.u[i])

@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 
 import pytest
 
+from inertialcal.core.show.names import case_name
 from typed_commands import call
 
 Write = Callable[..., Path]
@@ -41,14 +42,14 @@ def test_run_of_the_published_campaign(capsys: pytest.CaptureFixture[str], examp
     on_disk = json.loads((example / "out/results.json").read_text())
     assert content["results"] == on_disk["results"]
     assert {one["path"] for one in content["inputs"]} >= {"campaign.toml", "table10_x.csv"}
-    rows = {(r["test"], r["quantity"], r["axis"], r["condition"]): r for r in content["results"]}
+    rows = {(r["test"], r["quantity"], r["axis"], case_name(r)): r for r in content["results"]}
     # Errata: the rates down to which every row is within 5 % are 0.2 deg/s directly; 0.06, 0.09, 0.08 with reference.
     for axis, rate in (("x", 0.06), ("y", 0.09), ("z", 0.08)):
         assert rows[f"rate_{axis}_minus_ref", "resolution", axis, "as_published"]["value"] == pytest.approx(rate)
         assert rows[f"rate_{axis}", "resolution", axis, "as_published"]["value"] == pytest.approx(0.2)
     missing = {
         (r["test"], r["axis"]) for r in content["results"]
-        if r["quantity"] == "misalignment" and r["status"] == "not_estimated" and not r["condition"]
+        if r["quantity"] == "misalignment" and r["status"] == "not_estimated" and not case_name(r)
         and not r["test"].endswith(("_set1", "_set2")) and r["test"] != "model"
     }  # fmt: skip
     assert len(missing) == 12
@@ -156,7 +157,7 @@ def test_counts_go_through_the_chain(capsys: pytest.CaptureFixture[str], campaig
             lines.append(f"{rate},{(2.5 + 0.5 * (1.01 * rate + 0.02)) * 4095 / 5:.3f},3.3,1,{run}")
     counts = 'run = "run", unit = "count", applied_unit = "deg/s" }'
     folder = campaign(('run = "run", unit = "deg/s" }', counts), data="\n".join(lines) + "\n")
-    rows = {r["quantity"]: r for r in call_json(capsys, "run", str(folder))["results"] if not r["condition"]}
+    rows = {r["quantity"]: r for r in call_json(capsys, "run", str(folder))["results"] if not case_name(r)}
     assert rows["scale_factor_error"]["value"] == pytest.approx(1.0, abs=1e-3)  # %
     assert rows["bias"]["status"] == "not_estimated"  # the reading at rest was subtracted
     assert rows["residual_bias"]["value"] == pytest.approx(0.02, abs=1e-5)  # deg/s
@@ -272,7 +273,7 @@ def test_rate_table_of_a_file(capsys: pytest.CaptureFixture[str]) -> None:
         capsys, "rate-table", path, "--reading", "reading_no_ref_dps", "--axis", "x", "--unit", "deg/s",
         "--scale-factor", "0.5 V/(deg/s)", "--range", "5 deg/s",
     )  # fmt: skip
-    rows = {(r["quantity"], r["condition"]): r for r in content["results"]}
+    rows = {(r["quantity"], case_name(r)): r for r in content["results"]}
     assert rows["scale_factor", "as_published"]["value"] == pytest.approx(0.49979, abs=4e-5)  # Appendix H1
     status, _, err = call(capsys, "rate-table", path, "--axis", "x")
     assert status == 2

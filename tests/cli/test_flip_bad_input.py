@@ -16,7 +16,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, on_bench
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import FAULTS, Bench, build
-from pad_flips import records
+from pad_pairs_made import flip_records
 
 SMALL = replace(Bench(), rate=5.0)
 SHORT = replace(SMALL, duration=1800.0, turn_starts=(600.0, 1200.0), window=200.0, saved="g", said="g")
@@ -213,7 +213,7 @@ def edit(data: Path, old: str, new: str) -> None:
 @pytest.fixture(scope="module")
 def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two records that make one flip, with a campaign file."""
-    folder = records(tmp_path_factory.mktemp("archive") / "records", files=2)
+    folder = flip_records(tmp_path_factory.mktemp("archive") / "records", files=2)
     with pytest.raises(SystemExit):
         main(["flip", str(folder), "--campaign", "--quiet"])
     return folder

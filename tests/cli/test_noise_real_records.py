@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from inertialcal.cli.__main__ import main
+from inertialcal.core.show.names import case_name
 
 MPU = "data/sunsided_mpu6050_static"
 STILL = "set-2__unmoved-with-x-pointing-forward-10min"
@@ -31,7 +32,7 @@ def allan(capsys: pytest.CaptureFixture[str], path: Path, *words: str) -> dict[s
 
 def values(content: dict[str, Any], quantity: str) -> list[float]:
     rows = [row for row in content["results"] if row["quantity"] == quantity and row["status"] == "estimated"]
-    return [row["value"] for row in rows if not row["condition"]]
+    return [row["value"] for row in rows if not case_name(row)]
 
 
 def remarks(content: dict[str, Any], code: str) -> list[str]:

@@ -11,7 +11,10 @@ import pytest
 
 import inertialcal as ic
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.key import Key
+from inertialcal.core.results import Row
 from inertialcal.core.settings import settings_table
+from inertialcal.core.show.names import case_name
 from inertialcal.procedures.mass_attraction.planning.settings import STARTER, Settings
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from typed_commands import call, call_json
@@ -46,7 +49,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def rows_of(content: dict[str, Any]) -> dict[tuple[str, str], dict[str, Any]]:
-    return {(row["quantity"], row["condition"] or row["axis"]): row for row in content["results"]}
+    return {(row["quantity"], case_name(row) or row["axis"]): row for row in content["results"]}
 
 
 def test_the_whole_plan(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
@@ -144,7 +147,7 @@ def test_a_mass_in_orbit(capsys: pytest.CaptureFixture[str]) -> None:
 
 
 def test_noise_from_what_allan_printed(capsys: pytest.CaptureFixture[str], folder: Path) -> None:
-    row = {"quantity": "velocity_random_walk", "axis": "x", "value": 0.055, "unit": "ug/sqrt(Hz)", "condition": ""}
+    row = Row(Key("velocity_random_walk", "x"), 0.055, None, "ug/sqrt(Hz)").to_dict()
     file = folder / "noise.json"
     file.write_text(json.dumps({"results": [row | {"status": "estimated"}]}))
     found = call_json(capsys, *PLAN, *SMALL, *DRIVE, *sets(f"noise.file={file}"))
@@ -292,7 +295,7 @@ def test_the_example_file_the_command_and_python_give_the_same_rows(
 
 
 def test_a_noise_file_lies_next_to_the_settings_that_name_it(tmp_path: Path) -> None:
-    row = {"quantity": "velocity_random_walk", "axis": "x", "value": 0.055, "unit": "ug/sqrt(Hz)", "condition": ""}
+    row = Row(Key("velocity_random_walk", "x"), 0.055, None, "ug/sqrt(Hz)").to_dict()
     (tmp_path / "noise.json").write_text(json.dumps({"results": [row | {"status": "estimated"}]}))
     file = tmp_path / "plan.toml"
     file.write_text(FILE.replace('"12.7 cm", "12.7', '"10 cm", "40').replace("speed = \"1 m/s\"", "")

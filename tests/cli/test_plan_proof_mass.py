@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
+from inertialcal.core.show.names import case_name
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from typed_commands import call, call_json
 
@@ -25,7 +26,7 @@ LONG = sets("proof_mass.length=8 cm", "proof_mass.radius=2 cm")
 
 
 def figures(content: dict[str, Any]) -> dict[tuple[str, str], float]:
-    return {(row["quantity"], row["condition"]): row["value"] for row in content["results"]}
+    return {(row["quantity"], case_name(row)): row["value"] for row in content["results"]}
 
 
 def test_a_long_proof_mass_changes_the_amplitude_as_the_second_order_rule_has_it(

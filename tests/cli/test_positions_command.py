@@ -19,6 +19,7 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
+from inertialcal.core.show.names import case_name
 from inertialcal.files import read
 from inertialcal.rigs.hand_held.rig import FAULTS, Bench, build
 from positions_truths import protocol
@@ -59,16 +60,16 @@ def found(tmp_path_factory: pytest.TempPathFactory, clean: str) -> dict[str, Any
 
 def by_sensor(content: dict[str, Any], method: str = "") -> dict[tuple[str, str, str], dict[str, Any]]:
     """Return rows by sensor, quantity and axis: the result, or those of a method."""
-    wanted = [row for row in content["results"] if (row["condition"] == method if method else row["condition"] != WAY)]
+    wanted = [row for row in content["results"] if (row["method"] == method if method else row["method"] != WAY)]
     return {(row["sensor"], row["quantity"], row["axis"]): row for row in wanted}
 
 
 def test_scale_factors_and_g_sensitivity_are_those_of_the_unit(found: dict[str, Any]) -> None:
     rows = by_sensor(found)
     for true in build(SMALL, 1).truth:
-        row = rows[true.condition, true.quantity, true.axis]
+        row = rows[true.sensor, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
-            tolerance = SCALE if true.condition == "accelerometer" else 5.0 * SCALE
+            tolerance = SCALE if true.sensor == "accelerometer" else 5.0 * SCALE
             assert row["unit"] == "%"
             assert row["value"] == pytest.approx(100.0 * true.value, abs=tolerance), true
         if true.quantity == "g_sensitivity" and abs(true.value) > 2e-4:
@@ -174,19 +175,19 @@ def test_labelled_parts_of_faces_and_turns(
     content = call_json(capsys, "positions", path, *SI, "--sections", sections, *STATED)
     rows = by_sensor(content)
     for true in build(ONCE, 1).truth:
-        row = rows[true.condition, true.quantity, true.axis]
+        row = rows[true.sensor, true.quantity, true.axis]
         if true.quantity == "scale_factor_error":
             assert row["value"] == pytest.approx(100.0 * true.value, abs=5.0 * row["u"]), true
     assert "relative_to_fixture" not in {one["code"] for one in content["remarks"]}
-    beside = [row for row in content["results"] if row["condition"] == "as_published"]
+    beside = [row for row in content["results"] if case_name(row) == "as_published"]
     assert len(beside) == 15 + 15 + 9  # K, R and b of both sensors, K_ga
     assert {(row["u"], row["interval"]) for row in beside} == {(None, None)}
     form = {key: row["value"] for key, row in by_sensor(content, WAY).items()}
     for true in build(ONCE, 1).truth:
         if true.quantity == "scale_factor_error":
-            assert form[true.condition, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
-        if true.quantity == "misalignment" and true.condition == "accelerometer" and abs(true.value) > 8e-3:
-            assert form[true.condition, "direction_cosine", true.axis] == pytest.approx(true.value, abs=6e-3), true
+            assert form[true.sensor, "scale_factor", true.axis] == pytest.approx(1.0 + true.value, abs=3e-3), true
+        if true.quantity == "misalignment" and true.sensor == "accelerometer" and abs(true.value) > 8e-3:
+            assert form[true.sensor, "direction_cosine", true.axis] == pytest.approx(true.value, abs=6e-3), true
     turned = call_json(capsys, "positions", path, *SI, "--sections", sections, "--turn", "-360 deg")
     assert "turn_sense" in {one["code"] for one in turned["remarks"]}
 

@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.twins.twin import csv_text
+from inertialcal.core.show.names import case_name
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
 from typed_commands import call, call_json
@@ -80,7 +81,7 @@ def test_a_face_that_is_missing_is_told(capsys: pytest.CaptureFixture[str], tmp_
     content = call_json(capsys, "positions", str(record), *SI, *G, "--sections", str(tmp_path / "p.json"))
     remarks = {one["code"]: one["what"] for one in content["remarks"]}
     assert "5 of the six faces, y+ missing" in remarks["face_missing"]
-    assert not [row for row in content["results"] if row["condition"] == "as_published"]
+    assert not [row for row in content["results"] if case_name(row) == "as_published"]
 
 
 @pytest.mark.parametrize(
@@ -157,7 +158,7 @@ def test_annotated_session_of_imucal_by_the_closed_form(capsys: pytest.CaptureFi
         rows = [
             row["value"] * theirs_per.get(row["unit"], 1.0)
             for row in content["results"]
-            if (row["sensor"], row["quantity"], row["condition"]) == (sensor, quantity, "as_published")
+            if (row["sensor"], row["quantity"], case_name(row)) == (sensor, quantity, "as_published")
         ]
         theirs = np.array(expected[name])
         wanted = np.diag(theirs) if quantity == "scale_factor" else theirs.ravel()

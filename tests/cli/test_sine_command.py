@@ -11,6 +11,7 @@ import inertialcal as ic
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
+from inertialcal.core.show.names import case_name, reason_text
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.procedures.sine.files import SineFile
@@ -56,7 +57,7 @@ def test_what_is_printed(capsys: pytest.CaptureFixture[str], pulses: str) -> Non
 
 def test_json_has_rows_curves_and_the_hash(capsys: pytest.CaptureFixture[str], pulses: str) -> None:
     content = call_json(capsys, "sine", pulses, *PERIOD, "--phase", "0 deg")
-    rows = {row["quantity"]: row for row in content["results"] if not row["condition"]}
+    rows = {row["quantity"]: row for row in content["results"] if not case_name(row)}
     interval = rows["amplitude"]["interval"]
     assert interval["lo"] < AMPLITUDE < interval["hi"]
     assert rows["quadrature"]["interval"]["lo"] < 0.0 < rows["quadrature"]["interval"]["hi"]
@@ -85,7 +86,7 @@ def test_nothing_found_is_an_upper_limit(
     row = next(row for row in content["results"] if row["quantity"] == "amplitude")
     assert (row["status"], row["u"], row["interval"]["lo"]) == ("upper_limit", None, 0.0)
     assert 0.0 < row["value"] < 4.0 * 0.0702 * AMPLITUDE
-    assert "below 3 times" in row["reason"]
+    assert "below 3 times" in reason_text(row)
 
 
 def test_schedule_gives_the_scale_factor(tmp_path: Path, pulses: str) -> None:

@@ -6,37 +6,43 @@ from typing import Any
 
 import pytest
 
+from inertialcal.core.key import Case, Member, Method
 from inertialcal.core.show.alternatives import MOST, columns_of, lines_of, missing_of, names_of
 from inertialcal.core.show.result_tables import figure_beside, not_estimated
 from inertialcal.core.show.rounding import near
+from written_rows import fields
 
 
 def row(condition: str = "", value: float | None = 1.0, reason: str = "", quantity: str = "bias") -> dict[str, Any]:
     known = not reason
     return {
-        "quantity": quantity, "axis": "y", "test": "t", "condition": condition, "value": value,
+        "quantity": quantity, "axis": "y", "test": "t", **fields(condition, reason), "value": value,
         "u": 0.25 if known else None, "unit": "ug", "dof": None, "interval": None,
-        "status": "estimated" if known else "not_estimated", "reason": reason,
+        "status": "estimated" if known else "not_estimated",
     }  # fmt: skip
+
+
+def flip(number: int) -> Case:
+    return Case(member=Member("flip", str(number)))
 
 
 def test_what_stands_beside_is_on_the_line_of_the_result() -> None:
     rows = [row(), row("flip 1", 2.0, "no noise"), row("median", 3.0, "see the mean"), row("vacuum", 4.0)]
     lines = lines_of(rows)
     assert list(lines) == [("bias", "", "y", "ug"), ("bias", "vacuum", "y", "ug")]
-    assert {way: one["value"] for way, one in lines["bias", "", "y", "ug"].items()} == {
+    assert {str(way): one["value"] for way, one in lines["bias", "", "y", "ug"].items()} == {
         "": 1.0, "flip 1": 2.0, "median": 3.0,
     }  # fmt: skip
-    assert columns_of(lines) == (["median", "flip 1"], [])
+    assert columns_of(lines) == ([Case(Method.MEDIAN), flip(1)], [])
     assert missing_of(rows) == {}
 
 
 def test_flips_have_columns_where_all_of_them_have_room() -> None:
     few = [row(), row("low_pass"), *(row(f"flip {i}") for i in range(MOST - 1)), row("as_published, flip 1")]
     shown, left = columns_of(lines_of(few))
-    assert (len(shown), left) == (MOST, ["as_published, flip 1"])
+    assert (len(shown), left) == (MOST, [Case(Method.TEXTBOOK, Member("flip", "1"))])
     many = [row(), row("low_pass"), *(row(f"flip {i}") for i in range(MOST))]
-    assert columns_of(lines_of(many)) == (["low_pass"], [f"flip {i}" for i in range(MOST)])
+    assert columns_of(lines_of(many)) == ([Case(Method.LOW_PASS)], [flip(i) for i in range(MOST)])
 
 
 def test_a_reason_of_the_result_is_not_said_again_for_each_flip() -> None:
@@ -58,7 +64,7 @@ def test_a_published_figure_without_a_result_keeps_its_line_and_its_reason() -> 
 
 
 def test_many_names_are_the_first_and_the_last() -> None:
-    names = [f"flip {i}" for i in range(9)]
+    names = [flip(i) for i in range(9)]
     assert names_of(names[:2]) == "flip 0; flip 1"
     assert names_of(names) == "flip 0; flip 1; ...; flip 8"
 

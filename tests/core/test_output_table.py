@@ -5,10 +5,14 @@ from __future__ import annotations
 from typing import Any
 
 from inertialcal.core.show.flight_table import note, output_rows
+from inertialcal.core.show.names import quantity_name
+from written_rows import fields
 
 
 def row(test: str, quantity: str, axis: str, condition: str = "") -> dict[str, Any]:
-    return {"test": test, "quantity": quantity, "axis": axis, "condition": condition}
+    name, _, power = quantity.partition("_voltage_")
+    own = {"quantity": f"{name}_voltage", "power": int(power)} if power else {"quantity": quantity}
+    return fields(condition) | {"test": test, "axis": axis} | own
 
 
 STEPS = [
@@ -29,7 +33,7 @@ ROWS = [
 
 
 def test_it_goes_sensor_by_sensor_from_polynomial_to_noise() -> None:
-    assert [(one["axis"], one["test"], one["quantity"]) for one in output_rows(ROWS, STEPS)] == [
+    assert [(one["axis"], one["test"], quantity_name(one)) for one in output_rows(ROWS, STEPS)] == [
         ("x", "air", "bias_voltage_0"),
         ("x", "air", "bias_voltage_1"),
         ("x", "table", "bias"),

@@ -8,11 +8,12 @@ import pytest
 
 from inertialcal.core.show.side_by_side import own_rows, pairs_of, verdict_of
 from inertialcal.procedures.flip.figures import COMPARED
+from written_rows import fields
 
 
 def row(quantity: str, value: float | None, condition: str = "", axis: str = "y", half: float = 0.0) -> dict[str, Any]:
     interval = None if value is None or not half else {"lo": value - half, "hi": value + half, "p": 0.95}
-    return {"quantity": quantity, "axis": axis, "condition": condition, "value": value, "interval": interval}
+    return {"quantity": quantity, "axis": axis, **fields(condition), "value": value, "interval": interval}
 
 
 ROWS = [

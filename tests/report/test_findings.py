@@ -7,17 +7,19 @@ from typing import Any
 
 import pytest
 
+from inertialcal.core.key import Case, Method
 from inertialcal.core.show import wording
 from inertialcal.report import findings
 from inertialcal.report.highlights import highlights
 from inertialcal.report.numbers import Branch, Number, Text, both, digits, rounded, uncertainty, wrap
 from inertialcal.report.sections import anchor, missing, table
+from written_rows import fields
 
 
 def row(quantity: str, axis: str, value: float | None, u: float | None = 0.01, **more: Any) -> dict[str, Any]:
     return {
-        "quantity": quantity, "axis": axis, "test": "t", "condition": "", "value": value, "u": u, "unit": "%",
-        "dof": 5.0, "interval": None, "status": "estimated" if value is not None else "not_estimated", "reason": "",
+        "quantity": quantity, "axis": axis, "test": "t", **fields(), "value": value, "u": u, "unit": "%",
+        "dof": 5.0, "interval": None, "status": "estimated" if value is not None else "not_estimated",
     } | more  # fmt: skip
 
 
@@ -57,9 +59,9 @@ def test_a_test_says_its_largest_scale_factor_error_and_verdicts() -> None:
 def test_a_moved_mass_says_its_scale_factor_runs_and_null_runs() -> None:
     rows = [
         row("scale_factor", "x", 10.31, 0.35, unit="count/s/ug"), row("high_g_difference", "x", 0.9, 3.5),
-        row("response_amplitude", "x", 0.22, condition="run 1 alone"),
-        row("response_amplitude", "x", 0.24, condition="run 2 alone"),
-        row("null_response", "x", 0.001, 0.002, condition="run n alone", unit="ug"),
+        row("response_amplitude", "x", 0.22, **fields("run 1 alone")),
+        row("response_amplitude", "x", 0.24, **fields("run 2 alone")),
+        row("null_response", "x", 0.001, 0.002, **fields("run n alone"), unit="ug"),
     ]  # fmt: skip
     assert plain(findings.of_test("mass_attraction", wrap(rows, ""), [])) == (
         "Scale factor 10.31 ± 0.35 count/s/ug from two runs with the mass moved; 0.9 ± 3.5 % off that at high g;"
@@ -118,7 +120,7 @@ def test_highlights_are_those_of_their_rules() -> None:
     rows = [
         row("scale_factor_error", "x", 0.9),
         row("misalignment", "xy", -0.02, 0.001, unit="rad"),  # 0.02 rad counts as 2 %
-        row("scale_factor_error", "z", 7.0, condition="as_published"),
+        row("scale_factor_error", "z", 7.0, **fields("as_published")),
     ]
     judged = [
         verdict("PASS", 4.0),
@@ -206,12 +208,12 @@ def test_pointers_escape_keys_and_hide_none() -> None:
 
 
 def test_lines_put_other_ways_of_reduction_beside_the_default() -> None:
-    rows = wrap([row("bias", "x", 1.0), row("bias", "x", 2.0, condition="as_published"), row("bias", "y", None)], "")
+    rows = wrap([row("bias", "x", 1.0), row("bias", "x", 2.0, **fields("as_published")), row("bias", "y", None)], "")
     lines, ways = table(rows)
-    assert ways == ["as_published"]
+    assert ways == [Case(Method.TEXTBOOK)]
     assert lines[0].row is not None
     assert lines[0].row["value"].raw == 1.0
-    assert lines[0].alternatives["as_published"]["value"].raw == 2.0
+    assert lines[0].alternatives[Case(Method.TEXTBOOK)]["value"].raw == 2.0
     assert [len(found) for _, found in missing(rows)] == [1]
 
 

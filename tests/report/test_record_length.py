@@ -12,6 +12,7 @@ from inertialcal.report.numbers import Number, time, wrap
 from inertialcal.report.page import environment
 from inertialcal.report.record_length import by_test, explained, finding, reaches
 from inertialcal.report.sections import sections
+from written_rows import fields
 
 DOUBT = "in doubt: the terms do not explain the Allan deviation"
 SHORT = "record too short; 80 min would show it at this limit"
@@ -19,8 +20,8 @@ SHORT = "record too short; 80 min would show it at this limit"
 
 def row(quantity: str, value: float | None, status: str = "estimated", **more: Any) -> dict[str, Any]:
     return {
-        "quantity": quantity, "axis": "x", "test": "still", "condition": "", "value": value, "u": 0.01, "dof": None,
-        "unit": "deg/h", "interval": None, "status": status, "reason": "",
+        "quantity": quantity, "axis": "x", "test": "still", **fields(), "value": value, "u": 0.01, "dof": None,
+        "unit": "deg/h", "interval": None, "status": status,
     } | more  # fmt: skip
 
 
@@ -56,16 +57,21 @@ def test_lengths_are_said_in_the_unit_of_people(hours: float, said: str) -> None
 def test_the_finding_counts_what_is_known_and_what_is_not_found() -> None:
     assert told(finding(found(curve()))) == "One term known to 10 % or better; one of two terms not detected"
     poor = curve(relative_error=[31.0, None], needed=[15.0, 1.3])
-    said = "Angle random walk of x: uncertainty 31 %; a recording of 15 h would give 10 %; one of two terms not detected"
+    said = (
+        "Angle random walk of x: uncertainty 31 %; a recording of 15 h would give 10 %; one of two terms not detected"
+    )
     assert told(finding(found(poor))) == said
     assert " of x in still is known" in told(finding(found(poor, curve("other"))))
     assert told(finding(found(curve(relative_error=[None, None])))) == "None of two terms was found"
 
 
 def test_terms_in_doubt_are_not_known() -> None:
-    doubtful = found(curve(), rows=[row("angle_random_walk", 1.0, reason=DOUBT)])
+    doubtful = found(curve(), rows=[row("angle_random_walk", 1.0, **fields(reason=DOUBT))])
     assert told(finding(doubtful)).startswith(f"Angle random walk of x: {DOUBT}")
-    rows = wrap([row("angle_random_walk", 1.0, reason=DOUBT), row("bias_instability", 2.0, reason=DOUBT)], "")
+    rows = wrap(
+        [row("angle_random_walk", 1.0, **fields(reason=DOUBT)), row("bias_instability", 2.0, **fields(reason=DOUBT))],
+        "",
+    )
     assert told(findings.of_test("static_noise", rows, [])).endswith(f", on x; {DOUBT}")
 
 
@@ -79,7 +85,10 @@ def test_a_test_of_noise_without_a_random_walk_says_what_it_found() -> None:
 
 
 def test_the_section_tells_why_and_how_long_and_the_table_of_the_test_does_not_again() -> None:
-    rows = [row("gauss_markov_sigma", 13.0, "upper_limit", u=None, reason=SHORT), row("angle_random_walk", 0.2)]
+    rows = [
+        row("gauss_markov_sigma", 13.0, "upper_limit", u=None, **fields(reason=SHORT)),
+        row("angle_random_walk", 0.2),
+    ]
     known = found(curve(), rows=rows)
     shown = rendered("noise", tests=by_test(known))
     assert "still : uncertainty of each term from recordings of 8 min" in shown
@@ -94,7 +103,7 @@ def test_the_section_tells_why_and_how_long_and_the_table_of_the_test_does_not_a
 
 def test_each_of_several_records_has_its_column_in_a_table_of_its_own() -> None:
     rows = [row("angle_random_walk", 0.2)]
-    rows += [row("angle_random_walk", 0.2 + 0.1 * k, condition=f"run day{k} alone") for k in (1, 2)]
+    rows += [row("angle_random_walk", 0.2 + 0.1 * k, **fields(f"run day{k} alone")) for k in (1, 2)]
     (section,) = sections(wrap(rows, "/results"), [], [], [])
     assert section.ways == []
     assert [name for _, name in section.alone] == ["day1", "day2"]
@@ -104,8 +113,8 @@ def test_each_of_several_records_has_its_column_in_a_table_of_its_own() -> None:
 
 
 def test_what_only_single_records_have_is_no_empty_line_of_the_table_of_all() -> None:
-    rows = [row("angle_random_walk", 0.2), row("rate_ramp", 0.1, condition="run day1 alone")]
-    rows += [row("bias_instability", 0.3, condition="as_published")]
+    rows = [row("angle_random_walk", 0.2), row("rate_ramp", 0.1, **fields("run day1 alone"))]
+    rows += [row("bias_instability", 0.3, **fields("as_published"))]
     (section,) = sections(wrap(rows, "/results"), [], [], [])
     assert [line.quantity for line in section.together] == ["angle_random_walk", "bias_instability"]
     table = rendered("lines", lines=section.together, ways=section.ways, elsewhere=set())

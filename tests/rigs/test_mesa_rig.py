@@ -13,6 +13,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, UsageError
+from inertialcal.core.show.names import case_name
 from inertialcal.physics.motion.schedule import Schedule
 from inertialcal.procedures.mass_attraction.reduction import Result
 from inertialcal.rigs.mesa import rig as mesa
@@ -112,7 +113,7 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
     (own,) = [row for row in result.rows() if (row.quantity, str(row.case)) == ("scale_factor", "")]
     (shown,) = [
         row for row in run(folder, write=False).results["results"]
-        if (row["quantity"], row["condition"]) == ("scale_factor", "")
+        if (row["quantity"], case_name(row)) == ("scale_factor", "")
     ]  # fmt: skip
     assert shown["unit"] == "count/s/ug"
     assert shown["value"] == pytest.approx((own.value or 0.0) * UG, rel=1e-9)

@@ -13,6 +13,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
+from inertialcal.core.show.names import case_name
 from inertialcal.core.units import factor
 from inertialcal.rigs.protocol import SEAL, SEED, Twin
 from inertialcal.rigs.still_gyro import rig as still_gyro
@@ -70,7 +71,7 @@ def test_files_give_the_figures_of_what_is_in_memory(tmp_path: Path) -> None:
     for file, recording in twin.recordings.items():
         (tmp_path / file).write_text(csv_text(recording), encoding="utf-8")
     (tmp_path / "campaign.toml").write_text(twin.campaign.replace(SEED, "4").replace(SEAL, "none"), encoding="utf-8")
-    files = {(r["quantity"], r["axis"], r["condition"]): r for r in run(tmp_path, write=False).results["results"]}
+    files = {(r["quantity"], r["axis"], case_name(r)): r for r in run(tmp_path, write=False).results["results"]}
     (result,) = fit_results(twin)
     (axis,) = [one for one in result.rows() if (one.quantity, one.axis) == ("angle_random_walk", "x")]
     shown = files["angle_random_walk", "x", ""]

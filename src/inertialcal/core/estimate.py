@@ -25,7 +25,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .errors import DataError
-from .key import Key, Origin, key_of
+from .key import Key, Origin
 from .show.frames import frame
 from .show.result_tables import dof
 from .show.rounding import with_uncertainty
@@ -94,7 +94,7 @@ class Estimate:
     Parameters
     ----------
     given : tuple of Key or str
-        One a value: what it is, or its name: ``"scale_factor_error_x"``.
+        One a value: what it is, or a name that stands for a quantity without axis.
     values : ndarray, shape (k,)
         In ``units``.
     units : tuple of str
@@ -126,7 +126,7 @@ class Estimate:
     @cached_property
     def keys(self) -> tuple[Key, ...]:
         """What each value is of."""
-        return tuple(one if isinstance(one, Key) else key_of(one) for one in self.given)
+        return tuple(one if isinstance(one, Key) else Key(one) for one in self.given)
 
     @cached_property
     def names(self) -> tuple[str, ...]:

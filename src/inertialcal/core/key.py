@@ -1,24 +1,16 @@
-"""What a figure is: its key, by which way it was found, of which part of the readings; and why there is none.
+"""Identity of a figure: its key, the method, the part of the readings; and the reason where there is no figure.
 
-Programs read these fields. Their texts (``bias_temperature_2_x``, ``"as_published, flip 3"``, ``"line at 9.97 Hz"``)
-are made here, and here alone they are read back: no other code takes a name or a condition apart.
+Programs read these fields. The texts made of them (``bias_temperature_2_x``, ``"line at 9.97 Hz"``) are for people and
+are never read back.
 """
 
 from __future__ import annotations
 
-import re
 from enum import StrEnum
-from functools import lru_cache
 from typing import NamedTuple
 
 FROM_ZERO = ("bias_voltage",)  # polynomials whose power 0 is told, too
 DIGITS = {"temperature": 6, "line": 4}  # significant ones of a place
-COEFFICIENT = re.compile(r"(?P<quantity>.+_(?:temperature|voltage|warm_up|warm_up_time))_(?P<power>\d+)")
-OPENINGS = {"in doubt: ": "in_doubt", "yes: ": "yes", "no: ": "no", "unclear: ": "unclear"}  # of reasons, their codes
-NUMBER = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?"
-TEMPERATURE = re.compile(rf"(?P<value>{NUMBER}) degC")
-LINE = re.compile(rf"line at (?:(?P<times>\d+) x )?(?P<value>{NUMBER}) Hz(?:, (?P<run>run .+ alone))?", re.DOTALL)
-TEXTBOOK_MEMBER = "as_published, "
 
 
 class At(NamedTuple):
@@ -77,8 +69,6 @@ class Method(StrEnum):
 # Ways that stand beside a result in tables, in the order of their columns.
 WAYS = (Method.ALL_READINGS, Method.MEDIAN, Method.LOW_PASS, Method.TEXTBOOK, Method.WITHIN_RUNS, Method.BETWEEN_RUNS)
 PARTS = ("flip", "run")  # members that stand beside a result, too
-SENSORS = ("accelerometer", "gyro")
-PATHS = ("warming", "cooling")
 
 
 class Key(NamedTuple):
@@ -219,60 +209,3 @@ class Case(NamedTuple):
 
 
 PLAIN = Case()
-
-
-@lru_cache(maxsize=4096)
-def case_of(condition: str) -> Case:
-    """Read the condition of a row of ``results.json``: text that says nothing else is a condition of the campaign."""
-    if condition in set(Method) - {Method.RESULT}:
-        return Case(Method(condition))
-    if condition in SENSORS:
-        return Case(sensor=condition)
-    published = condition.startswith(TEXTBOOK_MEMBER)
-    if (part := _part(condition.removeprefix(TEXTBOOK_MEMBER))) is not None:
-        return Case(Method.TEXTBOOK if published else Method.RESULT, part)
-    return _at_a_place(condition)
-
-
-def _at_a_place(condition: str) -> Case:
-    if (line := LINE.fullmatch(condition)) is not None:
-        part = _part(line["run"] or "")
-        return Case(member=part, at=At("line", float(line["value"]), "Hz"), times=int(line["times"] or 0))
-    first, _, rest = condition.partition(", ")
-    if (at := _temperature(condition)) is not None:
-        return Case(at=at)
-    if first in PATHS and (not rest or _temperature(rest) is not None):
-        return Case(member=Member("path", first), at=_temperature(rest))
-    return Case(member=Member("held_out", rest)) if first == "held out" else Case(condition=condition)
-
-
-def _part(text: str) -> Member | None:
-    """Read ``"flip 3"`` and ``"run R2 alone"``."""
-    if text.startswith("flip ") and len(text) > len("flip "):
-        return Member("flip", text.removeprefix("flip "))
-    if text.startswith("run ") and text.endswith(" alone") and len(text) > len("run  alone"):
-        return Member("run", text.removeprefix("run ").removesuffix(" alone"))
-    return None
-
-
-def _temperature(text: str) -> At | None:
-    found = TEMPERATURE.fullmatch(text)
-    return None if found is None else At("temperature", float(found["value"]), "degC")
-
-
-def reason_of(text: str) -> Reason:
-    """Read the reason of a row of ``results.json``; its code is told where the text begins with a word for it."""
-    return Reason(next((code for opening, code in OPENINGS.items() if text.startswith(opening)), ""), text)
-
-
-def key_of(name: str, axis: str | None = None) -> Key:
-    """Read the name of a value of an estimate, or a quantity where its axis is given beside it."""
-    if axis is None and COEFFICIENT.fullmatch(name):  # of the whole unit: warm_up_time_1
-        return key_of(name, "")
-    if axis is None:
-        stem, _, place = name.partition(" at ")
-        quantity, _, own = stem.rpartition("_")
-        found = key_of(quantity, own)._replace(at=_temperature(place)) if quantity else Key(stem)
-        return found if str(found) == name else Key(name)
-    part = COEFFICIENT.fullmatch(name)
-    return Key(name, axis) if part is None else Key(part["quantity"], axis, power=int(part["power"]))

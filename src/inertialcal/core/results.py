@@ -8,12 +8,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Literal
+from dataclasses import dataclass, field
+from typing import Any, Literal, Protocol
 
-from .key import NO_REASON, Case, Key, Member, Method, Reason, case_of, key_of, reason_of
+from .key import NO_REASON, At, Case, Key, Member, Method, Reason
 
 Status = Literal["estimated", "not_estimated", "upper_limit"]
+
+
+COLUMNS = (
+    "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "test", "condition", "method", "member_kind",
+    "member", "value", "u", "unit", "dof", "lo", "hi", "p", "status", "reason_code", "reason",
+)  # of a row as a table  # fmt: skip
+
+
+class WrittenRow(Protocol):
+    """A row of ``results.json``: a mapping, or one that knows where it stands in the file."""
+
+    def __getitem__(self, key: str, /) -> Any:
+        """Return a field."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -53,6 +67,9 @@ class Row:
         By which way; ``Method.TEXTBOOK`` is a document's own.
     member : Member or None
         Of which part of the readings: one flip, one run.
+    shared : mapping of str to float
+        Influence that outlives the test (``"rate_table.rate"``) -> change of the value for one standard uncertainty
+        of it, in ``unit``, with its sign.
     """
 
     key: Key
@@ -67,6 +84,7 @@ class Row:
     condition: str = ""
     method: Method = Method.RESULT
     member: Member | None = None
+    shared: Mapping[str, float] = field(default_factory=dict)
 
     @property
     def quantity(self) -> str:
@@ -86,14 +104,9 @@ class Row:
         return Case(self.method, self.member, key.at, times, key.sensor, self.condition)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the row as ``results.json`` holds it; not finite numbers are null."""
-        interval = self.interval
-        return {
-            "quantity": self.quantity,
-            "axis": self.axis,
-            **({"sensor": self.key.sensor} if self.key.sensor else {}),
-            "test": self.test,
-            "condition": str(self.case),
+        """Return the row as ``results.json`` holds it; numbers that are not finite are null."""
+        interval, reason = self.interval, self.reason
+        return identity_fields(self) | {
             "value": finite(self.value),
             "u": finite(self.u),
             "unit": self.unit,
@@ -102,21 +115,65 @@ class Row:
             if interval is None
             else {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},
             "status": self.status,
-            "reason": self.reason.text,
+            "reason": None if not reason else reason._asdict(),
+            "shared": {name: float(change) for name, change in self.shared.items()},
         }
 
+    def flat(self) -> dict[str, str | float | None]:
+        """Return the row as ``results.csv`` and data frames hold it: one cell a field."""
+        return flat(self.to_dict())
+
     @classmethod
-    def from_dict(cls, row: Mapping[str, Any]) -> Row:
-        """Return a row of ``results.json``; the code of its reason is not there, and a requirement's name is none."""
-        case, ends = case_of(str(row["condition"])), row.get("interval")
-        key = key_of(str(row["quantity"]), str(row["axis"]))
+    def from_dict(cls, row: WrittenRow) -> Row:
+        """Return a row of ``results.json``."""
+        case, ends, reason = case_of(row), row["interval"], row["reason"]
         value, u, dof = (None if row[name] is None else float(row[name]) for name in ("value", "u", "dof"))
         return cls(
-            key._replace(sensor=str(row.get("sensor") or case.sensor), at=case.at, power=case.times or key.power),
-            value, u, str(row["unit"]), dof,
+            key_of(row), value, u, str(row["unit"]), dof,
             None if ends is None else Interval(ends["lo"], ends["hi"], ends["p"]),
-            row["status"], reason_of(str(row["reason"])), str(row["test"]), case.condition, case.method, case.member,
+            row["status"], NO_REASON if reason is None else Reason(str(reason["code"]), str(reason["text"])),
+            str(row["test"]), case.condition, case.method, case.member,
+            {str(name): float(change) for name, change in row["shared"].items()},
         )  # fmt: skip
+
+
+def flat(row: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a row of ``results.json`` with one cell a field."""
+    at, member = row["at"] or dict.fromkeys(At._fields), row["member"] or dict.fromkeys(Member._fields)
+    ends, reason = row["interval"] or dict.fromkeys(("lo", "hi", "p")), row["reason"] or dict.fromkeys(Reason._fields)
+    cells = {
+        "at_what": at["what"], "at": at["value"], "at_unit": at["unit"],
+        "member_kind": member["kind"], "member": member["label"],
+        "reason_code": reason["code"], "reason": reason["text"],
+    } | ends  # fmt: skip
+    return {name: cells[name] if name in cells else row[name] for name in COLUMNS}
+
+
+def key_fields(key: Key) -> dict[str, Any]:
+    """Return a key as ``results.json`` holds it."""
+    return key._asdict() | {"at": None if key.at is None else key.at._asdict()}
+
+
+def identity_fields(row: Row) -> dict[str, Any]:
+    """Return which figure a row is, as ``results.json`` holds it."""
+    member = None if row.member is None else row.member._asdict()
+    named = {"test": row.test, "condition": row.condition, "method": row.method.value, "member": member}
+    return key_fields(row.key) | named
+
+
+def key_of(row: WrittenRow) -> Key:
+    """Return what a row of ``results.json`` is of."""
+    at = row["at"]
+    place = None if at is None else At(str(at["what"]), float(at["value"]), str(at["unit"]))
+    return Key(str(row["quantity"]), str(row["axis"]), str(row["sensor"]), int(float(row["power"])), place)
+
+
+def case_of(row: WrittenRow) -> Case:
+    """Return which of several figures of one quantity and axis a row of ``results.json`` is."""
+    key, member = key_of(row), row["member"]
+    part = None if member is None else Member(str(member["kind"]), str(member["label"]))
+    times = key.power if key.at is not None and key.at.what == "line" else 0
+    return Case(Method(str(row["method"])), part, key.at, times, key.sensor, str(row["condition"]))
 
 
 def not_estimated(
@@ -132,6 +189,6 @@ def finite(number: float | None) -> float | None:
 
 
 def by_quantity(rows: Sequence[Row]) -> list[Row]:
-    """Return rows with those of one quantity side by side, in the order of their first."""
+    """Return rows with those of one quantity together, in the order of their first."""
     order = list(dict.fromkeys((row.test, row.quantity) for row in rows))
     return sorted(rows, key=lambda row: order.index((row.test, row.quantity)))

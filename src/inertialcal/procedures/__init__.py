@@ -13,7 +13,7 @@ from typing import Any
 
 from ..core.errors import UsageError
 from ..core.registry import Registry
-from ..core.show.sentence import WrittenRow
+from ..core.results import WrittenRow
 from ..core.show.side_by_side import Compared
 from .protocol import Procedure, Quantity
 

@@ -51,8 +51,6 @@ class ModelTerms:
         Scatter of the bias between power-ups.
     referenced : bool
         Readings are relative to one at rest: there is no bias.
-    by_quantity : bool
-        Rows of a quantity are shown side by side.
     reference_temperature : float or None
         That terms over temperature refer to [degC].
     temperature_range : (float, float) or None
@@ -73,7 +71,6 @@ class ModelTerms:
     input_range: Array | None = None
     bias_run_to_run: Array | None = None
     referenced: bool = False
-    by_quantity: bool = True
     reference_temperature: float | None = None
     temperature_range: tuple[float, float] | None = None
     taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])

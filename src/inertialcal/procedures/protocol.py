@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, T
 
 from ..core.axes import AXES, Kind
 from ..core.figure import FigureSpec
-from ..core.show.sentence import Sentence, WrittenRow, error_sentence
+from ..core.results import WrittenRow
+from ..core.show.sentence import Sentence, error_sentence
 from ..core.show.side_by_side import Compared
 
 if TYPE_CHECKING:

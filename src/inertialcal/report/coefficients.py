@@ -6,6 +6,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from ..core.key import Key
+from ..core.results import key_of
+from ..core.show.names import reason_text
 from ..core.units import divide
 from ..files.models.apply_c import c_text
 from ..files.models.apply_python import python_text
@@ -74,7 +77,7 @@ def delivered(content: Mapping[str, Any], model: Branch, rows: Sequence[Branch])
         Rows of results.json.
     """
     sensor = from_dict(content)
-    mine = {(str(row["quantity"]), str(row["axis"])): row for row in rows if row["test"] == MODEL}
+    mine = {key_of(row): row for row in rows if row["test"] == MODEL}
     listed = [_coefficient(one, model, mine) for one in sensor.parameters]
     unit = divide(sensor.output_unit, sensor.unit)
     scale = [(a, s, unit) for a, s in zip(model["axes"], model["terms"]["scale_factor"], strict=True)]
@@ -84,16 +87,17 @@ def delivered(content: Mapping[str, Any], model: Branch, rows: Sequence[Branch])
     )
 
 
-def _coefficient(one: Any, model: Branch, rows: dict[tuple[str, str], Any]) -> Coefficient:
+def _coefficient(one: Any, model: Branch, rows: Mapping[Key, Any]) -> Coefficient:
     value: Any = model["terms"][one.field]
     for place in one.index:
         value = value[place]
     origin = model["provenance"].get(one.name)
-    row = rows.get((one.quantity, one.axis))
+    row = rows.get(one.key)
     note = model["not_estimated"].get(one.name, "")
     if row is not None and row["status"] == "not_estimated":
-        row, note = None, row["reason"]
-    symbol, unit, meaning = str(one.name), one.unit, (f"{one.quantity.replace('_', ' ')} ", Text(one.axis))
+        note, row = Text(reason_text(row)), None
+    symbol, unit = str(one.name), one.unit
+    meaning: Finding = (f"{one.key.name.replace('_', ' ')} ", Text(one.key.axis))
     if one.field == "matrix" and not one.index[0]:
         sensor, axis = (model["axes"][place] for place in one.index[1:])
         symbol, unit, meaning = f"M_{sensor}{axis}", "1", ("sensor ", sensor, ", input ", axis)
@@ -102,17 +106,17 @@ def _coefficient(one: Any, model: Branch, rows: dict[tuple[str, str], Any]) -> C
     )
 
 
-def _sentence(one: Any, rows: dict[tuple[str, str], Any]) -> Finding:
+def _sentence(one: Any, rows: Mapping[Key, Any]) -> Finding:
     """Say an entry of the matrix, or a bias, in words; nothing where it was not estimated."""
-    row = rows.get((one.quantity, one.axis))
-    if row is None or row["value"] is None or one.quantity not in {"scale_factor_error", "misalignment", "bias"}:
+    row = rows.get(one.key)
+    if row is None or row["value"] is None or one.key.quantity not in {"scale_factor_error", "misalignment", "bias"}:
         return ()
     figure = Figure(row["value"], row["u"], Text("" if row["unit"] == "1" else row["unit"]))
-    sensor = Text(one.axis[:1])
-    if one.quantity == "bias":
+    sensor = Text(one.key.axis[:1])
+    if one.key.quantity == "bias":
         return (sensor, " bias: ", figure, ".")
-    if one.quantity == "misalignment":
-        return (sensor, " sensor turned towards ", Text(one.axis[1:]), " by ", figure, ".")
+    if one.key.quantity == "misalignment":
+        return (sensor, " sensor turned towards ", Text(one.key.axis[1:]), " by ", figure, ".")
     ends = row["interval"]
     if ends is not None and None not in (ends["lo"], ends["hi"]) and ends["lo"].raw <= 0.0 <= ends["hi"].raw:
         return (sensor, " scale factor: no error shown (", figure, ").")

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 
-from ..core.key import case_of
+from ..core.results import case_of
+from ..core.show.names import quantity_name
 from ..core.show.sentence import estimated, largest
 from ..core.units import factor
 from .findings import Figure, Finding, of_row, worst_axis
@@ -43,14 +44,14 @@ def highlights(results: Branch) -> list[Highlight]:
     results : Branch
         Content of results.json.
     """
-    rows = [row for row in results["results"] if not case_of(row["condition"]).beside]
+    rows = [row for row in results["results"] if not case_of(row).beside]
     tests = {str(step["test"]) for step in results["sequence"]}
     delivered = [row for row in rows if str(row["test"]) not in tests] or rows  # of the models
     found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]
     others = () if chosen else dict.fromkeys(str(row["quantity"]) for row in delivered)  # of whatever was tested
     for quantity in dict.fromkeys([*FALLBACKS, *others]):
-        every = estimated(delivered, quantity, None)
+        every = estimated(delivered, quantity, any_case=True)
         row = largest(every)
         if len(chosen) < 3 and row is not None:
             several = len({str(one["test"]) for one in every}) > 1
@@ -71,7 +72,7 @@ def _closed_loop(loop: Branch) -> Highlight | None:
 
 def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
     """Return the largest relative error or angle: 1 % counts as much as 0.01 rad."""
-    known = [row for quantity in ERRORS for row in estimated(rows, quantity, None)]
+    known = [row for quantity in ERRORS for row in estimated(rows, quantity, any_case=True)]
     row = max(known, key=_relative, default=None)
     return None if row is None else _of_row(row, "largest of all scale factor errors and misalignments")
 
@@ -109,4 +110,4 @@ def _margin(one: Branch) -> float:
 
 
 def _of_row(row: Branch, rule: str) -> Highlight:
-    return Highlight((row["quantity"].replace("_", " "), " ", row["axis"]), (of_row(row),), rule)
+    return Highlight((quantity_name(row).replace("_", " "), " ", row["axis"]), (of_row(row),), rule)

@@ -1,7 +1,7 @@
 """Numbers and texts that know where in the results they stand, so that a page can say so.
 
 Every number on the page is ``<data value="all digits" data-at="pointer">rounded</data>``: the pointer is a JSON
-pointer [1]_ into ``results.json``; those into the other two files begin with ``model:`` or ``provenance:``. A
+pointer [1]_ into ``results.json``; those into other files begin with ``curves:``, ``model:`` or ``provenance:``. A
 template is handed no other numbers, and the environment refuses to print a bare one.
 
 Texts of the files are printed as ``<bdi>``, so that writing from right to left stays inside its place.

@@ -20,12 +20,14 @@ from markupsafe import Markup
 
 from ..core.show import flight_table as output_table
 from ..core.show import wording
+from ..core.show.names import case_name, quantity_name
 from ..core.show.side_by_side import verdict_of
 from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
 from .drawings import Drawing
 from .figures import variables
 from .highlights import highlights
+from .numbers import Text
 
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
@@ -40,6 +42,8 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "sentence": findings.html,
     "bare": numbers.clean,
     "words": wording.words,
+    "named": lambda row: Text(quantity_name(row)),
+    "case": lambda row: Text(case_name(row)),
     "time": numbers.time,
     "by_severity": sections.by_severity,
 }
@@ -95,7 +99,7 @@ def _content(
         "model_lines": sections.table(row for row in lists["results"] if row["test"] == sections.MODEL),
         "highlights": highlights(r),
         "output": output_table.output_rows(lists["results"], results["sequence"]),
-        "reaches": record_length.reaches(r["curves"], lists["results"]),
+        "reaches": record_length.reaches(numbers.wrap(results["curves"], "curves:"), lists["results"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
         "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
@@ -105,6 +109,7 @@ def _content(
         "record_length": record_length,
         "wording": wording,
         "grouped": sections.grouped,
+        "by_key": sections.by_key,
         "tally": wording.tally,
     }
 
@@ -161,7 +166,7 @@ def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     for name, _, rows in page["judged"]:
         yield name, _block("verdicts", page, rows=rows)
     for name, _, rows in page["budgets"]:
-        yield name, _block("budget", page, rows=rows, totals=page["totals"], grouped=sections.grouped, find=findings)
+        yield name, _block("budget", page, rows=rows, totals=page["totals"], by_key=sections.by_key, find=findings)
     yield "exclusions", _block("exclusions", page, rows=page["lists"]["exclusions"])
     for section in page["sections"]:
         if section.step is not None:

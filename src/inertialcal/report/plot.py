@@ -15,6 +15,7 @@ import numpy as np
 from ..core.errors import DataError, UsageError
 from ..core.estimate import Estimate
 from ..core.recording import Recording
+from ..core.results import Row
 from ..core.units import factor
 from ..procedures import procedure_of_result
 from ..procedures.display import curve_contents
@@ -161,14 +162,8 @@ def _rows(model: SensorModel) -> list[dict[str, Any]]:
         unit = "%" if line.unit == "1" else line.unit
         scale = factor(line.unit, unit)
         unknown = parameter.name in model.not_estimated and line.value == 0.0
-        rows.append(
-            {
-                "quantity": parameter.quantity, "axis": parameter.axis, "unit": unit,
-                "value": None if unknown else line.value * scale,
-                "u": None if line.u is None else line.u * scale,
-                "status": "not_estimated" if unknown else "estimated",
-            }
-        )  # fmt: skip
+        value, u = (None if unknown else line.value * scale), (None if line.u is None else line.u * scale)
+        rows.append(Row(parameter.key, value, u, unit, status="not_estimated" if unknown else "estimated").to_dict())
     return rows
 
 

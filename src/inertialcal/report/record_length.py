@@ -5,9 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
+from ..core.results import case_of
+from ..core.show.names import reason_text
 from ..core.show.wording import count, counted, words
 from .findings import Figure, Finding, Length
-from .numbers import Branch, Number
+from .numbers import Branch, Number, Text
 
 
 @dataclass(frozen=True)
@@ -59,7 +61,9 @@ class Reach:
 def reaches(curves: Iterable[Branch], rows: Iterable[Branch]) -> list[Reach]:
     """Return the reach of every term of every noise test, with the reasons of their rows."""
     found = []
-    reasons = {(row["test"], row["axis"], row["quantity"]): row["reason"] for row in rows if not row["condition"]}
+    reasons = {
+        (row["test"], row["axis"], row["quantity"]): Text(reason_text(row)) for row in rows if case_of(row).plain
+    }
     for curve in curves:
         if curve["name"] != "record_length":
             continue

@@ -6,8 +6,9 @@ import re
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from ..core.key import case_of
+from ..core.key import PLAIN, Case, Key
 from ..core.remarks import is_placed
+from ..core.results import case_of, key_of
 from ..core.show.alternatives import columns_of, lines_of, missing_of
 from ..core.show.side_by_side import own_rows, pairs_of
 from ..core.show.wording import SEVERITIES
@@ -21,14 +22,14 @@ MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 
 @dataclass(frozen=True)
 class Line:
-    """One quantity of one axis: its row, and by condition those of other ways and of parts of the readings."""
+    """One quantity of one axis: its row, and the alternatives to it by their case."""
 
     quantity: str
-    condition: str
+    case: str
     axis: str
     unit: str
     row: Branch | None
-    alternatives: dict[str, Branch]
+    alternatives: dict[Case, Branch]
 
 
 @dataclass(frozen=True)
@@ -47,10 +48,10 @@ class Section:
         Its title.
     lines : list of Line
         Estimated quantities.
-    ways : list of str
-        Which conditions stand beside the result: other ways of reduction, single flips.
-    alone : sequence of (str, str)
-        Conditions under which single records were reduced, in a table of their own; and the names of the records.
+    ways : list of Case
+        Alternatives to the result: other methods, single flips.
+    alone : sequence of (Case, str)
+        Single records that were reduced, in their own table; with their names.
     missing : list of (reason, rows)
         Quantities that the data could not carry, by reason.
     remarks : list
@@ -66,8 +67,8 @@ class Section:
     step: Branch | None
     finding: Finding
     lines: list[Line]
-    ways: list[str]
-    alone: Sequence[tuple[str, str]]
+    ways: list[Case]
+    alone: Sequence[tuple[Case, str]]
     missing: list[tuple[str, list[Branch]]]
     remarks: list[Branch]
     pairs: dict[tuple[str, str], dict[str, Branch]]
@@ -105,7 +106,7 @@ def sections(
         judged = [one for one in verdicts if one["test"] == test]
         compared = compared_in(mine)
         lines, every = table(own_rows(mine, compared))
-        runs = {way: part for way in every if (part := case_of(way).member) is not None and part.kind == "run"}
+        runs = {way: part for way in every if (part := way.member) is not None and part.kind == "run"}
         alone = [(way, Text(part.label)) for way, part in runs.items()]
         ways = [way for way in every if way not in runs]
         step = steps.get(test)
@@ -120,25 +121,35 @@ def sections(
     return found
 
 
-def table(rows: Iterable[Branch]) -> tuple[list[Line], list[str]]:
-    """Return the estimated rows, a line a quantity and axis, and which conditions stand beside the result."""
+def table(rows: Iterable[Branch]) -> tuple[list[Line], list[Case]]:
+    """Return the estimated rows, a line a quantity and axis, and the alternatives that have a column."""
     groups = lines_of(rows)
     shown, left = columns_of(groups)
-    lines = [Line(*key, found.get(""), {w: r for w, r in found.items() if w}) for key, found in groups.items()]
+    lines = [
+        Line(
+            Text(quantity),
+            Text(case),
+            Text(axis),
+            Text(unit),
+            found.get(PLAIN),
+            {way: row for way, row in found.items() if way != PLAIN},
+        )  # fmt: skip
+        for (quantity, case, axis, unit), found in groups.items()
+    ]
     return lines, [*shown, *left]
 
 
 def missing(rows: Iterable[Branch]) -> list[tuple[str, list[Branch]]]:
     """Return the rows that the data could not carry, by their reason."""
-    return list(missing_of(rows).items())
+    return [(Text(reason), found) for reason, found in missing_of(rows).items()]
 
 
-def budgeted(rows: Iterable[Branch]) -> dict[tuple[str, str, str], Branch]:
-    """Return the rows that budgets add up to, by test, quantity and axis."""
+def budgeted(rows: Iterable[Branch]) -> dict[tuple[str, Key], Branch]:
+    """Return the rows that budgets add up to, by test and key."""
     return {
-        (row["test"], row["quantity"], row["axis"]): row
+        (row["test"], key_of(row)): row
         for row in rows
-        if not row["condition"] and row["status"] == "estimated" and row["u"] is not None
+        if case_of(row).plain and row["status"] == "estimated" and row["u"] is not None
     }
 
 
@@ -151,6 +162,14 @@ def placed(remarks: Iterable[Branch], test: str) -> list[Branch]:
 def by_severity(remarks: Iterable[Branch]) -> list[Branch]:
     """Return remarks, the serious ones first."""
     return sorted(remarks, key=lambda one: SEVERITIES.index(one["severity"]))
+
+
+def by_key(rows: Iterable[Branch]) -> list[tuple[Key, list[Branch]]]:
+    """Return rows by what they are of, in order of first appearance."""
+    groups: dict[Key, list[Branch]] = {}
+    for row in rows:
+        groups.setdefault(key_of(row), []).append(row)
+    return list(groups.items())
 
 
 def grouped(rows: Iterable[Branch], *keys: str) -> list[tuple[tuple[str, ...], list[Branch]]]:

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, TypeAlias, TypeVar
 
 from ..core.errors import UsageError
+from ..core.key import At, Key
 
 if TYPE_CHECKING:
     from _typeshed import DataclassInstance
@@ -31,9 +32,9 @@ Drawn: TypeAlias = Mapping[str, float | list[float] | list[list[float]]]
 
 @dataclass(frozen=True)
 class TrueValue:
-    """True value of a quantity, named as the rows of the results name it, in an SI unit.
+    """True value of a quantity, with the fields of the rows of the results, in an SI unit.
 
-    Of one test and one condition where they are given; of all tests where no test is given.
+    Of one test where it is given, else of all.
     """
 
     quantity: str
@@ -41,7 +42,14 @@ class TrueValue:
     value: float
     unit: str
     test: str = ""
-    condition: str = ""
+    sensor: str = ""
+    power: int = 0
+    at: At | None = None
+
+    @property
+    def key(self) -> Key:
+        """What it is of."""
+        return Key(self.quantity, self.axis, self.sensor, self.power, self.at)
 
 
 @dataclass(frozen=True)

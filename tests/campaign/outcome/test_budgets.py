@@ -17,6 +17,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.outcome.budgets import budget_rows
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
+from inertialcal.core.show.names import case_name
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
 from inertialcal.procedures.display import display_unit, stated_unit
 from inertialcal.procedures.model_terms import ModelTerms
@@ -50,7 +51,7 @@ def figures(results: Mapping[str, Any]) -> dict[tuple[str, str, str], dict[str, 
     return {
         (row["test"], row["quantity"], row["axis"]): row
         for row in results["results"]
-        if row["status"] == "estimated" and row["quantity"] in QUANTITIES and not row["condition"]
+        if row["status"] == "estimated" and row["quantity"] in QUANTITIES and not case_name(row)
     }
 
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import shutil
 from collections.abc import Callable
 from pathlib import Path
@@ -14,8 +13,10 @@ import pytest
 from inertialcal.campaign.engine.prepared import prepare
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
+from inertialcal.campaign.outcome.results_file import find_results
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.curve import Column, Curve
+from inertialcal.core.show.names import case_name
 from inertialcal.procedures.display import displayed_curve, ten_digits
 from inertialcal.procedures.rate_table.traces import BINS
 from inertialcal.rigs import RIGS
@@ -40,8 +41,9 @@ def twin(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def results(twin: Path) -> dict[str, Any]:
-    found: dict[str, Any] = json.loads((twin / "out" / "results.json").read_text(encoding="utf-8"))
-    return found
+    found = find_results(twin / "out")
+    assert found is not None
+    return found.content
 
 
 def named(results: dict[str, Any], name: str, **where: str) -> list[dict[str, Any]]:
@@ -91,7 +93,7 @@ def test_a_reduced_table_has_its_dwells_and_its_errors_in_the_units_of_the_campa
 def test_residuals_follow_from_the_rows_of_the_results(campaign: Callable[..., Path]) -> None:
     found = run(campaign(("zero_reference = true", "zero_reference = false")), write=False).results
     (table,) = named(found, "input_output")
-    row = {one["quantity"]: one["value"] for one in found["results"] if not one["condition"] and one["axis"] == "x"}
+    row = {one["quantity"]: one["value"] for one in found["results"] if not case_name(one) and one["axis"] == "x"}
     x, gain = array(table, "applied"), 1.0 + row["scale_factor_error"] / 100.0
     bend = 0.5 * row["scale_factor_asymmetry"] / 100.0 * abs(gain)
     by_hand = array(table, "reading") - (row["bias"] + gain * x + bend * np.abs(x))
@@ -145,9 +147,14 @@ def test_results_of_a_copy_elsewhere_are_the_same_bytes_and_not_large(twin: Path
     copy = shutil.copytree(twin, tmp_path / "else" / "where")
     shutil.rmtree(copy / "out")
     run(copy)
-    first, second = ((folder / "out" / "results.json").read_bytes() for folder in (twin, copy))
-    assert first == second
-    assert len(first) < 2 * MEGABYTE
+    for name in ("results.json", "curves.parquet", "results.csv"):
+        first, second = ((folder / "out" / name).read_bytes() for folder in (twin, copy))
+        assert first == second
+        assert len(first) < 2 * MEGABYTE
+
+
+def test_curves_of_the_file_are_those_of_the_run(results: dict[str, Any], twin: Path) -> None:
+    assert results["curves"] == run(twin, write=False).results["curves"]
 
 
 def test_every_curve_and_column_is_in_the_manual(results: dict[str, Any]) -> None:

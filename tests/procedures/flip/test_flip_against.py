@@ -8,6 +8,7 @@ import pytest
 
 from inertialcal.campaign.engine.run import run
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.show.names import reason_text
 
 TABLE = "axis,orientation,mean_ug,predicted_mg\ny,0,{0},1.0\ny,180,{1},1.002\nz,0,{2},\nz,180,{3},\n"
 TOML = """
@@ -55,7 +56,7 @@ def test_one_flip_of_means_has_values_and_the_reason_why_no_uncertainty(tmp_path
     assert rows["model_bias_error_change", "y"]["value"] == pytest.approx(3.0 - -10.0)
     assert rows["model_bias_error_reduction", "y"]["value"] == pytest.approx(10.0 - 3.0)
     assert rows["model_bias_error_reduction", "z"]["value"] == pytest.approx(5.0 - 6.0)
-    assert "no record of the noise" in rows["model_bias_error_change", "y"]["reason"]
+    assert "no record of the noise" in reason_text(rows["model_bias_error_change", "y"])
     assert [step["against"] for step in found["sequence"]] == ["old", None]
 
 

@@ -15,11 +15,12 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.results import Row
+from inertialcal.core.show.names import case_name
 from inertialcal.procedures.flip.files.call import FlipFile
 from inertialcal.procedures.flip.files.campaign import new_campaign, write_flip_campaign
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import build
-from pad_flips import BENCH, records
+from pad_pairs_made import BENCH, flip_records
 
 MEANS = """\
 axis,orientation,mean [ug],half_width_95 [ug]
@@ -47,7 +48,7 @@ def campaign_of(found: FlipFile) -> Path:
 def same_figures(found: FlipFile, folder: Path) -> None:
     """What `run` gives must be what the files alone gave, to the rounding of 32-bit samples."""
     rows = run(folder, write=False).results["results"]
-    told = [(row["quantity"], row["axis"], row["condition"], row["unit"], row["status"]) for row in rows]
+    told = [(row["quantity"], row["axis"], case_name(row), row["unit"], row["status"]) for row in rows]
     assert told == [(row.quantity, row.axis, str(row.case), row.unit, row.status) for row in found.rows]
     for row, own in zip(rows, found.rows, strict=True):
         assert (row["value"] is None, row["u"] is None) == (own.value is None, own.u is None)
@@ -56,7 +57,7 @@ def same_figures(found: FlipFile, folder: Path) -> None:
 
 
 def test_three_commands_lead_from_records_to_a_report(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    folder = records(tmp_path / "my records")
+    folder = flip_records(tmp_path / "my records")
     status, out, _ = call(capsys, "info", folder)
     assert status == 0
     assert out.endswith(f"next: inertialcal flip '{folder}'\n")
@@ -73,7 +74,7 @@ def test_three_commands_lead_from_records_to_a_report(capsys: pytest.CaptureFixt
 
 
 def test_the_campaign_gives_the_figures_of_the_files(tmp_path: Path) -> None:
-    found = ic.flip(records(tmp_path))
+    found = ic.flip(flip_records(tmp_path))
     assert found.unit == "ug"  # the records are in g
     folder = campaign_of(found)
     same_figures(found, folder)
@@ -110,7 +111,7 @@ def test_several_records_are_several_flips_of_one_campaign(tmp_path: Path) -> No
 
 
 def test_what_cannot_be_one_campaign_is_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    one, other = (records(tmp_path / name, sensor=name) for name in ("121f03", "121f05"))
+    one, other = (flip_records(tmp_path / name, sensor=name) for name in ("121f03", "121f05"))
     with pytest.raises(UsageError, match="files in 2 folders"):
         new_campaign([one / "a.csv", other / "b.csv"])
     status, _, err = call(capsys, "flip", one, "--campaign", "--from", "2014-10-22T09:40:00Z")
@@ -118,7 +119,7 @@ def test_what_cannot_be_one_campaign_is_refused(capsys: pytest.CaptureFixture[st
 
 
 def test_a_figure_of_the_flip(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
-    folder = records(tmp_path / "records")
+    folder = flip_records(tmp_path / "records")
     status, out, _ = call(capsys, "flip", folder, "-o", tmp_path / "flip.svg", "--json")
     assert (status, json.loads(out)["written"]) == (0, str(tmp_path / "flip.svg"))
     assert "reading [ug]" in (tmp_path / "flip.svg").read_text(encoding="utf-8")
@@ -127,20 +128,20 @@ def test_a_figure_of_the_flip(capsys: pytest.CaptureFixture[str], tmp_path: Path
 
 
 def test_init_fills_in_what_the_records_show(tmp_path: Path) -> None:
-    folder = records(tmp_path)
+    folder = flip_records(tmp_path)
     path, marked, _ = start(folder)
     text = path.read_text(encoding="utf-8")
     lines = text.splitlines()
     assert [lines[number - 1].partition(" ")[0] for number in marked] == ["maker", "part", "serial", "plan"]
     path.write_text(text.replace("# FILL IN", ""), encoding="utf-8")
-    rows = {(r["quantity"], r["axis"]): r for r in run(folder, write=False).results["results"] if not r["condition"]}
+    rows = {(r["quantity"], r["axis"]): r for r in run(folder, write=False).results["results"] if not case_name(r)}
     expected: dict[tuple[str, str], Row] = {(r.quantity, r.axis): r for r in ic.flip(folder).rows if r.case.plain}
     assert rows["bias", "z"]["value"] * 1e6 == pytest.approx(expected["bias", "z"].value, abs=ROUNDING)  # g
 
 
 def test_init_takes_the_sensors_of_a_folder_one_by_one(tmp_path: Path) -> None:
     for sensor in ("121f03", "121f05"):
-        records(tmp_path / sensor, sensor=sensor)
+        flip_records(tmp_path / sensor, sensor=sensor)
     (tmp_path / "means.csv").write_text(MEANS, encoding="utf-8")
     path, marked, remarks = start(tmp_path)
     assert not [one for one in remarks if one.code == "not_read"]
@@ -154,13 +155,13 @@ def test_init_takes_the_sensors_of_a_folder_one_by_one(tmp_path: Path) -> None:
 
 def test_init_of_a_folder_of_several_sensors_says_so(tmp_path: Path) -> None:
     for sensor in ("121f03", "121f05"):
-        records(tmp_path, sensor=sensor)
+        flip_records(tmp_path, sensor=sensor)
     with pytest.raises(PlanError, match="No recording or table"):
         start(tmp_path)
 
 
 def test_a_record_without_a_turn_leaves_its_windows_open(tmp_path: Path) -> None:
-    folder = records(tmp_path, files=1)
+    folder = flip_records(tmp_path, files=1)
     data = next(folder.glob("*.121f03"))
     whole = data.read_bytes()
     stop = "2014_10_22_09_38_16.000"
@@ -175,7 +176,7 @@ def test_a_record_without_a_turn_leaves_its_windows_open(tmp_path: Path) -> None
 
 
 def test_a_frame_is_for_archive_records_alone(tmp_path: Path) -> None:
-    found = ic.flip(records(tmp_path))
+    found = ic.flip(flip_records(tmp_path))
     folder = campaign_of(found)
     path = folder / "campaign.toml"
     text = path.read_text(encoding="utf-8")
@@ -189,7 +190,7 @@ def test_a_frame_is_for_archive_records_alone(tmp_path: Path) -> None:
 
 
 def test_a_folder_without_records_is_no_file(tmp_path: Path) -> None:
-    folder = campaign_of(ic.flip(records(tmp_path)))
+    folder = campaign_of(ic.flip(flip_records(tmp_path)))
     (folder / "empty").mkdir()
     path = folder / "campaign.toml"
     path.write_text(path.read_text(encoding="utf-8").replace('file = "."', 'file = "empty"'), encoding="utf-8")

@@ -10,6 +10,7 @@ import math
 from dataclasses import replace
 
 import pytest
+from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_of
 
 from inertialcal.core.errors import UsageError
 from inertialcal.core.recording import SECOND
@@ -18,7 +19,6 @@ from inertialcal.procedures.flip.files.record import found_windows
 from inertialcal.procedures.flip.reduction import reduce
 from inertialcal.rigs.sams_tsh.record import ARM_FADE
 from inertialcal.statistics.intervals import covers
-from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_of
 
 CORNERS = (0.0, 0.01, 0.1)  # of the 1/f noise [Hz]; 0: white alone
 LONG, FURTHER, SHORT = range(1, 1001), range(1, 301), range(1, 31)

@@ -23,7 +23,7 @@ from inertialcal.procedures.flip.files.call import flip
 from inertialcal.rigs.protocol import SEED
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build
-from pad_flips import BENCH, records
+from pad_pairs_made import BENCH, flip_records
 
 SHORT = replace(Bench(), rate=1.0, duration=1800.0, turn_starts=(600.0, 1200.0), window=120.0, settle=5.0)
 NUMBER = re.compile(r"-?\d+(?:\.\d+)?")
@@ -67,7 +67,7 @@ def survives(use: Callable[[], Any]) -> bool:
 def mutate_some(root: Path, count: int, seed: int) -> int:
     """Return how many of the mutated inputs still gave results."""
     means = copy_example("sams1996", root / "means")
-    rig, archive = root / "rig", records(root / "archive", files=1, bench=BENCH)
+    rig, archive = root / "rig", flip_records(root / "archive", files=1, bench=BENCH)
     (rig / FILE).parent.mkdir(parents=True)
     twin = build(SHORT, 3)
     (rig / "campaign.toml").write_text(twin.campaign.replace(SEED, "3"), encoding="utf-8")
@@ -104,7 +104,7 @@ def test_six_hundred_mutated_inputs(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("change", [b"\x00", b"\xff", b"\x7f"])
 def test_bytes_of_an_archive_record(tmp_path: Path, change: bytes) -> None:
-    folder = records(tmp_path, files=1)
+    folder = flip_records(tmp_path, files=1)
     (data,) = folder.glob("*.121f03")
     whole = bytearray(data.read_bytes())
     choice = random.Random(3)

@@ -17,6 +17,7 @@ from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
+from inertialcal.core.show.names import case_name, reason_text
 from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, on_bench
@@ -93,7 +94,7 @@ def test_a_simulated_flip_finds_its_truth(simulated: Path) -> None:
 def test_in_memory_and_from_files_the_figures_are_the_same(simulated: Path) -> None:
     (result,) = fit_results(SMALL_FLIP.twin(4))
     rows = {(row["quantity"], row["axis"]): row for row in run(simulated, write=False).results["results"]
-            if row["condition"] == ""}  # fmt: skip
+            if case_name(row) == ""}  # fmt: skip
     assert result.estimate is not None
     for i, name in enumerate(result.estimate.names):
         quantity, _, axis = name.rpartition("_")
@@ -130,8 +131,8 @@ def test_results_are_the_same_bytes_without_the_truth_and_wherever_the_folder_li
 def test_groups_are_flips(published: Edit) -> None:
     folder = published(('recordings = ["semiprocessed"]\n', 'recordings = ["semiprocessed"]\ngroups = ["2", "3"]\n'))
     rows = [row for row in run(folder).results["results"] if row["test"] == "flips"]
-    assert {row["condition"] for row in rows if row["quantity"] == "bias"} >= {"", "flip 2", "flip 3"}
-    assert "flip 1" not in {row["condition"] for row in rows}
+    assert {case_name(row) for row in rows if row["quantity"] == "bias"} >= {"", "flip 2", "flip 3"}
+    assert "flip 1" not in {case_name(row) for row in rows}
     missing = published(('groups = ["2", "3"]', 'groups = ["7"]'))
     assert "no row is in its groups (7)" in refused(missing, run)[0]
 
@@ -295,26 +296,26 @@ def test_without_a_mistake_no_mistake_is_named() -> None:
 
 def test_an_axis_whose_gain_changes_is_not_read_and_the_others_are(rig: str, tmp_path: Path) -> None:
     rows = run(simulate(rig, tmp_path / "gain", 2, "gain_changed").folder).results["results"]
-    status = {(row["quantity"], row["axis"]): row for row in rows if row["condition"] == ""}
-    assert status["bias", "y"]["reason"] == "the y axis was not read"
+    status = {(row["quantity"], row["axis"]): row for row in rows if case_name(row) == ""}
+    assert reason_text(status["bias", "y"]) == "the y axis was not read"
     assert status["bias", "z"]["status"] == "estimated"
 
 
 def test_a_single_sided_flip_gives_what_it_can_and_is_marked(rig: str, tmp_path: Path) -> None:
     rows = run(simulate(rig, tmp_path / "lost", 2, "missing_position").folder).results["results"]
-    found = {(row["quantity"], row["axis"]): row for row in rows if row["condition"] == ""}
+    found = {(row["quantity"], row["axis"]): row for row in rows if case_name(row) == ""}
     assert found["reading", "y"]["status"] == "estimated"
-    assert found["reading", "y"]["reason"].startswith("bias and ambient acceleration together")
+    assert reason_text(found["reading", "y"]).startswith("bias and ambient acceleration together")
     for quantity in ("bias", "ambient_acceleration"):
         assert found[quantity, "y"]["value"] is None
-        assert "missing position: y was read at 0 deg only" in found[quantity, "y"]["reason"]
+        assert "missing position: y was read at 0 deg only" in reason_text(found[quantity, "y"])
 
 
 def test_an_axis_at_the_rails_takes_nothing_from_the_others(rig: str, tmp_path: Path) -> None:
     rows = run(simulate(rig, tmp_path / "rails", 2, "at_rails").folder).results["results"]
-    found = {(row["quantity"], row["axis"]): row for row in rows if row["condition"] == ""}
+    found = {(row["quantity"], row["axis"]): row for row in rows if case_name(row) == ""}
     assert found["bias", "y"]["status"] == "estimated"
-    assert "the x axis was not read" in found["reading", "x"]["reason"]
+    assert "the x axis was not read" in reason_text(found["reading", "x"])
 
 
 def test_check_judges_the_inputs_of_a_flip(simulated: Path) -> None:

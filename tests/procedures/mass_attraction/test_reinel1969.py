@@ -12,6 +12,7 @@ import pytest
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.show.names import case_name
 
 Rows = Mapping[tuple[str, str, str], Mapping[str, Any]]
 
@@ -29,7 +30,7 @@ def results(folder: Path) -> dict[str, Any]:
 
 @pytest.fixture(scope="module")
 def rows(results: dict[str, Any]) -> Rows:
-    return {(row["test"], row["quantity"], row["condition"]): row for row in results["results"]}
+    return {(row["test"], row["quantity"], case_name(row)): row for row in results["results"]}
 
 
 def test_the_published_scale_factor_and_that_without_subtraction(rows: Rows) -> None:

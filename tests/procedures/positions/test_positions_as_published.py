@@ -17,6 +17,7 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.campaign_text import MARK
 from inertialcal.core.recording import Recording
+from inertialcal.core.show.names import case_name
 from inertialcal.files.models.model_file import load_model_file
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
@@ -72,7 +73,7 @@ def itself(folder: Path, outcome: Outcome) -> Comparison:
 
 
 def test_results_hold_the_closed_form_of_both_sensors(outcome: Outcome) -> None:
-    rows = [row for row in outcome.results["results"] if row["condition"] == WAY]
+    rows = [row for row in outcome.results["results"] if case_name(row) == WAY]
     counts = {
         (test, quantity): 0
         for test in ("accelerometer", "gyro")
@@ -100,7 +101,7 @@ def test_results_hold_the_closed_form_of_both_sensors(outcome: Outcome) -> None:
 
 
 def test_the_result_itself_has_no_such_condition(outcome: Outcome) -> None:
-    own = {(r.get("sensor"), r["quantity"], r["axis"]) for r in outcome.results["results"] if r["condition"] != WAY}
+    own = {(r.get("sensor"), r["quantity"], r["axis"]) for r in outcome.results["results"] if case_name(r) != WAY}
     assert {("accelerometer", "bias", "x"), ("gyro", "g_sensitivity", "xz"), ("gyro", "scale_factor_error", "y")} <= own
     assert not any(quantity == "direction_cosine" for _, quantity, _ in own)
 
@@ -110,7 +111,7 @@ def test_requirements_are_judged_by_the_result_alone(outcome: Outcome) -> None:
     assert [one[:2] for one in judged if one[0] == "R1"] == [("R1", axis) for axis in "xyz"]
     assert [one[2] for one in judged if one[0] == "R2"] == ["OPEN"]  # the closed form alone has it
     rows = {(r.get("sensor"), r["axis"]): r["value"] for r in outcome.results["results"]
-            if r["quantity"] == "bias" and r["condition"] == r.get("sensor")}  # fmt: skip
+            if r["quantity"] == "bias" and case_name(r) == r.get("sensor")}  # fmt: skip
     for one in outcome.results["verdicts"]:
         if one["requirement"] == "R1":
             assert one["value"] == rows["gyro", one["axis"]]
@@ -121,7 +122,7 @@ def test_the_model_is_made_of_the_result(folder: Path, outcome: Outcome) -> None
     row = next(
         r
         for r in outcome.results["results"]
-        if (r["test"], r["quantity"], r["condition"]) == ("imu", "bias", "accelerometer")
+        if (r["test"], r["quantity"], case_name(r)) == ("imu", "bias", "accelerometer")
     )
     assert model.bias[0] == pytest.approx(row["value"], rel=1e-12)
 
@@ -131,8 +132,8 @@ def test_compare_judges_none_of_it(itself: Comparison) -> None:
     assert len(beside) == 39
     assert {one.word for one in beside} == {"not compared"}
     assert {one.no_change for one in beside} == {None}
-    assert all(verdict["condition"] != WAY for verdict in itself.verdicts)
-    assert {(one["condition"], one["quantity"], one["verdict"]) for one in itself.verdicts} >= {
+    assert all(case_name(verdict) != WAY for verdict in itself.verdicts)
+    assert {(case_name(one), one["quantity"], one["verdict"]) for one in itself.verdicts} >= {
         ("accelerometer", "bias", "PASS"), ("gyro", "bias", "PASS"), ("accelerometer", "scale_factor_error", "PASS"),
     }  # fmt: skip
     assert itself.verdict == "PASS"

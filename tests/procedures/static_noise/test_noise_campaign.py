@@ -16,6 +16,7 @@ from inertialcal.campaign.engine.run import Outcome, check, run
 from inertialcal.campaign.start.starter import start
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.errors import DataError, PlanError
+from inertialcal.core.show.names import case_name, reason_text
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk, Sinusoid, Term
@@ -88,7 +89,7 @@ def still(tmp_path: Path, data: str) -> Make:
 def row(outcome: Outcome, quantity: str, axis: str, condition: str = "") -> dict[str, Any]:
     rows = outcome.results["results"]
     key = (quantity, axis, condition)
-    return next(r for r in rows if (r["quantity"], r["axis"], r["condition"]) == key)
+    return next(r for r in rows if (r["quantity"], r["axis"], case_name(r)) == key)
 
 
 def verdicts(outcome: Outcome) -> dict[tuple[str, str], str]:
@@ -185,7 +186,7 @@ def test_an_accelerometer_is_tested_by_the_same_word(still: Make) -> None:
 def test_windows_are_records_of_their_own(still: Make) -> None:
     windows = [[BEGIN, BEGIN + 40], [BEGIN + 70, BEGIN + 120]]
     outcome = run(still(("plan = {", f"windows = {json.dumps(windows)}\nplan = {{")), write=False)
-    conditions = {r["condition"] for r in outcome.results["results"] if r["condition"].startswith("run")}
+    conditions = {case_name(r) for r in outcome.results["results"] if case_name(r).startswith("run")}
     assert conditions == {"run one, window 1 alone", "run one, window 2 alone"}
     (step,) = outcome.results["sequence"]
     assert step["dwells"] == 2
@@ -262,8 +263,8 @@ def test_a_figure_in_doubt_is_no_pass(still: Make) -> None:
     outcome = run(still(plan, ('upper = "0.3 deg/sqrt(h)"', 'limit = "30 deg/sqrt(h)"'), content=stuck()), write=False)
     (x,) = (one for one in outcome.results["verdicts"] if one["axis"] == "x")
     assert x["verdict"] == "INCONCLUSIVE"
-    assert x["reason"].startswith("in doubt: ")
-    assert row(outcome, "angle_random_walk", "x")["reason"] == x["reason"]
+    assert reason_text(x).startswith("in doubt: ")
+    assert reason_text(row(outcome, "angle_random_walk", "x")) == reason_text(x)
     assert f"{x['reason']} (x" in results_text(outcome.results)
     assert x["lower"] is None  # a size has no limit below zero
     assert x["margin"] == pytest.approx(30.0 - x["interval"]["hi"])
@@ -369,7 +370,7 @@ def test_init_makes_a_test_of_noise_of_what_stands_still(tmp_path: Path) -> None
     assert [text.splitlines()[number - 1].partition(" ")[0] for number in marked] == ["maker", "part", "serial"]
     assert 'recordings = ["gyros1", "gyros2"]' in text
     path.write_text(text.replace("# FILL IN", ""), encoding="utf-8")
-    rows = {(r["test"], r["quantity"], r["axis"], r["condition"]): r for r in run(tmp_path).results["results"]}
+    rows = {(r["test"], r["quantity"], r["axis"], case_name(r)): r for r in run(tmp_path).results["results"]}
     walk = rows["noise_gyros", "angle_random_walk", "x", ""]
     assert walk["value"] == pytest.approx(0.05 * 0.1 * 60.0, rel=0.05)  # deg/sqrt(h)
     assert rows["noise_accelerometers", "velocity_random_walk", "z", ""]["value"] > 0.0

@@ -21,6 +21,7 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
+from inertialcal.core.show.names import case_name, reason_text
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
@@ -67,8 +68,8 @@ def test_files_and_memory_give_the_same_figures(outcome: Outcome) -> None:
         one = memory[row["test"]]
         assert one.rows is not None
         key = (row["quantity"], row["axis"])
-        alike = [r for r in one.rows if (r.quantity, r.axis) == key and str(r.case) in (row["condition"], "")
-                 and (str(r.case) or row["condition"] in (AIR, VACUUM))]  # fmt: skip
+        alike = [r for r in one.rows if (r.quantity, r.axis) == key and str(r.case) in (case_name(row), "")
+                 and (str(r.case) or case_name(row) in (AIR, VACUUM))]  # fmt: skip
         if row["quantity"] == "bias" and row["status"] == "estimated" and alike:
             assert row["value"] == pytest.approx(np.degrees(alike[0].value or 0.0), rel=1e-12)
             compared += 1
@@ -77,7 +78,7 @@ def test_files_and_memory_give_the_same_figures(outcome: Outcome) -> None:
 
 def test_figures_stand_in_the_units_of_the_sensor(outcome: Outcome) -> None:
     units = {row["quantity"]: row["unit"] for row in rows_of(outcome, axis="x", test="thermal_ambient")
-             if row["condition"] != "as_published"}  # fmt: skip
+             if case_name(row) != "as_published"}  # fmt: skip
     assert units["bias"] == "deg/s"
     assert units["bias_temperature_1"] == "deg/s/degC"
     assert units["bias_temperature_2"] == "deg/s/degC^2"
@@ -89,7 +90,7 @@ def test_figures_stand_in_the_units_of_the_sensor(outcome: Outcome) -> None:
 def test_the_vacuum_test_has_its_offset_from_air(outcome: Outcome) -> None:
     for axis in AXES:
         found = rows_of(outcome, quantity="vacuum_offset", axis=axis)
-        assert {row["condition"] for row in found} == {"vacuum", "-20 degC", "0 degC", "20 degC", "60 degC"}
+        assert {case_name(row) for row in found} == {"vacuum", "-20 degC", "0 degC", "20 degC", "60 degC"}
         assert all(row["test"] == "thermal_vacuum" for row in found)
     assert len(rows_of(outcome, quantity="vacuum_offset_run_to_run")) == 3
 
@@ -118,7 +119,7 @@ def test_budgets_add_up_to_the_figures(outcome: Outcome) -> None:
         sums[key] = sums.get(key, 0.0) + one["u"] ** 2
     for key, total in sums.items():
         (row,) = [r for r in rows_of(outcome, test=key[0], quantity=key[1], axis=key[2])
-                  if r["condition"] in (AIR, VACUUM)]  # fmt: skip
+                  if case_name(r) in (AIR, VACUUM)]  # fmt: skip
         assert np.sqrt(total) == pytest.approx(row["u"], rel=1e-9), key
 
 
@@ -141,11 +142,11 @@ def test_truth_deleted_gives_the_same_bytes(folder: Path, outcome: Outcome, tmp_
 
 def test_the_score_knows_tests_and_conditions(folder: Path, outcome: Outcome) -> None:
     found = score(folder)
-    keys = {(row["quantity"], row["axis"], row["test"], row["condition"]) for row in found.rows}
+    keys = {(row["quantity"], row["axis"], row["test"], case_name(row)) for row in found.rows}
     assert ("bias", "x", "thermal_ambient", "-20 degC") in keys
     assert ("bias", "x", "thermal_vacuum", "vacuum") in keys
     assert ("vacuum_offset", "z", "thermal_vacuum", "60 degC") in keys
-    values = {(row["test"], row["condition"]): row["truth"] for row in found.rows
+    values = {(row["test"], case_name(row)): row["truth"] for row in found.rows
               if (row["quantity"], row["axis"]) == ("bias", "x")}  # fmt: skip
     assert len(set(values.values())) == 8  # air and vacuum; the reference temperature is one of the four
     assert found.inside > 0.85 * found.estimated
@@ -281,7 +282,7 @@ def test_a_requirement_wider_than_the_ramps_is_inconclusive(folder: Path, tmp_pa
     assert found.exit_status == 4
     outside = [one for one in found.results["verdicts"] if one["at"] < -31.0]
     assert outside
-    assert all("outside the range of the ramps" in one["reason"] for one in outside)
+    assert all("outside the range of the ramps" in reason_text(one) for one in outside)
 
 
 @pytest.mark.parametrize(("old", "new", "what"), [

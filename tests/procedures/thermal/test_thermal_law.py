@@ -7,6 +7,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.polynomial import polynomial
+from thermal_sweeps import path, plan, readings, sweep, way
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
@@ -15,7 +16,6 @@ from inertialcal.procedures.thermal.fit.law import law_of
 from inertialcal.procedures.thermal.fit.order import choose_order
 from inertialcal.procedures.thermal.reduction import Readings, reduce
 from inertialcal.sensors.thermal import powers_of
-from thermal_sweeps import path, plan, readings, sweep, way
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 SMALL = 1e-9

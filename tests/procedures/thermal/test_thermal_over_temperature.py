@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import pytest
+from thermal_sweeps import plan, readings
 
 from inertialcal.core.judging import parse_condition
 from inertialcal.procedures.thermal.over_temperature import judged_over, temperatures_of
 from inertialcal.procedures.thermal.reduction import OfSensor, reduce
 from inertialcal.statistics.intervals import binomial_interval, contains
-from thermal_sweeps import plan, readings
 
 RAMPS = (-30.0, 67.0)
 

@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from numpy.polynomial import polynomial
+from thermal_sweeps import path, plan, sweep, way
 
 from inertialcal.core.estimate import Array
 from inertialcal.procedures.thermal.reduction import OfSensor, Readings, reduce
-from thermal_sweeps import path, plan, sweep, way
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 LOOP = (23.0, -30.0, 67.0, 23.0)

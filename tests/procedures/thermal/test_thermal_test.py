@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.polynomial import polynomial
+from thermal_sweeps import KNOWN, LATITUDE, path, plan, readings, sweep
 
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
@@ -27,7 +28,6 @@ from inertialcal.procedures.thermal.reduction import (
     reduce,
     simulate,
 )
-from thermal_sweeps import KNOWN, LATITUDE, path, plan, readings, sweep
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 AT = [-20.0, 0.0, 20.0, 60.0]

@@ -9,6 +9,7 @@ import pytest
 from matplotlib.axes import Axes
 
 from inertialcal.report.figures import figures, on_new_figure
+from written_rows import fields
 
 TIME = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6]
 SHAPE = [0.0, 1.0, 0.0, -1.0, 0.0, 1.0]
@@ -61,9 +62,8 @@ def runs() -> dict[str, Any]:
 CURVES = [runs(), series(), series("run2"), spectrum(), correlation(), spectrum("run2"), correlation("run2")]
 ROWS: list[dict[str, Any]] = [
     {
-        "quantity": "scale_factor", "test": "moved", "axis": "x", "condition": "", "value": 10.2, "u": 0.5,
+        "quantity": "scale_factor", "test": "moved", "axis": "x", **fields(), "value": 10.2, "u": 0.5,
         "unit": "count/s/ug", "interval": {"lo": 9.2, "hi": 11.2, "p": 0.95}, "status": "estimated", "dof": None,
-        "reason": "",
     }
 ]  # fmt: skip
 RESULTS: dict[str, Any] = {"curves": CURVES, "results": ROWS}

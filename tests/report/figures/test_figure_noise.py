@@ -13,6 +13,7 @@ from inertialcal.report.figures import figures, on_new_figure
 from inertialcal.report.figures.drawing.log_axes import label, log_axis
 from inertialcal.report.figures.drawing.style import LINE
 from inertialcal.report.figures.static_noise.spectrum import OVER
+from written_rows import fields
 
 TAU = [0.01 * 2.0**k for k in range(12)]
 FREQUENCY = [0.1 * 2.0**k for k in range(9)]
@@ -57,7 +58,7 @@ def spectrum(axis: str, recording: str = "one") -> dict[str, Any]:
 
 
 def row(quantity: str, value: float, u: float, unit: str, condition: str = "") -> dict[str, Any]:
-    return {"quantity": quantity, "axis": "z", "test": "still", "condition": condition, "value": value, "u": u,
+    return {"quantity": quantity, "axis": "z", "test": "still", **fields(condition), "value": value, "u": u,
             "unit": unit, "status": "estimated"}  # fmt: skip
 
 
@@ -131,21 +132,22 @@ def test_a_line_is_marked_at_its_frequency_and_a_broad_peak_once() -> None:
     assert picture.finding == "z: lines at 13.4 and 20 Hz"
 
 
-def ringing(axis: str, *frequencies: float) -> dict[str, Any]:
+def ringing(axis: str, *frequencies: float) -> list[dict[str, Any]]:
     """Terms with lines: the Allan deviation of a sine of amplitude a is a sin^2(pi f tau) / (pi f tau)."""
     terms = allan_terms(axis)
     tau = np.geomspace(TAU[0], TAU[-1], 400)
     columns = {"tau": column(tau.tolist(), "s"), "angle_random_walk": column((WHITE / np.sqrt(tau)).tolist(), "deg/s")}
+    lines = []
     for f in frequencies:
-        columns[f"line at {f:g} Hz"] = column(
-            (0.02 * np.sin(np.pi * f * tau) ** 2 / (np.pi * f * tau)).tolist(), "deg/s"
-        )
-    return terms | {"columns": columns | {"all": column(columns["angle_random_walk"]["values"], "deg/s")}}
+        deviation = (0.02 * np.sin(np.pi * f * tau) ** 2 / (np.pi * f * tau)).tolist()
+        line = {"tau": columns["tau"], "deviation": column(deviation, "deg/s"), "frequency": column([f] * 400, "Hz")}
+        lines.append(terms | {"name": "allan_line", "columns": line})
+    return [terms | {"columns": columns | {"all": column(columns["angle_random_walk"]["values"], "deg/s")}}, *lines]
 
 
 def test_of_lines_the_peaks_are_drawn_as_one_curve_that_does_not_ring() -> None:
     f = 9.97
-    ax, _ = drawn("allan", allan("z"), ringing("z", f))
+    ax, _ = drawn("allan", allan("z"), *ringing("z", f))
     found = lines_of(ax)
     peaks = np.array(found["peaks of the 9.97 Hz line"])
     tau = np.geomspace(TAU[0], TAU[-1], 400)
@@ -153,7 +155,7 @@ def test_of_lines_the_peaks_are_drawn_as_one_curve_that_does_not_ring() -> None:
     np.testing.assert_allclose(peaks[late], 0.02 / (np.pi * f * tau[late]), rtol=0.03)
     assert np.all(np.diff(peaks[np.argmax(peaks) :]) < 0.0)
     assert found["all terms"] == allan("z")["columns"]["expected"]["values"]  # where it is compared with the data
-    ax, _ = drawn("allan", allan("z"), ringing("z", f, 20.61))
+    ax, _ = drawn("allan", allan("z"), *ringing("z", f, 20.61))
     assert "peaks of the lines" in lines_of(ax)
 
 
@@ -173,7 +175,7 @@ def test_a_finding_of_many_terms_takes_two_lines() -> None:
 
 def test_terms_that_do_not_hold_are_no_finding() -> None:
     doubt = "the terms do not explain the Allan deviation"
-    rows = [one | {"reason": doubt} for one in ROWS[:2]]
+    rows = [one | {"reason": {"code": "in_doubt", "text": doubt}} for one in ROWS[:2]]
     (picture,) = figures()["allan"].pictures({"curves": [allan("z")], "results": rows})
     assert picture.finding == f"z: {doubt}"
 

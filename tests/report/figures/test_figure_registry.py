@@ -21,6 +21,7 @@ from inertialcal.report import drawings, findings
 from inertialcal.report.figures import Picture, figures
 from inertialcal.report.figures.drawing.data import curves, numbers
 from inertialcal.report.numbers import wrap
+from written_rows import fields
 
 NAME = "toy"
 SPEC = FigureSpec(
@@ -82,7 +83,7 @@ def test_a_figure_of_others_is_drawn_where_it_says() -> None:
 
 @pytest.mark.usefixtures("toy")
 def test_a_procedure_of_others_says_what_it_found_and_each_number_knows_its_row() -> None:
-    row = {"quantity": "spin", "axis": "x", "status": "estimated", "condition": "", "value": 3.0, "u": 0.1, "unit": "1"}
+    row = {"quantity": "spin", "axis": "x", "status": "estimated", **fields(), "value": 3.0, "u": 0.1, "unit": "1"}
     said = findings.html(findings.of_test(NAME, wrap([row], "/results"), []))
     assert said == (
         'It spins at <data value="3.0" data-at="/results/0/value">3.00</data> ± '

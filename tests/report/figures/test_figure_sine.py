@@ -9,6 +9,7 @@ from matplotlib.figure import Figure
 
 from inertialcal.report.figures import figures
 from inertialcal.report.figures.sine.sine import draw
+from written_rows import fields
 
 TIME = 120.0 * np.arange(12)
 LINE = np.tile([0.0, 0.2, 0.0, -0.2], 3)
@@ -30,7 +31,7 @@ def curves_of(axis: str = "x", test: str = "t") -> list[dict[str, Any]]:
 
 
 def row(status: str = "estimated") -> dict[str, Any]:
-    found = {"quantity": "amplitude", "axis": "x", "test": "t", "condition": "", "unit": "1/s", "status": status}
+    found = {"quantity": "amplitude", "axis": "x", "test": "t", **fields(), "unit": "1/s", "status": status}
     return found | ({"value": 0.05, "u": None} if status == "upper_limit" else {"value": 0.2, "u": 0.02})
 
 

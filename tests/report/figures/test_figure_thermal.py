@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 
 from inertialcal.report.figures import figures, on_new_figure
+from written_rows import fields
 
 T = [10.0, 20.0, 30.0]
 TESTS = ("vacuum", "air")
@@ -67,7 +68,7 @@ def reference(of: str) -> dict[str, Any]:
 
 def row(quantity: str, value: float, u: float, unit: str = "deg/h") -> dict[str, Any]:
     return {
-        "quantity": quantity, "axis": "x", "test": "vacuum", "condition": "20 degC", "value": value, "u": u,
+        "quantity": quantity, "axis": "x", "test": "vacuum", **fields("20 degC"), "value": value, "u": u,
         "unit": unit, "status": "estimated",
     }  # fmt: skip
 

@@ -36,6 +36,7 @@ from inertialcal.report.figures.drawing import data
 from inertialcal.report.figures.drawing.scales import signed_log
 from inertialcal.report.figures.drawing.style import ROLES, plain, variables
 from inertialcal.report.figures.rate_table import rate_error
+from written_rows import fields
 
 RATES = [-4.0, -2.0, -0.5, 0.5, 2.0, 4.0]
 LIMIT = 5.0
@@ -94,7 +95,7 @@ VERDICTS = [verdict(-4.0, "PASS"), verdict(-2.0, "PASS"), verdict(2.0, "INCONCLU
 def row(quantity: str, axis: str, value: float | None, unit: str, u: float | None = 0.01) -> dict[str, Any]:
     status = "not_estimated" if value is None else "estimated"
     return {
-        "quantity": quantity, "axis": axis, "test": "model", "condition": "", "value": value, "u": u, "unit": unit,
+        "quantity": quantity, "axis": axis, "test": "model", **fields(), "value": value, "u": u, "unit": unit,
         "status": status,
     }  # fmt: skip
 
@@ -106,7 +107,15 @@ ROWS = [
 
 
 def share(source: str, kind: str, size: float, quantity: str = "bias", axis: str = "x") -> dict[str, Any]:
-    return {"test": "one", "quantity": quantity, "axis": axis, "source": source, "kind": kind, "share": size}
+    return {
+        "test": "one",
+        "quantity": quantity,
+        **fields(),
+        "axis": axis,
+        "source": source,
+        "kind": kind,
+        "share": size,
+    }
 
 
 SHARES = [share("scatter", "A", 0.25), share("mounting", "B", 0.75), share("scatter", "A", 1.0, "bias", "y")]
@@ -140,7 +149,7 @@ def compensated(axis: str = "x", **changes: Any) -> dict[str, Any]:
 
 def beside(quantity: str, value: float, u: float | None, condition: str = "", axis: str = "y") -> dict[str, Any]:
     interval = None if u is None else {"lo": value - 2.0 * u, "hi": value + 2.0 * u, "p": 0.95}
-    own = {"test": "new", "condition": condition, "interval": interval, "dof": None, "reason": ""}
+    own = fields(condition) | {"test": "new", "interval": interval, "dof": None}
     return row(quantity, axis, value, "ug", u) | own
 
 

@@ -5,10 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertialcal.core.key import key_of
 from inertialcal.core.units import factor, normalise
 from inertialcal.sensors.model.sensor_model import SensorModel
-from inertialcal.sensors.model.terms import orders, values, with_values
+from inertialcal.sensors.model.terms import orders, parameter_keys, values, with_values
 from random_models import random_model
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -34,7 +33,7 @@ def test_names_are_unique_and_units_are_printed_ones(seed: int) -> None:
     assert len({one.name for one in parameters}) == len(parameters)
     for one in parameters:
         assert normalise(one.unit) == one.unit
-        assert one.name == (f"{one.quantity}_{one.axis}" if one.axis else one.quantity)
+        assert one.name == str(one.key)
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -91,4 +90,4 @@ def test_orders_are_read_from_names() -> None:
         "warm_up_time_1",
         "bias_temperature_rate_x",
     ]
-    assert orders(map(key_of, names)) == {"matrix": 2, "bias_temperature": 3, "bias_warm_up": 2}
+    assert orders(parameter_keys(names, ("x", "y"))) == {"matrix": 2, "bias_temperature": 3, "bias_warm_up": 2}

@@ -6,10 +6,10 @@ from typing import Any
 
 import numpy as np
 import pytest
+import slow_programme as slow
 from numpy.typing import NDArray
 
 import inertialcal as ic
-import slow_programme as slow
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.key import Method

@@ -13,7 +13,7 @@ from typing import Any
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
-from ...core.results import Interval, finite
+from ...core.results import Interval, finite, identity_fields
 from ...core.show.tables import Block, html, text
 from ...statistics.decision import Status, Verdict, no_change, overall
 from ...statistics.intervals import ends
@@ -163,12 +163,7 @@ def _verdict(one: Difference, verdict: Verdict) -> dict[str, Any]:
     row, interval = one.row, verdict.interval
     return {
         "requirement": "no_change",
-        "quantity": row.quantity,
-        "test": row.test,
-        "condition": str(row.case),
-        "axis": row.axis,
-        "at": None,
-        "at_unit": "",
+        **identity_fields(row),
         "of": "difference",
         "value": finite(row.value),
         "u": finite(row.u),

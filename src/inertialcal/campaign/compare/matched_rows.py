@@ -25,9 +25,9 @@ def matched(
         Whether the test is part of a figure's name. Figures that only differ in the name of their test are then
         still taken together where both sides have exactly one.
     """
-    keys: list[Any] = [lambda row: (row.key, row.case)]
+    keys: list[Any] = [_of]
     if by_test:
-        keys.insert(0, lambda row: (row.key, row.case, row.test))
+        keys.insert(0, lambda row: (_of(row), row.test))
     left, right = list(range(len(first))), list(range(len(second)))
     pairs: dict[int, int] = {}
     for key in keys:
@@ -42,6 +42,12 @@ def matched(
         *_other_dimension([first[i] for i in pairs if i not in fitting]),
     ]
     return [(first[i], _in_unit(second[fitting[i]], first[i].unit)) for i in sorted(fitting)], tuple(remarks)
+
+
+def _of(row: Row) -> Hashable:
+    """Return what a row is; a place as tables show it, for no two records find a line at the same frequency."""
+    place = None if row.key.at is None else str(row.key.at)
+    return row.key._replace(at=None), place, row.method, row.member, row.condition
 
 
 def _unique(named: Sequence[tuple[Hashable, int]]) -> dict[Hashable, int]:

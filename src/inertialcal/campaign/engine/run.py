@@ -10,9 +10,12 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ...core.errors import DataError, InertialcalError, Problem
 from ...core.remarks import Remark, gather
+from ...core.results import COLUMNS, flat
 from ...core.show.frames import frame
 from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, Table, html, text
+from ...files.binary.curves import FILE as CURVES
+from ...files.binary.curves import curves_bytes
 from ...procedures import procedure_of
 from ...report.page import report_html
 from ..file.load import Campaign, load
@@ -21,7 +24,7 @@ from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
 from ..outcome.provenance import provenance
-from ..outcome.publish import ROW_COLUMNS, changes, check_writable, csv_text, flat, json_text, previous, swap_in
+from ..outcome.publish import changes, check_writable, csv_text, json_text, previous, swap_in
 from ..outcome.requirements import worst
 from ..outcome.tables import outcome_parts
 from .engine import Prepared, ReducedTest, order_of, reduce_test, reduced_tests
@@ -49,7 +52,7 @@ class Outcome:
     campaign : Campaign
         As read.
     results : dict
-        Content of ``results.json``.
+        Content of ``results.json``, and the ``curves`` of ``curves.parquet``.
     inputs : dict of str to str
         SHA-256 of each input, by path in the campaign folder.
     verdict : {"PASS", "FAIL", "INCONCLUSIVE", ""}
@@ -72,7 +75,7 @@ class Outcome:
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure, as ``results.csv`` has them."""
         rows = [flat(row) for row in self.results["results"]]
-        return frame({name: [row[name] for row in rows] for name in ROW_COLUMNS})
+        return frame({name: [row[name] for row in rows] for name in COLUMNS})
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: figures test by test, requirements, closed loop, how many remarks."""
@@ -289,14 +292,15 @@ def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:
 
 def _files(
     campaign: Campaign, results: dict[str, Any], modelled: JudgedModel | None, inputs: dict[str, str], folder: str
-) -> dict[str, str]:
+) -> dict[str, str | bytes]:
     record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
-    model = {} if modelled is None else model_files(modelled)
+    model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
     content = json.loads(model["model.json"]) if "model.json" in model else None
     return model | {
-        "results.json": json_text(results),
-        "results.csv": csv_text([flat(row) for row in results["results"]], ROW_COLUMNS),
-        "verdicts.csv": csv_text([flat(row) for row in results["verdicts"]], VERDICT_COLUMNS),
+        "results.json": json_text({name: part for name, part in results.items() if name != "curves"}),
+        CURVES: curves_bytes(results["curves"]),
+        "results.csv": csv_text([flat(row) for row in results["results"]], COLUMNS),
+        "verdicts.csv": csv_text([row | (row["interval"] or {}) for row in results["verdicts"]], VERDICT_COLUMNS),
         "report.html": report_html(results, content, record),
         "provenance.json": json_text(record),
     }

@@ -143,11 +143,11 @@ def _build(
         whole = _model(campaign, sensor, correction.with_terms(terms))
     procedure.check_alike([reduced[test.id] for test in (*fitted, *held)])
     if not held:
-        return JudgedModel(whole, terms.by_quantity)
+        return JudgedModel(whole)
     behind, unseen = ([reduced[test.id] for test in tests] for tests in ([*matrix, *bias], held))
     found = procedure.held_out(result, behind, unseen, model)
     if found is None:
-        return JudgedModel(whole, terms.by_quantity)
+        return JudgedModel(whole)
     left = residuals if procedure.takes_corrections else {}
     share = _share(campaign, procedure) / (2.0 if any(one.found.loops for one in left.values()) else 1.0)
     loops = judged(found.loops, share)
@@ -155,7 +155,7 @@ def _build(
     every = (*loops, *(one.loop for one in warm))
     verdict = overall(every) if every else NOT_RUN
     whole = replace(whole, judged=verdict == "PASS")
-    return JudgedModel(whole, terms.by_quantity, loops, verdict, found.remarks, found.curves, warm)
+    return JudgedModel(whole, loops, verdict, found.remarks, found.curves, warm)
 
 
 def _chosen(campaign: Campaign, fitted: Sequence[Test], terms: Sequence[str]) -> list[Test]:

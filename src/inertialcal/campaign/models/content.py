@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from typing import Any
 
-from ...core.key import Reason, key_of
-from ...core.results import Row, by_quantity, finite, not_estimated
+from ...core.key import Reason
+from ...core.results import Row, finite, not_estimated
 from ...core.units import factor, kind
 from ...procedures import procedure_of
 from ...statistics.closed_loop import AxisLoop
@@ -34,10 +34,12 @@ def parameter_rows(modelled: JudgedModel) -> list[Row]:
         for i, key in enumerate(estimate.keys):
             value, u, dof = float(estimate.values[i]), float(estimate.u[i]), float(estimate.dof[i])
             rows.append(Row(key, value, u, estimate.units[i], finite(dof), t_interval(value, u, dof)))
-    units = {one.name: one.unit for one in modelled.model.parameters}
-    for name, reason in modelled.model.not_estimated.items():
-        rows.append(not_estimated(key_of(name), units.get(name, "1"), Reason("not_estimated", reason)))
-    return by_quantity(rows) if modelled.by_quantity else rows
+    reasons = modelled.model.not_estimated
+    return rows + [
+        not_estimated(one.key, one.unit, Reason("not_estimated", reasons[one.name]))
+        for one in modelled.model.parameters
+        if one.name in reasons
+    ]
 
 
 def closed_loop_content(campaign: Campaign, modelled: JudgedModel | None, unit: str) -> dict[str, Any]:

@@ -46,8 +46,6 @@ class JudgedModel:
     ----------
     model : SensorModel or None
         ``judged`` where the closed loop PASSes.
-    by_quantity : bool
-        Rows of a quantity are shown side by side.
     loops : tuple of AxisLoop
         Empty where nothing was held out.
     verdict : str
@@ -63,7 +61,6 @@ class JudgedModel:
     """
 
     model: SensorModel | None
-    by_quantity: bool = True
     loops: tuple[AxisLoop, ...] = ()
     verdict: str = NOT_RUN
     remarks: tuple[Remark, ...] = ()

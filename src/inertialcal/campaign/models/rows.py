@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.key import Reason, key_of
+from ...core.key import Reason
 from ...core.results import Interval, Row, finite
 from ...sensors.model.sensor_model import SensorModel, lines
 from ...sensors.model.terms import values
@@ -21,7 +21,7 @@ def model_rows(model: SensorModel) -> tuple[Row, ...]:
         origin = model.provenance.get(one.name)
         rows.append(
             Row(
-                key_of(one.quantity, one.axis),
+                one.key,
                 float(value),
                 line.u,
                 one.unit,

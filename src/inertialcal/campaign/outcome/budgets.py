@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...core.estimate import Component, Estimate
-from ...core.results import finite
+from ...core.results import finite, key_fields
 from ...core.units import divide, factor
 from ...procedures.display import display_unit, stated_unit, ten_digits
 from ...procedures.protocol import BudgetFigure, budget_figures
@@ -53,9 +53,8 @@ def budget_rows(
         for component in estimate.components:
             share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
             if share > ROUNDING:
-                head = {"test": test, "quantity": figure.key.name, "axis": figure.key.axis}
-                head |= {"sensor": sensor} if sensor else {}
-                found.append(head | _row(figure, component, sensor_unit) | {"share": share})
+                key = key_fields(figure.key) | ({"sensor": sensor} if sensor else {})
+                found.append({"test": test} | key | _row(figure, component, sensor_unit) | {"share": share})
     return found
 
 

@@ -9,7 +9,7 @@ from typing import Any
 from ...core.estimate import Estimate
 from ...core.judging import Verdict
 from ...core.remarks import Remark, condensed
-from ...core.results import Row, finite
+from ...core.results import Row, finite, key_fields
 from ...core.units import convert, factor
 from ...procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
 from ..engine.engine import Prepared, ReducedTest
@@ -21,6 +21,7 @@ from .budgets import budget_rows
 from .curves import curves_content
 from .exclusions import exclusion_rows, left_out
 from .margins import margin
+from .publish import SCHEMA
 from .requirements import RULE, judge, worst
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
@@ -64,7 +65,7 @@ def results_content(
     verdicts = [verdict for verdict, _ in judged]
     unused = left_out(campaign, prepared, tested)
     results = {
-        "schema": 1,
+        "schema": SCHEMA,
         "campaign": campaign.file.campaign.model_dump(),
         "item": campaign.file.item.model_dump(),
         "site": site_content(campaign.file.site),
@@ -120,8 +121,7 @@ def _covariance(one: ReducedTest, kind: str) -> dict[str, Any] | None:
         return None
     return {
         "test": one.test.id,
-        **({"sensor": kind} if kind else {}),
-        "names": list(estimate.names),
+        "keys": [key_fields(key) | ({"sensor": kind} if kind else {}) for key in estimate.keys],
         "units": list(estimate.units),
         "matrix": estimate.covariance.tolist(),
     }
@@ -137,8 +137,7 @@ def _verdict_row(verdict: Verdict, sensor_unit: str, quantity: str) -> dict[str,
     at = None if verdict.at is None else ten_digits(float(convert([verdict.at], verdict.at_unit, shown)[0]))
     return {
         "requirement": verdict.requirement, "test": verdict.test, "axis": verdict.axis,
-        **({"sensor": verdict.sensor} if verdict.sensor else {}),
-        "at": at, "at_unit": shown if at is not None else "", "of": verdict.of,
+        "sensor": verdict.sensor, "at": at, "at_unit": shown if at is not None else "", "of": verdict.of,
         "value": finite(scaled(verdict.value, scale)), "u": finite(scaled(verdict.u, scale)), "unit": unit,
         "interval": None if interval is None else
         {"lo": finite(interval.lo), "hi": finite(interval.hi), "p": interval.p},

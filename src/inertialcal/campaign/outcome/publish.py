@@ -18,12 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import StoreError
+from ...core.show.names import case_name, quantity_name
 
 OUT = "out"
+SCHEMA = 2  # of results.json
 ROUNDING = 1e-9  # relative difference that is no change
-ROW_COLUMNS = (
-    "quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "lo", "hi", "p", "status", "reason",
-)  # fmt: skip
 
 
 def json_text(content: object) -> str:
@@ -39,12 +38,6 @@ def csv_text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
     for row in rows:
         writer.writerow({name: _cell(row.get(name)) for name in columns})
     return buffer.getvalue()
-
-
-def flat(row: Mapping[str, Any]) -> dict[str, Any]:
-    """Return a row of ``results.json`` with its interval spread over columns, for CSV."""
-    interval = row.get("interval") or {"lo": None, "hi": None, "p": None}
-    return {**{name: value for name, value in row.items() if name != "interval"}, **interval}
 
 
 def _cell(value: Any) -> Any:
@@ -70,15 +63,15 @@ def check_writable(folder: Path) -> None:
         raise StoreError(f"cannot write into {folder}", do="Make the folder writable, or copy it", code="not_writable")
 
 
-def swap_in(folder: Path, files: Mapping[str, str]) -> None:
+def swap_in(folder: Path, files: Mapping[str, str | bytes]) -> None:
     """Replace ``folder/out`` by the files, all or nothing.
 
     Parameters
     ----------
     folder : Path
         Of the campaign.
-    files : mapping of str to str
-        Name and text of each file.
+    files : mapping of str to str or bytes
+        Name and content of each file.
 
     Raises
     ------
@@ -90,9 +83,9 @@ def swap_in(folder: Path, files: Mapping[str, str]) -> None:
     except OSError as error:
         raise StoreError(f"cannot write into {folder}: {error.strerror}", code="not_writable") from None
     try:
-        for name, text in files.items():
+        for name, content in files.items():
             path = aside / name
-            path.write_text(text, encoding="utf-8")
+            path.write_bytes(content if isinstance(content, bytes) else content.encode())
             with path.open("rb") as handle:
                 os.fsync(handle.fileno())
         aside.chmod(0o755)
@@ -117,12 +110,12 @@ def _swap(new: Path, target: Path) -> None:
 
 
 def previous(folder: Path) -> dict[str, Any] | None:
-    """Return the results of the last run, or None where there are none that can be read."""
+    """Return the results of the last run; None where there are none that this version reads."""
     try:
         content = json.loads((folder / OUT / "results.json").read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):
         return None
-    return content if isinstance(content, dict) else None
+    return content if isinstance(content, dict) and content.get("schema") == SCHEMA else None
 
 
 def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[str]:
@@ -138,22 +131,21 @@ def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[
     if before is None:
         return []
     lines = []
-    for table, keys, shown in (
-        ("results", ("test", "quantity", "axis", "condition"), "value"),
-        ("verdicts", ("requirement", "test", "axis", "at"), "verdict"),
-    ):
-        old, new = _keyed(before.get(table), keys), _keyed(after.get(table), keys)
-        for key in [*old, *(key for key in new if key not in old)]:
-            if _differs(old.get(key), new.get(key), shown):
-                name = " ".join(str(part) for part in key if part not in ("", None))
-                lines.append(f"{name}: {_shown(old.get(key), shown)} -> {_shown(new.get(key), shown)}")
+    for table, name_of, shown in (("results", _figure, "value"), ("verdicts", _verdict, "verdict")):
+        old, new = ({name_of(row): row for row in content[table]} for content in (before, after))
+        for name in [*old, *(name for name in new if name not in old)]:
+            if _differs(old.get(name), new.get(name), shown):
+                lines.append(f"{name}: {_shown(old.get(name), shown)} -> {_shown(new.get(name), shown)}")
     return lines
 
 
-def _keyed(rows: Any, keys: Sequence[str]) -> dict[tuple[Any, ...], Any]:
-    if not isinstance(rows, list):
-        return {}
-    return {tuple(str(row.get(key, "")) for key in keys): row for row in rows if isinstance(row, dict)}
+def _figure(row: Mapping[str, Any]) -> str:
+    return " ".join(filter(None, (row["test"], quantity_name(row), row["axis"], case_name(row))))
+
+
+def _verdict(row: Mapping[str, Any]) -> str:
+    at = "" if row["at"] is None else str(row["at"])
+    return " ".join(filter(None, (row["requirement"], row["test"], row["axis"], at)))
 
 
 def _differs(old: Any, new: Any, shown: str) -> bool:

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from ...core.errors import DataError
+from ...files.binary.curves import FILE as CURVES
+from ...files.binary.curves import read_curves
 from ...files.source import load
 from ...sensors.model.serial import FORMAT
 from ..models.find import RESULTS
-from .publish import OUT
+from .publish import OUT, SCHEMA
 
 
 @dataclass(frozen=True, eq=False)
@@ -26,7 +28,7 @@ class ResultsFile:
     path, sha256 : str
         The file.
     content : dict
-        Of ``results.json``.
+        Of ``results.json``, and the ``curves`` of the file beside it.
     """
 
     path: str
@@ -61,7 +63,27 @@ def find_results(path: str | os.PathLike[str], of_campaign: bool = False) -> Res
         return None
     if not isinstance(content, dict) or content.get("format") == FORMAT or "results" not in content:
         return None
+    check_schema(content, str(found))
+    if (curves := found.with_name(CURVES)).is_file():
+        content["curves"] = read_curves(load(curves).data, str(curves))
     return ResultsFile(str(found), loaded.sha256, content)
+
+
+def check_schema(content: Mapping[str, Any], path: str) -> None:
+    """Refuse results of another schema.
+
+    Raises
+    ------
+    DataError
+        ``schema_version``.
+    """
+    if content.get("schema") != SCHEMA:
+        raise DataError(
+            f"results of schema {content.get('schema')!r}: this version reads schema {SCHEMA}",
+            where=path,
+            do="Type again: inertialcal run DIR",
+            code="schema_version",
+        )
 
 
 @contextmanager

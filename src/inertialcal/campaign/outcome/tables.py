@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ...core.key import case_of
 from ...core.remarks import Remark
+from ...core.results import case_of
 from ...core.show.alternatives import names_of
 from ...core.show.result_tables import estimated, figure, folded, not_estimated, remarks_line
 from ...core.show.rounding import number
@@ -29,17 +29,16 @@ def outcome_parts(results: Mapping[str, Any], verdict: str, remarks: Sequence[Re
     remarks : sequence of Remark
         Of the campaign.
     """
-    shown = [row for row in results["results"] if not case_of(row["condition"]).beside]
+    shown = [row for row in results["results"] if not case_of(row).beside]
     parts: list[Block] = []
     for test in dict.fromkeys(row["test"] for row in shown):
         mine = [row for row in shown if row["test"] == test]
         parts += estimated(own_rows(mine, compared_in(mine)), str(test))
         parts += _side_by_side(results, str(test))
     parts += folded("not estimated, for {n} reason(s): see .results", not_estimated(shown))
-    left_out = [row["condition"] for row in results["results"] if case_of(row["condition"]).beside]
-    if left_out:
-        names = names_of(list(dict.fromkeys(left_out)))
-        parts.append(f"left out here: {len(left_out)} figures beside the result ({names})")
+    alternatives = [case for row in results["results"] if (case := case_of(row)).beside]
+    if alternatives:
+        parts.append(f"not shown: {len(alternatives)} alternatives to these results ({names_of(alternatives)})")
     parts += [*_requirements(results["verdicts"]), *_closed_loop(results["closed_loop"])]
     return (*parts, *remarks_line(remarks), f"verdict: {verdict or 'no requirement stated'}")
 

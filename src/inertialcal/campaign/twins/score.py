@@ -12,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import DataError, UsageError
-from ...core.key import case_of
-from ...core.results import Interval
+from ...core.key import PLAIN, At, Case, Key
+from ...core.results import Interval, case_of, key_fields, key_of
+from ...core.show.names import full_name
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
@@ -23,7 +24,7 @@ from ...statistics.intervals import binomial_interval, contains, covers, t_inter
 from ..engine.engine import ReducedTest
 from ..outcome.publish import OUT, previous
 from .fitted import fitted_tests
-from .twin import Key, Truth, known_truth, read_truth, truth_by_key
+from .twin import Of, Truth, known_truth, read_truth, truth_by_key
 
 RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
 P = 0.999
@@ -84,9 +85,7 @@ def truth_grid(rows: Sequence[Mapping[str, Any]], caption: str = "") -> Table:
 def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     estimate = with_uncertainty(row["value"], row["u"]) if row["inside"] is not None else "not estimated"
     word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
-    sensor = case_of(row["condition"]).sensor
-    quantity = f"{row['quantity']} ({sensor})" if sensor else row["quantity"]
-    return row["test"], quantity, row["axis"], estimate, number(row["truth"]), row["unit"], word
+    return row["test"], full_name(row), row["axis"], estimate, number(row["truth"]), row["unit"], word
 
 
 @dataclass(frozen=True)
@@ -101,8 +100,10 @@ class Coverage:
         Intervals that held it, and intervals.
     missing : int
         Campaigns that gave none.
-    test, condition : str
-        Of which test, where there are several that give it, and under which condition.
+    test : str
+        Of which test, where there are several that give it.
+    sensor, power, at
+        Of the key.
     """
 
     quantity: str
@@ -111,7 +112,14 @@ class Coverage:
     n: int
     missing: int
     test: str = ""
-    condition: str = ""
+    sensor: str = ""
+    power: int = 0
+    at: At | None = None
+
+    @property
+    def key(self) -> Key:
+        """What it is of."""
+        return Key(self.quantity, self.axis, self.sensor, self.power, self.at)
 
     @property
     def rate(self) -> float | None:
@@ -131,9 +139,8 @@ class Coverage:
     def to_dict(self) -> dict[str, Any]:
         """Return the row as ``--json`` prints it."""
         interval = self.interval
-        return {
-            "quantity": self.quantity, "axis": self.axis, "test": self.test, "condition": self.condition,
-            "hits": self.hits, "n": self.n, "missing": self.missing,
+        return key_fields(self.key) | {
+            "test": self.test, "hits": self.hits, "n": self.n, "missing": self.missing,
             "rate": self.rate, "interval": interval and {"lo": interval[0], "hi": interval[1], "p": P},
             "verdict": self.verdict,
         }  # fmt: skip
@@ -159,16 +166,14 @@ def score(folder: str | Path) -> Score:
         why = "they were made before the campaign was"
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",
                         "stale_results")  # fmt: skip
-    conditions = {step["test"]: step["condition"] for step in results["sequence"]}
-    rows = [row for row in results["results"] if not case_of(row["condition"]).beside]
-    pairs = [(row, truth.of(_key(row, conditions))) for row in rows]
+    rows = [row for row in results["results"] if _is_result(case_of(row))]
+    pairs = [(row, truth.of((key_of(row), row["test"]))) for row in rows]
     return Score(truth, tuple(_scored(row, true) for row, true in pairs if true is not None))
 
 
-def _key(row: Mapping[str, Any], conditions: Mapping[str, str]) -> Key:
-    """Return what a row is: a condition that is that of its whole test is none of its own."""
-    own = row["condition"] if row["condition"] != conditions.get(row["test"], "") else ""
-    return row["quantity"], row["axis"], row["test"], own
+def _is_result(case: Case) -> bool:
+    """Whether a figure is a result, at whatever place."""
+    return case._replace(condition="", at=None, times=0, sensor="") == PLAIN
 
 
 def _scored(row: Mapping[str, Any], true: TrueValue) -> dict[str, Any]:
@@ -219,7 +224,7 @@ def coverage(
         As in `score_rig`.
     """
     tell = progress or (lambda done, total, what: None)
-    held: dict[Key, list[bool]] = {}
+    held: dict[Of, list[bool]] = {}
     for seed in range(first, first + n):
         if (seed - first) % max(n // STEPS, 1) == 0:
             tell(seed - first, n, f"seed {seed}")
@@ -227,20 +232,20 @@ def coverage(
             held.setdefault(name, []).append(inside)
     tell(n, n, "done")
     return tuple(
-        Coverage(quantity, axis, sum(found), len(found), n - len(found), test, condition)
-        for (quantity, axis, test, condition), found in held.items()
+        Coverage(key.quantity, key.axis, sum(found), len(found), n - len(found), test, key.sensor, key.power, key.at)
+        for (key, test), found in held.items()
     )
 
 
-def _held(twin: Twin) -> dict[Key, bool]:
+def _held(twin: Twin) -> dict[Of, bool]:
     """Whether the interval of each quantity whose truth is known holds it; of one test where the truth is of one."""
     found = {}
     values = truth_by_key(twin.truth)
     for one in fitted_tests(twin):
         for key, interval in _intervals(one):
-            true = known_truth(values, key)
+            true = known_truth(values, (key, one.test.id))
             if true is not None:
-                found[true.quantity, true.axis, true.test, true.condition] = contains(interval, true.value)
+                found[true.key, true.test] = contains(interval, true.value)
     return found
 
 
@@ -249,8 +254,8 @@ def _intervals(one: ReducedTest) -> Iterator[tuple[Key, Interval]]:
     rows = one.procedure.truths(one.result)
     if rows is not None:
         for row in (*rows, *one.against):
-            if row.interval is not None and not row.case.beside:
-                yield (row.quantity, row.axis, one.test.id, str(row.case)), row.interval
+            if row.interval is not None and _is_result(row.case):
+                yield row.key, row.interval
         return
     estimate = one.result.estimate
     if estimate is None:
@@ -258,4 +263,4 @@ def _intervals(one: ReducedTest) -> Iterator[tuple[Key, Interval]]:
     for key, value, u, dof in zip(estimate.keys, estimate.values, estimate.u, estimate.dof, strict=True):
         shown = one.procedure.called(one.result, key)
         if shown.at is None:
-            yield (shown.name, shown.axis, one.test.id, ""), t_interval(float(value), float(u), float(dof))
+            yield shown, t_interval(float(value), float(u), float(dof))

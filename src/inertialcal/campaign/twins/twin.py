@@ -17,6 +17,7 @@ from pathlib import Path
 
 from ...core.campaign_text import FILE
 from ...core.errors import DataError, StoreError, UsageError
+from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Block, Table, html, text
 from ...rigs import RIGS
@@ -25,7 +26,7 @@ from ..file.load import load
 from ..outcome.publish import json_text
 
 TRUTH = ".truth/truth.json"
-Key = tuple[str, str, str, str]  # quantity, axis, test, condition
+Of = tuple[Key, str]  # which figure, of which test
 
 
 @dataclass(frozen=True)
@@ -66,23 +67,22 @@ class Truth:
     seal: str
 
     @cached_property
-    def _by_key(self) -> dict[Key, TrueValue]:
+    def _by_key(self) -> dict[Of, TrueValue]:
         return truth_by_key(self.values)
 
-    def of(self, key: Key) -> TrueValue | None:
+    def of(self, which: Of) -> TrueValue | None:
         """Return the true value of a figure: of its test, else of all tests; None where it is not known."""
-        return known_truth(self._by_key, key)
+        return known_truth(self._by_key, which)
 
 
-def truth_by_key(values: Iterable[TrueValue]) -> dict[Key, TrueValue]:
-    """Return true values by what they are: quantity, axis, test, condition."""
-    return {(one.quantity, one.axis, one.test, one.condition): one for one in values}
+def truth_by_key(values: Iterable[TrueValue]) -> dict[Of, TrueValue]:
+    """Return true values by key and test."""
+    return {(one.key, one.test): one for one in values}
 
 
-def known_truth(values: Mapping[Key, TrueValue], key: Key) -> TrueValue | None:
+def known_truth(values: Mapping[Of, TrueValue], which: Of) -> TrueValue | None:
     """Return the true value of a figure: of its test, else of all tests; None where it is not known."""
-    quantity, axis, _, condition = key
-    return values.get(key) or values.get((quantity, axis, "", condition))
+    return values.get(which) or values.get((which[0], ""))
 
 
 def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Written:
@@ -127,8 +127,9 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
 
 def truth_text(twin: Twin) -> str:
     """Return the content of ``truth.json``."""
-    head = {"schema": 1, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault}
-    return json_text(head | {"values": [asdict(value) for value in twin.truth], "drawn": dict(twin.drawn)})
+    head = {"schema": 2, "rig": twin.rig, "seed": twin.seed, "fault": twin.fault}
+    values = [asdict(one) | {"at": None if one.at is None else one.at._asdict()} for one in twin.truth]
+    return json_text(head | {"values": values, "drawn": dict(twin.drawn)})
 
 
 def csv_text(recording: Recording, file: str = "") -> str:
@@ -181,7 +182,7 @@ def read_truth(folder: str | Path) -> Truth:
         raise DataError(what, TRUTH, why, "Simulate the campaign again from its seed", "seal_broken")
     try:
         content = json.loads(raw)
-        values = [TrueValue(**one) for one in content["values"]]
+        values = [TrueValue(**one | {"at": one["at"] and At(**one["at"])}) for one in content["values"]]
         return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
     except (ValueError, KeyError, TypeError) as error:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None

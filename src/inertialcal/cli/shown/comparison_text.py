@@ -33,6 +33,6 @@ def _figures(found: Comparison) -> str:
 
 
 def _beside(found: Comparison) -> list[str]:
-    left_out = [str(one.row.case) for one in found.differences if is_beside(one) and not is_shown(one)]
+    left_out = [one.row.case for one in found.differences if is_beside(one) and not is_shown(one)]
     names = names_of(list(dict.fromkeys(left_out)))
     return [f"  left out: {len(left_out)} figures beside the result ({names}); --json has them"] if left_out else []

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ...core.results import key_of
+from ...core.show.names import reason_text
 from ...core.show.rounding import number
 from ...sensors.model.sensor_model import SensorModel, show
 from .output import clean, table
@@ -23,12 +25,12 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
     heads = ["  name", "value", "u", "unit", "dof", "from"]
     cells = [
         [
-            f"  {row['quantity']}_{row['axis']}".rstrip("_"),
+            f"  {key_of(row)}",
             repr(row["value"]),
             "-" if row["u"] is None else number(row["u"], 3),
             row["unit"],
             "" if row["u"] is None else "inf" if row["dof"] is None else number(row["dof"], 3),
-            "; ".join(text for text in (row["test"], row["reason"]) if text),
+            "; ".join(text for text in (row["test"], reason_text(row)) if text),
         ]
         for row in rows
     ]

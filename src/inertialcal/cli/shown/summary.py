@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
-from ...core.key import reason_of
+from ...core.key import PLAIN
 from ...core.remarks import Remark
 from ...core.show.alternatives import columns_of, lines_of, names_of
+from ...core.show.names import reason_code, reason_text
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ...core.show.rounding import number
 from ...core.show.side_by_side import Compared, own_rows, pairs_of, verdict_of
@@ -34,33 +35,29 @@ def results_text(results: Mapping[str, Any]) -> str:
 
 
 def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
-    """One line a quantity: the result, and beside it the other ways of reduction and single flips."""
+    """Return a line a quantity: the result, then its alternatives: other methods and single parts."""
     lines = lines_of(rows)
-    beside, left = columns_of(lines)
+    shown, left = columns_of(lines)
     cells = [
-        [f"  {_name(quantity, condition)}", axis, figure(ways.get("")), unit, interval(ways.get("")),
-         degrees(ways.get("")), *(figure_beside(ways.get(way), ways.get("")) for way in beside)]
-        for (quantity, condition, axis, unit), ways in lines.items()
+        [f"  {f'{quantity} ({case})' if case else quantity}", axis, figure(ways.get(PLAIN)), unit, interval(ways.get(PLAIN)),
+         degrees(ways.get(PLAIN)), *(figure_beside(ways.get(way), ways.get(PLAIN)) for way in shown)]
+        for (quantity, case, axis, unit), ways in lines.items()
         if not ways.keys() <= set(left)
     ]  # fmt: skip
     heads = ["  quantity", "axis", "value ± u", "unit", "95 % interval", "dof"]
-    shown = table(cells, [*heads, *(way.replace("_", " ") for way in beside)])
+    found = table(cells, [*heads, *(str(way).replace("_", " ") for way in shown)])
     if not left:
-        return shown
+        return found
     count = sum(way in left for ways in lines.values() for way in ways)
-    return f"{shown}\n  left out: {count} figures beside the result ({names_of(left)}); --json has them"
-
-
-def _name(quantity: str, condition: str) -> str:
-    return f"{quantity} ({condition})" if condition else quantity
+    return f"{found}\n  not shown: {count} alternatives to these results ({names_of(left)}); see --json"
 
 
 def _in_doubt(rows: Sequence[Mapping[str, Any]]) -> str:
     """Return a line a reason why figures of axes may not hold."""
     axes: dict[str, dict[str, None]] = {}
     for row in rows:
-        if row["status"] == "estimated" and reason_of(row["reason"]).code == "in_doubt":
-            axes.setdefault(row["reason"], {})[row["axis"]] = None
+        if row["status"] == "estimated" and reason_code(row) == "in_doubt":
+            axes.setdefault(reason_text(row), {})[row["axis"]] = None
     return "\n".join(f"  {reason} ({', '.join(found)})" for reason, found in axes.items())
 
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
-from ...core.key import case_of
+from ...core.results import case_of
 from ...rigs import DEMONSTRATED, RIGS
 from ..options import Json, Quiet
 from ..rig_names import rigs_beginning
@@ -67,7 +67,7 @@ WITH_MODEL = ("vacuum_offset", "angle_random_walk")  # shown with the model, whi
 
 
 def _of_others(row: Any) -> bool:
-    return row["quantity"] in WITH_MODEL and case_of(row["condition"]).at is None
+    return row["quantity"] in WITH_MODEL and case_of(row).at is None
 
 
 def _print_scored(outcome: Any, found: Any) -> None:

@@ -16,7 +16,7 @@ from ..shown.output import json_out, table
 from ..shown.progress import progress
 
 if TYPE_CHECKING:
-    from ...campaign.twins.score import Score
+    from ...campaign.twins.score import Coverage, Score
 
 
 def simulate(
@@ -115,22 +115,24 @@ def _rig(rig: str, n: int, first: int, as_json: bool, quiet: bool) -> int:
     status = 1 if any(one.verdict == "FAIL" for one in found) else 0
     if as_json:
         rows = [one.to_dict() for one in found]
-        verdicts = [{name: row[name] for name in ("quantity", "axis", "verdict")} for row in rows]
+        verdicts = [
+            {name: row[name] for name in ("quantity", "axis", "sensor", "power", "at", "test", "verdict")}
+            for row in rows
+        ]
         seeds = {"rig": rig, "n": n, "seed_from": first, "rule": RULE}
         json_out("score", {"results": rows, "verdicts": verdicts} | seeds, status)
     elif not quiet:
-        cells = [_coverage_cells(one.to_dict()) for one in found]
+        cells = [_coverage_cells(one) for one in found]
         heads = ["quantity", "axis", "held", "rate", "99.9 % interval", "verdict"]
         print(table(cells, heads, right=(2, 3)))
         print(f"\nseeds {first} to {first + n - 1}; PASS where {RULE}")
     return status
 
 
-def _coverage_cells(row: Mapping[str, Any]) -> list[str]:
-    interval = row["interval"]
-    ends = "-" if interval is None else f"{interval['lo']:.1%} .. {interval['hi']:.1%}"
-    rate = "-" if row["rate"] is None else f"{row['rate']:.1%}"
-    missing = f" ({row['missing']} without an interval)" if row["missing"] else ""
-    where = ", ".join(word for word in (row["test"], row["condition"]) if word)
-    quantity = f"{row['quantity']} ({where})" if where else row["quantity"]
-    return [quantity, row["axis"], f"{row['hits']} of {row['n']}", rate, ends, row["verdict"] + missing]
+def _coverage_cells(one: Coverage) -> list[str]:
+    ends = "-" if one.interval is None else f"{one.interval[0]:.1%} .. {one.interval[1]:.1%}"
+    rate = "-" if one.rate is None else f"{one.rate:.1%}"
+    missing = f" ({one.missing} without an interval)" if one.missing else ""
+    where = ", ".join(word for word in (one.test, one.sensor, str(one.at or "")) if word)
+    quantity = f"{one.key.name} ({where})" if where else one.key.name
+    return [quantity, one.axis, f"{one.hits} of {one.n}", rate, ends, one.verdict + missing]

@@ -14,8 +14,8 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from ..key import Key, case_of, key_of
-from .sentence import R, WrittenRow
+from ..results import WrittenRow, case_of
+from .sentence import R
 
 FIRST = "bias_voltage"  # in volts, volts per volt, ...: of the thermal test
 AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
@@ -35,7 +35,7 @@ def output_rows(rows: Sequence[R], steps: Sequence[Mapping[str, Any]]) -> list[R
     if table is None:
         return []
     first = table["after"][0]
-    cases = [case_of(row["condition"]) for row in rows]
+    cases = [case_of(row) for row in rows]
     own = [row for row, case in zip(rows, cases, strict=True) if not case.beside and case.at is None]
     turned = {step["test"] for step in steps if step.get("procedure") == table.get("procedure")} - {table["test"]}
     chosen = [row for row in own if row["test"] not in turned and _is_chosen(row, first, table["test"])]
@@ -44,19 +44,15 @@ def output_rows(rows: Sequence[R], steps: Sequence[Mapping[str, Any]]) -> list[R
 
 def _is_chosen(row: WrittenRow, first: str, table: str) -> bool:
     if row["test"] == first:
-        return _key(row).quantity == FIRST
+        return bool(row["quantity"] == FIRST)
     return row["quantity"] in (AFTER if row["test"] == table else OTHERS)
 
 
-def _key(row: WrittenRow) -> Key:
-    return key_of(str(row["quantity"]), str(row["axis"]))
-
-
-def _order(row: WrittenRow) -> tuple[str, int, str]:
+def _order(row: WrittenRow) -> tuple[str, int, str, int, str, str]:
     """Return sensor by sensor: polynomial, rate table, others."""
     name = str(row["quantity"])
-    place = 0 if _key(row).quantity == FIRST else 1 + [*AFTER, *OTHERS].index(name)
-    return str(row["axis"])[:1], place, f"{name} {row['axis']} {row['test']}"
+    place = [FIRST, *AFTER, *OTHERS].index(name)
+    return str(row["axis"])[:1], place, name, int(float(row["power"])), str(row["axis"]), str(row["test"])
 
 
 def note(row: Mapping[str, Any]) -> str:

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING
 
 from ..errors import UsageError
-from ..results import Row
+from ..results import COLUMNS, Row
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -31,5 +31,5 @@ def frame(columns: Mapping[str, object], index: Sequence[str] | None = None) -> 
 
 def frame_of_rows(rows: Sequence[Row]) -> DataFrame:
     """Return a pandas DataFrame, a row a figure; errors as `frame`."""
-    told = [row.to_dict() for row in rows]
-    return frame({name: [one[name] for one in told] for name in told[0]})
+    flat = [row.flat() for row in rows]
+    return frame({name: [one[name] for one in flat] for name in COLUMNS})

@@ -8,9 +8,11 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from typing import Any
 
-from ..key import case_of
+from ..key import Method
 from ..remarks import Remark
-from .alternatives import TEXTBOOK, missing_of
+from ..results import case_of
+from .alternatives import missing_of
+from .names import full_name, quantity_name
 from .rounding import PLAIN, near, number, with_uncertainty
 from .tables import Block, Details, Table
 
@@ -61,7 +63,7 @@ def estimate_table(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tupl
 def estimated(rows: Sequence[Mapping[str, Any]], caption: str = "") -> tuple[Block, ...]:
     """Return the figures that were estimated as a grid; the caption alone where there are none."""
     found = [
-        (_name(row), row["axis"], figure(row), row["unit"], interval(row), degrees(row))
+        (full_name(row), row["axis"], figure(row), row["unit"], interval(row), degrees(row))
         for row in rows
         if row["status"] != "not_estimated"
     ]
@@ -83,17 +85,13 @@ def not_estimated(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
 
 def _told(row: Mapping[str, Any]) -> str:
     """Return which figure a row is, or for one beside the result of what it is."""
-    case = case_of(row["condition"])
-    if case.beside and case != TEXTBOOK:
-        return str(row["condition"]).replace("_", " ")
+    case = case_of(row)
+    if case.beside and (case.method is not Method.TEXTBOOK or case.member is not None):
+        return str(case).replace("_", " ")
     value = row["value"]
     known = "" if value is None else f" ({number(value, 3 if abs(value) < WHOLE else PLAIN)} {row['unit']})"
-    condition = "" if case.beside else row["condition"]
-    return f"{_name({**row, 'condition': condition})} {row['axis']}".strip() + known
-
-
-def _name(row: Mapping[str, Any]) -> str:
-    return f"{row['quantity']} ({row['condition']})" if row["condition"] else str(row["quantity"])
+    name = quantity_name(row) if case.beside else full_name(row)
+    return f"{name} {row['axis']}".strip() + known
 
 
 def remarks_line(remarks: Iterable[Remark]) -> tuple[Block, ...]:

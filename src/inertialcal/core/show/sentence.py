@@ -8,16 +8,9 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol, TypeVar
+from typing import TypeVar
 
-
-class WrittenRow(Protocol):
-    """A row of ``results.json``: a mapping, or one that knows where it stands in the file."""
-
-    def __getitem__(self, key: str, /) -> Any:
-        """Return a field."""
-        ...
-
+from ..results import WrittenRow, case_of
 
 R = TypeVar("R", bound=WrittenRow)
 
@@ -51,15 +44,15 @@ BIASES = ("bias", "residual_bias")
 ERROR = "scale_factor_error"
 
 
-def estimated(rows: Iterable[R], quantity: str, condition: str | None = "") -> list[R]:
-    """Return the rows of a quantity that the data could carry, under a condition; None takes any."""
+def estimated(rows: Iterable[R], quantity: str, any_case: bool = False) -> list[R]:
+    """Return the estimated rows of a quantity: the results, or also those of every part, place and method."""
     return [
         row
         for row in rows
         if row["quantity"] == quantity
         and row["status"] == "estimated"
         and row["value"] is not None
-        and condition in (None, row["condition"])
+        and (any_case or case_of(row).plain)
     ]
 
 
@@ -68,9 +61,9 @@ def largest(rows: Sequence[R]) -> R | None:
     return max(rows, key=lambda row: abs(float(row["value"])), default=None)
 
 
-def largest_of(quantities: Sequence[str], rows: Sequence[WrittenRow], condition: str | None = "") -> Sentence:
+def largest_of(quantities: Sequence[str], rows: Sequence[WrittenRow]) -> Sentence:
     """Say the largest value of some quantities, and on which axis; nothing where none was estimated."""
-    row = largest([row for quantity in quantities for row in estimated(rows, quantity, condition)])
+    row = largest([row for quantity in quantities for row in estimated(rows, quantity)])
     return () if row is None else ("Largest ", row["quantity"].replace("_", " "), " ", Cited(row), ", on ",
                                    Quoted(row["axis"]))  # fmt: skip
 

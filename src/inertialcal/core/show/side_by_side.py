@@ -10,8 +10,8 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TypeVar
 
-from ..key import Method, case_of
-from .sentence import WrittenRow
+from ..key import Method
+from ..results import WrittenRow, case_of
 
 R = TypeVar("R", bound=WrittenRow)
 
@@ -54,7 +54,7 @@ def pairs_of(rows: Iterable[R], compared: Compared | None) -> dict[tuple[str, st
     for axis in sorted(axes):
         for role, row in every:
             if row["axis"] == axis:
-                way = str(row["condition"]) if case_of(row["condition"]).beside else ""
+                way = str(case) if (case := case_of(row)).beside else ""
                 found.setdefault((axis, way), {})[role] = row
     return {key: pair for key, pair in found.items() if "change" in pair}
 
@@ -78,5 +78,5 @@ def verdict_of(pair: Mapping[str, WrittenRow]) -> str:
 
 
 def _is_shown(row: WrittenRow) -> bool:
-    case = case_of(row["condition"])
+    case = case_of(row)
     return not case.beside or (case.member is not None and case.method is Method.RESULT)

@@ -108,7 +108,7 @@ def model_of(kind: Kind, scale: Array, own: Triad, output_unit: str, name: str, 
     )
     reasons = {one.name: f"{name} holds no uncertainty" for one in model.parameters}
     if reason:
-        reasons |= {one.name: reason for one in model.parameters if one.quantity == "bias"}
+        reasons |= {one.name: reason for one in model.parameters if one.key.quantity == "bias"}
     return replace(model, not_estimated=reasons)
 
 

@@ -17,8 +17,8 @@ if TYPE_CHECKING:
     from ...core.key import Key
     from ...core.recording import Recording
     from ...core.remarks import Remark
-    from ...core.results import Row
-    from ...core.show.sentence import Sentence, WrittenRow
+    from ...core.results import Row, WrittenRow
+    from ...core.show.sentence import Sentence
     from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..suggestions import Claim, Draft, FolderFile, Suggestion

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.show.sentence import Cited, Sentence, WrittenRow, estimated, largest
+from ...core.results import WrittenRow, case_of
+from ...core.show.sentence import Cited, Sentence, estimated, largest
 from ...core.show.wording import counted
 
 
 def finding(rows: Sequence[WrittenRow]) -> Sentence:
     """Say the scale factor, of how many runs, what it is off, and whether null runs are zero."""
-    runs = {row["condition"]: row for row in rows if row["quantity"] == "response_amplitude"}
+    runs = {case_of(row): row for row in rows if row["quantity"] == "response_amplitude"}
     found = largest(estimated(rows, "scale_factor"))
     if found is None:
         return (f"The response of {counted(len(runs), 'run')} is not told from noise",)

@@ -13,7 +13,8 @@ from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
-    from ...core.show.sentence import Sentence, WrittenRow
+    from ...core.results import WrittenRow
+    from ...core.show.sentence import Sentence
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from .entry import MassEntry

@@ -11,8 +11,8 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan
 
 if TYPE_CHECKING:
-    from ...core.results import Row
-    from ...core.show.sentence import Sentence, WrittenRow
+    from ...core.results import Row, WrittenRow
+    from ...core.show.sentence import Sentence
     from ..entries import EntryKey
     from .entry import SineEntry
     from .reduction import Readings, Result

@@ -4,6 +4,8 @@
     Deviation of one record of an axis at each averaging time, with its interval, and what the terms give there.
 ``allan_terms``
     Of an axis, on a fine grid of averaging times: the deviation of each term, and of all together.
+``allan_line``
+    The same of one line of an axis, with its frequency.
 ``spectrum``
     Means over bands of the density of one record of an axis, with intervals; each term, and all together.
 ``record_length``
@@ -47,7 +49,7 @@ def curves(result: Result) -> list[Curve]:
     for one in result.axes:
         found += [_allan(result, one, record) for record in one.records]
         if one.fit is not None:
-            found.append(_terms(result, one, one.fit))
+            found += _terms(result, one, one.fit)
         found += [
             _spectrum(result, one, record, record.spectral.spectrum)
             for record in one.records
@@ -101,23 +103,28 @@ def _deviation(result: Result, terms: tuple[Term, ...], m: Array, record: Record
     return np.sqrt(np.maximum(variance, 0.0))  # rounding, where a line has a node
 
 
-def _terms(result: Result, one: AxisNoise, fit: NoiseFit) -> Curve:
+def _terms(result: Result, one: AxisNoise, fit: NoiseFit) -> list[Curve]:
     record, unit = one.records[0], _unit(result)
     first, last = float(record.shown.m[0]), float(record.shown.m[-1])
     density = WITH_LINES if any(isinstance(term, Sinusoid) for term in fit.terms) else PER_OCTAVE
     count = max(2, int(np.ceil(density * np.log2(last / first))) + 1)
     m = np.unique(np.rint(np.geomspace(first, last, count)))
-    columns = {"tau": Column(m * record.run.interval, "s")}
+    tau = Column(m * record.run.interval, "s")
+    columns, lines = {"tau": tau}, []
     for term in fit.terms:
-        columns[_called(term, fit)] = Column(_deviation(result, (term,), m, record), unit)
+        deviation = Column(_deviation(result, (term,), m, record), unit)
+        if isinstance(term, Sinusoid):
+            frequency = Column(np.full(len(m), term.frequency), "Hz")
+            line = {"tau": tau, "deviation": deviation, "frequency": frequency}
+            lines.append(Curve("allan_line", one.axis, line, of=result.plan.deviation))
+        else:
+            columns[_named(term, fit)] = deviation
     columns["all"] = Column(_deviation(result, fit.terms, m, record), unit)
-    return Curve("allan_terms", one.axis, columns, of=result.plan.deviation)
+    return [Curve("allan_terms", one.axis, columns, of=result.plan.deviation), *lines]
 
 
-def _called(term: Term, fit: NoiseFit) -> str:
-    """Return the field's word of a term: lines with their frequency."""
-    if isinstance(term, Sinusoid):
-        return f"line at {term.frequency:.4g} Hz"
+def _named(term: Term, fit: NoiseFit) -> str:
+    """Return the field's word of a term."""
     found = fit.term(term.name)
     told = found.parameters if found is not None and term.parameters == ("coefficient",) else ()
     return told[0].name if told else term.name
@@ -143,7 +150,7 @@ def _spectrum(result: Result, one: AxisNoise, record: Recorded, spectrum: Spectr
     if one.fit is not None and terms:
         run = record.run
         for term in terms:
-            columns[_called(term, one.fit)] = Column(
+            columns[_named(term, one.fit)] = Column(
                 sampled_spectrum((term,), frequency, run.interval, run.averaging), unit
             )
         columns["all"] = Column(sampled_spectrum(terms, frequency, run.interval, run.averaging), unit)

@@ -11,7 +11,11 @@ FIGURES = (
         "allan",
         DRAWN + "allan",
         "Deviation of {axis} over averaging time with 95 % intervals, and the terms fitted to it.",
-        curves={"allan": "allan {axis}{record}", "allan_terms": "allan_terms {axis}"},
+        curves={
+            "allan": "allan {axis}{record}",
+            "allan_terms": "allan_terms {axis}",
+            "allan_line": "allan_line {axis}",
+        },
         order=700,
         top=90,
         partner="spectrum",

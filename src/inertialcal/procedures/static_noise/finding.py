@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.show.sentence import Cited, Quoted, Sentence, WrittenRow, estimated, largest
+from ...core.results import WrittenRow
+from ...core.show.names import reason_text
+from ...core.show.sentence import Cited, Quoted, Sentence, estimated, largest
 from ...core.show.wording import words
 
 TERMS = ("angle_random_walk", "velocity_random_walk", "bias_instability", "gauss_markov_sigma", "rate_random_walk",
@@ -21,7 +23,7 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
     for row in shown:
         start = "; largest " if said else "Largest "
         said = (*said, start, words(row["quantity"]), " ", Cited(row), ", on ", Quoted(row["axis"]))
-    doubt = next((row["reason"] for row in shown if row["reason"]), "")
+    doubt = next((reason for row in shown if (reason := reason_text(row))), "")
     if doubt:
         return (*said, "; ", Quoted(doubt))
     return said if estimated(rows, "bias_instability") else (*said, "; no bias instability found")

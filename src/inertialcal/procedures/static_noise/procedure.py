@@ -24,8 +24,8 @@ from .plan import INFLUENCES, Filters, Plan, Samples
 if TYPE_CHECKING:
     from ...core.recording import Recording
     from ...core.remarks import Remark
-    from ...core.results import Interval, Row
-    from ...core.show.sentence import Sentence, WrittenRow
+    from ...core.results import Interval, Row, WrittenRow
+    from ...core.show.sentence import Sentence
     from ...files.info.survey import Survey
     from ..given import Described, GivenFile
     from ..protocol import Reduced

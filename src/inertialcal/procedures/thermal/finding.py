@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from ...core.key import reason_of
-from ...core.show.sentence import Cited, Quoted, Sentence, WrittenRow, estimated, largest
+from ...core.results import WrittenRow
+from ...core.show.names import reason_code
+from ...core.show.sentence import Cited, Quoted, Sentence, estimated, largest
 
 OFFSETS = ("vacuum_offset", "bias_shift")
 
@@ -20,11 +21,11 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
         return ("No bias over temperature could be told",)
     low, high = max(lowest, key=_value), min(highest, key=_value)  # where all axes are known
     said: Sentence = ("Bias over ", Cited(low, u=False, unit=False), " to ", Cited(high, u=False))
-    offset = largest([row for name in OFFSETS for row in estimated(rows, name, None)])
+    offset = largest([row for name in OFFSETS for row in estimated(rows, name, any_case=True)])
     if offset is not None:
         name = offset["quantity"].replace("_", " ")
         said = (*said, "; ", name, " up to ", Cited(offset), ", on ", Quoted(offset["axis"]))
-    scatter = largest(estimated(rows, "scatter_run", None))
+    scatter = largest(estimated(rows, "scatter_run", any_case=True))
     if scatter is not None:
         said = (*said, "; power-ups scatter by up to ", Cited(scatter), ", on ", Quoted(scatter["axis"]))
     shown = [Quoted(row["axis"]) for row in rows if row["quantity"] == "hysteresis" and _is_shown(row)]
@@ -39,4 +40,4 @@ def _value(row: WrittenRow) -> float:
 
 
 def _is_shown(row: WrittenRow) -> bool:
-    return reason_of(row["reason"]).code == "yes"
+    return reason_code(row) == "yes"

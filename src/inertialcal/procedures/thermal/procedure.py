@@ -26,8 +26,8 @@ if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.judging import Asked, Verdict
     from ...core.recording import Recording
-    from ...core.results import Row
-    from ...core.show.sentence import Sentence, WrittenRow
+    from ...core.results import Row, WrittenRow
+    from ...core.show.sentence import Sentence
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest

@@ -19,10 +19,11 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import At
 from ...core.recording import Recording
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
-from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, campaign_text, degrees, recording_file
+from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, campaign_text, recording_file
 from .recordings import World, chamber_recording, draw_world, static_recording, table_recordings
 from .setup import AIR, AVERAGING, VACUUM, Bench
 from .unit import Unit, draw_unit, polynomial_bias, reference_volts
@@ -134,25 +135,25 @@ def _model(unit: Unit) -> Iterator[TrueValue]:
         yield TrueValue("bias", axis, float(constant + unit.installation[i]), "rad/s", "model")
         for j, value in enumerate(others, 1):
             name = "rad/s/degC" if j == 1 else f"rad/s/degC^{j}"
-            yield TrueValue(f"bias_temperature_{j}", axis, float(value), name, "model")
+            yield TrueValue("bias_temperature", axis, float(value), name, "model", power=j)
 
 
 def _thermal(unit: Unit) -> Iterator[TrueValue]:
     bias = {where: polynomial_bias(unit, where, [REFERENCE_DEGC, *AT_DEGC]) for where in (AIR, VACUUM)}
-    conditions = ["", *map(degrees, AT_DEGC)]
+    places = [None, *(At("temperature", float(one), "degC") for one in AT_DEGC)]
     for where in (AIR, VACUUM):
         test = NAMES[where]
-        for row, condition in enumerate(conditions):
-            yield from _each("bias", bias[where][row], "rad/s", test, condition)
+        for row, at in enumerate(places):
+            yield from _each("bias", bias[where][row], "rad/s", test, at)
         yield from _each("hysteresis", 2.0 * unit.hysteresis, "rad/s", test)
         yield from _each("thermal_lag", np.full(3, unit.lag), "s", test)
         yield from _each("warm_up_change", unit.start_up[where], "rad/s", test)
         yield from _each("warm_up_time_constant", np.full(3, unit.start_up_time[where]), "s", test)
         for which, quantity in enumerate(("reference_voltage", "temperature_reference_voltage")):
             yield from _each(quantity, reference_volts(unit, which, REFERENCE_DEGC), "V", test)
-    for row, condition in enumerate(conditions):
+    for row, at in enumerate(places):
         offset = bias[VACUUM][row] - bias[AIR][row]
-        yield from _each("vacuum_offset", offset, "rad/s", NAMES[VACUUM], condition)
+        yield from _each("vacuum_offset", offset, "rad/s", NAMES[VACUUM], at)
 
 
 def _on_table(unit: Unit) -> Iterator[TrueValue]:
@@ -175,9 +176,9 @@ def _noise(unit: Unit) -> Iterator[TrueValue]:
     yield from _each("rate_random_walk", unit.walk, "rad/s/sqrt(s)")
 
 
-def _each(quantity: str, values: Array, unit: str, test: str = "", condition: str = "") -> Iterator[TrueValue]:
+def _each(quantity: str, values: Array, unit: str, test: str = "", at: At | None = None) -> Iterator[TrueValue]:
     for axis, value in zip(AXES, values, strict=True):
-        yield TrueValue(quantity, axis, float(value), unit, test, condition)
+        yield TrueValue(quantity, axis, float(value), unit, test, at=at)
 
 
 def drawn_of(unit: Unit) -> Drawn:

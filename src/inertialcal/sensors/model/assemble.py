@@ -12,7 +12,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.units import factor
 from .sensor_model import SensorModel
-from .terms import FORCE_AXES, PER_AXIS, orders, with_values
+from .terms import FORCE_AXES, PER_AXIS, orders, parameter_keys, with_values
 
 NOT_ESTIMATED = "no test gives it: taken as 0"
 
@@ -81,7 +81,7 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
 
 def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
     """Terms that the names ask for, without effect: M = I, zeros, time constants of 1 s."""
-    k, order = len(axes), orders(estimate.keys)
+    k, order = len(axes), orders(parameter_keys(estimate.names, axes))
     matrix = np.zeros((order["matrix"] + 1, k, k))
     matrix[0] = np.eye(k)
     terms = {"matrix": matrix, "bias": np.zeros(k)}
@@ -93,6 +93,6 @@ def _blank_terms(estimate: Estimate, axes: tuple[str, ...]) -> dict[str, Array]:
     for field, (quantity, _) in PER_AXIS.items():
         if field != "bias" and any(f"{quantity}_{axis}" in estimate.names for axis in axes):
             terms[field] = np.zeros(k)
-    if any(key.quantity == "g_sensitivity" for key in estimate.keys):
+    if any(key.quantity == "g_sensitivity" for key in parameter_keys(estimate.names, axes)):
         terms["g_sensitivity"] = np.zeros((k, len(FORCE_AXES)))
     return terms

@@ -9,7 +9,7 @@ infinite degrees of freedom are null.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -18,7 +18,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import finite
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
-from .terms import SHAPES
+from .terms import SHAPES, parameter_keys
 
 FORMAT = "inertialcal model"
 SCHEMA_VERSION = 1
@@ -108,7 +108,7 @@ def _model(content: Mapping[str, Any]) -> SensorModel:
         **arrays,
         temperature_range=_pair(content["temperature_range"]),
         pressure_range=_pair(content["pressure_range"]),
-        estimate=None if content["estimate"] is None else _estimate(content["estimate"]),
+        estimate=None if content["estimate"] is None else _estimate(content["estimate"], content["axes"]),
         not_estimated=dict(content["not_estimated"]),
         provenance={
             name: Provenance(one["test"], tuple(one["recordings"]), one["source"])
@@ -139,7 +139,7 @@ def _estimate_to_dict(estimate: Estimate) -> dict[str, Any]:
     }
 
 
-def _estimate(content: Mapping[str, Any]) -> Estimate:
+def _estimate(content: Mapping[str, Any], axes: Sequence[str]) -> Estimate:
     components = tuple(
         Component(
             one["source"],
@@ -152,7 +152,10 @@ def _estimate(content: Mapping[str, Any]) -> Estimate:
         for one in content["components"]
     )
     values = np.array(content["values"], dtype=float)
-    return Estimate(tuple(content["names"]), values, tuple(content["units"]), components)
+    known = {str(key): key for key in parameter_keys(content["names"], axes)}
+    return Estimate(
+        tuple(known.get(name, name) for name in content["names"]), values, tuple(content["units"]), components
+    )
 
 
 def _dof(plain: Any) -> Array | float:

@@ -18,6 +18,7 @@ from ...core.key import Key
 from ...core.units import normalise
 
 FORCE_AXES = ("x", "y", "z")
+HIGHEST = 12  # power of temperature, or number of exponentials, that a name in a file can have
 
 # Shapes of the terms: k sensors, q powers of temperature, m warm-up exponentials, f force axes.
 SHAPES: dict[str, tuple[str, ...]] = {
@@ -65,13 +66,20 @@ SMALLEST = 1e-4  # below this a difference is absolute: M_xx - 1 has no more dig
 class Parameter:
     """One number of a model."""
 
-    name: str  # ``"misalignment_xz"``
-    # Its two parts: ``"misalignment"``, ``"xz"``
-    quantity: str
-    axis: str
+    key: Key
     unit: str  # SI, and degC
-    field: str  # Attribute of the model that holds it
-    index: tuple[int, ...]  # Where in that array
+    field: str  # attribute of the model that holds it
+    index: tuple[int, ...]  # where in that array
+
+    @property
+    def name(self) -> str:
+        """Its name for people, and in files: ``"misalignment_xz"``."""
+        return str(self.key)
+
+    @property
+    def axis(self) -> str:
+        """Of the sensor; two letters for an entry of the matrix."""
+        return self.key.axis
 
 
 def parameters(axes: Sequence[str], unit: str, arrays: Mapping[str, Array]) -> tuple[Parameter, ...]:
@@ -80,40 +88,40 @@ def parameters(axes: Sequence[str], unit: str, arrays: Mapping[str, Array]) -> t
     found += _matrix(axes, arrays["matrix"])
     for name, (quantity, form) in PER_AXIS.items():
         if name in arrays:
-            found += [_parameter(quantity, a, form, unit, name, (i,)) for i, a in enumerate(axes)]
+            found += [_parameter(Key(quantity, a), form, unit, name, (i,)) for i, a in enumerate(axes)]
     for name, (quantity, form) in PER_POWER.items():
         for j in range(len(arrays.get(name, ()))):
             power = f"^{j + 1}" if j and name == "bias_temperature" else ""
-            found += [
-                _parameter(f"{quantity}_{j + 1}", a, form + power, unit, name, (j, i)) for i, a in enumerate(axes)
-            ]
+            keys = [Key(quantity, a, power=j + 1) for a in axes]
+            found += [_parameter(key, form + power, unit, name, (j, i)) for i, key in enumerate(keys)]
     for m in range(len(arrays.get("warm_up_time", ()))):
-        found.append(_parameter(f"warm_up_time_{m + 1}", "", "s", unit, "warm_up_time", (m,)))
+        found.append(_parameter(Key("warm_up_time", power=m + 1), "s", unit, "warm_up_time", (m,)))
     if "g_sensitivity" in arrays:
         pairs = [(i, a, j, f) for i, a in enumerate(axes) for j, f in enumerate(FORCE_AXES)]
         found += [
-            _parameter("g_sensitivity", a + f, "({U})/(m/s^2)", unit, "g_sensitivity", (i, j)) for i, a, j, f in pairs
+            _parameter(Key("g_sensitivity", a + f), "({U})/(m/s^2)", unit, "g_sensitivity", (i, j))
+            for i, a, j, f in pairs
         ]
     return tuple(found)
 
 
-def _parameter(quantity: str, axis: str, form: str, unit: str, name: str, index: tuple[int, ...]) -> Parameter:
-    full = f"{quantity}_{axis}" if axis else quantity
-    return Parameter(full, quantity, axis, normalise(form.replace("{U}", unit)), name, index)
+def _parameter(key: Key, form: str, unit: str, field: str, index: tuple[int, ...]) -> Parameter:
+    return Parameter(key, normalise(form.replace("{U}", unit)), field, index)
 
 
 def _matrix(axes: Sequence[str], matrix: Array) -> list[Parameter]:
     found = []
     for j in range(len(matrix)):
-        diagonal = "scale_factor_error" + (f"_temperature_{j}" if j else "")
-        cross = f"cross_axis_sensitivity_temperature_{j}" if j else "misalignment"
+        diagonal = "scale_factor_error_temperature" if j else "scale_factor_error"
+        cross = "cross_axis_sensitivity_temperature" if j else "misalignment"
         unit = f"1/degC^{j}" if j > 1 else "1/degC" if j else "1"
         for i, row in enumerate(axes):
-            found.append(_parameter(diagonal, row, unit, "", "matrix", (j, i, i)))
+            found.append(_parameter(Key(diagonal, row, power=j), unit, "", "matrix", (j, i, i)))
         for i, row in enumerate(axes):
             for column_at, column in enumerate(axes):
                 if i != column_at:
-                    found.append(_parameter(cross, row + column, unit if j else "rad", "", "matrix", (j, i, column_at)))
+                    key = Key(cross, row + column, power=j)
+                    found.append(_parameter(key, unit if j else "rad", "", "matrix", (j, i, column_at)))
     return found
 
 
@@ -150,6 +158,13 @@ def with_values(arrays: Mapping[str, Array], changes: Mapping[Parameter, float])
         if row != column:
             new["matrix"][0, row, column] = value * new["matrix"][0, row, row]
     return new
+
+
+def parameter_keys(names: Iterable[str], axes: Sequence[str]) -> list[Key]:
+    """Return the keys of the names that are parameters of a model with these axes, of any order up to `HIGHEST`."""
+    blank = {name: np.zeros((HIGHEST, *(len(axes) for side in shape[1:]))) for name, shape in SHAPES.items()}
+    known = {one.name: one.key for one in parameters(axes, "rad/s", blank)}  # in whatever unit
+    return [known[name] for name in names if name in known]
 
 
 def orders(keys: Iterable[Key]) -> dict[str, int]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ....core.errors import DataError, InertialcalError, PlanError
+from ....core.results import Row
 from ....core.units import factor
 from ....files.source import load
 from ....sensors.noise import (
@@ -44,21 +45,19 @@ def noise_from(path: Path, axis: str | None) -> tuple[tuple[Term, ...], str, str
     """
     loaded, where = load(path), str(path)
     try:
-        rows = json.loads(loaded.data)["results"]
-        if not isinstance(rows, list) or not all(isinstance(row, dict) for row in rows):
-            raise TypeError
-    except (ValueError, KeyError, TypeError, RecursionError):
+        rows = [Row.from_dict(row) for row in json.loads(loaded.data)["results"]]
+    except (ValueError, KeyError, TypeError, AttributeError, RecursionError):
         raise DataError("not output of allan --json or run", where, do=MAKE, code="schema") from None
     found: dict[str, dict[str, Term]] = {}
     for row in rows:  # the first row of each term counts: later ones are the same in other units
-        kind, value = NAMED.get(str(row.get("quantity"))), row.get("value")
-        if kind is None or row.get("status") != "estimated" or row.get("condition") or not value:
+        kind = NAMED.get(row.key.quantity)
+        if kind is None or row.status != "estimated" or not row.case.plain or not row.value:
             continue
         try:
-            size = float(value) * factor(str(row.get("unit")), parameter_unit(kind.name, "coefficient", "m/s^2"))
-        except (InertialcalError, TypeError, ValueError):
+            size = row.value * factor(row.unit, parameter_unit(kind.name, "coefficient", "m/s^2"))
+        except InertialcalError:
             continue  # of a gyro, or without a known unit
-        found.setdefault(str(row.get("axis")), {}).setdefault(kind.name, kind(abs(size)))
+        found.setdefault(row.axis, {}).setdefault(kind.name, kind(abs(size)))
     if not found:
         raise DataError("no estimated noise term of an accelerometer", where, do=MAKE, code="no_noise")
     if (len(found) > 1) if axis is None else (axis not in found):

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from ....core.estimate import Array
-from ....core.key import key_of
 from ....core.remarks import Remark
 from ....sensors.model.compensate import compensate
 from ....sensors.model.sensor_model import SensorModel
@@ -75,7 +74,8 @@ def mixed_up(model: SensorModel) -> dict[str, Find]:
     with axes exchanged, row and column (or bias) of one axis stand at another.
     """
     matrix, bias, k = model.matrix[0], model.bias, len(model.axes)
-    whole = not any(key_of(name).quantity in ("misalignment", "scale_factor_error") for name in model.not_estimated)
+    entries = [one.name for one in model.parameters if one.key.quantity in ("misalignment", "scale_factor_error")]
+    whole = model.not_estimated.keys().isdisjoint(entries)
     forms = {"the matrix with its sign turned": (2.0 * np.eye(k) - matrix, bias)}
     forms["the bias with its sign turned"] = (matrix, -bias)
     if whole and k > 1:

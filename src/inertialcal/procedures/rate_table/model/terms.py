@@ -83,7 +83,6 @@ def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
         input_range=_input_range(result, axes),
         bias_run_to_run=_run_to_run(result, axes),
         referenced=referenced,
-        by_quantity=False,
         taken_off=taken_off,
         changes={source: taken_off_changes(result.lines, source) for source in taken_off},
     )

@@ -13,6 +13,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.patches import Patch
 
+from ....core.show.names import quantity_name
 from ..drawing.data import distinct
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
@@ -114,7 +115,7 @@ def _source(row: Mapping[str, Any], known: Sequence[Source]) -> Source:
 
 
 def _of(row: Mapping[str, Any]) -> tuple[str, str]:
-    return row["quantity"], row["axis"]
+    return quantity_name(row), row["axis"]
 
 
 def _quantities(rows: Rows) -> list[tuple[str, str]]:

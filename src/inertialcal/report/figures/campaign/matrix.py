@@ -14,6 +14,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Patch, Rectangle
 
 from ....core.errors import DataError
+from ....core.results import case_of
 from ....core.show.rounding import number, with_uncertainty
 from ....core.units import factor
 from ..drawing.data import distinct
@@ -35,7 +36,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
     tests = distinct(row["test"] for row in results.get("results", []))
     found = []
     for test in sorted(tests, key=lambda test: test != MODEL):
-        rows = [row for row in results["results"] if row["test"] == test and not row["condition"]]
+        rows = [row for row in results["results"] if row["test"] == test and case_of(row).plain]
         if entries(rows) and (test == MODEL or any(_known(row) for row in rows if row["quantity"] == BESIDE)):
             found.append(of_rows(rows, test))
     return found

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from ....core.key import case_of
+from ....core.results import case_of
 from ....core.show.rounding import with_uncertainty
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit, words
 from ..drawing.metrics import shortened
@@ -40,7 +40,7 @@ def _row(results: Mapping[str, Any], curve: Curve) -> Mapping[str, Any] | None:
         row
         for row in results.get("results", [])
         if (row["quantity"], row["test"], row["axis"]) == key and row["value"] is not None
-        and not case_of(row["condition"]).beside
+        and not case_of(row).beside
     ]  # fmt: skip
     return rows[0] if rows else None
 

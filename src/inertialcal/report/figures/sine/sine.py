@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
+from ....core.results import case_of
 from ....core.show.rounding import number, with_uncertainty
 from ....core.units import factor
 from ..drawing.data import Curve, curves, finite, numbers, unit, words
@@ -51,7 +52,7 @@ def _picture(results: Mapping[str, Any], series: Curve, lines: Curve) -> Picture
 def finding(results: Mapping[str, Any], test: str, axis: str) -> str:
     """Return the finding: the amplitude with its uncertainty, or its upper limit."""
     row = next((one for one in results.get("results", []) if one["quantity"] == "amplitude"
-                and one["axis"] == axis and one["test"] == test and not one["condition"]), None)  # fmt: skip
+                and one["axis"] == axis and one["test"] == test and case_of(one).plain), None)  # fmt: skip
     if row is None or row["value"] is None:
         return f"{plain(axis)}: no amplitude"
     if row["status"] == "upper_limit":

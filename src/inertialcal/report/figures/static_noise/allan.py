@@ -15,7 +15,7 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 from .noise_terms import DOTS, draw_terms, finding
 
 NAME = "allan"
-TERMS = "allan_terms"
+TERMS, LINE = "allan_terms", "allan_line"
 SHOWS = "Deviation over averaging time, both logarithmic; shaded is the 95 % interval, lines are the fitted terms"
 HEIGHT = 2.9  # of the panel [in]
 MOST = 400  # averaging times drawn of a record
@@ -30,7 +30,7 @@ NAMES = {
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test and axis."""
     known = [one for one in curves(results, NAME) if np.any(numbers(one, "deviation") > 0.0)]
-    terms = curves(results, TERMS)
+    terms = [*curves(results, TERMS), *curves(results, LINE)]
     found = []
     for test, axis in dict.fromkeys((str(one.get("test", "")), str(one.get("axis", ""))) for one in known):
         mine, lines = (
@@ -60,7 +60,7 @@ def draw(ax: Axes, mine: Sequence[Curve], lines: Sequence[Curve], title: str = "
     mine : sequence of mapping
         ``allan`` curves of ``results.json``, one a record.
     lines : sequence of mapping
-        ``allan_terms``, one or none.
+        ``allan_terms``, one or none, and an ``allan_line`` for each line.
     title : str
         Above; empty for none.
     """
@@ -75,8 +75,9 @@ def draw(ax: Axes, mine: Sequence[Curve], lines: Sequence[Curve], title: str = "
         at = thinned(deviation, MOST)
         name = plain(curve.get("recording", "")) if len(mine) > 1 else "measured"
         ax.plot(tau[at], deviation[at], linestyle="none", zorder=5, label=name, **DOTS[number % len(DOTS)])
-    for curve in lines:
-        draw_terms(ax, numbers(curve, "tau"), curve, (numbers(mine[0], "tau"), numbers(mine[0], "expected")))
+    for curve in (one for one in lines if one["name"] == TERMS):
+        compared = numbers(mine[0], "tau"), numbers(mine[0], "expected")
+        draw_terms(ax, numbers(curve, "tau"), curve, [one for one in lines if one["name"] == LINE], compared)
     shown = np.concatenate([finite(numbers(one, name)) for one in mine for name in ("deviation", "lo", "hi")])
     log_axis(ax, "x", np.concatenate([numbers(one, "tau") for one in mine]), 1.15)
     log_axis(ax, "y", shown, ROOM)

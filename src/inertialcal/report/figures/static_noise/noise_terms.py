@@ -13,11 +13,12 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ....core.estimate import Array
-from ....core.key import case_of
+from ....core.results import case_of
+from ....core.show.names import reason_text
 from ....core.show.rounding import with_uncertainty
 from ....core.show.wording import words
 from ....sensors.noise.terms import GaussMarkov, quantity_name
-from ..drawing.data import Curve, numbers
+from ..drawing.data import Curve, numbers, unit
 from ..drawing.style import COLOURS, plain
 
 ALL = "all"
@@ -49,7 +50,13 @@ DOTS: tuple[dict[str, Any], ...] = (
 )  # of records
 
 
-def draw_terms(ax: Axes, at: Array, curve: Curve, compared: tuple[Array, Array] | None = None) -> None:
+def draw_terms(
+    ax: Axes,
+    at: Array,
+    curve: Curve,
+    lines: Sequence[Curve] = (),
+    compared: tuple[Array, Array] | None = None,
+) -> None:
     """Draw each term, and all of them together.
 
     Parameters
@@ -60,20 +67,21 @@ def draw_terms(ax: Axes, at: Array, curve: Curve, compared: tuple[Array, Array] 
         Averaging time or frequency.
     curve : mapping
         ``allan_terms`` or ``spectrum`` of ``results.json``.
+    lines : sequence of mapping
+        ``allan_line``, one a line.
     compared : tuple of ndarray, shape (m,), optional
         Averaging times of the data, and what all terms give there: drawn instead where there are lines.
     """
     names = terms_of(curve)
-    lines = [name for name in names if (place := case_of(name).at) is not None and place.what == "line"]
     whole = ALL in curve["columns"]
     for name in names:
-        stroke = WHOLE if whole and len(names) == 1 else STROKES.get(ALIKE.get(name, name), OTHER)
-        if name not in lines:
-            ax.plot(at, _positive(numbers(curve, name)), label=named(name), **{"linewidth": 1.1, "zorder": 3} | stroke)
+        alone = whole and len(names) == 1 and not lines
+        stroke = WHOLE if alone else STROKES.get(ALIKE.get(name, name), OTHER)
+        ax.plot(at, _positive(numbers(curve, name)), label=named(name), **{"linewidth": 1.1, "zorder": 3} | stroke)
     if lines:
-        power = np.sum([peaks_joined(at, numbers(curve, name)) ** 2 for name in lines], axis=0)
+        power = np.sum([peaks_joined(at, numbers(one, "deviation")) ** 2 for one in lines], axis=0)
         ax.plot(at, _positive(np.sqrt(power)), linewidth=1.1, zorder=3, label=_of_lines(lines), **OTHER)
-    if whole and len(names) > 1:
+    if whole and len(names) + len(lines) > 1:
         x, y = compared if lines and compared is not None else (at, numbers(curve, ALL))
         ax.plot(x, _positive(y), label="all terms", **{"zorder": 4} | WHOLE)
 
@@ -83,9 +91,11 @@ def named(term: str) -> str:
     return plain(words(term))
 
 
-def _of_lines(names: Sequence[str]) -> str:
+def _of_lines(lines: Sequence[Curve]) -> str:
     """Return what the joined peaks of lines are called."""
-    return "peaks of the lines" if len(names) > 1 else f"peaks of the {plain(case_of(names[0]).place)} line"
+    if len(lines) > 1:
+        return "peaks of the lines"
+    return f"peaks of the {numbers(lines[0], 'frequency')[0]:.4g} {unit(lines[0], 'frequency')} line"
 
 
 def peaks_joined(at: Array, values: Array) -> Array:
@@ -139,11 +149,10 @@ def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) ->
     mine = [
         (term, row)
         for row in results.get("results", [])
-        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated")
-        and case_of(row["condition"]).member is None
+        if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated") and case_of(row).member is None
         if (term := _term(str(row["quantity"]))) in STROKES
     ]
-    doubt = next((str(row["reason"]) for _, row in mine if row.get("reason")), "")
+    doubt = next((reason for _, row in mine if (reason := reason_text(row))), "")
     sized = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
     others = [_size(row) for _, row in mine[NAMED:]]
     said = doubt or ", ".join([*sized[:NAMED], *others]) or otherwise

@@ -13,7 +13,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from ....core.key import case_of
+from ....core.results import case_of
 from ....core.show.wording import listed
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit
 from ..drawing.log_axes import log_axis
@@ -64,7 +64,7 @@ def _lines(results: Mapping[str, Any], test: str, axis: str) -> dict[str, float]
     found: dict[str, float] = {}
     for row in results.get("results", []):
         if (row["test"], row["axis"], row["quantity"]) == (test, axis, "line_frequency") and row["value"] is not None:
-            found.setdefault(plain(case_of(row["condition"]).number), float(row["value"]))
+            found.setdefault(plain(case_of(row).number), float(row["value"]))
     return found
 
 

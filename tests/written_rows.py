@@ -1,0 +1,28 @@
+"""Rows as ``results.json`` holds them, for tests of tables and sentences."""
+
+from __future__ import annotations
+
+from typing import Any
+
+METHODS = ("all_readings", "median", "low_pass", "as_published", "within_runs", "between_runs")
+
+
+def fields(case: str = "", reason: str = "") -> dict[str, Any]:
+    """Return the fields of a row that tests write short: ``"flip 1"``, ``"run a alone"``, ``"-20 degC"``, a method."""
+    found: dict[str, Any] = {
+        "sensor": "", "power": 0, "at": None, "condition": "", "method": "result", "member": None, "shared": {},
+        "reason": {"code": "", "text": reason} if reason else None,
+    }  # fmt: skip
+    method, _, part = case.partition(", ") if case.startswith(METHODS) else ("result", "", case)
+    found["method"] = method
+    if part.startswith("flip "):
+        found["member"] = {"kind": "flip", "label": part.removeprefix("flip ")}
+    elif part.endswith(" alone"):
+        found["member"] = {"kind": "run", "label": part.removeprefix("run ").removesuffix(" alone")}
+    elif part.endswith((" degC", " Hz")):
+        value, unit = part.removeprefix("line at ").split()
+        what = "line" if unit == "Hz" else "temperature"
+        found["at"] = {"what": what, "value": float(value), "unit": unit}
+    else:
+        found["condition"] = part
+    return found
