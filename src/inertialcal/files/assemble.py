@@ -14,11 +14,8 @@ from ..core.errors import DataError, UsageError
 from ..core.recording import Channel, Recording, Source
 from ..core.remarks import Remark, gather
 from ..signals.time.time_axis import analyse
-from .columns import Content
-from .info.axis_remarks import axis_remarks, rate_remark
-from .info.describe import Described, describe, find_column
-from .text.missing import missing_remarks, nan_in_required
-from .text.unfilled import without_unfilled_end
+from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
+from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
 from .time.clock import Clock, find_clock
 
 SHOWN = 5  # texts of a label column in its remark

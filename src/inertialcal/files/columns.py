@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ..core.errors import DataError
 from ..core.recording import Times
 from ..core.remarks import Remark
 
@@ -93,3 +95,80 @@ class Content:
 
     def __len__(self) -> int:
         return len(self.columns[0].values) if self.columns else 0
+
+
+def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], str]) -> tuple[Remark, ...]:
+    """Return remarks on the empty cells of a column and on its literal NaN.
+
+    Parameters
+    ----------
+    name : str
+        Column.
+    empty, nan : ndarray of int64
+        Index of the cells of each kind.
+    where : callable
+        Gives ``file:row`` of an index.
+    """
+    remarks = []
+    if len(empty):
+        what = f"empty cell in {name!r}: missing"
+        remarks.append(Remark("missing_cells", "info", what, where(int(empty[0])), len(empty), subject=name))
+    if len(nan):
+        what = f"no finite number (NaN, inf) in {name!r}: taken as missing"
+        remarks.append(Remark("nan_literal", "warning", what, where(int(nan[0])), len(nan), subject=name))
+    return tuple(remarks)
+
+
+def nan_in_required(name: str, cell: str, count: int, where: str) -> DataError:
+    """Return the error for a spelled-out NaN in a column that must hold numbers."""
+    more = f" ({count} such cells)" if count > 1 else ""
+    return DataError(
+        f"literal {cell!r} in required column {name!r}{more}",
+        where=where,
+        why="some program wrote it in place of a number: missing, or a computation that failed?",
+        do="Leave the cell empty if the value is missing",
+        code="nan_in_required",
+    )
+
+
+FEWEST = 2  # rows of zeros, columns
+
+
+def without_unfilled_end(content: Content, path: str) -> Content:
+    """Return the content without rows of zeros at its end, remarked and counted."""
+    count = _unfilled(content.columns)
+    if not count:
+        return content
+    kept = len(content) - count
+    what = "row of zeros only, time included, at the end (the unfilled end of a buffer): left out"
+    remark = Remark("unfilled_end", "warning", what, where=content.place(path, kept), count=count)
+    return replace(
+        content,
+        columns=tuple(_first(column, kept) for column in content.columns),
+        rows=None if content.rows is None else content.rows[:kept],
+        remarks=(*content.remarks, remark),
+    )
+
+
+def _unfilled(columns: Sequence[Column]) -> int:
+    """Rows of zeros at the end; 0 where some column before them does not always increase to above zero."""
+    if len(columns) < FEWEST or not all(c.is_number and c.is_complete for c in columns):
+        return 0
+    n = len(columns[0].values)
+    used = np.zeros(n, dtype=bool)
+    for column in columns:
+        used |= column.values != 0
+    filled = int(np.flatnonzero(used)[-1]) + 1 if used.any() else 0
+    if filled < FEWEST or n - filled < FEWEST:
+        return 0
+    clocks = [c for c in columns if c.values[filled - 1] > 0 and np.all(np.diff(c.values[:filled]) > 0)]
+    return n - filled if clocks else 0
+
+
+def _first(column: Column, kept: int) -> Column:
+    return replace(
+        column,
+        values=column.values[:kept],
+        empty=column.empty[column.empty < kept],
+        not_a_number=column.not_a_number[column.not_a_number < kept],
+    )

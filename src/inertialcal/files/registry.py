@@ -22,8 +22,7 @@ from .columns import Column, Content
 from .formats import refusal
 from .pad import reader as pad
 from .reader import ArchiveReader, Reader, Request
-from .reader_errors import as_data_errors
-from .source import Loaded, load
+from .source import Loaded, as_data_errors, load
 from .time.window import cut
 
 TEXT = "text"  # what no other reader knows

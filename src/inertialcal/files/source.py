@@ -6,11 +6,14 @@ import gzip
 import hashlib
 import io
 import shlex
+import warnings
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ..core.errors import DataError
+from ..core.errors import DataError, InertialcalError
 
 LARGEST = 4 * 2**30  # bytes of a file, packed or not
 RATIO_FROM = 64 * 2**20  # unpacked bytes from which the ratio is looked at
@@ -140,3 +143,38 @@ def too_large(name: str, size: int) -> DataError:
         do="Cut it into parts",
         code="too_large",
     )
+
+
+LONGEST = 160  # characters of their message
+
+
+@contextmanager
+def as_data_errors(where: str, what: str) -> Iterator[None]:
+    """Turn any error of a foreign reader into a DataError; its warnings are not shown.
+
+    Parameters
+    ----------
+    where : str
+        File.
+    what : str
+        What the file is meant to be: ``"a Parquet file"``.
+
+    Raises
+    ------
+    DataError
+        With code ``damaged_file``.
+    """
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except InertialcalError:
+        raise
+    except Exception as error:
+        said = " ".join(str(error).split())[:LONGEST] or type(error).__name__
+        raise DataError(
+            f"cannot be read as {what}: {said}",
+            where=where,
+            do="Copy it again from its source, or export it as text",
+            code="damaged_file",
+        ) from None

@@ -12,9 +12,8 @@ import pytest
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.remarks import Remark
 from inertialcal.files.models import formats
-from inertialcal.files.models.export import export
 from inertialcal.files.models.formats import BUILT_IN, FORMATS
-from inertialcal.files.models.model_file import load_model_file
+from inertialcal.files.models.model_file import export, load_model_file
 from inertialcal.files.models.model_format import ImportedModels, ModelFormat, ModelText
 from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.sensor_model import SensorModel

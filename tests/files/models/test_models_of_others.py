@@ -18,11 +18,10 @@ from inertialcal.core.axes import Kind
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
-from inertialcal.files.models.export import export
 from inertialcal.files.models.formats import FORMATS as ALL
 from inertialcal.files.models.formats import read_models
 from inertialcal.files.models.kalibr import parse_yaml
-from inertialcal.files.models.model_file import load_model_file
+from inertialcal.files.models.model_file import export, load_model_file
 from inertialcal.files.models.model_format import ImportedModels, ModelText
 from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.compensate import compensate

@@ -8,8 +8,7 @@ from pathlib import Path
 import pytest
 
 from inertialcal.files import read
-from inertialcal.files.pad.applied import applied
-from inertialcal.files.pad.header import PadHeader
+from inertialcal.files.pad.header import PadHeader, applied
 
 HEADER = PadHeader("sams2_accel", "121f03", 0, 500.0, "<f4", "", None, None, None, None, None, None, "", "")
 

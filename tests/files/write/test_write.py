@@ -17,8 +17,8 @@ from inertialcal.core.errors import DataError, InertialcalError, StoreError, Usa
 from inertialcal.core.recording import SECOND, Channel, Recording, Source
 from inertialcal.files import read
 from inertialcal.files.info.survey import survey_recording
+from inertialcal.files.write.file_columns import numbers, time_column, time_name
 from inertialcal.files.write.recording import WRITERS, write
-from inertialcal.files.write.time_column import numbers, time_column, time_name
 
 FORMATS = [".csv", ".parquet", ".npz"]
 DTYPES = ["u1", "i1", "u2", "i2", "u4", "i4", "i8", "f2", "f4", "f8", "bool", ">f8", ">i4"]

@@ -17,7 +17,7 @@ import pyarrow.parquet as pq
 from pydantic import BaseModel
 
 from inertialcal.campaign.file.schema import CampaignFile
-from inertialcal.core.schema.words import Text
+from inertialcal.core.schema.quantities import Text
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 

@@ -20,7 +20,7 @@ from playwright.sync_api import Browser
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
 from inertialcal.core.errors import InertialcalError
-from inertialcal.core.schema.words import Text
+from inertialcal.core.schema.quantities import Text
 
 LONGEST = 1700  # characters: a text may have 2000, and its number follows
 GROUPS = batches(LONGEST)

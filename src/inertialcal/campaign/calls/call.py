@@ -29,7 +29,7 @@ from ...core.settings import Setting, settings_of
 from ...core.show.frames import frame_of_rows
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
-from ...files.time.plausible import time_remarks
+from ...files.time.stamps import time_remarks
 from ...procedures import procedure_of
 from ...procedures.given import GivenFile, Said
 from ...procedures.protocol import Procedure, Tested

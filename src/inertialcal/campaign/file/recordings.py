@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_type_hints
 
 from pydantic import Field, create_model, field_validator, model_validator
 
-from ...core.schema.quantities import Duration, Frequency, UnitOrNone
-from ...core.schema.words import Axis, Name, Strict, Text
+from ...core.schema.quantities import Axis, Duration, Frequency, Name, Strict, Text, UnitOrNone
 from ...core.times import read_instant
 from ...core.units import divide, parse_quantity
 from ...procedures import loaded_procedures

@@ -10,9 +10,8 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.schema.quantities import Acceleration, Angle, Length
+from ...core.schema.quantities import Acceleration, Angle, Length, Name, Strict, Text
 from ...core.schema.standards import StandardEntry
-from ...core.schema.words import Name, Strict, Text
 from ...core.times import read_instant
 from .recordings import RecordingEntry
 from .sensors import Sensor

@@ -6,8 +6,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, field_validator, model_validator
 
-from ...core.schema.quantities import Duration, UnitOrNone, Voltage
-from ...core.schema.words import Axis, PerAxis, Strict, Text
+from ...core.schema.quantities import Axis, Duration, PerAxis, Strict, Text, UnitOrNone, Voltage
 from ...core.units import kind
 
 RAW = ("count", "voltage")

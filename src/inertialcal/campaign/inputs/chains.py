@@ -6,7 +6,7 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.schema.words import Axis, PerAxis
+from ...core.schema.quantities import Axis, PerAxis
 from ...core.units import parse_quantity, si_unit
 from ...sensors.chain.converter import Chain, Thermometer, pulse_counter
 from ..file.sensors import Chain as Chain_

@@ -9,7 +9,7 @@ from pathlib import Path
 from ...core.campaign_text import FILE
 from ...core.recording import Recording
 from ...core.remarks import Remark
-from ...files.info.hints import Hint
+from ...files.info.channel_survey import Hint
 from ...files.info.survey import Survey
 from ...procedures import procedure_names, procedure_of
 from ...procedures.suggestions import Strength, Suggestion

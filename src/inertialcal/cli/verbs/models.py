@@ -177,7 +177,7 @@ def export(
 ) -> int:
     """Hand out a model in a format for others; one that was not judged only with --unjudged."""
     from ...campaign.models.find import find_model
-    from ...files.models.export import export as export_model
+    from ...files.models.model_file import export as export_model
 
     found = find_model(model)
     sources = [found] if other is None else [found, find_model(other)]

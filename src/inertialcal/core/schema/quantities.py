@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import re
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
-from pydantic import BeforeValidator
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field
 
 from ..errors import DataError
 from ..units import kind, normalise, parse_quantity, same_dimension
@@ -72,3 +72,21 @@ Relative = quantity("1")
 Voltage = quantity("V")
 Duration = quantity("s")
 Frequency = quantity("Hz")
+
+
+Name = Annotated[str, Field(pattern=r"^[A-Za-z0-9][A-Za-z0-9_.-]*$", max_length=64)]
+
+
+Text = Annotated[str, Field(max_length=2000)]
+
+
+Axis = Literal["x", "y", "z"]
+
+
+PerAxis = str | dict[Axis, str]  # one quantity for all axes, or one each
+
+
+class Strict(BaseModel):
+    """Unknown keys are refused; nothing changes after reading."""
+
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)

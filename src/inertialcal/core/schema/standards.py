@@ -8,7 +8,7 @@ from pydantic import Field, model_validator
 
 from ..influence import Influence
 from ..units import parse_quantity
-from .words import Strict, Text
+from .quantities import Strict, Text
 
 LARGEST = 1e9  # uncertainty of a standard, SI: beyond it a digit or a unit is wrong
 # Influences that may stand under [standards.NAME], with the unit that they are read into.

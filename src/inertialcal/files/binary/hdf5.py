@@ -14,8 +14,7 @@ import numpy as np
 
 from ..columns import Content
 from ..reader import Reader
-from ..reader_errors import as_data_errors
-from ..source import LARGEST, Loaded, too_large
+from ..source import LARGEST, Loaded, as_data_errors, too_large
 from .arrays import NamedArray, columns_of
 
 MAGIC = b"\x89HDF\r\n\x1a\n"

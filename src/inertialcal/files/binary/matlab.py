@@ -25,8 +25,7 @@ from ...core.errors import DataError
 from ..columns import Content
 from ..formats import ZIP
 from ..reader import Reader
-from ..reader_errors import as_data_errors
-from ..source import LARGEST, Loaded, check_size, too_large
+from ..source import LARGEST, Loaded, as_data_errors, check_size, too_large
 from .arrays import NamedArray, columns_of
 
 MAGIC = b"MATLAB 5.0 MAT-file"

@@ -13,8 +13,7 @@ from numpy.lib import format as npy_format
 from ..columns import Content
 from ..formats import members
 from ..reader import Reader
-from ..reader_errors import as_data_errors
-from ..source import Loaded, check_size
+from ..source import Loaded, as_data_errors, check_size
 from .arrays import NamedArray, columns_of
 
 MAGIC = b"\x93NUMPY"

@@ -11,8 +11,7 @@ from ...core.errors import DataError
 from ...core.remarks import Remark
 from ..columns import Column, Content
 from ..reader import Reader
-from ..reader_errors import as_data_errors
-from ..source import Loaded, check_size
+from ..source import Loaded, as_data_errors, check_size
 from ..text.cells import judge
 from ..text.delimited import arrow_numbers, text_in_numbers
 

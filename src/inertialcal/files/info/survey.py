@@ -15,10 +15,9 @@ from ...core.show.result_tables import remarks_line
 from ...core.show.rounding import number
 from ...core.show.tables import Block, Table, ending, html, text
 from ...signals.time.time_axis import TimeAxis, analyse
-from ..time.plausible import time_remarks
-from .channel_survey import ChannelSurvey, channel_remarks, survey_channel
-from .hints import Hint, unit_hints
-from .motion_remarks import motion_remarks
+from ..time.stamps import time_remarks
+from .channel_survey import ChannelSurvey, Hint, channel_remarks, survey_channel, unit_hints
+from .motion import motion_remarks
 
 HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missing", "")
 

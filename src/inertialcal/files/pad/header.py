@@ -3,14 +3,22 @@
 from __future__ import annotations
 
 import math
+import re
 import xml.etree.ElementTree as ET  # types only; read_xml reads
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from xml.parsers import expat
 
+import numpy as np
+
+from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.times import read_instant
+from ...core.recording import SECOND, Times
+from ...core.remarks import Remark
+from ...core.times import instant_text, read_instant
 from ...physics.attitude import from_roll_pitch_yaw
-from .xml import bad_header, read_xml
+from .time import Stamps
 
 FORMATS = {  # as the archive writes them -> type of a number; "" is text
     "binary 32 bit ieee float little endian": "<f4",
@@ -190,3 +198,156 @@ def _layout(root: ET.Element, where: str) -> tuple[str, str]:
     if known is None:
         raise bad_header(where, f"GData format {said!r} is none of: {', '.join(FORMATS)}")
     return known, found.get("file", "")
+
+
+LARGEST = 2**16  # bytes; headers of the archive have 700 to 1500
+
+
+def read_xml(path: Path) -> ET.Element:
+    """Return the root of a header.
+
+    Raises
+    ------
+    DataError
+        ``bad_header``, if it is larger than 64 KiB, no XML, or declares a document type or an entity;
+        ``missing_file``, if it cannot be read.
+    """
+    where = str(path)
+    try:
+        with path.open("rb") as stream:
+            data = stream.read(LARGEST + 1)
+    except OSError as error:
+        raise DataError(f"cannot be read: {error.strerror or error}", where=where, code="missing_file") from None
+    if len(data) > LARGEST:
+        raise bad_header(where, f"the header has more than {LARGEST} bytes, those of the archive about 1000")
+    try:
+        _refuse_document_type(data, where)
+        return ET.fromstring(data)  # noqa: S314 - declares no document type
+    except (expat.ExpatError, ET.ParseError, ValueError, LookupError) as error:  # the last two: encodings
+        raise bad_header(where, f"the header is no XML: {error}") from None
+
+
+def bad_header(where: str, what: str) -> DataError:
+    """Return the error for a header that cannot be used."""
+    return DataError(what, where=where, do="Fetch it again from the archive", code="bad_header")
+
+
+def _refuse_document_type(data: bytes, where: str) -> None:
+    def refuse(*_: object) -> None:
+        raise DataError(
+            "the header declares a document type",
+            where=where,
+            why="entities could fill the memory or fetch other files; no header of the archive has one",
+            do="Fetch it again from the archive",
+            code="bad_header",
+        )
+
+    parser = expat.ParserCreate()
+    parser.StartDoctypeDeclHandler = refuse
+    parser.EntityDeclHandler = refuse
+    parser.Parse(data, True)
+
+
+STEPS = ("bias", "scale_factor", "misalignment")
+
+
+MEANINGS = (
+    (re.compile(r"temperature"), ("bias", "scale_factor")),
+    (re.compile(r"gain"), ("scale_factor",)),
+    (re.compile(r"mis-?\s?alignment"), ("misalignment",)),
+)
+
+
+NOT = re.compile(r"\b(no|not|without)\b[^,;]*|[^,;]*\bun(compensat|correct|calibrat|appli)[^,;]*")
+
+
+def applied(header: PadHeader) -> tuple[str, ...]:
+    """Return the steps that a header says were made; what follows "no", or is called uncorrected, was not."""
+    said = NOT.sub("", header.quality.lower())
+    found = {step for word, steps in MEANINGS if word.search(said) for step in steps}
+    return tuple(step for step in STEPS if step in found)
+
+
+PLACEHOLDER = (1.23, 4.46, 7.89)  # BiasCoeff of several heads in the archive, digits in a row
+
+
+LONGER = 1.5  # step, in intervals, from which samples are missing
+
+
+BLOCK = 2**18  # stamps
+
+
+def header_remarks(header: PadHeader, where: str) -> tuple[Remark, ...]:
+    """Return what the header says was done to the data, and the bias that it gives and that was not applied."""
+    said = [f"DataQualityMeasure {header.quality!r}"] if header.quality else []
+    said += [f"{name} {value:g}" for name, value in (("Gain", header.gain),) if value is not None]
+    said += [f"CutoffFreq {header.cutoff:g} Hz"] if header.cutoff is not None else []
+    said += [f"ScaleFactor {_triple(header.scale_factor)}"] if header.scale_factor else []
+    remarks = []
+    if said:
+        do = "What was done to the data is in them: it is not done again here"
+        remarks.append(Remark("as_archived", "info", f"the header says: {', '.join(said)}", where, do=do))
+    if header.bias is not None and any(header.bias):
+        digits = " (placeholder digits, which several heads have)" if header.bias == PLACEHOLDER else ""
+        what = f"BiasCoeff {_triple(header.bias)}{digits} in the header is not applied"
+        remarks.append(Remark("bias_not_applied", "warning" if digits else "info", what, where))
+    return tuple(remarks)
+
+
+def time_remarks(stamps: Stamps, sample_rate: float, where: str) -> tuple[Remark, ...]:
+    """Return how the stamps were made, and whether the file's own run away from them."""
+    n = len(stamps.time_ns)
+    if stamps.drifts:
+        off = 1e6 * (stamps.interval * sample_rate - 1.0)
+        what = (
+            f"the file's own time runs away from TimeZero + n/({sample_rate:.9g} Hz) by up to "
+            f"{stamps.deviation:.4g} s ({off:+.3g} ppm): its stamps say {1.0 / stamps.interval:.9g} Hz"
+        )
+        do = f"If the stamps are right: --sample-rate {1.0 / stamps.interval:.9g}"
+        return (Remark("stamps_drift", "warning", what, where, do=do),)
+    what = (
+        f"stamps made as TimeZero + n/({sample_rate:.9g} Hz); the file's own time, 32 bits wide, agrees within "
+        f"{1e6 * stamps.deviation:.3g} us over {n} samples"
+    )
+    return (Remark("stamps_made", "info", what, where),)
+
+
+def gap_remark(time_ns: Times, sample_rate: float, path: str) -> tuple[Remark, ...]:
+    """Return one remark on the gaps inside and between the files."""
+    interval = SECOND / sample_rate
+    after = [
+        first + np.flatnonzero(np.diff(time_ns[first : first + BLOCK + 1]) > LONGER * interval)
+        for first in range(0, len(time_ns), BLOCK)
+    ]
+    at = np.concatenate(after) if after else np.empty(0, dtype=np.int64)
+    if not len(at):
+        return ()
+    steps = (time_ns[at + 1] - time_ns[at]).astype(np.float64)
+    missing = int(np.rint(steps / interval).sum()) - len(at)
+    what = (
+        f"gap: {missing} sample(s) missing in all, longest step {steps.max() / SECOND:.6g} s against "
+        f"{1e3 / sample_rate:.4g} ms; the first after {instant_text(int(time_ns[at[0]]))}"
+    )
+    return (Remark("gaps", "warning", what, path, count=len(at)),)
+
+
+def change_remarks(headers: Sequence[PadHeader], names: Sequence[str]) -> tuple[Remark, ...]:
+    """Return what changes from file to file: gain, filter, what was applied."""
+    remarks = []
+    for code, what, said in (
+        ("gain_changed", "Gain", [header.gain for header in headers]),
+        ("filter_changed", "CutoffFreq", [header.cutoff for header in headers]),
+        ("scale_factor_changed", "ScaleFactor", [header.scale_factor for header in headers]),
+        ("quality_changed", "DataQualityMeasure", [header.quality for header in headers]),
+    ):
+        changes = [i for i in range(1, len(said)) if said[i] != said[i - 1]]
+        if changes:
+            first = changes[0]
+            text = f"{what} changes between files, from {said[first - 1]} to {said[first]}"
+            do = "Use one part alone (--from, --to)"
+            remarks.append(Remark(code, "warning", text, names[first], count=len(changes), do=do))
+    return tuple(remarks)
+
+
+def _triple(values: Sequence[float] | None) -> str:
+    return " ".join(f"{axis}={value:g}" for axis, value in zip("xyz", values or (), strict=False))

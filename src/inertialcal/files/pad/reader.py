@@ -30,14 +30,10 @@ from ..binary.arrays import number_column
 from ..columns import Content
 from ..reader import ArchiveReader, Request
 from ..time.window import Window, cut_remark, nothing_left
-from .applied import STEPS, applied
-from .checks import check_byte_order, check_pair
 from .data import FLOAT, Digest, layout_of, read_numbers
 from .frames import check_frame, turned
-from .header import PadHeader, read_header
-from .name import Pair
-from .pairs import pairs_of
-from .remarks import change_remarks, gap_remark, header_remarks, time_remarks
+from .header import STEPS, PadHeader, applied, change_remarks, gap_remark, header_remarks, read_header, time_remarks
+from .pairs import Pair, check_byte_order, check_pair, pairs_of
 from .time import regenerate
 
 NAME = "pad"

@@ -17,7 +17,7 @@ from ...core.remarks import Remark
 from ...core.show import tables as shown
 from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, ending, html, text
-from ..columns import Content, Rows
+from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
 from .cells import BLANKS, Decimal, judge, kind, to_float
@@ -25,7 +25,6 @@ from .delimited import cell_columns, column_names, text_in_numbers
 from .encoding import decode
 from .headers import bare_name, heading
 from .layout import sniff
-from .missing import missing_remarks, nan_in_required
 
 SHOWN = 4  # cells of a column
 

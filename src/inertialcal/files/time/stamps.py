@@ -14,8 +14,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core import units
-from ...core.estimate import Numbers
-from ...core.recording import SECOND, Times
+from ...core.estimate import Array, Numbers
+from ...core.recording import SECOND, Channel, Recording, Times
+from ...core.remarks import Remark
 
 EPOCH_FIRST, EPOCH_LAST = 1_000_000_000, 4_102_444_800  # 2001-09-09 and 2100-01-01 [s]
 EPOCH_UNITS = {"s": 1, "ms": 1_000, "us": 1_000_000, "ns": 1_000_000_000}
@@ -133,3 +134,64 @@ def _offset(zone: str | None) -> int:
         return 0
     sign = -1 if zone[0] == "-" else 1
     return sign * (int(zone[1:3]) * 3600 + int(zone[-2:]) * 60) * SECOND
+
+
+FASTEST = 1.0  # [K/s]
+
+
+SMALLEST_SWING = 5.0  # [K]
+
+
+BLOCKS = 100
+
+
+SAMPLE_RATES = (0.01, 1e5)  # that come into question where the unit of time is not known [Hz]
+
+
+def time_remarks(recording: Recording) -> tuple[Remark, ...]:
+    """Return a remark where the temperature changes faster than anything can.
+
+    Where a time column has no unit, each unit is tried that gives a sample rate of 0.01 Hz to 100 kHz.
+    """
+    temperatures = [c for c in recording.channels if c.quantity == "temperature"]
+    if not temperatures:
+        return ()
+    seconds = recording.seconds
+    if seconds is not None:
+        return _remark(temperatures[0], seconds, recording, "")
+    clocks = [c for c in recording.channels if c.quantity == "time" and c.unit is None]
+    return tuple(
+        remark
+        for clock in clocks[:1]
+        for unit, per_second in EPOCH_UNITS.items()
+        if _possible(stamps := clock.data.astype(np.float64) / per_second)
+        for remark in _remark(temperatures[0], stamps, recording, f" if {clock.name!r} is in {unit}")
+    )
+
+
+def _possible(seconds: Array) -> bool:
+    """Whether the unit gives a usual sample rate."""
+    step = float(np.median(np.diff(seconds))) if len(seconds) > 1 else 0.0
+    return step > 0.0 and SAMPLE_RATES[0] <= 1.0 / step <= SAMPLE_RATES[1]
+
+
+def _remark(temperature: Channel, seconds: Array, recording: Recording, condition: str) -> tuple[Remark, ...]:
+    """Swing from the coldest to the warmest block, over the time between them."""
+    size = max(1, len(seconds) // BLOCKS)
+    count = len(seconds) // size
+    values = temperature.data.astype(np.float64)[: count * size].reshape(count, size)
+    filled = np.isfinite(values).all(axis=1)
+    level = np.median(values[filled], axis=1)
+    middle = seconds[: count * size].reshape(count, size).mean(axis=1)[filled]
+    if len(level) < 2:
+        return ()
+    cold, warm = int(np.argmin(level)), int(np.argmax(level))
+    swing, between = float(level[warm] - level[cold]), abs(float(middle[warm] - middle[cold]))
+    if swing < SMALLEST_SWING or swing <= FASTEST * between:
+        return ()
+    what = (
+        f"{temperature.name!r} changes by {swing:.3g} within {between:.3g} s{condition}: "
+        f"nothing changes its temperature faster than {FASTEST:g} K/s, so the stamps are wrong"
+    )
+    do = "Find out the true sample rate (--sample-rate), or the unit of time"
+    return (Remark("time_axis_implausible", "warning", what, where=recording.source.path, do=do),)

@@ -9,15 +9,18 @@ from __future__ import annotations
 
 import csv
 import io
+import zipfile
 from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.lib import format as npy_format
 
 from ...core.errors import DataError, InertialcalError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
+from ..binary.parquet import RATE_KEYS, UNIT_KEYS
 from ..columns import Column
 from ..text.delimited import parse
 from ..text.layout import SAMPLE
@@ -106,3 +109,54 @@ def _check_header(head: str, cells: Sequence[Any], columns: Sequence[Column], re
             do="Write Parquet (end the name with .parquet), or rename the columns",
             code="names_not_writable",
         )
+
+
+def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:
+    """Write a recording; missing values are nulls, instants are timestamps in UTC."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+    from pyarrow import parquet  # noqa: PLC0415 - heavy import
+
+    columns, remarks = file_columns(recording, in_names=False)
+    arrays = [arrow_array(column.values) for column in columns]
+    fields = [
+        pa.field(column.name, array.type, metadata=None if column.unit is None else {UNIT_KEYS[0]: column.unit})
+        for column, array in zip(columns, arrays, strict=True)
+    ]
+    rate = stated_rate(recording)
+    about = None if rate is None else {RATE_KEYS[0]: repr(rate)}
+    parquet.write_table(pa.Table.from_arrays(arrays, schema=pa.schema(fields, metadata=about)), path)
+    return remarks
+
+
+RATE = "sample_rate"
+
+
+FEWEST = 2  # values from which an array in a file is a column
+
+
+def write_npz(path: Path, recording: Recording) -> tuple[Remark, ...]:
+    """Write a recording; missing values are NaN, instants are ``datetime64[ns]`` in UTC.
+
+    Raises
+    ------
+    DataError
+        ``too_short``, for fewer than two samples: one value alone reads back as a constant.
+    """
+    if len(recording) < FEWEST:
+        raise DataError(
+            f"{len(recording)} sample(s), need {FEWEST} for a NumPy file",
+            where=recording.source.path,
+            do="Write CSV or Parquet",
+            code="too_short",
+        )
+    columns, remarks = file_columns(recording, in_names=True)
+    arrays = {column.name: column.values for column in columns}
+    rate = stated_rate(recording)
+    if rate is not None:
+        arrays[RATE if RATE not in arrays else f"{RATE}_hz"] = np.array(rate)
+    with zipfile.ZipFile(path, "w", allowZip64=True) as archive:
+        for name, values in arrays.items():
+            member = zipfile.ZipInfo(f"{name}.npy")  # dated 1980, so that the bytes do not change
+            with archive.open(member, "w", force_zip64=True) as stream:
+                npy_format.write_array(stream, values, allow_pickle=False)
+    return remarks

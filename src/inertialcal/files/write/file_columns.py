@@ -2,19 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from ...core import units
 from ...core.errors import DataError, InertialcalError
-from ...core.recording import Recording
+from ...core.estimate import Numbers
+from ...core.recording import SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
 from ..columns import Column, Content
-from ..info.describe import describe
+from ..info.describe import Described, describe
+from ..text.headers import bare_name, heading
 from ..time.clock import find_clock
-from .time_column import time_column
-from .titles import channel_titles
+from ..time.stamps import EARLIEST, LATEST, beyond_epoch, is_utc, to_ns
 
 if TYPE_CHECKING:
     from pyarrow import Array as ArrowArray
@@ -93,3 +97,187 @@ def stated_rate(recording: Recording) -> float | None:
     if recording.interval_from == "column":
         return None
     return recording.sample_rate
+
+
+@dataclass(frozen=True)
+class Title:
+    """What a file holds of a column: its name, and its unit where the format has a place for it."""
+
+    name: str
+    unit: str | None = None
+
+
+def channel_titles(recording: Recording, in_names: bool) -> tuple[tuple[Title, ...], tuple[Remark, ...]]:
+    """Return a title for each channel, and remarks on those that are not what the channel is called.
+
+    Parameters
+    ----------
+    recording : Recording
+        Whose channels are to be written.
+    in_names : bool
+        Whether the unit has no other place than the name.
+    """
+    titles: list[Title] = []
+    remarks: list[Remark] = []
+    for number, channel in enumerate(recording.channels, start=1):
+        taken = {title.name for title in titles} | {name for name in recording.names if name != channel.name}
+        title = _title(channel, number, taken, in_names)
+        titles.append(title)
+        remarks += _remarks(channel, title)
+    return tuple(titles), tuple(remarks)
+
+
+def spelled(name: str, unit: str | None, in_names: bool) -> Iterator[Title]:
+    """Yield the ways to write a name and a unit, the plainest first."""
+    if in_names:
+        yield Title(name)
+        bare = bare_name(name)
+        yield Title(f"{bare} [{unit}]" if unit else bare)
+    else:
+        yield Title(name, unit)
+        yield Title(name, unit or "")  # an empty unit in the metadata: none, whatever the name says
+
+
+def read_back(title: Title, values: Channel | Column) -> Described:
+    """Return what the reader makes of a column with this title."""
+    data = values.data if isinstance(values, Channel) else values.values
+    return describe([Column(title.name, data, title.unit)], {}, "")[0][0]
+
+
+def _title(channel: Channel, number: int, taken: set[str], in_names: bool) -> Title:
+    own, plain = channel.name.strip(), f"channel_{number}"
+    by_kind = [f"{channel.quantity}_{channel.axis}"] if channel.quantity and channel.axis else []
+    for name in [*by_kind, own, plain] if contradicts(own, channel.unit) else [own, *by_kind, plain]:
+        for title in spelled(name, channel.unit, in_names):
+            if _usable(title.name, taken) and read_back(title, channel).unit == channel.unit:
+                return title
+    return Title(_free(plain, taken), None if in_names else channel.unit)
+
+
+def contradicts(name: str, unit: str | None) -> bool:
+    """Whether the end of a name says another unit: ``gyro_x_mv`` in deg/s."""
+    return heading(bare_name(name)).unit not in {None, unit}
+
+
+def _usable(name: str, taken: set[str]) -> bool:
+    return bool(name) and name.isprintable() and name not in taken
+
+
+def _free(name: str, taken: set[str]) -> str:
+    while name in taken:
+        name += "_"
+    return name
+
+
+def _remarks(channel: Channel, title: Title) -> Iterator[Remark]:
+    found = read_back(title, channel)
+    if bare_name(title.name) not in {bare_name(channel.name), channel.name.strip()}:
+        what = f"column {channel.name!r} is written as {title.name!r}: its name cannot stand with its unit there"
+        yield Remark("column_renamed", "warning", what, subject=channel.name)
+    if found.unit != channel.unit:
+        what = f"the unit of {channel.name!r}, {channel.unit or 'none'}, cannot be written so that it reads back"
+        yield Remark("unit_not_kept", "warning", what, do="Write Parquet", subject=channel.name)
+
+
+PLAIN = "time"
+
+
+EXACT = 2**53  # whole numbers up to here are floats without rounding
+
+
+def time_column(recording: Recording, in_names: bool, instants: bool = True) -> Column | None:
+    """Return the time of a recording as a column; None where it has none.
+
+    Parameters
+    ----------
+    recording : Recording
+        Whose time is to be written.
+    in_names : bool
+        Whether the unit has no other place than the name.
+    instants : bool
+        Whether the format has a type for instants of any year; else only those of 1700 to 2199 can be told.
+
+    Returns
+    -------
+    Column
+        Whole numbers or floats with their unit in name or metadata, or ``datetime64[ns]``.
+
+    Raises
+    ------
+    DataError
+        ``time_not_writable``, if no form reads back.
+    """
+    if recording.time_ns is None:
+        return None
+    name = time_name(recording)
+    for values, unit in _forms(recording, recording.time_ns, name, instants):
+        for title in _titles(recording, name, unit, values, in_names):
+            return Column(title.name, values, title.unit)
+    raise DataError(
+        f"the stamps ({recording.epoch}) cannot be written so that they read back as they are",
+        where=recording.source.path,
+        why="elapsed time beyond 31 years reads as UTC, and text holds instants of 1700 to 2199",
+        do="Say the time in another unit, or write Parquet",
+        code="time_not_writable",
+    )
+
+
+def time_name(recording: Recording) -> str:
+    """Return the name of the column that the time came from, ``"time"`` where that is not known."""
+    name = recording.time_column.strip()
+    return name if name.isprintable() and name not in {"", *recording.names} else PLAIN
+
+
+def _forms(recording: Recording, time_ns: Times, name: str, instants: bool) -> Iterator[tuple[Numbers, str]]:
+    """Yield the numbers or instants that read back, the form of the name first; instants have no unit."""
+    said = heading(name).unit
+    by_name = said if said is not None and units.kind(said) == "time" else None
+    utc = recording.epoch == "utc"
+    instant = utc and (instants or _tellable(time_ns))
+    for unit in dict.fromkeys([by_name or ("" if instant else "s"), "" if instant else "s", "ns"]):
+        if not unit:
+            yield time_ns.astype("datetime64[ns]"), ""
+            continue
+        values = numbers(time_ns, unit)
+        if _keeps(values, unit, time_ns, utc):
+            yield values, unit
+
+
+def numbers(time_ns: Times, unit: str) -> Numbers:
+    """Return stamps [ns] in a unit of time: int64 where all are whole, else the nearest floats."""
+    per_unit = units.factor(unit, "s") * SECOND
+    size = int(per_unit)
+    if size != per_unit or size < 1:
+        return time_ns / per_unit
+    whole = time_ns // size
+    rest = time_ns - whole * size
+    if not rest.any():
+        return whole
+    if int(np.abs(time_ns).max()) < EXACT:
+        return time_ns / float(size)
+    return whole + rest / float(size)
+
+
+def _keeps(values: Numbers, unit: str, time_ns: Times, utc: bool) -> bool:
+    if unit == "s" and len(beyond_epoch(values)):
+        return False
+    again = to_ns(values, unit)
+    return again is not None and bool(np.array_equal(again, time_ns)) and is_utc(again) == utc
+
+
+def _tellable(time_ns: Times) -> bool:
+    """Whether text can hold these instants."""
+    instants = time_ns.astype("datetime64[ns]")
+    early, late = instants < np.datetime64(EARLIEST), instants >= np.datetime64(LATEST)
+    return not bool(np.any(early | late))
+
+
+def _titles(recording: Recording, name: str, unit: str, values: Numbers, in_names: bool) -> Iterator[Title]:
+    """Titles under which the column reads as time in that unit, and that no channel has."""
+    names = (PLAIN, f"{PLAIN}_stamp")
+    for one in names if unit and contradicts(name, unit) else dict.fromkeys((name, *names)):
+        for title in spelled(one, unit or None, in_names):
+            found = read_back(title, Column(title.name, values, title.unit))
+            fits = found.unit in {None, unit} if not unit else found.unit == unit
+            if fits and found.quantity == "time" and title.name not in recording.names:
+                yield title

@@ -17,9 +17,7 @@ from ...core.errors import DataError, UsageError
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from .atomic import atomic_write
-from .csv import write_csv
-from .npz import write_npz
-from .parquet import write_parquet
+from .csv import write_csv, write_npz, write_parquet
 
 Writer = Callable[[Path, Recording], tuple[Remark, ...]]
 WRITERS: dict[str, Writer] = {".csv": write_csv, ".parquet": write_parquet, ".npz": write_npz}

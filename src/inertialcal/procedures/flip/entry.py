@@ -9,8 +9,7 @@ from typing import Annotated, Protocol, cast
 from pydantic import Field, field_validator
 
 from ...core.errors import Problem
-from ...core.schema.quantities import Angle, Unit
-from ...core.schema.words import Strict, Text
+from ...core.schema.quantities import Angle, Strict, Text, Unit
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 

@@ -8,8 +8,7 @@ from typing import Protocol, cast
 from pydantic import Field
 
 from ...core.errors import DataError, Problem
-from ...core.schema.quantities import Unit
-from ...core.schema.words import Strict, Text
+from ...core.schema.quantities import Strict, Text, Unit
 from ...core.units import kind, parse_quantity, same_dimension
 from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 

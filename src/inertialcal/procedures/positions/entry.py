@@ -9,8 +9,7 @@ from pydantic import AfterValidator, Field
 
 from ...core.axes import AXES
 from ...core.errors import Problem
-from ...core.schema.quantities import Angle, Unit
-from ...core.schema.words import Axis, Strict, Text
+from ...core.schema.quantities import Angle, Axis, Strict, Text, Unit
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor
 from .orientations.text import FACES, LIKE, direction_of

@@ -6,8 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Protocol, cast
 
 from ...core.errors import Problem
-from ...core.schema.quantities import Unit
-from ...core.schema.words import Axis, Strict, Text
+from ...core.schema.quantities import Axis, Strict, Text, Unit
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor
 

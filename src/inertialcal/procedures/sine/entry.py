@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from ...core.schema.words import Strict, Text
+from ...core.schema.quantities import Strict, Text
 from ..entries import Entry, EntryKey
 
 

@@ -16,8 +16,7 @@ from ...core.errors import DataError, UsageError
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import divide, kind, normalise, parse_quantity, si_unit
-from ...files.info.channel_survey import survey_channel
-from ...files.info.hints import unit_hints
+from ...files.info.channel_survey import survey_channel, unit_hints
 from ..given import Described, GivenFile, bare, chain_said, described, sensor_said
 from ..protocol import InputSpec
 

@@ -8,8 +8,7 @@ from dataclasses import replace
 from ...core.campaign_text import Noted
 from ...core.recording import Channel, Recording
 from ...core.units import kind
-from ...files.info.channel_survey import survey_channel
-from ...files.info.hints import unit_hints
+from ...files.info.channel_survey import survey_channel, unit_hints
 from ...files.info.motion import SHORT, accelerometers, any_accelerometers, gyros
 from ...files.info.survey import Survey
 from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, recording_table, sensor_table
