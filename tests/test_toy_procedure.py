@@ -91,7 +91,10 @@ def test_its_samples_left_out_are_counted_and_its_report_is_written(folder: Path
     results = json.loads((folder / "out" / "results.json").read_text(encoding="utf-8"))
     (left_out,) = results["exclusions"]
     assert (left_out["test"], left_out["rule"], left_out["count"]) == ("rest", "skip", 120)
-    assert {curve["curve"] if "curve" in curve else curve["name"] for curve in results["curves"]} == {"mean_readings"}
+    assert {curve["curve"] if "curve" in curve else curve["name"] for curve in results["curves"]} == {
+        "mean_readings",
+        "mean_steps",
+    }
     page = (folder / "out" / "report.html").read_text(encoding="utf-8")
     assert "rest" in page
 
@@ -133,3 +136,110 @@ def test_a_wrong_setting_of_it_is_refused_with_its_line(folder: Path, tmp_path: 
     assert found.returncode == 3
     assert "campaign.toml:" in found.stderr
     assert "skip" in found.stderr
+
+
+def test_its_command_has_help_and_gives_the_rows_of_the_campaign(folder: Path, tmp_path: Path) -> None:
+    shown = inertialcal("mean-reading", "--help", cwd=folder)
+    assert shown.returncode == 0
+    assert all(option in shown.stdout for option in ("--skip", "--upside-down", "--standard", "--like", "--hold-out"))
+    assert "mean-reading" in inertialcal("--help", cwd=folder).stdout
+    files = [f"r{number}.csv" for number in range(1, 7)]
+    done = inertialcal("mean-reading", *files, "--skip", "2 s", "--json", "--campaign", str(tmp_path / "c"), cwd=folder)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads(done.stdout)["results"]
+    again = inertialcal("run", str(tmp_path / "c"), "--json", cwd=folder)
+    own = [row for row in json.loads(again.stdout)["results"] if row["test"] == "mean_reading"]
+    assert rows == own
+    there = inertialcal("run", ".", "--json", cwd=folder)
+    rest = [row for row in json.loads(there.stdout)["results"] if row["test"] == "rest"]
+    assert [row["value"] for row in rest] == [row["value"] for row in rows]
+
+
+def test_a_recording_says_how_the_unit_lay(folder: Path) -> None:
+    files = [f"r{number}.csv" for number in range(1, 7)]
+    values = []
+    for words in ((), ("--upside-down",)):
+        done = inertialcal("mean-reading", *files, *words, "--json", cwd=folder)
+        values.append([row["value"] for row in json.loads(done.stdout)["results"]])
+    assert values[0] == [-value for value in values[1]]
+
+
+def test_it_takes_a_table_of_rows(tmp_path: Path) -> None:
+    (tmp_path / "t.csv").write_text("mean_x,mean_y\n0.02,0.1\n0.03,0.2\n0.04,0.3\n")
+    done = inertialcal("mean-reading", "t.csv", "--unit", "deg/s", "--json", "--campaign", "c", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+    rows = json.loads(done.stdout)["results"]
+    assert [row["value"] for row in rows] == pytest.approx([0.03, 0.2])
+    again = inertialcal("run", "c", "--json", cwd=tmp_path)
+    assert [row for row in json.loads(again.stdout)["results"] if row["test"] == "mean_reading"] == rows
+
+
+def test_it_takes_what_a_thermal_test_found_off_its_readings(tmp_path: Path) -> None:
+    rng = np.random.default_rng(3)
+    for number in range(1, 6):
+        time = np.arange(3000) * 2.0
+        ramp = 20.0 + 30.0 * np.sin(2 * np.pi * time / time[-1])
+        warm = np.full(3000, 20.0 + 4.0 * number)
+        for name, temperature in (("ramp", ramp), ("rest", warm)):
+            rate = 0.05 + 0.002 * (temperature - 20.0) + 1e-3 * rng.standard_normal(3000)
+            lines = [f"{t:.1f},{v:.9f},{c:.6f}" for t, v, c in zip(time, rate, temperature, strict=True)]
+            (tmp_path / f"{name}{number}.csv").write_text("\n".join(["time [s],x,temp", *lines, ""]))
+    head = CAMPAIGN.replace('["x", "y"]', '["x"]')
+    channels = '{ x = { column = "x", unit = "deg/s" }, temperature = { column = "temp", unit = "degC" } }'
+    names = [f"{name}{number}" for name in ("ramp", "rest") for number in range(1, 6)]
+    entry = '[recordings.%s]\nsensor = "suite"\nfile = "%s.csv"\nchannels = %s\nrun = "%s"\n'
+    text = head + "".join(entry % (name, name, channels, name[-1]) for name in names)
+    test = '[[tests]]\nid = "%s"\nprocedure = "%s"\nrecordings = [%s]\n%s'
+    ramps, rests = (", ".join(f'"{name}{number}"' for number in range(1, 6)) for name in ("ramp", "rest"))
+    for after in ("", 'after = ["warm"]\n'):
+        tests = test % ("warm", "thermal", ramps, "") + test % ("mean", "mean_reading", rests, after)
+        (tmp_path / "campaign.toml").write_text(text + tests)
+        done = inertialcal("run", ".", "--json", cwd=tmp_path)
+        assert done.returncode == 0, done.stdout + done.stderr
+        (row,) = (one for one in json.loads(done.stdout)["results"] if one["quantity"] == "mean_reading")
+        # 0.05 at 20 degC and 0.002 a degree: at 32 degC on average without the correction, nothing is left with it
+        assert row["value"] == pytest.approx(0.0 if after else 0.074, abs=2e-3)
+        assert (row["u"] < 2e-3) == bool(after)
+
+
+def test_it_plans(tmp_path: Path) -> None:
+    shown = inertialcal("plan", "--help", cwd=tmp_path)
+    assert "mean-reading" in shown.stdout
+    words = ("plan", "mean-reading", "--scatter", "0.1 deg/s", "--target", "0.02 deg/s")
+    assert inertialcal(*words, cwd=tmp_path).stdout.strip() == "25 recordings"
+    assert json.loads(inertialcal(*words, "--json", cwd=tmp_path).stdout)["results"][0]["value"] == 25.0
+    wrong = inertialcal(*words[:-1], "0.02 s", cwd=tmp_path)
+    assert (wrong.returncode, "target" in wrong.stderr) == (2, True)
+
+
+@pytest.mark.parametrize("name", ["means", "mean_steps"])
+def test_it_draws_two_figures_also_in_the_report(folder: Path, tmp_path: Path, name: str) -> None:
+    files = [f"r{number}.csv" for number in range(1, 7)]
+    figure = tmp_path / f"{name}.svg"
+    done = inertialcal("mean-reading", *files, "-o", str(figure), "--figure", name, cwd=folder)
+    assert done.returncode == 0, done.stderr
+    assert figure.read_text(encoding="utf-8").startswith("<")
+    inertialcal("run", ".", "--quiet", cwd=folder)
+    page = (folder / "out" / "report.html").read_text(encoding="utf-8")
+    assert {"means": "Means of <bdi>x</bdi>", "mean_steps": "Changes of <bdi>x</bdi>"}[name] in page
+
+
+def test_info_suggests_it_and_init_writes_its_campaign(folder: Path, tmp_path: Path) -> None:
+    for number in range(1, 4):
+        (tmp_path / f"mean_{number}.csv").write_bytes((folder / f"r{number}.csv").read_bytes())
+    assert "inertialcal mean-reading" in inertialcal("info", "mean_1.csv", cwd=tmp_path).stdout
+    assert inertialcal("init", ".", cwd=tmp_path).returncode == 0
+    text = (tmp_path / "campaign.toml").read_text()
+    assert 'procedure = "mean_reading"' in text
+    kept = [line for line in text.splitlines() if "FILL IN" not in line]
+    (tmp_path / "campaign.toml").write_text("\n".join(kept) + "\n")
+    done = inertialcal("run", ".", cwd=tmp_path)
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_its_rig_is_simulated_run_and_scored(tmp_path: Path) -> None:
+    assert inertialcal("simulate", "toy_rest", "-o", "twin", "--seed", "2", cwd=tmp_path).returncode == 0
+    assert inertialcal("run", "twin", cwd=tmp_path).returncode == 0
+    assert "of 1 stated 95 % intervals" in inertialcal("score", "twin", cwd=tmp_path).stdout.replace("\n", " ")
+    many = inertialcal("score", "--rig", "toy_rest", "--n", "40", "--json", cwd=tmp_path)
+    assert many.returncode == 0, many.stdout + many.stderr

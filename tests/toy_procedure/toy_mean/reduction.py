@@ -57,16 +57,15 @@ class Result:
         )
 
     def curves(self) -> list[Curve]:
-        """Return the means of the recordings, an axis a curve."""
+        """Return the means of the recordings, an axis a curve, and their changes."""
         unit = self.readings.unit
-        return [
-            Curve(
-                "mean_readings",
-                axis,
-                {"recording": Column(list(range(1, len(means) + 1))), "mean": Column(means, unit)},
-            )
-            for axis, means in self.readings.means.items()
-        ]
+        found = []
+        for axis, means in self.readings.means.items():
+            number = list(range(1, len(means) + 1))
+            found.append(Curve("mean_readings", axis, {"recording": Column(number), "mean": Column(means, unit)}))
+            steps = {"recording": Column(number[1:]), "step": Column(np.diff(means), unit)}
+            found.append(Curve("mean_steps", axis, steps))
+        return found
 
 
 def reduce(plan: Plan, readings: Readings) -> Result:

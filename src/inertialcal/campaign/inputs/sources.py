@@ -291,7 +291,7 @@ class Ready:
         """How much of it the test takes."""
         file = self.entry.file
         if self.is_table:
-            chosen, without = self._chosen
+            chosen, without = self._chosen or (len(self._table), 0)
             return Origin(self.name, file, self._table.source.sha256, "table", len(self._table), chosen, without)
         chosen = sum(len(one) for one in self._parts)
         return Origin(self.name, file, self.raw.source.sha256, "recording", len(self.raw), chosen)

@@ -34,7 +34,7 @@ class Figure:
         if self.spec.curves and there.isdisjoint(self.spec.curves):
             return []
         found: list[Picture] = import_module(self.spec.module).pictures(results)
-        return found
+        return [one for one in found if one.name == self.spec.name]  # a module may draw several kinds
 
     def chosen(self, results: Mapping[str, Any], test: str | None = None, axis: str | None = None) -> list[Picture]:
         """Return the pictures of a test and of an axis; all where they are not said.
