@@ -80,7 +80,7 @@ def need() -> Callable[[str], str]:
 
 
 CAMPAIGN = """\
-schema = 1
+schema = 2
 [campaign]
 id = "small"
 [item]

@@ -30,10 +30,10 @@ from inertialcal.campaign.file import recordings as schema_recordings
 from inertialcal.campaign.file import schema
 from inertialcal.campaign.file import sensors as schema_sensors
 from inertialcal.campaign.file.example import build
-from inertialcal.campaign.outcome.publish import ROW_COLUMNS
 from inertialcal.cli.__main__ import main
 from inertialcal.cli.app import app
 from inertialcal.core.remarks import Remark
+from inertialcal.core.results import COLUMNS
 from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.schema import words as schema_words
 from inertialcal.core.settings import settings_of, settings_table
@@ -351,7 +351,7 @@ def test_every_key_of_the_results_is_documented(results: dict[str, Any]) -> None
     assert set(rows_after(page, "`closed_loop` holds")) == set(results["closed_loop"]["axes"][0])
     for part in ("covariances", "budgets", "curves"):
         assert all(f"`{key}`" in page for key in results[part][0]), part
-    for column in (*ROW_COLUMNS, *VERDICT_COLUMNS):
+    for column in (*COLUMNS, *VERDICT_COLUMNS):
         assert f"`{column}`" in page, column
 
 

@@ -14,7 +14,7 @@ import pytest
 TOY = Path(__file__).parent / "toy_procedure"
 TRUE = {"x": 0.02, "y": -0.01}
 CAMPAIGN = """\
-schema = 1
+schema = 2
 [campaign]
 id = "toy"
 [sensors.suite]

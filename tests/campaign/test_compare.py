@@ -284,7 +284,7 @@ def results(folder: Path, *rows: Row, inputs: dict[str, str] | None = None, **re
     """A campaign that was run: results and provenance."""
     out = folder / "out"
     out.mkdir(parents=True)
-    content = {"schema": 1, "item": {"serial": "7"}, "results": [one.to_dict() for one in rows], "budgets": []} | rest
+    content = {"schema": 2, "item": {"serial": "7"}, "results": [one.to_dict() for one in rows], "budgets": []} | rest
     (out / "results.json").write_text(json.dumps(content))
     listed = [{"path": path, "sha256": digest} for path, digest in (inputs or {}).items()]
     (out / "provenance.json").write_text(json.dumps({"inputs": listed}))

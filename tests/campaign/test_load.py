@@ -35,7 +35,7 @@ def test_a_good_campaign_is_read_in_si(campaign: Write) -> None:
         ('plan = { axis = "x"', 'plan = { axes = "x"', 22, "Did you mean axis?"),
         ('unit = "deg/s"\nrange', 'unit = "furlong/s"\nrange', 11, "furlong"),
         ('kind = "gyro"', 'kind = "gyroscope"', 9, "'gyro' or 'accelerometer'"),
-        ("schema = 1", "schema = 2", 1, "should be 1"),
+        ("schema = 2", "schema = 1", 1, "Set schema = 2"),
         ('u = "0.05 %"', 'u = "0.05"', None, ""),
         ('u = "0.05 %"', 'u = "0.05 deg"', 7, "deg"),
         ('u = "0.05 %"', 'v = "0.05 %"', 7, "unknown key"),

@@ -9,6 +9,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 FILE = "campaign.toml"
+SCHEMA = 2  # of campaign.toml
 FILL_IN = "FILL IN"  # comment behind a value that `init` does not know
 MARK = f"# {FILL_IN}"
 WIDTH = 120  # [characters]

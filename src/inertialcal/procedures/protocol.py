@@ -7,7 +7,6 @@ that starts slowly, as options and help are made of them.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
@@ -388,11 +387,6 @@ class Exclusion:
         Applied rate of a dwell.
     dwell : bool
         Whether it counts among the dwells that the test left out.
-    place_in_list : float
-        Where it stands among what the chain left out, which has the number of its remark; behind it by default. Goes
-        with results schema 2, as ``last`` does.
-    last : bool
-        Stands behind the exclusions of all tests.
     """
 
     rule: str
@@ -405,8 +399,6 @@ class Exclusion:
     applied: float | None = None
     unit: str = ""
     dwell: bool = False
-    place_in_list: float = math.inf
-    last: bool = False
 
 
 READING = ("angular_rate", "acceleration")  # kinds of unit

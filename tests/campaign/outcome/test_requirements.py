@@ -65,8 +65,7 @@ def test_far_inside_passes_and_far_outside_fails() -> None:
 
 
 def test_a_requirement_speaks_to_tests_of_its_kind_only() -> None:
-    asked = requirement(zero_reference=False)
-    assert judge(asked, [reduced(0.0, 1)])[0][0].verdict == "OPEN"
+    assert judge(requirement(condition="vacuum"), [reduced(0.0, 1)])[0][0].verdict == "OPEN"
     assert judge(requirement(tests=["other"]), [reduced(0.0, 1)])[0][0].verdict == "OPEN"
 
 

@@ -12,7 +12,7 @@ from inertialcal.core.show.names import reason_text
 
 TABLE = "axis,orientation,mean_ug,predicted_mg\ny,0,{0},1.0\ny,180,{1},1.002\nz,0,{2},\nz,180,{3},\n"
 TOML = """
-schema = 1
+schema = 2
 [campaign]
 id = "two"
 [sensors.head]

@@ -25,7 +25,7 @@ SAMPLES, INTERVAL = 6_000, 0.02
 WALK, RATE_WALK = 7e-5, 4e-5  # rad/sqrt(s), rad/s/sqrt(s)
 BEGIN = 1_300_000_000  # [s]
 CAMPAIGN = """\
-schema = 1
+schema = 2
 [campaign]
 id = "still"
 [sensors.suite]

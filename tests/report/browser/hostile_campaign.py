@@ -50,7 +50,7 @@ def document() -> dict[str, Any]:
     """Return a campaign with every table that the schema knows, its texts not yet filled."""
     plan = {"axis": "x", "attitude": {"tilt": "-36.4 deg", "u": "3 deg", "azimuth": "0 deg"}}
     return {
-        "schema": 1,
+        "schema": 2,
         "campaign": {"id": "hostile"},
         "item": {},
         "site": {"latitude": "36.6 deg"},

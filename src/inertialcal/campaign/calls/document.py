@@ -12,7 +12,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path, PurePath
 from typing import Any
 
-from ...core.campaign_text import FILE
+from ...core.campaign_text import FILE, SCHEMA
 from ...core.errors import UsageError
 from ...core.remarks import Remark
 from ...procedures.given import Described, GivenFile, Said
@@ -20,7 +20,6 @@ from ...procedures.protocol import Procedure
 from ..file.load import load
 
 Document = dict[str, Any]
-SCHEMA = 1
 INNER_FILES = ("file", "schedule")  # keys of tables in an entry that name another file
 
 

@@ -77,6 +77,13 @@ def load(folder: str | Path) -> Campaign:
     if marked:
         do = f"Fill the line in, then delete its mark ({MARK})"
         raise PlanError([Problem("not filled in", f"{FILE}:{number}", do=do, code="fill_in") for number in marked])
+    if document.get("schema") == 1:
+        raise PlanError(
+            "schema 1 is no longer read",
+            place(lines, ("schema",)),
+            do="Set schema = 2; in requirements, replace zero_reference by the tests that are meant: tests = [...]",
+            code="old_schema",
+        )
     try:
         file = CampaignFile.model_validate(document)
     except ValidationError as error:

@@ -106,7 +106,6 @@ class Requirement(Strict):
     lower: str | None = None
     upper: str | None = None
     where: Text = ""
-    zero_reference: bool | None = None
     condition: Text | None = None
     tests: list[Name] | None = Field(default=None, min_length=1)
 
@@ -122,7 +121,7 @@ class Requirement(Strict):
 class CampaignFile(Strict):
     """The whole campaign.toml."""
 
-    schema_version: Literal[1] = Field(alias="schema")
+    schema_version: Literal[2] = Field(alias="schema")
     campaign: CampaignHead
     item: Item = Item()
     site: Site = Site()

@@ -47,10 +47,9 @@ def left_out(campaign: Campaign, prepared: Sequence[Prepared], tested: Sequence[
     found = []
     for one, reduced in zip(prepared, tested, strict=True):
         sensor = sensor_of(campaign, one.test)
-        mine = [*_by_chain(one, sensor.chain), *reduced.procedure.exclusions(reduced.tested)]
-        ordered = [*_not_chosen(one), *sorted(mine, key=lambda what: what.place_in_list)]
-        found += [LeftOut(one.test.id, sensor.unit, what) for what in ordered]
-    return sorted(found, key=lambda one: one.what.last)
+        mine = [*_not_chosen(one), *_by_chain(one, sensor.chain), *reduced.procedure.exclusions(reduced.tested)]
+        found += [LeftOut(one.test.id, sensor.unit, what) for what in mine]
+    return found
 
 
 def exclusion_rows(found: Sequence[LeftOut]) -> list[dict[str, Any]]:
@@ -88,11 +87,11 @@ def _not_chosen(one: Prepared) -> Iterator[Exclusion]:
 
 
 def _by_chain(one: Prepared, chain: Chain) -> Iterator[Exclusion]:
-    """Yield what the chain left out, where its remark stands among those of the readings."""
-    for number, remark in enumerate(one.readings.remarks):
+    """Yield what the chain left out."""
+    for remark in one.readings.remarks:
         if remark.code in SAMPLES:
             yield Exclusion(remark.code, _decided(remark, chain), remark.what, remark.where, count=remark.count,
-                            counts="sample", place_in_list=number)  # fmt: skip
+                            counts="sample")  # fmt: skip
 
 
 def _decided(remark: Remark, chain: Chain) -> str:

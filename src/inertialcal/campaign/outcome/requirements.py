@@ -75,11 +75,7 @@ def worst(verdicts: Sequence[Verdict]) -> str:
 def _is_about(requirement: Requirement, one: ReducedTest) -> bool:
     if requirement.tests is not None and one.test.id not in requirement.tests:
         return False
-    if requirement.condition is not None and one.test.condition != requirement.condition:
-        return False
-    plan = getattr(one.result, "plan", None)
-    wanted = requirement.zero_reference
-    return wanted is None or getattr(plan, "zero_reference", None) == wanted
+    return requirement.condition is None or one.test.condition == requirement.condition
 
 
 def _open(asked: Asked) -> Verdict:

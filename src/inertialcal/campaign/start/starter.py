@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...core.campaign_text import FILE, MARK, Noted, toml_text
+from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, StoreError, UsageError
 from ...core.remarks import Remark
 from ...files import read
@@ -142,7 +142,7 @@ def starter_text(name: str, found: Found) -> str:
     )
     drafts = [procedure_of(one).draft(contents) for one, contents in found.items() if contents]
     document: dict[str, object] = {
-        "schema": 1,
+        "schema": SCHEMA,
         "campaign": {"id": identifier},
         "item": dict.fromkeys(("maker", "part", "serial"), fill_in("")),
     }

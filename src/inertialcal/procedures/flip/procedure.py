@@ -92,7 +92,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
             if remark.code in RULES:
                 key, counts = RULES[remark.code]
                 yield Exclusion(remark.code, decided(key), remark.what, remark.where, count=remark.count,
-                                counts=counts, place_in_list=number)  # fmt: skip
+                                counts=counts)  # fmt: skip
         for axis, values in readings.outputs.items():
             why = next((one for one in readings.remarks if one.code in UNREAD and one.axis == axis), None)
             for i, value in enumerate(values if why else ()):

@@ -31,7 +31,7 @@ def samples_left_out(readings: Readings) -> Iterator[Exclusion]:
         )
         for rule, reason, count in ways:
             if count:
-                yield Exclusion(rule, f"rule: {rule}", reason, file, count=count, counts="sample", place_in_list=-1.0)
+                yield Exclusion(rule, f"rule: {rule}", reason, file, count=count, counts="sample")
 
 
 def dwells_left_out(plan: Plan, readings: Readings) -> Iterator[Exclusion]:

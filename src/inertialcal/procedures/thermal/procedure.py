@@ -138,7 +138,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
             }
             for rule in (rule for rule in RULES if one.cells.left_out.get(rule)):
                 count, by = one.cells.left_out[rule], decided.get(rule, f"rule: {rule}")
-                yield Exclusion(rule, by, WORDS[rule], axis=axis, count=count, counts="sample", last=True)
+                yield Exclusion(rule, by, WORDS[rule], axis=axis, count=count, counts="sample")
 
     def quantities(self) -> Mapping[str, Quantity]:
         """Return what there is to say of its figures."""

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 import numpy as np
 
 from ...core.axes import AXES
-from ...core.campaign_text import Noted
+from ...core.campaign_text import SCHEMA, Noted
 from ...core.influence import Influence
 from ...core.schema.standards import STANDARDS
 from ...core.units import factor
@@ -44,7 +44,7 @@ def campaign_head(rig: str, item: str, title: str, about: str) -> Content:
     """
     source = f"simulated: rig {rig}, seed {SEED}; truth sealed with SHA-256 {SEAL}"
     return {
-        "schema": Noted(1, above=f"A simulated campaign: {about}.\n{TRUTH}"),
+        "schema": Noted(SCHEMA, above=f"A simulated campaign: {about}.\n{TRUTH}"),
         "campaign": {"id": f"{rig}-{SEED}", "title": title, "source": source},
         "item": {"maker": "inertialcal", "part": item, "serial": SEED},
     }

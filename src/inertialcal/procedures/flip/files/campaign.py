@@ -6,7 +6,7 @@ import shlex
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 
-from ....core.campaign_text import FILE, Noted, toml_text
+from ....core.campaign_text import FILE, SCHEMA, Noted, toml_text
 from ....core.errors import PlanError, StoreError, UsageError
 from ...suggestions import RELATIVE, sensor_table
 from ..plan import Plan
@@ -82,7 +82,7 @@ def campaign_text(folder: Path, sources: Mapping[str, FlipSource], plan: Plan, u
     why = "Without a requirement every figure is reported, and none is judged."
     return toml_text(
         {
-            "schema": 1,
+            "schema": SCHEMA,
             "campaign": {"id": label.strip("-_")[:64] or TEST},
             "standards": Noted(STANDARDS, above=RELATIVE),
             "sensors": {"head": sensor_table("accelerometer", [unit])},
