@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .campaign.calls.nouns import allan, mass_attraction, positions, psd, rate_table, thermal
+    from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, thermal
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from .files import read
     from .files.text.table import read_table
     from .files.write.recording import write
-    from .procedures.flip.files.call import flip
     from .procedures.mass_attraction.deck import programme_1969
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.positions.lot.batch import positions_batch
@@ -67,7 +66,7 @@ _HOMES = {
     "check": ("campaign.engine.run", "check"),
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
-    "flip": ("procedures.flip.files.call", "flip"),
+    "flip": ("campaign.calls.nouns", "flip"),
     "load_model": ("campaign.models.find", "load_model"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),

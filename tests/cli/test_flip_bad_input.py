@@ -89,11 +89,11 @@ THIRD = "1996/051/12:21:00..1996/051/12:29:00=0 deg"
 @pytest.mark.parametrize(
     ("options", "status", "words"),
     [
-        ((), 2, "'x' is in no unit, need a unit of acceleration Say it: --unit g"),
-        (("--unit", "count"), 2, "counts become readings by gain, zero and scale factor of the head"),
+        ((), 2, "unit missing or of the wrong kind: 'x' (?)"),
+        (("--unit", "count"), 2, "counts and volts need the chain of the sensor"),
         (("--unit", "ug"), 0, "less than the bias of any head. Check the unit of the readings (g, mg, ug)"),
         (("--unit", "g", "--settle", "500 s"), 3, "is no longer than the 500 s of settling"),
-        (("--unit", "g", "--settle", "a while"), 2, "settle: 'a while' Write a number with its unit"),
+        (("--unit", "g", "--settle", "a while"), 2, "settle"),
         (("--unit", "g", "--angle", "180"), 2, "angle: '180' Write a number with its unit, like 180 deg"),
         (("--unit", "g", *windows("1996/051/12:03:00..1996/051/12:09:00=0")), 2, "'0' Write a number with its unit"),
         (("--unit", "g", "--axis", "z"), 0, "The head may have been turned about x"),
@@ -102,13 +102,13 @@ THIRD = "1996/051/12:21:00..1996/051/12:29:00=0 deg"
         (("--unit", "g", *windows("1996/051/12:09:00..1996/051/12:03:00=0 deg")), 2, "the end is not after the start"),
         (("--unit", "g", *windows(FIRST, FIRST.replace("=0", "=180"))), 3, "overlap"),
         (("--unit", "g", *windows(FIRST, "1996/052/12:11:00..1996/052/12:19:00=180 deg")), 2, "from 1996-02-20T12"),
-        (("--unit", "g", "--column", "x=x", "--column", "y=x"), 2, "'x' is the channel of x and y Give each axis"),
-        (("--unit", "g", *windows("000/12:03..000/12:09=0 deg")), 2, "Say it: --mission-start 1996-03-22T08:13:04Z"),
+        (("--unit", "g", "--column", "x=x", "--column", "y=x"), 2, "column 'x' is given for x and y"),
+        (("--unit", "g", *windows("000/12:03..000/12:09=0 deg")), 2, "Add: --mission-start 1996-03-22T08:13:04Z"),
         (("--unit", "g", *windows("12:03..12:09=0 deg")), 2, "'12:03' is no time"),
         (("--unit", "g", *windows("yesterday")), 2, "write START..STOP=ANGLE"),
         (("--unit", "g", "--from", "1996/052/00:00"), 3, "The recording goes from 1996-02-20T12:00:00"),
-        (("--unit", "g", "--to", "1996/051/12:05:00"), 2, "no turn of the head is seen"),
-        (("--unit", "g", "--column", "w=x"), 2, "--column: axis 'w' There are: x, y, z"),
+        (("--unit", "g", "--to", "1996/051/12:05:00"), 2, "no turn of the head found"),
+        (("--unit", "g", "--column", "w=x"), 2, "column 'w' There are: x, y, z"),
         (("--unit", "g", "--column", "x=nothing"), 3, "no column 'nothing'"),
         (("--unit", "g", "--frame", "sensor"), 2, "a frame is asked for"),
     ],
@@ -215,7 +215,7 @@ def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Two records that make one flip, with a campaign file."""
     folder = flip_records(tmp_path_factory.mktemp("archive") / "records", files=2)
     with pytest.raises(SystemExit):
-        main(["flip", str(folder), "--campaign", "--quiet"])
+        main(["flip", str(folder), "--campaign", str(folder), "--quiet"])
     return folder
 
 

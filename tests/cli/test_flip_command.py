@@ -44,10 +44,10 @@ def test_a_table_of_means(capsys: pytest.CaptureFixture[str], means: Path) -> No
     ("words", "told"),
     [
         ((), "position 'forward' has no angle"),
-        ((*POSITIONS, "--axis", "w"), "axis 'w'"),
+        ((*POSITIONS, "--axis", "w"), "'w' is not one of 'x', 'y', 'z'"),
         ((*POSITIONS, "--unit", "furlong"), "furlong"),
         (("--position", "forward"), "--position"),
-        (("--window", "yesterday"), "write START..STOP=ANGLE"),
+        (("--window", "yesterday"), "a table of means has no windows"),
     ],
 )
 def test_wrong_usage_is_told_in_one_message(

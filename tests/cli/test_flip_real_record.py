@@ -37,7 +37,7 @@ def test_info_tells_the_traps_and_what_to_type_next(capsys: pytest.CaptureFixtur
 def test_a_record_without_a_turn_is_refused_with_a_way_out(capsys: pytest.CaptureFixture[str], shared: Path) -> None:
     status, out, err = call(capsys, "flip", str(shared / "data" / "pims_pad" / RECORD))
     assert (status, out) == (2, "")
-    assert "no turn of the head is seen in 59 s" in err
+    assert "no turn of the head found in 59 s" in err
     assert "--window" in err
 
 

@@ -26,7 +26,13 @@ if TYPE_CHECKING:
 GROUP: dict[str, str] = {"gyro": "gyro", "accelerometer": "acc"}  # as units and columns are named by people
 KIND_OF_UNIT: dict[str, str] = {"gyro": "angular_rate", "accelerometer": "acceleration"}
 EXAMPLE = {"angular_rate": "deg/s", "acceleration": "m/s2", "temperature": "degC", "pressure": "Pa"}
-PLURAL = {"column": "columns", "unit": "units", "standard": "standards"}  # options that may be repeated, in Python
+PLURAL = {
+    "column": "columns",
+    "unit": "units",
+    "standard": "standards",
+    "window": "windows",
+    "position": "positions",
+}  # options that may be repeated, in Python
 SPOKEN = {"gyro": ("deg/s", "rad/s", "deg/h"), "accelerometer": ("m/s^2", "g", "mg", "ug")}
 
 
@@ -92,8 +98,10 @@ class GivenFile:
         It is a file, which has rows.
     options : bool
         The caller types options, not arguments of Python.
-    names : tuple of str
-        Of all files.
+    number : int
+        Of the file, from 1.
+    together : sequence of GivenFile
+        All files of the call.
     label : str
         What the caller calls it (``Procedure.split_label``).
     """
@@ -102,12 +110,18 @@ class GivenFile:
     said: Said
     own: Mapping[str, Any]
     plan: Mapping[str, Any]
-    read: Callable[[], Recording]
+    read: Callable[..., Recording]
     read_rows: Callable[[], Table]
     has_rows: bool = True
     options: bool = True
-    names: tuple[str, ...] = ()
+    number: int = 1
+    together: Sequence[GivenFile] = ()
     label: str = ""
+
+    @property
+    def names(self) -> list[str]:
+        """Names of all files."""
+        return [one.name for one in self.together]
 
     @cached_property
     def recording(self) -> Recording:
@@ -189,6 +203,10 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
         what = f"{given.name}: cannot tell which column is which axis of the {sensor}; it has {have}"
         raise UsageError(what, do=f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
     taken = axes | {what: name for what, name in columns.items() if what not in AXES}
+    for name in columns.values():
+        if len(several := [what for what, one in taken.items() if one == name]) > 1:
+            what = f"{given.name}: column {name!r} is given for {' and '.join(several)}"
+            raise UsageError(what, do="Each channel has its own column", code="duplicate_id")
     for role in spec.roles:
         if not any(what == role.name or what.startswith(f"{role.name}_") for what in taken):
             found = _of_role(recording, role.kind, role.name)

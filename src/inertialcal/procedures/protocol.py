@@ -554,6 +554,16 @@ class Procedure(Generic[P, R, S]):
 
         return [described(given, self.inputs)]
 
+    def like(self, given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], Sequence[Remark]]:
+        """Return the entry of a recording of another campaign as it holds for a file, and remarks on it.
+
+        Raises
+        ------
+        UsageError
+            If it does not hold for this file.
+        """
+        return dict(entry), ()
+
     # ---- from what was said to readings -----------------------------------------------------------------------
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:

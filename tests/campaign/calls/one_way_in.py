@@ -18,6 +18,7 @@ from typed_commands import call
 def option_text(settings: Mapping[str, Any]) -> list[str]:
     """Return settings as options."""
     names = {"start": "from", "stop": "to", "columns": "column", "units": "unit", "standards": "standard"}
+    names |= {"positions": "position", "windows": "window"}
     words: list[str] = []
     for name, value in settings.items():
         option = f"--{names.get(name, name).replace('_', '-')}"

@@ -15,7 +15,7 @@ from rig_flips import ONE_WAY, THERE_AND_BACK, Tally, Turning, flips, recording_
 from inertialcal.core.errors import UsageError
 from inertialcal.core.recording import SECOND
 from inertialcal.procedures.flip.dwells.recordings import FlipRecording, readings_from
-from inertialcal.procedures.flip.files.record import found_windows
+from inertialcal.procedures.flip.given import found_windows
 from inertialcal.procedures.flip.reduction import reduce
 from inertialcal.rigs.sams_tsh.record import ARM_FADE
 from inertialcal.statistics.intervals import covers

@@ -14,12 +14,12 @@ from typing import Any
 
 import pytest
 
+from inertialcal import flip
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.outcome.publish import json_text
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import InertialcalError
-from inertialcal.procedures.flip.files.call import flip
 from inertialcal.rigs.protocol import SEED
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import replace
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 import pytest
@@ -12,8 +13,12 @@ import pytest
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.recording import SECOND, Channel, Recording
-from inertialcal.core.units import factor
-from inertialcal.procedures.flip.files.record import Said, found_windows, given_windows, head_recording
+from inertialcal.procedures import PROCEDURES
+from inertialcal.procedures.flip.dwells.quiet import Window
+from inertialcal.procedures.flip.entry import Position
+from inertialcal.procedures.flip.given import described, found_windows
+from inertialcal.procedures.flip.inputs import windows_of
+from inertialcal.procedures.given import GivenFile, Said
 
 RATE = 5.0
 UTC = 824_817_600 * SECOND  # 1996-02-20 12:00:00
@@ -33,31 +38,71 @@ def head(turns: tuple[float, ...], seconds: float = 1800.0, start: int = 0, unit
     return Recording(channels, time, 1.0 / RATE, epoch="utc" if start else "elapsed")
 
 
-def test_axes_are_taken_by_their_names_and_become_SI() -> None:
-    found = head_recording(head(()), None, None)
-    assert found.names == ("x", "y", "z")
-    assert found.channel("y").unit == "m/s^2"
-    assert np.mean(found.channel("y").data) == pytest.approx(905.0 * factor("ug", "m/s^2"), rel=1e-3)
+def file_of(recording: Recording, *together: Recording, **said: Any) -> GivenFile:
+    """A recording in memory, with what the caller says; ``units`` and the like, and the flip's own settings."""
+    common = {name: said.pop(name) for name in ("columns", "mission_start") if name in said}
+    files: list[GivenFile] = []
+    for number, one in enumerate((recording, *together), 1):
+
+        def read(one: Recording = one, **_: Any) -> Recording:
+            return one
+
+        files.append(GivenFile(f"{number}.csv", Said(**common), said, {}, read, no_table, has_rows=False,
+                               number=number, together=files))  # fmt: skip
+    return files[0]
 
 
-def test_columns_may_be_named_and_their_unit_said() -> None:
-    found = head_recording(head(()), {"x": "z"}, "mg")
-    assert found.names[0] == "x"
-    assert np.mean(found.channel("x").data) == pytest.approx(-1204.0 * factor("mg", "m/s^2"), rel=1e-3)
+def no_table() -> Any:
+    raise AssertionError
+
+
+def windows(recording: Recording, *together: Recording, **said: Any) -> list[Window]:
+    """Windows of a recording, on its clock."""
+    own = file_of(recording, *together, **said)
+    positions = described(own, PROCEDURES["flip"].inputs).entry["positions"]
+    return list(windows_of([Position.model_validate(one) for one in positions], recording, "head"))
+
+
+def test_axes_and_units_are_taken_by_their_names() -> None:
+    found = described(file_of(head((600.0,), unit="g")), PROCEDURES["flip"].inputs)
+    assert found.entry["channels"] == {axis: {"column": axis, "unit": "g"} for axis in "xyz"}
+    assert found.sensor == {"kind": "accelerometer", "axes": ["x", "y", "z"], "unit": "g"}
+
+
+def test_a_head_that_feels_next_to_nothing_is_shown_in_ug() -> None:
+    recording = head((600.0,), unit="g")
+    small = replace(recording, channels=tuple(replace(one, data=1e-6 * one.data) for one in recording.channels))
+    assert described(file_of(small), PROCEDURES["flip"].inputs).sensor["unit"] == "ug"
+
+
+def test_columns_may_be_named() -> None:
+    found = described(file_of(head((600.0,)), columns={"x": "z"}), PROCEDURES["flip"].inputs)
+    assert found.entry["channels"] == {"x": {"column": "z", "unit": "ug"}}
+
+
+def test_temperatures_and_gains_are_taken_along() -> None:
+    recording = head((600.0,))
+    warm = Channel("warm", np.full(len(recording), 18.0), "degC", "header", "", "temperature")
+    gain = Channel("gain_y", np.full(len(recording), 10.0))
+    found = described(
+        file_of(replace(recording, channels=(*recording.channels, warm, gain))), PROCEDURES["flip"].inputs
+    )
+    assert found.entry["channels"]["temperature"] == {"column": "warm", "unit": "degC"}
+    assert found.entry["channels"]["gain_y"] == {"column": "gain_y", "unit": "1"}
 
 
 @pytest.mark.parametrize(
-    ("recording", "unit", "words"),
+    ("recording", "words"),
     [
-        (Recording((Channel("t1", np.zeros(9)),)), None, "no channel is clearly an axis of an accelerometer"),
-        (head((), unit="deg/s"), None, "'x' is in deg/s, need a unit of acceleration"),
-        (head((), unit=""), None, "'x' is in no unit, need a unit of acceleration"),
-        (head(()), "count", "'x' is in count, need a unit of acceleration"),
+        (Recording((Channel("t1", np.zeros(9)),)), "cannot tell which column is which axis of the accelerometer"),
+        (head((), unit="deg/s"), r"unit missing or of the wrong kind: 'x' \(deg/s\)"),
+        (head((), unit=""), r"unit missing or of the wrong kind: 'x' \(\?\)"),
+        (head((), unit="count"), r"counts and volts need the chain of the sensor"),
     ],
 )
-def test_what_is_no_accelerometer_is_refused(recording: Recording, unit: str | None, words: str) -> None:
+def test_what_is_no_accelerometer_is_refused(recording: Recording, words: str) -> None:
     with pytest.raises(UsageError, match=words):
-        head_recording(recording, None, unit)
+        described(file_of(recording), PROCEDURES["flip"].inputs)
 
 
 def test_the_windows_beside_the_turns_are_found_equally_long_with_their_positions() -> None:
@@ -86,49 +131,39 @@ def test_the_angle_of_the_turns_is_that_which_is_said() -> None:
 
 
 def test_a_record_without_a_turn_is_refused_and_its_length_told() -> None:
-    with pytest.raises(UsageError, match="no turn of the head is seen in 1800 s") as caught:
+    with pytest.raises(UsageError, match="no turn of the head found in 1800 s") as caught:
         found_windows(head(()), math.pi)
-    assert "--window" in caught.value.problems[0].do
+    assert "windows" in caught.value.problems[0].do
 
 
 def test_given_windows_are_on_the_clock_of_the_record() -> None:
-    (windows,) = given_windows([head(())], [Said("60", "000/00:05:00", 0.0)])
-    assert (windows[0].start, windows[0].stop) == (60 * SECOND, 300 * SECOND)
-    (windows,) = given_windows([head((), start=UTC)], [Said("1996/051/12:01:00", "1996-02-20T12:05:00Z", 0.0)])
-    assert (windows[0].start - UTC, windows[0].stop - UTC) == (60 * SECOND, 300 * SECOND)
+    (own,) = windows(head(()), windows=["60..000/00:05:00=0 deg"])
+    assert (own.start, own.stop) == (60 * SECOND, 300 * SECOND)
+    (own,) = windows(head((), start=UTC), windows=["1996/051/12:01:00..1996-02-20T12:05:00Z=0 deg"])
+    assert (own.start - UTC, own.stop - UTC) == (60 * SECOND, 300 * SECOND)
     with pytest.raises(UsageError, match="mission elapsed time, but when the mission started is not said"):
-        given_windows([head((), start=UTC)], [Said("006/00:14:40", "006/00:20:00", 0.0)])
-    with pytest.raises(UsageError, match=r"--window 300\.\.60: from 300 to 60: the end is not after the start"):
-        given_windows([head(())], [Said("300", "60", 0.0)])
+        windows(head((), start=UTC), windows=["006/00:14:40..006/00:20:00=0 deg"])
+    with pytest.raises(UsageError, match=r"window 300\.\.60: from 300 to 60: the end is not after the start"):
+        windows(head(()), windows=["300..60=0 deg"])
 
 
 def test_mission_elapsed_time_counts_from_the_start_of_the_mission() -> None:
-    said = [Said("005/11:30:00", "005/11:40:00", 0.0)]
-    (windows,) = given_windows([head((), start=UTC)], said, "1996-02-15T00:30:00Z")
-    assert (windows[0].start - UTC, windows[0].stop - UTC) == (0, 600 * SECOND)
-
-
-def test_counts_are_sent_to_a_campaign() -> None:
-    counts = Recording(tuple(Channel(name, np.arange(9), None, "", name) for name in "xyz"))
-    with pytest.raises(UsageError, match="counts become readings by gain, zero and scale factor"):
-        head_recording(counts, None, None)
-
-
-def test_an_axis_that_is_not_named_is_not_taken() -> None:
-    """It would be read in the unit of the file as if that were SI."""
-    assert head_recording(head((), unit="ug"), {"y": "y"}, None).names == ("y",)
-    with pytest.raises(UsageError, match="--column: axis 'w'"):
-        head_recording(head(()), {"w": "y"}, None)
+    said = ["005/11:30:00..005/11:40:00=0 deg"]
+    (own,) = windows(head((), start=UTC), windows=said, mission_start="1996-02-15T00:30:00Z")
+    assert (own.start - UTC, own.stop - UTC) == (0, 600 * SECOND)
 
 
 def test_each_recording_has_the_windows_that_lie_in_it() -> None:
     early, late = head((), seconds=100.0), head((), seconds=100.0)
     assert late.time_ns is not None
-    late = Recording(late.channels, late.time_ns + 500 * SECOND, late.sample_interval)
-    first, second = given_windows([early, late], [Said("10", "20", 0.0), Said("510", "520", 1.0)])
-    assert ([one.angle for one in first], [one.angle for one in second]) == ([0.0], [1.0])
-    with pytest.raises(UsageError, match=r"--window 300\.\.310: lies in none of the 2 recordings"):
-        given_windows([early, late], [Said("300", "310", 0.0)])
+    late = replace(late, time_ns=late.time_ns + 500 * SECOND)
+    said = ["10..20=0 deg", "510..520=90 deg"]
+    assert [one.angle for one in windows(early, late, windows=said)] == [0.0]
+    assert [one.angle for one in windows(late, early, windows=said)] == pytest.approx([math.pi / 2.0])
+    with pytest.raises(UsageError, match=r"window 300\.\.310: lies in no recording"):
+        windows(early, late, windows=["300..310=0 deg"])
+    with pytest.raises(UsageError, match="no window lies in it"):
+        windows(early, late, windows=["510..520=0 deg"])
 
 
 def test_a_spike_that_may_be_a_turn_makes_the_positions_doubtful() -> None:
@@ -139,4 +174,4 @@ def test_a_spike_that_may_be_a_turn_makes_the_positions_doubtful() -> None:
     pushed = replace(recording, channels=tuple(replace(c, data=x) if c.name == "x" else c for c in recording.channels))
     (told,) = [one for one in found_windows(pushed, np.pi)[1] if one.code == "turns_found"]
     assert told.severity == "warning"
-    assert "the spike at 000/00:05:00 is not taken for a turn: if one is, positions and the sign" in told.what
+    assert "The spike at 000/00:05:00 is not taken for a turn: if one is, positions and the sign" in told.what

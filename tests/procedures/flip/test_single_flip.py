@@ -9,10 +9,10 @@ from typing import Any
 import pytest
 
 import inertialcal as ic
+from inertialcal.campaign.calls.call import Reduced
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.results import Row
-from inertialcal.procedures.flip.files.call import FlipFile
 from inertialcal.rigs.sams_tsh.campaign import FILE, instant, windows
 from inertialcal.rigs.sams_tsh.rig import Bench, build
 
@@ -41,7 +41,7 @@ def table(folder: Path, text: str = TABLE_3) -> Path:
     return path
 
 
-def by_name(found: FlipFile) -> dict[tuple[str, str], Row]:
+def by_name(found: Reduced) -> dict[tuple[str, str], Row]:
     return {(row.quantity, row.axis): row for row in found.rows if str(row.case) == ""}
 
 
@@ -73,9 +73,9 @@ def test_a_corrected_flip_gives_what_the_model_leaves_of_the_bias(tmp_path: Path
     ("text", "said", "words"),
     [
         (TABLE_3, {}, "position 'forward' has no angle"),
-        (TABLE_3.replace(" [ug]", ""), {"positions": POSITIONS}, "nothing says the unit of 'mean'"),
-        (TABLE_3, {"positions": POSITIONS, "axis": "w"}, "axis 'w'"),
-        (TABLE_3.replace("mean [ug]", "value [ug]"), {"positions": POSITIONS}, "no column is clearly the mean"),
+        (TABLE_3.replace(" [ug]", ""), {"positions": POSITIONS}, "unit of 'mean' not given"),
+        (TABLE_3, {"positions": POSITIONS, "axis": "w"}, "'w'"),
+        (TABLE_3.replace("mean [ug]", "value [ug]"), {"positions": POSITIONS}, "cannot tell which column is the mean"),
     ],
 )
 def test_what_a_table_does_not_say_is_asked_for(tmp_path: Path, text: str, said: dict[str, Any], words: str) -> None:
@@ -89,9 +89,9 @@ def test_a_row_of_no_axis_is_refused(tmp_path: Path) -> None:
 
 
 def test_windows_found_and_given_agree_within_the_uncertainty(record: Path) -> None:
-    found = ic.flip(record, unit="g")
-    stated = [(instant(a + BENCH.settle), instant(b), f"{angle:g} deg") for a, b, angle in windows(BENCH)]
-    given = ic.flip(record, unit="g", windows=stated)
+    found = ic.flip(record, units={"g": "g"})
+    stated = [f"{instant(a + BENCH.settle)}..{instant(b)}={angle:g} deg" for a, b, angle in windows(BENCH)]
+    given = ic.flip(record, units={"g": "g"}, windows=stated)
     assert "turns_found" in {remark.code for remark in found.remarks}
     assert "turns_found" not in {remark.code for remark in given.remarks}
     one, other = by_name(found), by_name(given)
@@ -108,7 +108,7 @@ def test_windows_found_and_given_agree_within_the_uncertainty(record: Path) -> N
 
 
 def test_settling_and_a_part_of_the_record(record: Path) -> None:
-    part = ic.flip(record, unit="g", settle="5 s", stop="1996-02-20T12:38:00Z")
+    part = ic.flip(record, units={"g": "g"}, settle="5 s", stop="1996-02-20T12:38:00Z")
     assert "settling" in {remark.code for remark in part.remarks}
     assert len(part.result.readings) == 2  # of the first turn
 
@@ -116,7 +116,7 @@ def test_settling_and_a_part_of_the_record(record: Path) -> None:
 def test_several_recordings_are_several_flips(record: Path, tmp_path: Path) -> None:
     second = tmp_path / "second.csv"
     second.write_text(csv_text(build(BENCH, 5).recordings[FILE]), encoding="utf-8")
-    found = ic.flip([record, second], unit="g")
+    found = ic.flip([record, second], units={"g": "g"})
     assert found.result.readings.flips == ("1", "2")
     assert {str(row.case) for row in found.rows} >= {"", "flip 1", "flip 2"}
     assert len(found.inputs) == 2
@@ -124,16 +124,16 @@ def test_several_recordings_are_several_flips(record: Path, tmp_path: Path) -> N
 
 def test_a_real_record_that_was_never_turned_is_refused_in_one_message(shared: Path) -> None:
     files = [path for path in (shared / "data" / "pims_pad").glob("2014*") if path.suffix != ".header"]
-    with pytest.raises(UsageError, match=r"no turn of the head is seen in 59 s") as caught:
+    with pytest.raises(UsageError, match=r"no turn of the head found in 59 s") as caught:
         ic.flip(files[0])
     assert len(caught.value.problems) == 1
-    assert "--window" in caught.value.problems[0].do
+    assert "windows=" in caught.value.problems[0].do
 
 
 def test_a_real_record_with_windows_inside_gives_no_false_certainty(shared: Path) -> None:
     """59 s hold two windows, but not the noise between them: values stay, without an uncertainty or a warned one."""
     files = [path for path in (shared / "data" / "pims_pad").glob("2014*") if path.suffix != ".header"]
-    said = [("2014/295/09:36:40", "2014/295/09:37:00", "0 deg"), ("2014/295/09:37:05", "2014/295/09:37:30", "180 deg")]
+    said = ["2014/295/09:36:40..2014/295/09:37:00=0 deg", "2014/295/09:37:05..2014/295/09:37:30=180 deg"]
     found = ic.flip(files[0], windows=said)
     assert {"short_record"} <= {remark.code for remark in found.remarks}
 
@@ -141,5 +141,5 @@ def test_a_real_record_with_windows_inside_gives_no_false_certainty(shared: Path
 def test_a_file_that_is_given_twice_does_not_count_twice(tmp_path: Path, record: Path) -> None:
     with pytest.raises(UsageError, match="given twice"):
         ic.flip([record, record.parent / "." / record.name])
-    with pytest.raises(UsageError, match="is a table of means, one of 2 files"):
-        ic.flip([table(tmp_path), record])
+    with pytest.raises(DataError, match=r"reduced means .* and recordings in one test"):
+        ic.flip([table(tmp_path), record], positions=POSITIONS, units={"g": "g"})

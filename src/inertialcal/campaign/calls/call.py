@@ -220,21 +220,13 @@ def call(
     names, files = files_of([one for _, one in labelled], said)
     labels = dict(zip(names, (label for label, _ in labelled), strict=True))
     held = [str(one) for one in held_out]
-    given_files = [
-        GivenFile(
-            one,
-            said,
-            parts["own"],
-            parts["plan"],
-            partial(files.read, one),
-            partial(files.table, one),
-            has_rows=one not in files.held,
-            options=options,
-            names=(*names, *held),
-            label=labels.get(one, ""),
-        )
-        for one in [*names, *held]
-    ]
+    given_files: list[GivenFile] = []
+    for number, one in enumerate([*names, *held], 1):
+        own = partial(files.read, one), partial(files.table, one)
+        given_files.append(
+            GivenFile(one, said, parts["own"], parts["plan"], *own, has_rows=one not in files.held,
+                      options=options, number=number, together=given_files, label=labels.get(one, ""))
+        )  # fmt: skip
     plan, _ = _settings(procedure.plan_type, parts["plan"], options)
     if procedure.said_type is not None:
         _settings(procedure.said_type, parts["own"], options)
@@ -457,8 +449,10 @@ def _with_files(entry: Mapping[str, Any], place: Callable[[str], str]) -> dict[s
 
 
 def _placed(source: str, files: Files, folder: Path, taken: set[str], write: Callable[..., Any]) -> str:
-    """Copy a file into a campaign folder, or write a recording there; return its path inside."""
+    """Copy a file into a campaign folder, or write a recording there; return its path inside. One inside stays."""
     origin = Path(source)
+    if origin.exists() and origin.resolve().is_relative_to(folder.resolve()):
+        return origin.resolve().relative_to(folder.resolve()).as_posix()
     stem = origin.name if origin.exists() else f"{origin.name}.parquet"
     name, count = f"recordings/{stem}", 2
     while name in taken:

@@ -61,14 +61,14 @@ def document_of(
     uses: dict[tuple[str, str], dict[str, Any]] = {}
     remarks: list[Remark] = []
     for one in given:
-        found = [like.entry(one, procedure.name)] if like is not None else list(procedure.described(one))
+        found = [like.entry(one, procedure)] if like is not None else list(procedure.described(one))
         for each in found:
+            remarks += each.remarks
             name = _named(one, each, document["recordings"], several=len(found) > 1)
             sensor = each.entry.get("sensor") or _sensor(sensors, each)
             own = {"sensor": sensor, "file": one.name} | each.entry | _reading(one.said, each.entry)
             document["recordings"][name] = own
             columns |= {what: column for what, column in each.columns.items() if what not in columns}
-            remarks += each.remarks
             use = "hold_out" if one.name in held_out else "fit"
             test = uses.setdefault((use, each.test), {"recordings": [], "plan": {}})
             test["recordings"].append(name)
@@ -150,7 +150,7 @@ class _Like:
         load(self.folder)  # refuses what is wrong with it
         self.document: Document = tomllib.loads((self.folder / FILE).read_text(encoding="utf-8-sig"))
 
-    def entry(self, one: GivenFile, procedure: str) -> Described:
+    def entry(self, one: GivenFile, procedure: Procedure[Any, Any, Any]) -> Described:
         """Return the entry of a file: that of the same file name, else one of the procedure's with its columns.
 
         Raises
@@ -159,7 +159,7 @@ class _Like:
             If none fits, or several that differ.
         """
         entries: dict[str, dict[str, Any]] = self.document["recordings"]
-        tests = [test for test in self.document["tests"] if test["procedure"] == procedure]
+        tests = [test for test in self.document["tests"] if test["procedure"] == procedure.name]
         tests.sort(key=lambda test: test.get("use", "fit") != "fit")
         read = {name: test for test in reversed(tests) for name in test["recordings"]}
         fits = {name: entries[name] for name in read if PurePath(entries[name]["file"]).name == PurePath(one.name).name}
@@ -172,7 +172,7 @@ class _Like:
             what = (
                 f"{one.name}: {f'recordings {found} fit, and differ' if kept else 'no recording fits'} in {self.folder}"
             )
-            do = f"Tests of {procedure} read: {', '.join(read) or 'nothing'}. Give the file the name that one has there"
+            do = f"Tests of {procedure.name} read: {', '.join(read) or 'nothing'}. Give the file one of their names"
             raise UsageError(what, do=do, code="unknown_name")
         name = next(iter(fits))
         entry = {key: value for key, value in fits[name].items() if key != "file" and (named or key != "run")}
@@ -185,7 +185,8 @@ class _Like:
         plan = read[name].get("plan", {})
         sensor = self.document["sensors"][entry["sensor"]]
         self._check_own_model(sensor)
-        return Described(entry, sensor, taken, plan)
+        entry, remarks = procedure.like(one, entry)
+        return Described(entry, sensor, taken, plan, remarks=tuple(remarks))
 
     def _has_columns(self, one: GivenFile, entry: Mapping[str, Any]) -> bool:
         names = set(one.recording.names) if "channels" in entry else set(one.table.names)

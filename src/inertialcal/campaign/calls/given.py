@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
-from functools import partial
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -18,14 +17,15 @@ from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.source import load as load_file
 from ...files.text.table import Table
-from ...procedures.given import Said
+from ...procedures.given import Said, bare
 from ..file.recordings import RecordingEntry
+from ..inputs.sources import reading_of
 
 T = TypeVar("T")
 SENSORS = ("gyro", "acc")
 Given = str | Path | Recording | Array
-# Units of whole groups, where a unit is given without a name.
-GROUPS = {"angular_rate": ("gyro",), "acceleration": ("acc",)}
+# Quantity of a unit that is given without a name.
+GROUPS = {"angular_rate": "gyro", "acceleration": "acc"}
 
 
 @dataclass(frozen=True, eq=False)
@@ -38,37 +38,43 @@ class Files:
         How they are read.
     held : dict of str to Recording
         That were given, or have been read.
+    read_as : dict of str to dict
+        How those were read.
     """
 
     said: Said
     held: dict[str, Recording] = field(default_factory=dict[str, Recording])
     folder: Path | None = Path()
+    read_as: dict[str, dict[str, Any]] = field(default_factory=dict[str, dict[str, Any]])
 
-    def read(self, name: str) -> Recording:
-        """Return a recording."""
-        if name not in self.held:
-            said = self.said
-            units = {group: unit for key, unit in said.units.items() for group in _groups(key, unit)}
-            read_as = partial(
-                read, name, sample_rate=said.sample_rate, time_column=said.time_column, start=said.start,
-                stop=said.stop, mission_start=said.mission_start, frame=said.frame,
-            )  # fmt: skip
+    def read(self, name: str, **reading: Any) -> Recording:
+        """Return a recording, read as was said, but for what ``reading`` has else; those in memory as they are."""
+        said = self.said
+        wanted: dict[str, Any] = {
+            "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
+            "mission_start": said.mission_start, "frame": said.frame,
+        }  # fmt: skip
+        wanted |= {one: value for one, value in reading.items() if value is not None}
+        if name not in self.held or self.read_as.get(name, wanted) != wanted:
+            units = {key: unit for key, unit in said.units.items() if key != unit}
             try:
-                self.held[name] = read_as(units=units)
+                found = read(name, units=units, **wanted)
             except UsageError as error:
                 columns = {key: unit for key, unit in units.items() if key not in SENSORS}
                 if error.problems[0].code != "wrong_column" or len(columns) == len(units):
                     raise
-                self.held[name] = read_as(units=columns)  # of one sensor, or without a header
+                found = read(name, units=columns, **wanted)  # of one sensor, or without a header
+            self.held[name] = _with_unit(found, bare(said.units))
+            self.read_as[name] = wanted
         return self.held[name]
 
     def recording(self, entry: RecordingEntry, required: Sequence[str]) -> Recording:
         """Return a recording; a literal NaN in a required column is refused with its row."""
-        found = self.read(entry.file)
+        found = self.read(entry.file, **reading_of(entry))
         needed = [found.channel(name).data for name in required]
         empty = any(np.isnan(data).any() for data in needed if data.dtype.kind == "f")
         if empty and Path(entry.file).exists():
-            read(entry.file, required=required, time_column=self.said.time_column, frame=self.said.frame)
+            read(entry.file, required=required, **reading_of(entry))
         return found
 
     def table(self, file: str) -> Table:
@@ -109,7 +115,7 @@ def files_of(given: Given | Sequence[Given], said: Said) -> tuple[list[str], Fil
             name, identity = str(one), str(Path(one).resolve())
         elif isinstance(one, Recording):
             name, identity = one.source.path or f"recording_{number}", str(id(one))
-            files.held[name] = one
+            files.held[name] = _with_unit(_with_named_units(one, said.units), bare(said.units))
         else:
             name, identity = f"array_{number}", str(id(one))
             files.held[name] = _of_array(np.asarray(one), said)
@@ -138,11 +144,25 @@ def _of_array(values: Array, said: Said) -> Recording:
     return Recording(channels, sample_interval=1.0 / said.sample_rate, interval_from="flag")
 
 
-def _groups(name: str, unit: str) -> Sequence[str]:
-    """Return which columns a unit is of: those named; all of its kind for a unit without a name."""
-    if name != unit:
-        return (name,)
-    return GROUPS.get(kind(unit), ())
+def _with_named_units(recording: Recording, units: Mapping[str, str]) -> Recording:
+    """Return a recording in memory with the units of its columns or groups that were said."""
+    stated = [units.get(one.name) or units.get(one.quantity) for one in recording.channels]
+    channels = [one if unit is None else replace(one, unit=normalise(unit), unit_from="flag")
+                for one, unit in zip(recording.channels, stated, strict=True)]  # fmt: skip
+    return replace(recording, channels=tuple(channels))
+
+
+def _with_unit(recording: Recording, unit: str | None) -> Recording:
+    """Return a recording with a unit without a name: that of all channels of its kind, else of those named by axis."""
+    if unit is None:
+        return recording
+    group = GROUPS.get(kind(unit), "")  # counts and volts are those of any axis
+    axes = [one for one in recording.channels if one.axis in AXES]
+    named = {one.name for one in recording.channels if group and one.quantity == group}
+    named = named or {one.name for one in axes if not one.quantity or (not group and one.quantity in GROUPS.values())}
+    channels = [replace(one, unit=normalise(unit), unit_from="flag", quantity=group or one.quantity)
+                if one.name in named else one for one in recording.channels]  # fmt: skip
+    return replace(recording, channels=tuple(channels))
 
 
 __all__ = ["Files", "Given", "files_of"]

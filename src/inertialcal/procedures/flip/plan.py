@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
@@ -20,6 +21,20 @@ INFLUENCES = {
     "converter.zero": "bias in full: an offset of the electronics turns with the head as the bias does",
     "sensor.scale_factor": "bias and ambient acceleration in proportion; bias by what was taken off before, too",
 }
+
+
+@dataclass(frozen=True)
+class Turned:
+    """How the head was turned, as a caller says it of files."""
+
+    positions: Mapping[str, str] = setting(
+        "Angle of a position of a table of means.", dict[str, str], example='reverse="180 deg"', option="position"
+    )
+    windows: tuple[str, ...] = setting(
+        "When the head stood still, and its position then; found by the turns if not given.",
+        (), example='"START..STOP=180 deg"', option="window",
+    )  # fmt: skip
+    angle: str = setting("Angle of the turns, where the windows are found.", "180 deg", example='"90 deg"')
 
 
 @dataclass(frozen=True)

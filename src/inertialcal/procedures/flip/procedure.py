@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from ..protocol import READING, Command, Correction, Exclusion, InputSpec, Procedure, Quantity, Source, Tested
 from .figures import COMPARED, FIGURES
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Plan, Turned
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from ...core.show.sentence import Sentence
     from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
+    from ..given import Described, GivenFile
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
     from .readings import Readings
     from .reduction import Result
@@ -46,10 +47,23 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         Command("flip", "Bias and ambient acceleration of a triaxial accelerometer head, from turning it in orbit."),
     )
     plan_type, influences = Plan, INFLUENCES
+    said_type = Turned
     figures, compared = FIGURES, COMPARED
     set_against = True
     chosen_by = "Choose by positions"
     inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return the entry of a file: a table of means, or a recording with its windows."""
+        from .given import described
+
+        return [described(given, self.inputs)]
+
+    def like(self, given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], Sequence[Remark]]:
+        """Return an entry of another campaign as it holds for this file: with windows that lie in its record."""
+        from .given import like
+
+        return like(given, entry)
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
         """Return what is taken: with ``corrected`` the bias of a ground model is taken off."""

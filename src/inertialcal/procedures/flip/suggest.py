@@ -6,7 +6,7 @@ import math
 import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import Any
 
 import numpy as np
 
@@ -21,12 +21,10 @@ from ...files.info.motion import accelerometers, gyros, triad
 from ...files.info.survey import Survey
 from ...files.pad.pairs import pairs_of
 from ...files.text.table import Table
-from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, fill_in, sensor_table
-from .plan import Plan
+from ..given import GivenFile, Said
+from ..suggestions import Claim, Draft, FolderFile, Strength, Suggestion, channel_tables, fill_in, sensor_table
 
-if TYPE_CHECKING:
-    from .files.source import FlipSource
-
+Entry = dict[str, Any]  # of a recording, without its sensor and file
 REQUIREMENT = {"quantity": "control_error", "limit": "0.5 ug"}
 STANDARDS = {
     "turn": Noted({"angle": {"u": "0.2 deg", "certificate": "..."}, "axis": {"u": "0.2 deg"}}, example=True),
@@ -67,61 +65,55 @@ def claims(file: FolderFile) -> Claim | None:
         means = means_of_table(file.table)
         return None if means is None else Claim(Strength.SURE, lambda: (means, ()))
     alone = accelerometers(recording) and not gyros(recording)
-    return Claim(Strength.POSSIBLE, lambda: head_source(recording)) if alone else None
+    return Claim(Strength.POSSIBLE, lambda: head_entry(recording)) if alone else None
 
 
-def means_of_table(table: Table) -> FlipSource | None:
-    """Return which column of a table of means is what, positions without angle; None where it is none.
+def means_of_table(table: Table) -> Entry | None:
+    """Return the entry of a table of means, angles of its positions open; None where it is none.
 
     Raises
     ------
     UsageError
-        If its names do not tell, or not the unit.
+        If its columns, or their unit, are not clear.
     """
-    from .files.source import FlipSource  # noqa: PLC0415 - starts slowly
-    from .files.table import is_table_of_means, means_columns  # noqa: PLC0415 - starts slowly
+    from .given import is_table_of_means, means_columns  # noqa: PLC0415 - starts slowly
 
     if not is_table_of_means(table):
         return None
     columns = [name for name in table.names if re.fullmatch("position|orientation|attitude|turned", name.lower())]
-    unknown = {one: "0 deg" for name in columns for one in table.text(name)}
-    means = means_columns(table, unknown, None)
-    return FlipSource({}, means=means.model_copy(update={"angles": dict.fromkeys(means.angles, math.nan)}))
+    angles = {one: "0 deg" for name in columns for one in table.text(name)}
+    path = table.source.path
+    means, _ = means_columns(GivenFile(path, Said(), {"positions": angles}, {}, lambda: read(path), lambda: table))
+    return {"means": {**means, "angles": fill_in(dict.fromkeys(means["angles"], "? deg"))}}
 
 
-def head_source(recording: Recording, frame: str = "") -> tuple[FlipSource, tuple[Remark, ...]]:
-    """Return a recording of a turned head with the windows that it shows, and what speaks against them.
+def head_entry(recording: Recording, frame: str = "") -> tuple[Entry, tuple[Remark, ...]]:
+    """Return the entry of a recording of a turned head, read in a frame, with the windows that it shows."""
+    from .given import found_windows, head_recording, position_rows  # noqa: PLC0415 - starts slowly
 
-    Parameters
-    ----------
-    recording : Recording
-        As read.
-    frame : str
-        Axes that it was read in.
-    """
-    from .files.record import found_windows, head_recording  # noqa: PLC0415 - starts slowly
-    from .files.source import source_of  # noqa: PLC0415 - starts slowly
-
-    columns = {axis: (c.name, c.unit or "") for axis, c in accelerometers(recording).items()}
+    heads = dict(sorted(accelerometers(recording).items()))
+    columns = {axis: {"column": one.name, "unit": one.unit or "m/s^2"} for axis, one in heads.items()}
+    positions: list[Any]
+    remarks: tuple[Remark, ...]
     try:
-        windows, remarks = found_windows(head_recording(recording, None, None), math.pi)
+        windows, remarks = found_windows(head_recording(recording, columns), math.pi)
+        positions = position_rows(windows, recording.epoch, "1")
     except UsageError as error:
-        why = Remark(
-            "no_turns", "info", error.problems[0].what, do="Fill in when it stood still, and how it was turned"
-        )
-        return source_of(recording, columns, frame), (why,)
-    return source_of(recording, columns, frame, windows), remarks
+        do = "Fill in when it stood still, and how it was turned"
+        remarks = (Remark("no_turns", "info", error.problems[0].what, do=do),)
+        positions = [fill_in({"start": "?", "stop": "?", "angle": f"{angle} deg"}) for angle in (0, 180)]
+    entry: Entry = {"clock": {"column": recording.time_column}} if recording.time_column else {}
+    entry |= {"frame": frame} if frame else {}
+    entry["positions"] = Noted(positions, "when the head stood still, and its angle")
+    return entry | {"channels": channel_tables(heads)}, remarks
 
 
-def found_in(root: Path) -> tuple[dict[str, FlipSource], list[Remark]]:
-    """Return the archive records of a folder by file: those of one sensor, in one folder, are one recording.
+def found_in(root: Path) -> tuple[dict[str, Entry], list[Remark]]:
+    """Return the entries of archive records in a campaign folder, by file.
 
-    Parameters
-    ----------
-    root : Path
-        Folder of the campaign; the archive's own tree below it counts as one folder.
+    Those of one sensor, in one folder (with the archive's own tree below it), are one recording.
     """
-    found: dict[str, FlipSource] = {}
+    found: dict[str, Entry] = {}
     remarks: list[Remark] = []
     for folder in (root, *sorted({one.parent for one in root.rglob("*.header")} - {root})):
         file = folder.relative_to(root).as_posix()
@@ -132,7 +124,7 @@ def found_in(root: Path) -> tuple[dict[str, FlipSource], list[Remark]]:
             if not pairs:
                 continue
             file = file if len(pairs) > 1 else pairs[0].data.relative_to(root).as_posix()
-            found[file], more = head_source(*_in_sensor_axes(root / file))
+            found[file], more = head_entry(*_in_sensor_axes(root / file))
             remarks += [one.at(file) for one in more]
         except InertialcalError as error:
             remarks.append(Remark("not_read", "warning", error.problems[0].what, file, do=error.problems[0].do))
@@ -149,30 +141,19 @@ def _in_sensor_axes(path: Path) -> tuple[Recording, str]:
 
 def draft(contents: Mapping[str, object]) -> Draft:
     """Return the head, its recordings and tests, by file: tables of means and recordings."""
-    from .files.source import FlipSource, entry_table  # noqa: PLC0415 - starts slowly
-
-    sources = {file: one for file, one in contents.items() if isinstance(one, FlipSource)}
     units: list[str] = []
     recordings: dict[str, object] = {}
     tests = []
     counts = {"means": 0, "head": 0}
-    for file, one in sources.items():
-        units += [one.means.unit] if one.means is not None else [unit for _, unit in one.columns.values()]
-        word = "means" if one.means is not None else "head"
+    for file, entry in contents.items():
+        assert isinstance(entry, dict)  # noqa: S101 - as claimed
+        named = [entry["means"]] if "means" in entry else entry["channels"].values()
+        units += [one["unit"] for one in named if not isinstance(one, Noted)]
+        word = "means" if "means" in entry else "head"
         counts[word] += 1
         name = f"{word}{counts[word]}"
-        recordings[name] = entry_table(file, one)
-        tests.append(flip_test(f"flip_{name}", [name], Plan(), known=False))
+        recordings[name] = {"sensor": "head", "file": file, **entry}
+        plan = fill_in({"axis": "x"})
+        tests.append({"id": f"flip_{name}", "procedure": "flip", "recordings": [name], "plan": plan})
     sensors = {"head": sensor_table("accelerometer", units)}
     return Draft(sensors, recordings, tests, REQUIREMENT, STANDARDS)
-
-
-def flip_test(test: str, recordings: list[str], plan: Plan, known: bool) -> dict[str, object]:
-    """Return the table of a test; ``known``: whether the plan was used, not guessed."""
-    settings: dict[str, object] = {"axis": plan.axis}
-    if plan.settle:
-        settings["settle"] = f"{plan.settle:.12g} s"
-    if plan.corrected:
-        settings["corrected"] = True
-    own = settings if known else fill_in(settings)
-    return {"id": test, "procedure": "flip", "recordings": recordings, "plan": own}

@@ -98,7 +98,7 @@ def is_reading(value: float) -> bool:
 def readable(recording: Recording) -> Recording:
     """Return the recording with impossible samples of its axes as missing, counted in a remark.
 
-    Bit errors and wrong columns leave such numbers.
+    Bit errors and wrong columns leave such numbers. Samples without stamps count from their first, by the interval.
 
     Parameters
     ----------
@@ -110,6 +110,9 @@ def readable(recording: Recording) -> Recording:
     DataError
         ``time_goes_back`` if a stamp is earlier than the one before: windows could not be placed.
     """
+    if recording.time_ns is None and recording.sample_interval:
+        time_ns = np.rint(np.arange(len(recording)) * (recording.sample_interval * SECOND)).astype(np.int64)
+        recording = replace(recording, time_ns=time_ns, epoch="elapsed")
     _check_time(recording)
     channels, remarks = [], []
     for channel in recording.channels:

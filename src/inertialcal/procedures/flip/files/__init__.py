@@ -1,1 +1,0 @@
-"""A flip of files without a campaign."""
