@@ -66,7 +66,6 @@ _HOMES = {
     "check": ("campaign.engine.run", "check"),
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),
-    "flip": ("campaign.calls.nouns", "flip"),
     "load_model": ("campaign.models.find", "load_model"),
     "plan_mass_attraction": ("procedures.mass_attraction.planning.planner", "plan_mass_attraction"),
     "plan_positions": ("procedures.positions.planning.planner", "plan_positions"),
