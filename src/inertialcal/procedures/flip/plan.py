@@ -30,9 +30,9 @@ class Turned:
     positions: Mapping[str, str] = setting(
         "Angle of a position of a table of means.", dict[str, str], example='reverse="180 deg"', option="position"
     )
-    windows: tuple[str, ...] = setting(
+    windows: list[str] = setting(
         "When the head stood still, and its position then; found by the turns if not given.",
-        (), example='"START..STOP=180 deg"', option="window",
+        list[str], example='"START..STOP=180 deg"', option="window",
     )  # fmt: skip
     angle: str = setting("Angle of the turns, where the windows are found.", "180 deg", example='"90 deg"')
 
