@@ -16,7 +16,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build
-from pad_flips import records
+from pad_pairs_made import flip_records
 
 MEANS = """\
 axis,orientation,flip,mean [ug]
@@ -62,7 +62,7 @@ def test_recordings_with_windows_found(tmp_path: Path, capsys: pytest.CaptureFix
 
 def test_archive_records_with_windows_given(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     windows = ["2014/295/09:40:00..2014/295/09:46:00=0 deg", "2014-10-22T09:47:00Z..2014-10-22T09:55:00Z=180 deg"]
-    folder = records(tmp_path / "records")
+    folder = flip_records(tmp_path / "records")
     found = same_rows(capsys, "flip", [folder], tmp_path / "campaign", windows=windows, axis="x", corrected=True)
     assert found.unit == "ug"
 
