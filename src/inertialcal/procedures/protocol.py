@@ -285,6 +285,10 @@ class Reduced(Protocol):
         """Models by kind of sensor."""
         ...
 
+    def write_models(self, path: Path) -> list[Path]:
+        """Write the models; return their paths."""
+        ...
+
     @property
     def results(self) -> Mapping[str, Any]:
         """Content of ``results.json``."""

@@ -31,7 +31,7 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...files.time.stamps import time_remarks
 from ...procedures import procedure_of
-from ...procedures.given import GivenFile, Said
+from ...procedures.given import GROUP, GivenFile, Said
 from ...procedures.protocol import Procedure, Tested
 from ..engine.engine import ReducedTest
 from ..engine.run import Whole, reduce_campaign
@@ -161,6 +161,30 @@ class Reduced:
     def _repr_html_(self) -> str:
         """Return what is shown for a notebook."""
         return html(self.parts())
+
+    def write_models(self, path: str | Path) -> list[Path]:
+        """Write the models; of several, each has its sensor in the name: ``model_acc.json``, ``model_gyro.json``.
+
+        Raises
+        ------
+        DataError
+            ``no_model`` where there is none; ``overwrites_input``.
+        StoreError
+            ``not_written``.
+        """
+        from ...files.models.model_json import dump_model  # noqa: PLC0415
+        from ...files.write.atomic import atomic_write  # noqa: PLC0415
+
+        target, models = Path(path), {GROUP[kind]: model for kind, model in self.models.items()}
+        if not models:
+            do = "See why each figure was not estimated"
+            raise DataError("nothing for a model was estimated", str(target), do=do, code="no_model")
+        written = []
+        for name, model in models.items():
+            written.append(target.with_stem(f"{target.stem}_{name}") if len(models) > 1 else target)
+            with atomic_write(written[-1], list(self.inputs)) as aside:
+                aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
+        return written
 
     def write_campaign(self, folder: str | Path) -> Path:
         """Write what was used as a campaign: its file, and copies of the recordings.

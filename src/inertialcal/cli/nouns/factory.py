@@ -17,7 +17,7 @@ from ..options import Json, Quiet
 Files = Annotated[list[Path], typer.Argument(help="Recordings, or tables of readings.", show_default=False)]
 OUTPUT = {
     "output": (Annotated[Path | None, typer.Option("--output", "-o", show_default=False,
-                         help="Write a figure: .png, .svg or .pdf, by the ending.")], None),
+                         help="Write a figure (.png, .svg, .pdf), the models (.json), or all into a folder.")], None),
     "figure": (Annotated[str | None, typer.Option(help="Which figure; the first that has data if not given.")], None),
     "figure_axis": (Annotated[str | None, typer.Option(help="Axis of the figure: x, y or z.")], None),
     "campaign": (Annotated[Path | None, typer.Option(show_default=False,

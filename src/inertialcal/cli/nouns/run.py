@@ -25,19 +25,14 @@ def run_noun(
         given.pop(name) for name in ("output", "figure", "figure_axis", "campaign", "as_json", "quiet")
     )
     files, held_out = given.pop("files"), given.pop("hold_out", None) or []
-    folder = output is not None and not output.suffix
-    if folder:
+    form = _form(procedure, output)
+    if form == "folder":
         check_folder(output, figure)
-    else:
+    elif form == "figure":
         figures.check_figure(output, {"--figure": figure, "--figure-axis": axis})
     found = call(procedure.name, files, pairs_of(settings, given), held_out=held_out, options=True, word=declared.word)
-    written: dict[str, str] = {}
-    if folder:
-        paths = write_folder(output, found, procedure.files(found), declared.figure)
-        written |= {path: f"written: {path}" for path in paths}
-    elif output is not None:
-        chosen = {"figure": figure or declared.figure or None, "axis": axis}
-        written[str(output)] = figures.write(output, found, files, chosen, most=3)
+    chosen = {"figure": figure or declared.figure or None, "axis": axis}
+    written = {} if output is None else _write(form, output, found, procedure, chosen)
     if campaign is not None:
         path = str(found.write_campaign(campaign))
         written[path] = f"written: {path}"
@@ -62,6 +57,26 @@ def run_noun(
         for line in written.values():
             print(line)
     return 0
+
+
+def _form(procedure: Procedure[Any, Any, Any], output: Path | None) -> str:
+    """Return what ``-o`` asks for, by its ending: a figure, the models, or all into a folder."""
+    if output is not None and not output.suffix:
+        return "folder"
+    return "models" if output is not None and output.suffix.lower() == ".json" and procedure.makes_model else "figure"
+
+
+def _write(
+    form: str, output: Path, found: Reduced, procedure: Procedure[Any, Any, Any], chosen: dict[str, str | None]
+) -> dict[str, str]:
+    """Write what ``-o`` asks for; return a line a path."""
+    if form == "figure":
+        return {str(output): figures.write(output, found, list(found.inputs), chosen, most=3)}
+    if form == "models":
+        paths = [str(path) for path in found.write_models(output)]
+    else:
+        paths = write_folder(output, found, procedure.files(found), chosen["figure"] or "")
+    return {path: f"written: {path}" for path in paths}
 
 
 def check_folder(folder: Path, figure: str | None) -> None:

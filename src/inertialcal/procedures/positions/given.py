@@ -16,6 +16,7 @@ import numpy as np
 from ...core.axes import AXES, Kind
 from ...core.errors import UsageError
 from ...core.recording import Channel
+from ...core.remarks import Remark
 from ...core.units import kind, normalise
 from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, sensor_said
 from .orientations.text import LABELS, direction_of, turn_of, words_of
@@ -68,7 +69,7 @@ def described(given: GivenFile) -> list[Described]:
         raise UsageError("sections, and a part of the recording", why="samples are counted from its start", do=do)
     is_table = recording.time_ns is None and recording.sample_interval is None and len(recording) <= LONGEST
     is_table = is_table and given.has_rows and not sections and not given.label
-    sensors = _channels(given, is_table)
+    sensors, remarks = _channels(given, is_table)
     units = _units(given, sensors)
     entry: dict[str, Any] = {}
     if given.label and given.label not in KINDS:
@@ -91,12 +92,12 @@ def described(given: GivenFile) -> list[Described]:
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
         said_sensor = sensor_said(given, KINDS[sensor], AXES, units[sensor])
-        found.append(Described({"channels": channels, **entry}, said_sensor, columns))
+        found.append(Described({"channels": channels, **entry}, said_sensor, columns, remarks=remarks))
     return found
 
 
-def _channels(given: GivenFile, is_table: bool) -> dict[str, dict[str, Channel]]:
-    """Return the channels by sensor and axis: as said, else by their names, else in their order.
+def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Channel]], list[Remark]]:
+    """Return the channels by sensor and axis: as said, else by their names, else in their order, which is remarked.
 
     Raises
     ------
@@ -109,6 +110,7 @@ def _channels(given: GivenFile, is_table: bool) -> dict[str, dict[str, Channel]]
     if given.said.sensor is not None:
         wanted = [one for one in wanted if given.said.sensor in (one, KINDS[one])]
     found: dict[str, dict[str, Channel]] = {}
+    remarks: list[Remark] = []
     for sensor in wanted:
         named = [c for c in every if c.quantity == sensor and c.axis in AXES]
         own = {str(c.axis): c for c in named} if len({c.axis for c in named}) == len(named) else {}
@@ -127,13 +129,16 @@ def _channels(given: GivenFile, is_table: bool) -> dict[str, dict[str, Channel]]
         told = wanted if len(wanted) == 1 else by_name
         if len(bare) == len(AXES) and len(told) == 1:
             found[told[0]] = dict(zip(AXES, bare, strict=True))
+            what = f"{', '.join(one.name for one in bare)} taken for x, y, z of the {KINDS[told[0]]}, in their order"
+            do = f"Else add: {given.add('column', f'{told[0]}_x=COLUMN')}"
+            remarks.append(Remark("axes_in_order", "info", what, given.name, do=do))
     missing = [f"{one}_{axis}" for one, by_axis in found.items() for axis in AXES if axis not in by_axis]
     if missing or not found:
         missing = missing or [f"acc_{axis}" for axis in AXES]
         what = f"{given.name}: cannot tell which column is {', '.join(missing)}; it has {', '.join(recording.names)}"
         do = f"Add: {given.add('column', f'{missing[0]}=COLUMN')}; or name the file: acc=FILE gyro=FILE"
         raise UsageError(what, do=do, code="no_column")
-    return found
+    return found, remarks
 
 
 def _units(given: GivenFile, sensors: Mapping[str, Mapping[str, Channel]]) -> dict[str, str]:

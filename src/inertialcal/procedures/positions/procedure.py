@@ -22,8 +22,6 @@ from .figures import FIGURES
 from .plan import INFLUENCES, Plan, SaidOfFile
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from ...core.axes import Kind
     from ...core.errors import Problem
     from ...core.recording import Recording
@@ -198,29 +196,6 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         parts += [f"{len(readings.transitions)} rotations between them"] if readings.transitions else []
         parts += [f"{len(readings.turns)} turns by a known angle"] if readings.turns else []
         return f"found: {', '.join(parts)}; gravity {local_gravity(found.plan):.6g} m/s2"
-
-    def writes(self, output: Path) -> bool:
-        """Return whether ``-o`` names models."""
-        return output.suffix.lower() == ".json"
-
-    def write(self, found: Reduced, output: Path) -> list[str]:
-        """Write the models; of two, each has its sensor in the name: ``model_acc.json``, ``model_gyro.json``."""
-        from ...core.errors import DataError
-        from ...files.models.model_json import dump_model
-        from ...files.write.atomic import atomic_write
-
-        short = {"accelerometer": "acc", "gyro": "gyro"}
-        models = {short[kind]: model for kind, model in found.models.items()}
-        if not models:
-            do = "See why each figure was not estimated"
-            raise DataError("nothing for a model was estimated", str(output), do=do, code="no_model")
-        written = []
-        for name, model in models.items():
-            path = output.with_stem(f"{output.stem}_{name}") if len(models) > 1 else output
-            with atomic_write(path, list(found.inputs)) as aside:
-                aside.write_text(dump_model(model), encoding="utf-8", newline="\n")
-            written.append(str(path))
-        return written
 
     def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
         """Return the command to type next."""
