@@ -92,7 +92,7 @@ def described(given: GivenFile) -> list[Described]:
         if len(warm) == 1:
             channels[TEMPERATURE] = {"column": warm[0].name, "unit": str(warm[0].unit)}
         said_sensor = sensor_said(given, KINDS[sensor], AXES, units[sensor])
-        found.append(Described({"channels": channels, **entry}, said_sensor, columns, remarks=remarks))
+        found.append(Described({"channels": channels, **entry}, said_sensor, columns, remarks=tuple(remarks)))
     return found
 
 
