@@ -224,7 +224,7 @@ BAD: list[tuple[tuple[str, ...], int, str]] = [
     ((*BODY, "--schedule", "s.csv"), 2, "no drive to write"),
     ((*BODY, "--figure", "body"), 2, "no file for the figure"),
     ((*BODY, "-o", "f.png", "--figure", "cat"), 2, "There are: body, field"),
-    ((*BODY, "-o", "f.gif"), 2, "cannot be written as .gif"),
+    ((*BODY, "-o", "f.gif"), 2, "cannot write a figure as .gif"),
     ((*BODY, "-o", "f.png", "--figure", "field"), 3, "no data for figure 'mass_field'"),
     ((*sets("orbit.stand_off=10 cm"), *BODY), 3, "orbit with body"),
     (sets("orbit.stand_off=10 cm", "orbit.gradient=1 m"), 3, "orbit.gradient:"),

@@ -10,7 +10,7 @@ import pytest
 from inertialcal.core.key import Case, Method
 from inertialcal.core.show import wording
 from inertialcal.report import findings
-from inertialcal.report.highlights import highlights
+from inertialcal.report.findings import highlights
 from inertialcal.report.numbers import Branch, Number, Text, both, digits, rounded, uncertainty, wrap
 from inertialcal.report.sections import anchor, missing, table
 from written_rows import fields

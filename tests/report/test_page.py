@@ -322,7 +322,7 @@ def test_the_way_from_codes_to_the_input_of_the_code_is_said(thesis: Files) -> N
     assert "minus the zero of 0.1 V, divided by the gain of x 100, z 10" in told
     assert "[-1, 0, 0], [0, 1, 0], [0, 0, -1]" in told
     sensor["chain"] |= {"kind": "pulse_rate", "gate": "100 s", "reference": None}
-    assert "pulses a second are codes divided by a gate of 100 s" in said(report_html(results, model, provenance))
+    assert "pulses per second are codes divided by a gate of 100 s" in said(report_html(results, model, provenance))
 
 
 def test_exclusions_of_many_are_in_the_plural(thesis: Files) -> None:

@@ -108,7 +108,7 @@ def test_a_model_is_its_matrix() -> None:
     ax = ic.plot(flight_unit().models["corrected"])
     texts = {tuple(text.get_position()): text.get_text() for text in ax.texts}
     assert texts[0.5, 2.5].startswith("0.013")  # z reads 1.298 % of x: row z, column x
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("axis that moves", "sensor that reads")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("input axis", "sensor")
     with pytest.raises(UsageError, match=r"no figure 'dwells' of a SensorModel.*There is: matrix"):
         ic.plot(flight_unit().models["corrected"], figure="dwells")
     with pytest.raises(UsageError, match="has no test and no axis"):
@@ -157,11 +157,11 @@ def test_axes_can_be_given_as_many_as_panels_or_one(found: Any) -> None:
 
 def test_what_cannot_be_drawn_is_refused() -> None:
     for nothing in (None, 3, "results.json", {}, {"other": 1}):
-        with pytest.raises(UsageError, match="cannot be drawn"):
+        with pytest.raises(UsageError, match="cannot plot"):
             ic.plot(nothing)
     with pytest.raises(UsageError, match=f"There are: {', '.join(figures())}"):
         ic.plot({"curves": []}, figure="pie")
-    with pytest.raises(DataError, match="no data that a figure shows"):
+    with pytest.raises(DataError, match="no data to plot"):
         ic.plot({"curves": [], "results": []})
 
 

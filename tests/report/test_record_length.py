@@ -61,7 +61,7 @@ def test_the_finding_counts_what_is_known_and_what_is_not_found() -> None:
         "Angle random walk of x: uncertainty 31 %; a recording of 15 h would give 10 %; one of two terms not detected"
     )
     assert told(finding(found(poor))) == said
-    assert " of x in still is known" in told(finding(found(poor, curve("other"))))
+    assert " of x in still: uncertainty" in told(finding(found(poor, curve("other"))))
     assert told(finding(found(curve(relative_error=[None, None])))) == "None of two terms was found"
 
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import csv
+import io
 import re
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +14,6 @@ from markupsafe import Markup
 from ..core.figure import FigureSpec
 from ..core.show.sentence import Quoted
 from ..core.show.wording import count, words
-from .embedded import curve_csv, rows_csv
 from .figures import Picture, figures, prefix, to_svg
 from .findings import Finding
 from .numbers import Text, clean
@@ -102,3 +103,44 @@ def _title(spec: FigureSpec, curve: Mapping[str, Any], before: Sequence[str], se
     given = {"axis": clean(curve["axis"]), "of": words(curve.get("of", "")), "record": record}
     filled = (spec.curves.get(curve["name"]) or words(curve["name"])).format_map(given)
     return filled.strip()
+
+
+FORMULA = ("=", "+", "-", "@", "\t", "\n")  # a spreadsheet would run a text that begins so
+
+
+def curve_csv(curve: Mapping[str, Any]) -> str:
+    """Return a curve of results.json as CSV; the unit stands in the head of each column.
+
+    Parameters
+    ----------
+    curve : mapping
+        With ``columns``: ``{name: {"unit", "values"}}``, all equally long.
+    """
+    columns = curve["columns"]
+    heads = [f"{name} [{column['unit']}]" if column["unit"] else name for name, column in columns.items()]
+    return _written(heads, list(zip(*(column["values"] for column in columns.values()), strict=True)))
+
+
+def rows_csv(rows: Sequence[Mapping[str, Any]]) -> str:
+    """Return rows of results.json as CSV; what is nested in a row is left out."""
+    heads = [name for name, value in rows[0].items() if not isinstance(value, Mapping | list)] if rows else []
+    return _written(heads, [[row[name] for name in heads] for row in rows])
+
+
+def _written(heads: Sequence[str], rows: Sequence[Sequence[Any]]) -> str:
+    buffer = io.StringIO()
+    writer = csv.writer(buffer, lineterminator="\n")
+    writer.writerow([_cell(head) for head in heads])
+    writer.writerows([_cell(value) for value in row] for row in rows)
+    return buffer.getvalue()
+
+
+def _cell(value: Any) -> str:
+    if value is None:
+        return ""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, str):
+        text = clean(value).replace("\r", "\n")  # csv quotes the latter alone
+        return f"'{text}" if text.startswith(FORMULA) else text
+    return repr(value)

@@ -34,7 +34,7 @@ def check_ending(path: str | os.PathLike[str]) -> str:
     ending = Path(path).suffix.lower()
     if ending not in FORMATS:
         raise UsageError(
-            f"-o {os.fspath(path)!r}: a figure cannot be written as {ending or 'a file without ending'}",
+            f"-o {os.fspath(path)!r}: cannot write a figure as {ending or 'a file without an ending'}",
             do=f"End the name with one of: {', '.join(FORMATS)}",
             code="unsupported_format",
         )

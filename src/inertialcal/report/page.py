@@ -26,7 +26,7 @@ from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
 from .drawings import Drawing
 from .figures import variables
-from .highlights import highlights
+from .findings import highlights
 from .numbers import Text
 
 FOLDER = Path(__file__).parent / "templates"

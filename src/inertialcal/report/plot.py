@@ -123,7 +123,7 @@ def _nothing(there: Mapping[str, list[Picture]], figure: str | None, test: str |
         for name, found in there.items()
         if figure in (None, name) or figure not in there
     ]
-    what = f"no data for {', '.join(asked)}" if asked else "no data that a figure shows"
+    what = f"no data for {', '.join(asked)}" if asked else "no data to plot"
     do = f"There are: {'; '.join(have)}" if have else ""
     return DataError(what, do=do, code="nothing_to_draw")
 
@@ -139,8 +139,8 @@ def _content(result: object) -> Mapping[str, Any]:
     if procedure is not None:
         return {"curves": curve_contents(procedure.curves(result), None)}
     raise UsageError(
-        f"a {type(result).__name__} cannot be drawn",
-        do="Give what run, rate_table, read or load_model returned, an Estimate, or the content of results.json",
+        f"cannot plot a {type(result).__name__}",
+        do="Pass the result of run, rate_table, read or load_model, an Estimate, or the content of results.json",
         code="wrong_value",
     )
 

@@ -133,7 +133,7 @@ def table(rows: Iterable[Branch]) -> tuple[list[Line], list[Case]]:
             Text(unit),
             found.get(PLAIN),
             {way: row for way, row in found.items() if way != PLAIN},
-        )  # fmt: skip
+        )
         for (quantity, case, axis, unit), found in groups.items()
     ]
     return lines, [*shown, *left]

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.campaign.outcome.publish import csv_text
-from inertialcal.report.embedded import rows_csv
+from inertialcal.report.drawings import rows_csv
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r", "\n")
 TEXTS = st.text(st.one_of(st.sampled_from("=+-@\t\r\n,;\"'1a "), st.characters(codec="utf-8", exclude_characters="\0")))

@@ -320,7 +320,7 @@ def test_the_matrix_reads_along_rows_and_says_what_is_missing() -> None:
     assert texts[0.5, 1.5] == "not\nestimated"  # yx
     assert texts[1.5, 1.5].startswith("−0.200")
     assert ax.get_ylim() == (2.0, 0.0)  # x above y
-    assert (ax.get_xlabel(), ax.get_ylabel()) == ("axis that moves", "sensor that reads")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == ("input axis", "sensor")
     assert [label.get_text() for label in ax.get_yticklabels()] == ["x", "y"]
 
 
@@ -375,7 +375,7 @@ def test_side_by_side_draws_both_errors_their_difference_and_the_flips() -> None
 
 def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
     found = {name: kind.pictures(results())[0].finding for name, kind in figures().items()}
-    assert found["compensated"] == "rms error on dwells held out: x 0.39 → 0.012 deg/s"
+    assert found["compensated"] == "rms error on hold-out dwells: x 0.39 → 0.012 deg/s"
     assert found["input_output"] == "x: 4 dwells within 0.03 deg/s of the line, 2 left out"
     assert found["rate_error"] == "x: R1 FAIL at 1, INCONCLUSIVE at 1, PASS at 2 of 4 rates"
     assert found["dwells"] == "rec, x: 2 dwells found, 1 of them left out"
@@ -384,7 +384,7 @@ def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
     )
     assert found["matrix"] == expected
     assert found["side_by_side"] == "To zero, new against old: y 20.0 ± 1.0 ug nearer; z not shown nearer"
-    assert found["budget"] == "mounting gives the most of the variance in 1 of 2 quantities"
+    assert found["budget"] == "mounting is the largest source in 1 of 2 quantities"
 
 
 def test_a_title_stands_on_a_file_and_not_on_a_page() -> None:

@@ -1,4 +1,4 @@
-"""Budget of uncertainty as bars: the share of the variance that each source has, one bar a quantity.
+"""Uncertainty budget as bars: the share of the variance from each source, one bar per quantity.
 
 Type A (observed scatter) is plain, type B (certificates and other knowledge) hatched; the same source has the same
 colour in every bar.
@@ -19,7 +19,7 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title
 
 NAME = "budget"
-SHOWS = "One bar a quantity, divided into the shares of the variance that each source of uncertainty has"
+SHOWS = "One bar per quantity, divided into the share of the variance from each source"
 ROLES = ("blue", "orange", "green", "vermilion", "sky", "purple", "yellow")
 ROW = 0.3  # height of a bar with its gap [in]
 LEAST = 0.6  # height of the panel [in]
@@ -60,11 +60,11 @@ def of_rows(every: Rows, test: str) -> Picture:
 
 
 def finding(rows: Rows) -> str:
-    """Return the finding: which source gives the most of a quantity, most often."""
+    """Return the finding: which source is most often the largest."""
     largest = [max((r for r in rows if _of(r) == what), key=lambda row: row["share"]) for what in _quantities(rows)]
     names = [row["source"] for row in largest]
     first = max(distinct(names), key=names.count)
-    return f"{plain(first)} gives the most of the variance in {names.count(first)} of {len(names)} quantities"
+    return f"{plain(first)} is the largest source in {names.count(first)} of {len(names)} quantities"
 
 
 def draw(ax: Axes, rows: Rows, title: str = "") -> None:

@@ -1,4 +1,4 @@
-"""Errors of the dwells held out, raw and compensated, against the applied rate: a panel an axis."""
+"""Errors of hold-out dwells, raw and compensated, against the applied input: one panel per axis."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ from ..drawing.scales import signed_log
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "compensated"
-SHOWS = "Error of each dwell held out over the applied input, raw and compensated, a panel an axis"
-OTHERS_TURNED = " At no input lie the dwells in which another axis was turned."
-STILL = 0.01  # of the largest input: next to none
-MOST = 800  # dwells drawn a panel; of more, the least and largest of each bin
+SHOWS = "Error of each hold-out dwell against the applied input, raw and compensated, one panel per axis"
+OTHERS_TURNED = " Points at zero: dwells while another axis turned."
+STILL = 0.01  # of the largest input: counts as zero
+MOST = 800  # dwells drawn per panel; of more, the smallest and largest of each bin
 SERIES: dict[str, dict[str, Any]] = {
     "raw_error": {
         "marker": "D", "markerfacecolor": "none", "markeredgecolor": COLOURS["vermilion"], "markersize": 4.5,
@@ -44,7 +44,7 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
 
 
 def others_turned(found: Sequence[Curve]) -> bool:
-    """Return whether most dwells of an axis have next to no input: others were turned."""
+    """Return whether most dwells of an axis have zero input because other axes turned."""
     for one in found:
         sizes = np.abs(finite(numbers(one, "applied")))
         if len(sizes) and np.sum(sizes < STILL * np.max(sizes)) > len(sizes) / 2:
@@ -60,9 +60,9 @@ def finding(found: Sequence[Curve], loop: Sequence[Mapping[str, Any]]) -> str:
         if one["raw_rms"] is not None and one["compensated_rms"] is not None
     ]
     if parts:
-        return f"rms error on dwells held out: {', '.join(parts)} {plain(loop[0]['unit'])}"
+        return f"rms error on hold-out dwells: {', '.join(parts)} {plain(loop[0]['unit'])}"
     dwells = sum(len(finite(numbers(curve, "raw_error"))) for curve in found)
-    return f"{dwells} dwells held out, raw and compensated"
+    return f"{dwells} hold-out dwells, raw and compensated"
 
 
 def draw(axes: Sequence[Axes], found: Sequence[Curve], title: str = "") -> None:

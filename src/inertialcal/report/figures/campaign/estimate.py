@@ -1,4 +1,4 @@
-"""Values of an estimate with their 95 % intervals: a row a value, a panel a unit."""
+"""Values of an estimate with their 95 % intervals: one row per value, one panel per unit."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from ..drawing.style import COLOURS, plain, set_labels, set_title, with_unit
 NAME = "estimate"
 ROW, LEAST = 0.28, 0.35  # height of a row, and of what a panel needs beside [in]
 FEW_TICKS = 4  # their labels are long
-SHOWS = "Each value with its 95 % interval, a panel a unit"
+SHOWS = "Each value with its 95 % interval, one panel per unit"
 
 
 def picture(estimate: Estimate) -> Picture:
@@ -31,7 +31,7 @@ def picture(estimate: Estimate) -> Picture:
         ``nothing_to_draw``, if it has no value.
     """
     if not estimate.names:
-        raise DataError("an estimate without values: there is nothing to draw", code="nothing_to_draw")
+        raise DataError("The estimate has no values to plot", code="nothing_to_draw")
     units = distinct(estimate.units)
 
     def paint(axes: Sequence[Axes], title: str) -> None:
@@ -42,7 +42,7 @@ def picture(estimate: Estimate) -> Picture:
 
 
 def finding(estimate: Estimate) -> str:
-    """Return the finding: the value if there is one, else how many intervals leave zero outside."""
+    """Return the finding: a single value, or how many intervals exclude zero."""
     if len(estimate.names) == 1:
         unit = "" if estimate.units[0] == "1" else f" {estimate.units[0]}"
         return f"{plain(estimate.names[0])} = {with_uncertainty(float(estimate.values[0]), float(estimate.u[0]))}{unit}"

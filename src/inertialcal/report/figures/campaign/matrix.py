@@ -1,8 +1,8 @@
-"""The matrix as a picture: row = the sensor that reads, column = the axis that moves.
+"""The matrix as a picture: row = sensor, column = input axis.
 
-On the diagonal stands the scale-factor error, positive where the sensor reads too much; beside it the misalignment,
-positive where the sensor reads more as the other axis moves more. Strength of colour is the size of an entry, 1 % on
-the diagonal as strong as 0.01 rad beside it; the sign stands in the number too.
+The diagonal shows the scale factor error, positive where the sensor reads too much; off it stands the misalignment,
+positive where the reading rises with the other axis. Colour strength is the size of an entry: 1 % on the diagonal is as
+strong as 0.01 rad off it. The number also carries the sign.
 """
 
 from __future__ import annotations
@@ -23,8 +23,8 @@ from ..drawing.style import COLOURS, TEXT, plain, set_legend, set_title
 
 NAME = "matrix"
 MODEL = "model"  # test that the rows of the model carry
-DIAGONAL, BESIDE = "scale_factor_error", "misalignment"
-SHOWS = "Rows are the sensors that read, columns the axes that move"
+DIAGONAL, OFF_DIAGONAL = "scale_factor_error", "misalignment"
+SHOWS = "Rows: sensors; columns: input axes"
 STRONGEST = 0.55  # opacity of the largest entry: the number on it stays readable
 CELL = 0.85  # height of a row [in]
 
@@ -32,12 +32,12 @@ Rows = Sequence[Mapping[str, Any]]
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
-    """Return a picture of the model, and one of each test that gave an entry beside the diagonal."""
+    """Return a picture of the model, and one of each test with an entry off the diagonal."""
     tests = distinct(row["test"] for row in results.get("results", []))
     found = []
     for test in sorted(tests, key=lambda test: test != MODEL):
         rows = [row for row in results["results"] if row["test"] == test and case_of(row).plain]
-        if entries(rows) and (test == MODEL or any(_known(row) for row in rows if row["quantity"] == BESIDE)):
+        if entries(rows) and (test == MODEL or any(_known(row) for row in rows if row["quantity"] == OFF_DIAGONAL)):
             found.append(of_rows(rows, test))
     return found
 
@@ -52,7 +52,7 @@ def of_rows(rows: Rows, test: str = MODEL) -> Picture:
     """
     cells = entries(rows)
     if not cells:
-        raise DataError("no scale-factor error and no misalignment: there is no matrix to draw", code="nothing_to_draw")
+        raise DataError("No scale factor error and no misalignment: no matrix to plot", code="nothing_to_draw")
 
     def paint(axes: Sequence[Axes], title: str) -> None:
         draw(axes[0], rows, title)
@@ -62,27 +62,27 @@ def of_rows(rows: Rows, test: str = MODEL) -> Picture:
 
 
 def entries(rows: Rows) -> dict[tuple[str, str], Mapping[str, Any]]:
-    """Return the entries of the matrix by (sensor that reads, axis that moves)."""
+    """Return the entries of the matrix by (sensor, input axis)."""
     diagonal = {row["axis"]: row for row in rows if row["quantity"] == DIAGONAL}
     pairs = {a + b: (a, b) for a in diagonal for b in diagonal if a != b}
-    beside = {pairs[row["axis"]]: row for row in rows if row["quantity"] == BESIDE and row["axis"] in pairs}
-    return {(axis, axis): row for axis, row in diagonal.items()} | beside
+    off = {pairs[row["axis"]]: row for row in rows if row["quantity"] == OFF_DIAGONAL and row["axis"] in pairs}
+    return {(axis, axis): row for axis, row in diagonal.items()} | off
 
 
 def axes_of(cells: Iterable[tuple[str, str]]) -> list[str]:
     """Return the axes, in the order of their rows."""
-    return distinct(reads for reads, moves in cells if reads == moves)
+    return distinct(sensor for sensor, axis in cells if sensor == axis)
 
 
 def finding(rows: Rows) -> str:
-    """Return the finding: the largest entry on the diagonal and beside it, what was not estimated."""
+    """Return the finding: the largest entry on and off the diagonal, and how many were not estimated."""
     cells = entries(rows)
     parts = []
-    for name, words in ((DIAGONAL, "scale-factor error"), (BESIDE, "misalignment")):
+    for name, words in ((DIAGONAL, "scale-factor error"), (OFF_DIAGONAL, "misalignment")):
         known = {key: row for key, row in cells.items() if row["quantity"] == name and _known(row)}
         if known:
-            (reads, moves), row = max(known.items(), key=lambda item: abs(item[1]["value"]))
-            where = reads if reads == moves else f"{reads} reads {moves}"
+            (sensor, axis), row = max(known.items(), key=lambda item: abs(item[1]["value"]))
+            where = sensor if sensor == axis else f"{sensor} towards {axis}"
             parts.append(f"largest {words} {number(row['value'], 2)} {row['unit']} ({plain(where)})")
     missing = len(axes_of(cells)) ** 2 - sum(_known(row) for row in cells.values())
     parts += [f"{missing} entries not estimated"] if missing else []
@@ -104,9 +104,9 @@ def draw(ax: Axes, rows: Rows, title: str = "") -> None:
     cells = entries(rows)
     axes = axes_of(cells)
     largest = max((_size(row) for row in cells.values() if _known(row)), default=0.0)
-    for i, reads in enumerate(axes):
-        for j, moves in enumerate(axes):
-            _cell(ax, (i, j), cells.get((reads, moves)), largest)
+    for i, sensor in enumerate(axes):
+        for j, axis in enumerate(axes):
+            _cell(ax, (i, j), cells.get((sensor, axis)), largest)
     names = [plain(axis, 12) for axis in axes]
     ax.set_xlim(0, len(axes))
     ax.set_ylim(len(axes), 0)
@@ -116,8 +116,8 @@ def draw(ax: Axes, rows: Rows, title: str = "") -> None:
     ax.tick_params(length=0, labelsize=TEXT)
     ax.xaxis.tick_top()
     ax.xaxis.set_label_position("top")
-    ax.set_xlabel("axis that moves")
-    ax.set_ylabel("sensor that reads")
+    ax.set_xlabel("input axis")
+    ax.set_ylabel("sensor")
     for side in ax.spines.values():
         side.set_visible(False)
     set_title(ax, title)
@@ -138,7 +138,7 @@ def _known(row: Mapping[str, Any] | None) -> bool:
 
 
 def _size(row: Mapping[str, Any]) -> float:
-    ratio = "rad" if row["quantity"] == BESIDE else "1"
+    ratio = "rad" if row["quantity"] == OFF_DIAGONAL else "1"
     return abs(float(row["value"])) * factor(row["unit"], ratio)
 
 

@@ -1,4 +1,4 @@
-"""Channels of a recording against time: a panel a channel, least and largest value per bin, gaps as gaps."""
+"""Channels of a recording against time: one panel per channel, minimum and maximum per bin, gaps as gaps."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from ..drawing.style import COLOURS, TEXT, plain, set_labels, with_unit
 
 NAME = "recording"
 MOST = 12  # channels drawn
-SHOWS = "Each channel over time, least and largest value per bin; gaps of the recording are gaps of the line"
+SHOWS = "Each channel over time, minimum and maximum per bin; gaps in the recording are gaps in the line"
 
 
 def picture(recording: Recording, axis: str | None = None) -> Picture:
@@ -41,7 +41,7 @@ def picture(recording: Recording, axis: str | None = None) -> Picture:
         have = ", ".join(dict.fromkeys(channel.axis for channel in known if channel.axis))
         what = "no channel with numbers" if axis is None or not known else f"no channel of axis {axis!r}"
         do = f"There are: {have}" if known and have else ""
-        raise DataError(f"{what}: there is nothing to draw", recording.source.path, do=do, code="nothing_to_draw")
+        raise DataError(f"{what[0].upper()}{what[1:]} to plot", recording.source.path, do=do, code="nothing_to_draw")
     drawn = chosen[:MOST]
 
     def paint(axes: Sequence[Axes], title: str) -> None:

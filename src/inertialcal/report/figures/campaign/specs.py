@@ -1,4 +1,4 @@
-"""Figures of a whole campaign: what each is drawn from, where it stands in a report."""
+"""Figures of a whole campaign: the data of each, and its place in a report."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FIGURES = (
     FigureSpec(
         "compensated",
         DRAWN + "compensated",
-        "Errors on readings held out, raw and compensated, at each applied input.{note}",
+        "Error of hold-out readings, raw and compensated, against the applied input.{note}",
         curves={"compensated": "compensated {axis}"},
         order=0,
         place="top",
@@ -19,8 +19,8 @@ FIGURES = (
     FigureSpec(
         "matrix",
         DRAWN + "matrix",
-        "How the matrix differs from the identity: scale factor errors on the diagonal, misalignments beside it; row ="
-        " the sensor that reads, column = the axis that moves.",
+        "Deviation of the matrix from the identity: scale factor errors on the diagonal, misalignments off it; rows ="
+        " sensors, columns = input axes.",
         order=900,
         place="model",
     ),
