@@ -20,6 +20,7 @@ from .numbers import Text, clean
 
 Results = Mapping[str, Any]
 FILLED = re.compile(r"(\{axis\}|\{note\})")
+FORMULA = ("=", "+", "-", "@", "\t", "\n")  # a spreadsheet would run a text that begins so
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,9 +104,6 @@ def _title(spec: FigureSpec, curve: Mapping[str, Any], before: Sequence[str], se
     given = {"axis": clean(curve["axis"]), "of": words(curve.get("of", "")), "record": record}
     filled = (spec.curves.get(curve["name"]) or words(curve["name"])).format_map(given)
     return filled.strip()
-
-
-FORMULA = ("=", "+", "-", "@", "\t", "\n")  # a spreadsheet would run a text that begins so
 
 
 def curve_csv(curve: Mapping[str, Any]) -> str:

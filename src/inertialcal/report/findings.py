@@ -20,6 +20,9 @@ from ..procedures import procedure_of
 from .numbers import Branch, Number, Text, both, clean, digits, time, unwrapped
 
 LOOP = "closed loop"  # row of the verification matrix that is no requirement
+ERRORS = ("scale_factor_error", "misalignment")
+FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell",
+             "angle_random_walk", "velocity_random_walk", "bias_instability")  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -233,13 +236,6 @@ def of_model(model: Branch | None, loop: Branch) -> Finding:
 
 def _unit(unit: str) -> str:
     return "" if unit == "1" else Text(unit)
-
-
-ERRORS = ("scale_factor_error", "misalignment")
-
-
-FALLBACKS = ("bias", "residual_bias", "ambient_acceleration", "scale_factor", "scatter_run", "scatter_dwell",
-             "angle_random_walk", "velocity_random_walk", "bias_instability")  # fmt: skip
 
 
 @dataclass(frozen=True)

@@ -380,7 +380,7 @@ def test_titles_say_the_finding_with_numbers_of_the_results() -> None:
     assert found["rate_error"] == "x: R1 FAIL at 1, INCONCLUSIVE at 1, PASS at 2 of 4 rates"
     assert found["dwells"] == "rec, x: 2 dwells found, 1 of them left out"
     expected = (
-        "largest scale-factor error 0.5 % (x), largest misalignment 0.02 rad (x reads y), 1 entries not estimated"
+        "largest scale-factor error 0.5 % (x), largest misalignment 0.02 rad (x towards y), 1 entries not estimated"
     )
     assert found["matrix"] == expected
     assert found["side_by_side"] == "To zero, new against old: y 20.0 ± 1.0 ug nearer; z not shown nearer"
@@ -417,7 +417,7 @@ def test_absent_data_is_no_figure(name: str) -> None:
 
 
 def test_an_empty_matrix_is_refused_in_words() -> None:
-    with pytest.raises(DataError, match="there is no matrix to draw"):
+    with pytest.raises(DataError, match="no matrix to plot"):
         matrix.of_rows([])
     with pytest.raises(DataError, match="has no column 'residual'"):
         data.numbers(errors(), "residual")
