@@ -90,7 +90,7 @@ def test_a_recording_is_a_panel_a_channel_and_texts_are_counted() -> None:
         np.max(np.sin(np.arange(2000) / 50.0)),
     )
     assert ic.plot(recording(), axis="x").get_title(loc="left") == "gx [deg/s]"
-    with pytest.raises(DataError, match=r"no channel of axis 'q'.*There are: x"):
+    with pytest.raises(DataError, match=r"No channel of axis 'q'.*There are: x"):
         ic.plot(recording(), axis="q")
 
 
@@ -98,9 +98,9 @@ def test_a_recording_without_time_counts_samples() -> None:
     ax = ic.plot(Recording((Channel("a", np.array([1.0, 2.0, 4.0])),)))
     assert ax.get_xlabel() == "sample"
     assert np.asarray(ax.get_lines()[0].get_ydata())[::2].tolist() == [1.0, 2.0, 4.0]
-    with pytest.raises(DataError, match="no channel with numbers"):
+    with pytest.raises(DataError, match="No channel with numbers"):
         ic.plot(Recording((Channel("a", np.array([np.nan])),)))
-    with pytest.raises(DataError, match="no channel with numbers"):
+    with pytest.raises(DataError, match="No channel with numbers"):
         ic.plot(Recording(()))
 
 
@@ -136,7 +136,7 @@ def test_an_estimate_is_a_panel_a_unit() -> None:
     half = 0.2 * 2.5705818  # t, 97.5 %, 5 degrees of freedom
     np.testing.assert_allclose(segments[1][:, 0], [2.0 - half, 2.0 + half], rtol=1e-6)
     assert ic.plot(estimate("V")).figure.get_suptitle() == "v_0 = 0.00 ± 0.20 V"
-    with pytest.raises(DataError, match="without values"):
+    with pytest.raises(DataError, match="has no values"):
         ic.plot(estimate())
 
 

@@ -62,7 +62,7 @@ def test_the_finding_counts_what_is_known_and_what_is_not_found() -> None:
     )
     assert told(finding(found(poor))) == said
     assert " of x in still: uncertainty" in told(finding(found(poor, curve("other"))))
-    assert told(finding(found(curve(relative_error=[None, None])))) == "None of two terms was found"
+    assert told(finding(found(curve(relative_error=[None, None])))) == "None of two terms detected"
 
 
 def test_terms_in_doubt_are_not_known() -> None:

@@ -140,7 +140,7 @@ def _content(result: object) -> Mapping[str, Any]:
         return {"curves": curve_contents(procedure.curves(result), None)}
     raise UsageError(
         f"cannot plot a {type(result).__name__}",
-        do="Pass the result of run, rate_table, read or load_model, an Estimate, or the content of results.json",
+        do="Pass the result of a call such as run, read or load_model, an Estimate, or the content of results.json",
         code="wrong_value",
     )
 
