@@ -276,30 +276,6 @@ def test_phases_that_are_not_given_back_keep_their_memory() -> None:
     assert np.array_equal(third.values, phase_of(WHITE[::-1], "rate").values)
 
 
-# What is shown
-
-
-def test_prints_in_terminal_and_notebook() -> None:
-    one = allan(WHITE, 0.01, quantity="rate", unit="rad/s")
-    assert str(one).startswith("overlapping Allan deviation [rad/s] of 40 s at 100 Hz; intervals hold with 0.6827")
-    assert "white" in repr(one)
-    three = allan(WHITE[:3999].reshape(-1, 3), 0.01, quantity="rate", names=("a", "<b>", "c"), averaging=0.005)
-    assert "&lt;b&gt;" in three._repr_html_()
-    assert "1 info" in str(three)
-    every = str(allan(WHITE, 0.01, quantity="rate", taus="all"))
-    assert "of 1333 averaging times shown" in every
-    assert len(every.splitlines()) < 50
-
-
-def test_frame() -> None:
-    pytest.importorskip("pandas")
-    found = allan(WHITE.reshape(-1, 2), 0.01, quantity="rate", factors=[1, 2, 4])
-    table = found.to_frame()
-    assert table["axis"].tolist() == ["x"] * 3 + ["y"] * 3
-    assert table["deviation"].tolist() == found.deviation.T.ravel().tolist()
-    assert len(found) == 3
-
-
 @pytest.mark.parametrize("overlapping", [True, False])
 def test_the_weights_of_errors_at_gaps_are_those_of_the_term_itself(overlapping: bool) -> None:
     """Unit errors of the running sum, one at a time, through the deviation of the record with its gaps."""

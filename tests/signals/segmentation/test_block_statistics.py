@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.recording import SECOND
-from inertialcal.signals.segmentation.block_statistics import block_statistics, regrouped
+from inertialcal.signals.segmentation.block_statistics import block_statistics
 
 ROUNDING = 1e-12
 
@@ -59,23 +59,6 @@ def test_what_is_not_finite_is_left_out_and_a_gap_costs_no_block() -> None:
     assert blocks.full.all()
 
 
-@given(st.integers(1, 7), st.integers(0, 2**31))
-def test_blocks_put_together_are_those_of_the_samples(size: int, seed: int) -> None:
-    rng = np.random.default_rng(seed)
-    x = rng.normal(3.0, 1.0, (700, 2))
-    x[rng.random(700) < 0.1, 0] = np.nan
-    time_ns = np.cumsum(rng.choice([1, 1, 1, 9], 700)).astype(np.int64) * SECOND
-    one = regrouped(block_statistics(x, 4.0, time_ns), size)
-    other = block_statistics(x, 4.0 * size, time_ns)
-    assert np.array_equal(one.at, other.at)
-    assert np.array_equal(one.first, other.first)
-    assert np.array_equal(one.stop, other.stop)
-    assert np.array_equal(one.count, other.count)
-    assert np.array_equal(one.hi, other.hi, equal_nan=True)
-    assert one.mean == pytest.approx(other.mean, rel=ROUNDING, nan_ok=True)
-    assert one.variance == pytest.approx(other.variance, rel=1e-9, abs=1e-12, nan_ok=True)
-
-
 def test_what_cannot_be_cut_is_refused() -> None:
     with pytest.raises(DataError, match=r"time runs backwards"):
         block_statistics(np.ones(4), 1.0, np.array([0, 9, 1, 12], dtype=np.int64) * SECOND)
@@ -89,5 +72,3 @@ def test_what_cannot_be_cut_is_refused() -> None:
         block_statistics(np.ones(4), 0.0, sample_interval=1.0)
     with pytest.raises(PlanError, match=r"no time and no sample interval"):
         block_statistics(np.ones(4), 1.0)
-    with pytest.raises(PlanError, match=r"0 blocks put together"):
-        regrouped(block_statistics(np.ones(4), 1.0, sample_interval=1.0), 0)

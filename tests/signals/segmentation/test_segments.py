@@ -26,7 +26,6 @@ from inertialcal.signals.segmentation.segments import (
     Segmentation,
     detect,
     dwells,
-    quiet_windows,
     static_intervals,
     tally,
 )
@@ -354,20 +353,6 @@ class TestSelections:
         assert len(static_intervals(found, min_samples=50, longest_disturbance=0.05)) == 3
         assert len(static_intervals(found, min_samples=50, same_level=0.01)) == 3
 
-    def test_quiet_windows_are_equally_long(self) -> None:
-        found = detect(self.record(), sample_interval=0.5)
-        windows = quiet_windows(found, duration=40.0, settle=10)
-        assert [(w.start, w.stop) for w in windows] == [
-            (10, 90),
-            (115, 195),
-            (195, 275),
-            (275, 355),
-            (415, 495),
-            (495, 575),
-            (575, 655),
-        ]
-        assert {w.n for w in windows} == {80}
-
     def test_short_stretches_are_left_out(self) -> None:
         found = detect(self.record(), sample_interval=0.5)
         assert len(dwells(found, min_samples=100)) == 3
@@ -412,10 +397,6 @@ class TestRefusals:
             dwells(found, min_duration=60.0)
         with pytest.raises(PlanError, match="a length of 3 samples and of 60 s given"):
             dwells(found, min_samples=3, min_duration=60.0)
-        with pytest.raises(PlanError, match="no length of the quiet windows"):
-            quiet_windows(found)
-        with pytest.raises(PlanError, match=r"quiet windows of 1 sample\(s\)"):
-            quiet_windows(found, samples=1)
         with pytest.raises(PlanError, match="drop_edge -1"):
             dwells(found, drop_edge=-1)
 

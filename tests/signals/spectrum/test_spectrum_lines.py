@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import replace
+from types import SimpleNamespace
+from typing import cast
 
 import numpy as np
 import pytest
@@ -13,6 +15,7 @@ from scipy import signal, stats
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
+from inertialcal.signals.allan.curve import Allan
 from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum.allan_check import allan_of_spectrum, compare_allan
 from inertialcal.signals.spectrum.lines import background_of, find_lines
@@ -75,7 +78,6 @@ def test_lines_are_found_named_and_measured() -> None:
             assert line.amplitude == pytest.approx(amplitude, abs=4.0 * line.u_amplitude)
             assert line.chance < 1e-6
         assert len(lines.remarks) == 3
-        assert "9.97 Hz" in str(lines)
 
 
 def test_the_uncertainty_of_an_amplitude_is_its_scatter() -> None:
@@ -109,7 +111,6 @@ def test_a_short_spectrum_says_that_it_cannot_tell_lines() -> None:
     short = find_lines(psd(x, INTERVAL))
     assert not short.found
     assert [one.code for one in short.remarks] == ["lines_not_tested"]
-    assert "too few frequencies" in str(short)
     (line,) = find_lines(psd(x, INTERVAL, "multitaper")).found
     assert line.frequency == pytest.approx(0.7 / (2.0 * np.pi * INTERVAL), rel=0.01)
 
@@ -179,20 +180,18 @@ def test_lines_taken_out_leave_the_noise() -> None:
 # Allan variance from the spectrum
 
 
-@dataclass(frozen=True)
-class Curve:
-    tau: Array
-    deviation: Array
-    edf: Array
+def curve_of(tau: Array, deviation: Array, edf: Array) -> Allan:
+    """Return what the comparison looks at of a measured curve."""
+    return cast("Allan", SimpleNamespace(tau=tau, deviation=deviation, edf=edf))
 
 
-def measured(x: Array, m: NDArray[np.int64]) -> Curve:
+def measured(x: Array, m: NDArray[np.int64]) -> Allan:
     """Overlapping Allan deviation by its definition, white noise's degrees of freedom at least."""
     phase = np.concatenate(([0.0], np.cumsum(x - x.mean())))
     second = [phase[2 * k :] - 2.0 * phase[k:-k] + phase[: -2 * k] for k in m]
     deviation = np.array([np.sqrt(np.mean(d**2) / 2.0) / k for d, k in zip(second, m, strict=True)])
     edf = np.maximum(1.0, 1.4 * (len(x) / m - 2.0))
-    return Curve(np.asarray(m * INTERVAL, dtype=np.float64), deviation[:, None], edf[:, None])
+    return curve_of(np.asarray(m * INTERVAL, dtype=np.float64), deviation[:, None], edf[:, None])
 
 
 def test_the_allan_variance_of_a_level_spectrum_is_that_of_white_noise() -> None:
@@ -220,10 +219,10 @@ def test_the_chance_of_a_ratio_is_that_of_fishers_distribution() -> None:
     """Ratio 2 of variances, with 5 degrees of freedom above and those of the spectrum below."""
     spectrum = psd(np.random.default_rng(1).normal(size=N), INTERVAL)
     meant = allan_of_spectrum(spectrum, np.array([4.0 * INTERVAL]))
-    curve = Curve(meant.tau, np.sqrt(2.0) * meant.deviation, np.array([[5.0]]))
+    curve = curve_of(meant.tau, np.sqrt(2.0) * meant.deviation, np.array([[5.0]]))
     chance = 2.0 * stats.f.sf(2.0 / 1.05, 5.0, meant.edf[0, 0])  # 5 % is no disagreement
     assert compare_allan(spectrum, curve).chance[0, 0] == pytest.approx(chance, rel=1e-6)
-    lower = Curve(meant.tau, np.sqrt(0.5) * meant.deviation, np.array([[5.0]]))
+    lower = curve_of(meant.tau, np.sqrt(0.5) * meant.deviation, np.array([[5.0]]))
     chance = 2.0 * stats.f.cdf(0.5 / 0.95, 5.0, meant.edf[0, 0])
     assert compare_allan(spectrum, lower).chance[0, 0] == pytest.approx(chance, rel=1e-6)
 
@@ -232,11 +231,10 @@ def test_a_wrong_interval_disagrees() -> None:
     rng, m = np.random.default_rng(7), 2 ** np.arange(10, dtype=np.int64)
     x = rng.normal(size=N)
     curve = measured(x, m)
-    wrong = replace(curve, deviation=1.1 * curve.deviation)
+    wrong = curve_of(curve.tau, 1.1 * curve.deviation, curve.edf)
     found = compare_allan(psd(x, INTERVAL), wrong)
     assert not found.agree.any()
     assert found.remarks[0].code == "allan_spectrum_disagree"
-    assert "DISAGREE" in str(found)
     with pytest.raises(PlanError, match="false_alarm 1"):
         compare_allan(psd(x, INTERVAL), curve, 1.0)
     with pytest.raises(DataError, match="different axes"):

@@ -1,13 +1,9 @@
 """A long record as statistics of short blocks of time: mean, variance, least and largest value, each sample seen once.
 
 Blocks are of equal length in time and begin with the first sample; a block without a sample is not there, so a gap
-costs nothing. `regrouped` makes longer blocks out of short ones, exactly, without the samples.
+costs nothing.
 
 Channels may be of any type and are not copied: a day of three axes at 250 samples a second stays as large as it is.
-
-References
-----------
-.. [1] Chan, Golub and LeVeque, The American Statistician 37 (1983) 242: variances of parts put together.
 """
 
 from __future__ import annotations
@@ -164,31 +160,3 @@ def _first(time_ns: Times, length: int) -> tuple[Indices, Indices]:
         where, do = f"sample {-1 - found}", "Sort the record, or cut it there"
         raise DataError("time runs backwards", where, do=do, code="time_backwards")
     return first[:found], at[:found]
-
-
-def regrouped(blocks: Blocks, size: int) -> Blocks:
-    """Return blocks of ``size`` times the length, put together without looking at the samples again.
-
-    Raises
-    ------
-    PlanError
-        If the size is not positive.
-    """
-    if size < 1:
-        raise PlanError(f"{size} blocks put together, need 1 or more")
-    at = blocks.at // size
-    head = np.flatnonzero(np.diff(at, prepend=-1))
-    tail = np.append(head[1:], len(blocks)) - 1
-    count = np.add.reduceat(blocks.count, head, axis=0)
-    total = np.add.reduceat(np.where(blocks.count > 0, blocks.count * blocks.mean, 0.0), head, axis=0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        mean = total / count
-        apart = blocks.mean - np.repeat(mean, np.diff(np.append(head, len(blocks))), axis=0)
-        inside = np.where(blocks.count > 1, (blocks.count - 1) * blocks.variance, 0.0)
-        squares = np.add.reduceat(inside + np.where(blocks.count > 0, blocks.count * apart**2, 0.0), head, axis=0)
-        variance = np.where(count > 1, squares / (count - 1), np.nan)
-    lo, hi = np.fmin.reduceat(blocks.lo, head, axis=0), np.fmax.reduceat(blocks.hi, head, axis=0)
-    length = size * blocks.length_ns
-    return Blocks(
-        blocks.first[head], blocks.stop[tail], at[head], blocks.start_ns, length, mean, variance, lo, hi, count
-    )

@@ -12,8 +12,8 @@ say); take a stretch for still whose noise is more than twice that of the quiete
 exists, cut by that (``dwells_by_reference``, ``dwells_by_windows``).
 
 Selections: ``dwells`` (every still stretch long enough), ``static_intervals`` (one for each placement of a
-sensor set down by hand), ``quiet_windows`` (equally long windows inside still stretches). All give Dwells. ``turns``
-selects the turns of a head from a long record, by its block means and variances.
+sensor set down by hand). Both give Dwells. ``turns`` selects the turns of a head from a long record, by its block means
+and variances.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.errors import DataError, PlanError
+from ...core.errors import DataError
 from ...core.estimate import Array, Numbers
 from ...core.recording import Times
 from ...core.remarks import Remark
@@ -45,7 +45,6 @@ __all__ = [
     "dwells_by_reference",
     "dwells_by_windows",
     "placement_groups",
-    "quiet_windows",
     "static_intervals",
     "tally",
 ]
@@ -330,53 +329,3 @@ def placement_groups(segmentation: Segmentation, longest: float, same_level: flo
     step = np.abs(np.diff(segmentation.level[at], axis=0)) - same_level * segmentation.noise.scale
     new = (apart > longest) | (step > 0.0).any(axis=1)
     return np.split(at, np.flatnonzero(new) + 1)
-
-
-def quiet_windows(
-    segmentation: Segmentation,
-    signal: Numbers | None = None,
-    *,
-    samples: int | None = None,
-    duration: float | None = None,
-    settle: int = 0,
-) -> tuple[Dwell, ...]:
-    """Reduce equally long windows, laid end to end into every still stretch.
-
-    Parameters
-    ----------
-    segmentation : Segmentation
-        From ``detect``.
-    signal : ndarray, shape (n,) or (n, channels), optional
-        What to reduce, on the same clock; the segmented signal by default.
-    samples, duration : int, float [s]
-        Length of each window; one of the two.
-    settle : int
-        Samples to leave out at the start of each still stretch.
-
-    Returns
-    -------
-    tuple of Dwell
-        In order of time.
-
-    Raises
-    ------
-    DataError
-        If the signal has another length.
-    PlanError
-        If neither or both lengths are given, or seconds where no sample interval is known, or the length is
-        less than two samples.
-    """
-    cut = _samples_like(segmentation, signal)
-    if samples is None and duration is None:
-        raise PlanError("no length of the quiet windows", do="Give samples or duration")
-    length = cut.duration(samples, duration, 0)
-    if length < 2 or settle < 0:
-        raise PlanError(f"quiet windows of {length} sample(s) after {settle}, need 2 or more after 0 or more")
-    still = segmentation.still
-    start = [
-        first
-        for a, b in zip(segmentation.start[still] + settle, segmentation.stop[still], strict=True)
-        for first in range(int(a), int(b) - length + 1, length)
-    ]
-    at = np.array(start, dtype=np.int64)
-    return _reduced(cut, at, at + length, 0)

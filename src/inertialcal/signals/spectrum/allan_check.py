@@ -21,7 +21,6 @@ References
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,29 +30,13 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...core.show.tables import Block, Table, html, text
+from ..allan.curve import Allan
 from .density import Spectrum
 
 MOST_CONTINUED = 0.1  # of the variance, from below the lowest frequency
 SLOPE = (-2.5, 1.0)  # that a continued spectrum may have
 LOWEST = 16  # values that give the slope
 ALLOWED = 0.05  # relative difference of the variances that is no disagreement
-
-
-class AllanCurve(Protocol):
-    """What a measured Allan deviation must tell: times [s], deviations and degrees of freedom (k, axes)."""
-
-    @property
-    def tau(self) -> Array:
-        """Averaging times [s], shape (k,)."""
-
-    @property
-    def deviation(self) -> Array:
-        """Allan deviations, shape (k, axes)."""
-
-    @property
-    def edf(self) -> Array:
-        """Equivalent degrees of freedom of the variances, shape (k, axes)."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,40 +134,15 @@ class Agreement:
             found.append(Remark("allan_spectrum_disagree", "warning", what, do=do))
         return tuple(found)
 
-    def parts(self) -> tuple[Block, ...]:
-        """Return what is shown: a row a time."""
-        heads = ("tau [s]", *(f"ratio {axis}" for axis in range(len(self.agree))))
-        rows = [
-            (number(float(t), 4), *(number(float(r), 4) for r in row))
-            for t, row in zip(self.tau, self.ratio, strict=True)
-            if np.isfinite(row).any()
-        ]
-        words = ", ".join(f"axis {axis}: {'agree' if ok else 'DISAGREE'}" for axis, ok in enumerate(self.agree))
-        caption = (
-            f"Allan deviation over that of the spectrum: {words} "
-            f"({self.compared} compared, F test with false-alarm probability {self.false_alarm:g} an axis)"
-        )
-        return (Table(heads, rows, caption, tuple(range(len(heads)))),)
 
-    def __str__(self) -> str:
-        """Return a table with a row a time."""
-        return text(self.parts())
-
-    __repr__ = __str__
-
-    def _repr_html_(self) -> str:
-        """Return the same table for a notebook."""
-        return html(self.parts())
-
-
-def compare_allan(spectrum: Spectrum, curve: AllanCurve, false_alarm: float = 0.01) -> Agreement:
+def compare_allan(spectrum: Spectrum, curve: Allan, false_alarm: float = 0.01) -> Agreement:
     """Test whether a measured Allan deviation agrees with the spectrum.
 
     Parameters
     ----------
     spectrum : Spectrum
         Of the same record, of rates or accelerations.
-    curve : AllanCurve
+    curve : Allan
         Measured, overlapping or not.
     false_alarm : float
         Probability, an axis, that consistent figures are said to disagree: at most this much.

@@ -12,16 +12,10 @@ from scipy import special
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...core.show.frames import frame
-from ...core.show.result_tables import dof, remarks_line
-from ...core.show.rounding import number
-from ...core.show.tables import Block, Table, html, text
 from ..names import Method
 
 if TYPE_CHECKING:
-    from pandas import DataFrame
-
-PER_DECADE = 3  # rows shown of a decade
+    pass
 
 
 @dataclass(frozen=True, eq=False)
@@ -149,36 +143,3 @@ class Spectrum:
                 level = np.log(density[~out, axis])
                 density[out, axis] = np.exp(np.interp(place[out], place[~out], level))
         return replace(self, density=density)
-
-    def to_frame(self) -> DataFrame:
-        """Return a pandas DataFrame: a row a frequency, columns ``density_0``, ``lo_0``, ``hi_0``, ... an axis."""
-        columns: dict[str, object] = {"frequency": self.frequency}
-        lo, hi = self.lo, self.hi
-        for axis in range(self.density.shape[1]):
-            columns |= {f"density_{axis}": self.density[:, axis], f"lo_{axis}": lo[:, axis], f"hi_{axis}": hi[:, axis]}
-        return frame(columns)
-
-    def parts(self) -> tuple[Block, ...]:
-        """Return what is shown: bands of a third of a decade, an axis a column."""
-        frequency, density, edf = self.smoothed(PER_DECADE)
-        axes = range(density.shape[1])
-        heads = ("f [Hz]", *(f"density {axis} [unit^2/Hz]" for axis in axes), "edf")
-        rows = [
-            (number(f, 4), *(number(float(value), 4) for value in row), dof(float(e)))
-            for f, row, e in zip(frequency, density, edf, strict=True)
-        ]
-        caption = (
-            f"spectrum ({self.method}): {self.segments} segment(s) of {self.segment * self.interval:.6g} s, "
-            f"{number(self.edf, 3)} degrees of freedom a value, every {self.spacing:.3g} Hz; means over bands"
-        )
-        return (Table(heads, rows, caption, tuple(range(len(heads)))), *remarks_line(self.remarks))
-
-    def __str__(self) -> str:
-        """Return a table of bands."""
-        return text(self.parts())
-
-    __repr__ = __str__
-
-    def _repr_html_(self) -> str:
-        """Return the same table for a notebook."""
-        return html(self.parts())

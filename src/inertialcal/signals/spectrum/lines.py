@@ -42,8 +42,7 @@ from scipy import special
 from ...core.errors import PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Block, Table, html, text
+from ...core.show.rounding import number
 from .density import Spectrum
 
 Flags = NDArray[np.bool_]
@@ -106,33 +105,6 @@ class Lines:
             for line in self.found
         ]
         return tuple(Remark("line", "warning", what, do=do) for what in texts)
-
-    def parts(self) -> tuple[Block, ...]:
-        """Return what is shown: a row a finding."""
-        heads = ("name", "axis", "kind", "frequency [Hz]", "amplitude", "over noise", "chance")
-        rows = [
-            (line.name, str(line.axis), line.kind, with_uncertainty(line.frequency, line.u_frequency),
-             with_uncertainty(line.amplitude, line.u_amplitude), number(line.ratio, 3), number(line.chance, 2))
-            for line in self.found
-        ]  # fmt: skip
-        low, high = self.tested
-        caption = (
-            f"{len(rows)} line(s) between {low:.3g} and {high:.6g} Hz; false-alarm probability {self.false_alarm:g} "
-            "an axis"
-            if np.isfinite(low)
-            else "too few frequencies to tell lines from noise"
-        )
-        return (Table(heads, rows, caption, (3, 4, 5, 6)),) if rows else (caption,)
-
-    def __str__(self) -> str:
-        """Return a table with a row a finding."""
-        return text(self.parts())
-
-    __repr__ = __str__
-
-    def _repr_html_(self) -> str:
-        """Return the same table for a notebook."""
-        return html(self.parts())
 
 
 def find_lines(spectrum: Spectrum, false_alarm: float = 0.01) -> Lines:
