@@ -16,8 +16,8 @@ def test_it_prints_the_positions_and_what_they_tell(capsys: pytest.CaptureFixtur
     status, out, err = call(capsys, *PLAN, *FACES, "--next", "3")
     assert (status, err) == (0, "")
     assert "7         between x up, y up and z up" in out  # the eight corners tell alike: the first of them
-    assert "after 9 positions: 9 of 9 combinations are told" in out
-    assert "warning: not stated, and taken as exact: --gravity-u" in out
+    assert "after 9 positions: 9 of 9 parameters determined" in out
+    assert "warning: taken as exact: --gravity-u" in out
     assert call(capsys, *PLAN, *FACES, "--quiet") == (0, "", "")
 
 
@@ -58,33 +58,33 @@ def test_the_error_of_gravity_is_in_scale_factors_and_that_of_directions_across(
 
 
 BAD: list[tuple[tuple[str, ...], int, str]] = [
-    ((), 2, "--scatter is not given"),
+    ((), 2, "--scatter is missing"),
     (SCATTER, 2, "nothing to plan"),
     (("--scatter", "0.1 deg"), 2, "scatter: '0.1 deg'"),
-    (("--scatter", "0.1"), 2, 'Write a number with its unit, like "0.1 mg"'),
-    (("--scatter", "much"), 2, "scatter: 'much'"),
-    (("--scatter", "-1 mg"), 2, "scatter: '-1 mg' is not from"),
-    (("--scatter", "nan mg"), 2, "scatter: 'nan mg'"),
-    (("--scatter", "1e-300 g"), 2, "is not from"),
-    ((*SCATTER, "--have", "all"), 2, "There are: none, faces, faces+edges, cube"),
+    (("--scatter", "0.1"), 2, "has no unit"),
+    (("--scatter", "much"), 2, "--scatter: quantity 'much'"),
+    (("--scatter", "-1 mg"), 2, "--scatter = -0.00980665"),
+    (("--scatter", "nan mg"), 2, "--scatter: quantity 'nan mg'"),
+    (("--scatter", "1e-300 g"), 2, "should be greater than"),
+    ((*SCATTER, "--have", "all"), 2, "'none', 'faces', 'faces+edges', 'cube'"),
     ((*FACES, "--gravity", "9.8"), 2, "gravity: '9.8'"),
-    ((*FACES, "--gravity", "1 m/s2"), 2, "not from 9.7 to 9.9 m/s^2"),
-    ((*FACES, "--gravity-u", "-1 mGal"), 2, "gravity_u: '-1 mGal' is not from 0"),
+    ((*FACES, "--gravity", "1 m/s2"), 2, "should be greater than or equal to 9.7 m/s^2"),
+    ((*FACES, "--gravity-u", "-1 mGal"), 2, "should be greater than or equal to 0 m/s^2"),
     ((*FACES, "--known", "--pose", "1 m"), 2, "pose: '1 m'"),
     ((*FACES, "--pose", "1 deg"), 2, "--pose of directions that are not known"),
-    ((*FACES, "--target", "bias"), 2, "--target 'bias': need NAME=SOMETHING"),
+    ((*FACES, "--target", "bias"), 2, "target bias: no uncertainty given"),
     ((*FACES, "--target", "bias=1 mg", "--target", "bias=2 mg"), 2, "'bias' stands twice"),
     ((*FACES, "--target", "bias=1 deg"), 2, "bias: '1 deg'"),
-    ((*FACES, "--target", "bias=0 mg"), 2, "bias: '0 mg' is not from"),
+    ((*FACES, "--target", "bias=0 mg"), 2, "bias: '0 mg': need more than 0"),
     ((*FACES, "--target", "drift=1"), 2, "target 'drift': no such parameter"),
-    ((*FACES, "--target", "misalignment_xy=1 mrad"), 2, "Known directions alone tell it: --known"),
+    ((*FACES, "--target", "misalignment_xy=1 mrad"), 2, "Only known directions determine it: --known"),
     ((*FACES, "--target", "bias=1 mg", "--next", "2"), 2, "a target, and a number of positions to add"),
-    ((*FACES, "--next", "-1"), 2, "-1 positions to add"),
+    ((*FACES, "--next", "-1"), 2, "--next = -1"),
     ((*FACES, "--next", "1", "--goal", "speed"), 2, "goal 'speed': no such parameter"),
     ((*FACES, "--goal", "trace"), 2, "goal 'trace', and no number of positions to add"),
     ((*FACES, "--next", "5", "--most", "10"), 2, "11 positions, and 10 in all"),
-    ((*FACES, "--most", "0"), 2, "at most 0 positions"),
-    ((*FACES, "--most", "1000000"), 2, "Give a number from 1 to 1000"),
+    ((*FACES, "--most", "0"), 2, "--most = 0"),
+    ((*FACES, "--most", "1000000"), 2, "should be less than or equal to 1000"),
     ((*FACES, "--next", "1.5"), 2, "Invalid value for '--next'"),
     ((*FACES, "--target", "bias=1 ng", "--most", "30"), 3, "after 30 positions, 9.81e-09 wanted"),
     (

@@ -35,9 +35,9 @@ def test_target_in_units_of_the_user_is_met() -> None:
 def test_six_faces_name_what_they_do_not_tell() -> None:
     found = ic.plan_positions(scatter="0.1 mg", have="faces")
     assert "6 of 9" in str(found)
-    assert "not told: misalignment_yx, misalignment_zx, misalignment_zy" in str(found)
+    assert "not determined: misalignment_yx, misalignment_zx, misalignment_zy" in str(found)
     left = {row.axis: row.reason.text for row in found.rows if row.status == "not_estimated"}
-    assert left == {axis: f"these positions do not tell misalignment_{axis}" for axis in ("yx", "zx", "zy")}
+    assert left == {axis: f"these positions do not determine misalignment_{axis}" for axis in ("yx", "zx", "zy")}
     assert "9 of 9" in str(ic.plan_positions(scatter="0.1 mg", have="faces", following=3))
     assert "12 of 12" in str(ic.plan_positions(scatter="0.1 mg", have="faces", known=True))
 
@@ -53,9 +53,9 @@ def test_one_axis_laid_up_and_down_by_hand() -> None:
 
 
 def test_what_is_not_stated_is_remarked() -> None:
-    assert "--gravity-u" in ic.plan_positions(scatter="1 mg", have="faces").remarks[0].what
+    assert "gravity_u" in ic.plan_positions(scatter="1 mg", have="faces").remarks[0].what
     (remark,) = ic.plan_positions(scatter="1 mg", have="faces", known=True, gravity_u="1 mGal").remarks
-    assert (remark.code, "--pose" in remark.what) == ("no_standard_uncertainty", True)
+    assert (remark.code, "pose" in remark.what) == ("no_standard_uncertainty", True)
     stated = ic.plan_positions(scatter="1 mg", have="faces", known=True, gravity_u="1 mGal", pose="0.1 deg")
     assert stated.remarks == ()
 
@@ -76,7 +76,7 @@ def test_positions_in_words() -> None:
 @pytest.mark.parametrize(
     ("words", "error", "match"),
     [
-        ({"scatter": None}, UsageError, "--scatter is not given"),
+        ({"scatter": None}, UsageError, "scatter is missing"),
         ({"have": "none"}, UsageError, "nothing to plan"),
         ({"target": {"bias": "1 ng"}}, PlanError, "after 200 positions"),
     ],

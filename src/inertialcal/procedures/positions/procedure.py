@@ -20,6 +20,7 @@ from ..protocol import (
 )
 from .figures import FIGURES
 from .plan import INFLUENCES, Plan, SaidOfFile
+from .planning.settings import Wanted
 
 if TYPE_CHECKING:
     from ...core.axes import Kind
@@ -32,6 +33,7 @@ if TYPE_CHECKING:
     from ..given import Described, GivenFile
     from ..model_terms import HeldOut, ModelTerms
     from ..suggestions import Claim, Draft, FolderFile, Suggestion
+    from .planning.planner import PositionsPlan
     from .readings import Readings
     from .reduction import Result
 
@@ -61,7 +63,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     planner = Command(
         "positions", "Positions of accelerometers to take, one after another, and the uncertainty to expect of them."
     )
-    plan_type, said_type, influences = Plan, SaidOfFile, INFLUENCES
+    plan_type, said_type, planner_type, influences = Plan, SaidOfFile, Wanted, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     makes_model = model_of_each = True
@@ -196,6 +198,12 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         parts += [f"{len(readings.transitions)} rotations between them"] if readings.transitions else []
         parts += [f"{len(readings.turns)} turns by a known angle"] if readings.turns else []
         return f"found: {', '.join(parts)}; gravity {local_gravity(found.plan):.6g} m/s2"
+
+    def planned(self, given: Mapping[str, Any]) -> PositionsPlan:
+        """Return positions to take, and the uncertainty to expect of them."""
+        from .planning.planner import planned
+
+        return planned(given)
 
     def suggests(self, recording: Recording, survey: Survey) -> Suggestion | None:
         """Return the command to type next."""

@@ -1,12 +1,12 @@
 """Positions planned before a test: what ``plan positions`` and ``inertialcal.plan_positions`` do.
 
-Everything that is said is text with a unit. Figures come in the unit that a target was stated in; else bias in that of
+Settings are text with a unit. Figures come in the unit that a target was stated in; else bias in that of
 the scatter, scale factors in percent, angles in radians.
 """
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -18,6 +18,8 @@ from ....core.estimate import Array
 from ....core.key import Key, Reason
 from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
+from ....core.schema.settings import settings_values
+from ....core.settings import settings_of
 from ....core.show.frames import frame_of_rows
 from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import number
@@ -25,7 +27,6 @@ from ....core.show.tables import Block, Table, html, text
 from ....core.units import factor, parse_quantity
 from .design import (
     DETERMINANT,
-    MOST,
     TRACE,
     Prediction,
     Setup,
@@ -36,6 +37,7 @@ from .design import (
     parameters,
     predict_uncertainty,
 )
+from .settings import Wanted
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -48,16 +50,10 @@ SETS: Mapping[str, slice] = {
     "faces+edges": slice(0, 18),
     "cube": slice(0, 26),
 }
-LARGEST = 1000  # positions that anybody lays
 EDGE = 0.3  # component of a direction, below which its axis is level
 ROUGH = 2  # digits of an uncertainty
-GRAVITY = "9.80665 m/s2"
-LIKE = {"gravity": GRAVITY, "gravity_u": "1 mGal"}
 USUAL = {"m/s^2": "0.1 mg", "rad": "0.5 deg", "1": "100 ppm"}
-SCATTER = 1e-12, 10.0  # m/s^2, of the best sensors, and of none
-GRAVITIES = 9.7, 9.9  # m/s^2, on earth
-WANTED = 1e-15, 1e3  # SI
-UPSIDE_DOWN = 3.2  # rad
+SMALLEST = 1e-15  # uncertainty that can be wanted, SI
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,8 +82,9 @@ class PositionsPlan:
 
     @property
     def results(self) -> dict[str, Any]:
-        """Rows as ``results.json`` has them."""
-        return {"results": [row.to_dict() for row in self.rows], "curves": []}
+        """Positions, combinations that they do not determine, and rows as ``results.json`` has them."""
+        rows = [row.to_dict() for row in self.rows]
+        return {"positions": self.steps(), "not_told": list(self.prediction.untold), "results": rows, "curves": []}
 
     def steps(self) -> list[dict[str, Any]]:
         """Return the positions to take, in order: number, words, direction."""
@@ -102,64 +99,35 @@ class PositionsPlan:
         return frame_of_rows(self.rows)
 
     def parts(self) -> tuple[Block, ...]:
-        """Return what is shown: the positions, the uncertainty to expect, what they do not tell, how many remarks."""
-        return (*self.tables(), *remarks_line(self.remarks))
-
-    def tables(self) -> tuple[Block, ...]:
-        """Return what is shown, without the remarks."""
+        """Return what is shown: the positions, the uncertainty to expect, what they do not determine."""
         found = self.prediction
         steps = tuple((str(one["number"]), str(one["up"])) for one in self.steps())
         head = (Table(("position", "up"), steps, "positions to take"),) if steps else ()
-        caption = f"after {len(self.directions)} positions: {found.rank} of {found.count} combinations are told"
+        caption = f"after {len(self.directions)} positions: {found.rank} of {found.count} parameters determined"
         figures = [(row.quantity, row.axis, number(row.value, ROUGH), row.unit) for row in self.rows]
-        untold = (f"not told: {', '.join(found.untold)}",) if found.untold else ()
-        return (*head, Table(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *untold)
+        lost = (f"not determined: {', '.join(found.untold)}",) if found.untold else ()
+        return (*head, Table(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *lost)
 
     def __str__(self) -> str:
         """Return what is shown as text."""
-        return text(self.parts())
+        return text((*self.parts(), *remarks_line(self.remarks)))
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
         """Return what is shown for a notebook."""
-        return html(self.parts())
+        return html((*self.parts(), *remarks_line(self.remarks)))
 
 
-def plan_positions(
-    *,
-    scatter: str | None = None,
-    target: Mapping[str, str] | None = None,
-    have: str = "none",
-    known: bool = False,
-    pose: str = "0 deg",
-    gravity: str = GRAVITY,
-    gravity_u: str = "0 m/s2",
-    following: int = 0,
-    goal: str = DETERMINANT,
-    most: int = MOST,
-) -> PositionsPlan:
+def plan_positions(**settings: Any) -> PositionsPlan:
     """Plan positions of an accelerometer triad.
 
     Parameters
     ----------
-    scatter : str
-        Of the mean reading of one position: ``"0.1 mg"``.
-    target : mapping of str to str, optional
-        Parameter or quantity -> standard uncertainty wanted: ``{"scale_factor_error": "100 ppm"}``. Positions are
-        added until it is met.
-    have : {"none", "faces", "faces+edges", "cube"}
-        Positions there already.
-    known : bool
-        Whether the direction of each position is known.
-    pose, gravity, gravity_u : str
-        Uncertainty of a known direction, local gravity, and its uncertainty.
-    following : int
-        Without a target: how many positions to add, the best one each time.
-    goal : str
-        What they are best for: ``"determinant"``, ``"trace"`` or a parameter.
-    most : int
-        Positions in all.
+    **settings
+        Those of ``plan positions``, quantities as text with a unit: ``scatter="0.1 mg"`` (needed), ``target``
+        (``{"bias": "0.1 mg"}``) or ``following`` (how many positions to add), ``goal``, ``have``, ``known``, ``pose``,
+        ``gravity``, ``gravity_u``, ``most``.
 
     Returns
     -------
@@ -169,101 +137,101 @@ def plan_positions(
     Raises
     ------
     UsageError
-        ``missing``, ``unknown_name``, ``wrong_value``, ``no_unit``; if there is neither a target nor a position;
-        if options contradict each other.
+        If a setting is wrong or missing, or settings contradict each other.
     PlanError
-        ``target_not_reached``, ``unknown_parameter``, ``bad_argument``.
+        ``target_not_reached``.
     """
-    if scatter is None:
-        raise UsageError("--scatter is not given", do='Say it: --scatter "0.1 mg"', code="missing")
-    if have not in SETS:
-        raise UsageError(f"positions {have!r}", do=f"There are: {', '.join(SETS)}", code="unknown_name")
-    setup = _setup(scatter, known, pose, gravity, gravity_u)
-    wanted = target or {}
-    limits = _limits(setup, wanted)
-    taken = cube()[SETS[have]]
-    _check(setup, limits, following, goal)
-    _check_most(len(taken) + following, most)
-    directions = course(setup, limits, taken, most=most).directions if limits else _added(setup, taken, following, goal)
+    return planned(settings, options=False)
+
+
+def planned(given: Mapping[str, Any], options: bool = True) -> PositionsPlan:
+    """Return the plan that settings give, as text with units; messages speak of options, or of arguments of Python."""
+    said = {name: value for name, value in given.items() if value is not None}
+    words = {one.name: f"--{one.option}" if options else one.name for one in settings_of(Wanted)}
+
+    def called(path: tuple[str | int, ...]) -> str:
+        return words.get(str(path[0]), str(path[0]))
+
+    values, problems = settings_values(Wanted, said, lambda *_: "", called=called)
+    if problems:
+        raise UsageError(problems)
+    wanted = Wanted(**values)
+    setup = Setup(wanted.scatter, wanted.known, wanted.pose, wanted.gravity, wanted.gravity_u)
+    limits = _limits(setup, wanted.target, words)
+    taken = cube()[SETS[wanted.have]]
+    _check(wanted, setup, len(taken), words)
+    if limits:
+        directions = course(setup, limits, taken, most=wanted.most).directions
+    else:
+        laid: list[Array] = list(taken)
+        for _ in range(wanted.following):
+            laid.append(next_position(setup, np.array(laid).reshape(-1, 3), goal=wanted.goal))
+        if not laid:
+            do = f"Add {words['target']}, {words['following']} or {words['have']}"
+            raise UsageError("nothing to plan", do=do, code="wrong_value")
+        directions = np.array(laid)
     found = predict_uncertainty(setup, directions)
-    return PositionsPlan(len(taken), directions, found, _rows(found, wanted, scatter), _unstated(setup))
+    exact = {"gravity_u": setup.gravity_u == 0.0, "pose": setup.known and setup.pose == 0.0}
+    names = ", ".join(words[name] for name, one in exact.items() if one)
+    what, do = f"taken as exact: {names}", "State it: the uncertainty to expect is relative to these as they are"
+    remarks = (Remark("no_standard_uncertainty", "warning", what, do=do),) if names else ()
+    return PositionsPlan(len(taken), directions, found, _rows(found, wanted.target, str(said["scatter"])), remarks)
 
 
-def _setup(scatter: str, known: bool, pose: str, gravity: str, gravity_u: str) -> Setup:
-    return Setup(
-        scatter=_number("scatter", scatter, "m/s^2", *SCATTER),
-        known=known,
-        pose=_number("pose", pose, "rad", 0.0, UPSIDE_DOWN),
-        gravity=_number("gravity", gravity, "m/s^2", *GRAVITIES),
-        gravity_u=_number("gravity_u", gravity_u, "m/s^2", 0.0, 1.0),
-    )
-
-
-def _limits(setup: Setup, target: Mapping[str, str]) -> dict[str, float]:
+def _limits(setup: Setup, target: Mapping[str, str], words: Mapping[str, str]) -> dict[str, float]:
     """Return the uncertainty wanted by parameter or quantity, SI."""
     every = list(zip(*parameters(setup.known), strict=True))
     units = {str(key): unit for key, unit in every} | {key.quantity: unit for key, unit in every}
-    _check_names("target", target, units, setup.known)
-    return {name: _number(name, said, units[name], *WANTED) for name, said in target.items()}
+    _check_names("target", target, units, setup.known, words)
+    limits = {}
+    for name, said in target.items():
+        do = f'Write it like {name}="{USUAL[units[name]]}"'
+        if name == said:
+            raise UsageError(f"target {name}: no uncertainty given", do=do, code="wrong_value")
+        try:
+            limits[name] = parse_quantity(said).to(units[name])
+        except DataError as error:
+            raise UsageError(f"{name}: {said!r}", why=error.problems[0].what, do=do, code="no_unit") from None
+        if not SMALLEST <= limits[name] <= 1.0 / SMALLEST:
+            raise UsageError(f"{name}: {said!r}: need more than 0", do=do, code="wrong_value")
+    return limits
 
 
-def _check_names(what: str, given: Iterable[str], names: Iterable[str], known: bool) -> None:
+def _check_names(what: str, given: Iterable[str], names: Iterable[str], known: bool, words: Mapping[str, str]) -> None:
     unknown = next((name for name in given if name not in names), None)
     if unknown is not None:
         do = f"There are: {', '.join(names)}"
         if not known and unknown in parameter_names(known=True):
-            do = f"Known directions alone tell it: --known. Without {do[0].lower()}{do[1:]}"
+            do = f"Only known directions determine it: {words['known']}. Without {do[0].lower()}{do[1:]}"
         raise UsageError(f"{what} {unknown!r}: no such parameter", do=do, code="unknown_name")
 
 
-def _number(name: str, said: str, unit: str, least: float, most: float) -> float:
-    """Return a number in a unit, of a size that there is."""
-    like = f'Write a number with its unit, like "{LIKE.get(name, USUAL[unit])}"'
-    try:
-        value = parse_quantity(said).to(unit)
-    except DataError as error:
-        raise UsageError(f"{name}: {said!r}", why=error.problems[0].what, do=like, code="no_unit") from None
-    if not least <= value <= most:
-        what = f"{name}: {said!r} is not from {least:g} to {most:g} {unit}"
-        raise UsageError(what, do=like, code="wrong_value")
-    return value
-
-
-def _check(setup: Setup, limits: Mapping[str, float], following: int, goal: str) -> None:
+def _check(wanted: Wanted, setup: Setup, taken: int, words: Mapping[str, str]) -> None:
     """Refuse what contradicts itself, or would change nothing."""
-    if following < 0:
-        raise UsageError(f"{following} positions to add", do="Give a number from 1", code="wrong_value")
-    if limits and following:
-        do = "Give one of them: positions are added until the target is met, or so many"
-        raise UsageError("a target, and a number of positions to add", do=do, code="contradiction")
-    if goal != DETERMINANT and not following:
-        do = "Say how many: --next 3. Positions for a target are those that it needs"
-        raise UsageError(f"goal {goal!r}, and no number of positions to add", do=do, code="contradiction")
-    if following:
-        names = parameter_names(setup.known)
-        _check_names("goal", [goal], [DETERMINANT, TRACE, *names], setup.known)
-    if setup.pose > 0.0 and not setup.known:
-        do = "Say that directions are known, --known, or leave --pose out"
-        raise UsageError("--pose of directions that are not known", do=do, code="contradiction")
-
-
-def _check_most(count: int, most: int) -> None:
-    """Refuse numbers that nobody lays."""
-    if not 1 <= most <= LARGEST:
-        raise UsageError(f"at most {most} positions", do=f"Give a number from 1 to {LARGEST}", code="wrong_value")
-    if count > most:
-        do = "Add fewer, or allow more with --most"
-        raise UsageError(f"{count} positions, and {most} in all", do=do, code="contradiction")
-
-
-def _added(setup: Setup, taken: Array, following: int, goal: str) -> Array:
-    """Return the positions there already and so many more, the best one each time."""
-    directions: Sequence[Array] = list(taken)
-    for _ in range(following):
-        directions = [*directions, next_position(setup, np.array(directions).reshape(-1, 3), goal=goal)]
-    if not directions:
-        raise UsageError("nothing to plan", do="Say --target, --next, or --have", code="wrong_value")
-    return np.array(directions)
+    contradictions = {
+        "a target, and a number of positions to add": (
+            bool(wanted.target) and wanted.following > 0,
+            "Give one of them: positions are added until the target is met, or so many",
+        ),
+        f"goal {wanted.goal!r}, and no number of positions to add": (
+            wanted.goal != DETERMINANT and not wanted.following,
+            f"Say how many: {words['following']} 3. A target decides for itself which positions it needs",
+        ),
+        f"{words['pose']} of directions that are not known": (
+            setup.pose > 0.0 and not setup.known,
+            f"Add {words['known']}, or leave {words['pose']} out",
+        ),
+        f"{taken + wanted.following} positions, and {wanted.most} in all": (
+            taken + wanted.following > wanted.most,
+            f"Add fewer, or allow more with {words['most']}",
+        ),
+    }
+    for what, (wrong, do) in contradictions.items():
+        if wrong:
+            raise UsageError(what, do=do, code="contradiction")
+    if wanted.following:
+        names = [DETERMINANT, TRACE, *parameter_names(setup.known)]
+        _check_names("goal", [wanted.goal], names, setup.known, words)
 
 
 def _rows(found: Prediction, target: Mapping[str, str], scatter: str) -> tuple[Row, ...]:
@@ -271,34 +239,15 @@ def _rows(found: Prediction, target: Mapping[str, str], scatter: str) -> tuple[R
     rows = []
     for key, si, u in zip(found.keys, found.units, found.u, strict=True):
         said = target.get(str(key)) or target.get(key.quantity)
-        unit = parse_quantity(said).unit if said else _usual(si, scatter)
+        usual = {"1": "%", "m/s^2": parse_quantity(scatter).unit}
+        unit = parse_quantity(said).unit if said else usual.get(si, si)
         named = Key(f"{key.quantity}_uncertainty", key.axis)
         row = Row(named, float(u) * factor(si, unit), None, unit, test=TEST)
         if not np.isfinite(u):
-            row = not_estimated(named, unit, Reason("not_told", f"these positions do not tell {_untold(found, key)}"))
+            lost = [one for one, parts in zip(found.untold, found.parts, strict=True) if key in parts] or [str(key)]
+            row = not_estimated(named, unit, Reason("not_told", f"these positions do not determine {', '.join(lost)}"))
         rows.append(row)
     return tuple(rows)
-
-
-def _usual(si: str, scatter: str) -> str:
-    """Return the unit that a figure is shown in where no target says another."""
-    return {"1": "%", "m/s^2": parse_quantity(scatter).unit}.get(si, si)
-
-
-def _untold(found: Prediction, key: Key) -> str:
-    """Return the combinations that are not told and that a parameter takes part in."""
-    return ", ".join(one for one, parts in zip(found.untold, found.parts, strict=True) if key in parts) or str(key)
-
-
-def _unstated(setup: Setup) -> tuple[Remark, ...]:
-    """Return what was not stated, and is taken as exact."""
-    names = [name for name, u in {"--gravity-u": setup.gravity_u, "--pose": setup.pose}.items() if u == 0.0]
-    names = [name for name in names if setup.known or name != "--pose"]
-    if not names:
-        return ()
-    what = f"not stated, and taken as exact: {', '.join(names)}"
-    do = "State it: the uncertainty to expect is relative to these as they are"
-    return (Remark("no_standard_uncertainty", "warning", what, do=do),)
 
 
 def in_words(direction: Array) -> str:
