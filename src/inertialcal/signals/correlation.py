@@ -80,18 +80,7 @@ def autocorrelation(x: ArrayLike, lags: int, kind: Kind = "unbiased", *, centred
 def cross_correlation(
     x: ArrayLike, y: ArrayLike, lags: int, kind: Kind = "unbiased", *, centred: bool = True
 ) -> Correlation:
-    """Return the correlation of a signal with a later part of another.
-
-    Parameters
-    ----------
-    x, y : array_like, shape (n,)
-        NaN where a sample is missing.
-    lags : int
-        Largest lag, 0 to n - 1.
-    kind : {"unbiased", "biased"}
-        Divided by the pairs that there are, or by the samples that both have.
-    centred : bool
-        Whether the means are removed first.
+    """Return the correlation of a signal with a later part of another; arguments are those of `autocorrelation`.
 
     Raises
     ------

@@ -85,14 +85,7 @@ class Drift:
 def drift_of(x: Array, axis: int, interval: float) -> tuple[Drift, ...]:
     """Return the curve through the block means of one axis; nothing where there are too few, or they do not scatter.
 
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Evenly spaced, NaN where a sample is missing.
-    axis : int
-        Which.
-    interval : float
-        From sample to sample [s].
+    ``x`` (n,) is evenly spaced, NaN where a sample is missing.
     """
     size = len(x) // BLOCKS
     if size < 1:

@@ -55,24 +55,7 @@ def of_channel(
     noise: Literal["auto"] | int,
     name: str,
 ) -> Channel:
-    """Return the deviations of one channel.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Samples.
-    present : ndarray of bool, shape (n,), or None
-        Which are there.
-    quantity : {"rate", "increment", "angle"}
-        What they are.
-    kind : Kind
-        Which deviation.
-    factors : ndarray of int64, shape (k,)
-        Averaging factors, rising.
-    noise : "auto" or int
-        Exponent of the noise.
-    name : str
-        Of the channel, for remarks.
+    """Return the deviations of one channel at averaging factors, rising, shape (k,).
 
     Raises
     ------
@@ -109,16 +92,10 @@ def _remarks(flat: bool, terms: NDArray[np.int64], told: int, k: int, name: str)
 
 
 def code_remarks(x: Numbers, name: str) -> tuple[Remark, ...]:
-    """Return what the codes of a channel say: stuck for long, or piled up at the ends of the range.
+    """Return what the codes of a channel, shape (n,), say: stuck for long, or piled up at the ends of the range.
 
-    Takes longer than the deviations themselves, and is left to who reads the file.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Samples; those that are not finite are left out.
-    name : str
-        Of the channel.
+    Takes longer than the deviations themselves, and is left to who reads the file. Samples that are not finite are left
+    out.
     """
     finite = x[np.isfinite(x)]
     if len(finite) < 2 or np.all(finite == finite[0]):

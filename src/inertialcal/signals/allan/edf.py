@@ -59,19 +59,10 @@ WHITE = 0.0
 
 
 def degrees_of_freedom(kind: Kind, m: int, terms: int, power: int) -> float:
-    """Return the equivalent degrees of freedom of one variance.
+    """Return the equivalent degrees of freedom of one variance of windows of m samples; NaN without terms.
 
-    Parameters
-    ----------
-    kind : Kind
-        Which deviation.
-    m : int
-        Samples a window.
-    terms : int
-        Squares that were averaged; 0 gives NaN.
-    power : int
-        Exponent alpha of the spectrum of the rate: 2 quantisation, 0 white (random walk of the integral),
-        -1 flicker (bias instability), -2 random walk of the rate, to -4 for the Hadamard deviations.
+    ``power`` is the exponent alpha of the spectrum of the rate: 2 quantisation, 0 white (random walk of the integral),
+    -1 flicker (bias instability), -2 random walk of the rate, to -4 for the Hadamard deviations.
     """
     return _edf(kind.order, kind.overlapping, kind.modified, m, terms, power) if terms > 0 else np.nan
 
@@ -121,17 +112,7 @@ def all_degrees(kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64]
 
 
 def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Array:
-    """Return the exponent at each averaging factor, shape (k,); NaN where there are too few averages to tell.
-
-    Parameters
-    ----------
-    phase : Phase
-        Of one channel.
-    kind : Kind
-        The deviation, which limits the exponent.
-    factors : ndarray of int64, shape (k,)
-        Rising.
-    """
+    """Return the exponent at each averaging factor, rising, shape (k,); NaN where there are too few averages to tell."""
     found = np.empty(len(factors))
     _kernels_noise_type.identify(phase.values, phase.count, phase.pointwise, factors, -kind.reddest // 2, found)
     power = np.clip(np.rint(found), kind.reddest, BLUEST)
@@ -142,14 +123,7 @@ def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> A
 def carried_on(power: Array, kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64]) -> tuple[Array, Array]:
     """Return the exponent everywhere, and the degrees of freedom with it, both of shape (k,).
 
-    Parameters
-    ----------
-    power : ndarray, shape (k,)
-        NaN where it could not be told; white is taken where none could.
-    kind : Kind
-        Which deviation.
-    factors, terms : ndarray of int64, shape (k,)
-        Samples a window, and squares averaged.
+    A power that is NaN is that of the last one known; white where none is.
     """
     told = power[np.isfinite(power)]
     last, before = (told[-1], told[-2:][0]) if len(told) else (WHITE, WHITE)

@@ -52,16 +52,7 @@ class Phase:
 
 
 def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None = None) -> Phase:
-    """Return the phase of one channel.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n,)
-        Float or integer samples; NaN and infinite ones count as missing.
-    quantity : {"rate", "increment", "angle"}
-        See the module head.
-    present : ndarray of bool, shape (n,), optional
-        Which samples are there; all by default.
+    """Return the phase of one channel, shape (n,); samples that are NaN, infinite or not ``present`` are missing.
 
     Raises
     ------

@@ -211,14 +211,10 @@ def run_case(case: SyntheticCase | MeasuredCase) -> tuple[Step, ...]:
 
 
 def tilt_trace(x: Array, tilt: Array) -> Array:
-    """Return the series less its regression on the tilt trace (reduction 1).
+    """Return the series, its mean removed, less its regression on the tilt trace (reduction 1).
 
-    Parameters
-    ----------
-    x : ndarray, shape (N,)
-        Its mean removed.
-    tilt : ndarray, shape (N,)
-        As the listing uses it: the readings, whose mean it does not remove (appendix A has a series without a mean).
+    The listing uses the readings of the tilt meter, whose mean it does not remove (appendix A has a series without a
+    mean).
 
     Raises
     ------
@@ -252,17 +248,10 @@ def without_harmonics(x: Array, lines: int) -> Array:
 
     As the last line has twice its amplitude, taking it away turns its sign.
 
-    Parameters
-    ----------
-    x : ndarray, shape (N,) or (N, k)
-        As the last step left it.
-    lines : int
-        MA, 0 to N/2 - 1.
-
     Raises
     ------
     DataError
-        If there are not so many lines.
+        If there are not so many lines: 0 to N/2 - 1.
     """
     n = len(x)
     if n % 2 or not 0 <= lines < n // 2:

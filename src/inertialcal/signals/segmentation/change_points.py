@@ -48,25 +48,10 @@ SHORTEST = RAMP + LEVEL_SAMPLES + 1  # samples that a stretch needs
 
 
 def single_outliers(y: Array, noise: Noise, factor: float, apart: int) -> Flags:
-    """Return the samples that stand alone: far from two neighbours that agree with each other.
+    """Return which samples, shape (n,), stand alone: far from two neighbours that agree with each other.
 
-    Outliers nearer to each other than ``apart`` samples are no outliers but motion or noise, and stay.
-
-    Parameters
-    ----------
-    y : ndarray, shape (n, channels)
-        Finite samples.
-    noise : Noise
-        Of these samples.
-    factor : float
-        In units of standard deviations.
-    apart : int
-        Least distance between two of them [samples].
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-        True where any channel has an outlier.
+    ``factor`` is in standard deviations of ``y`` (n, channels). Outliers nearer to each other than ``apart`` samples
+    are motion or noise, and stay.
     """
     alone = np.zeros(len(y), dtype=bool)
     calm = np.ones(len(y) - 2, dtype=bool)
@@ -94,27 +79,18 @@ def running_sum(y: Array) -> Array:
 def level_changes(
     total: Array, noise: Noise, scales: tuple[int, ...], quantile: Array, cuts: Indices
 ) -> tuple[Indices, Array]:
-    """Return where the level changes.
+    """Return where the level changes, with 0 and n, and by how much more than white noise the widest means scatter.
 
     Parameters
     ----------
     total : ndarray, shape (n + 1, channels)
         Running sum of the samples.
-    noise : Noise
-        Of these samples.
     scales : tuple of int
         Widths of the windows, ascending [samples].
     quantile : ndarray, shape (channels,)
         Threshold for the difference of two window means, in units of its standard deviation.
     cuts : ndarray of int, shape (k,)
         Changes that are known beforehand: 0, gaps, n.
-
-    Returns
-    -------
-    changes : ndarray of int
-        First sample after each change, with 0 and n, ascending.
-    widening : ndarray, shape (channels,)
-        By how much more than white noise the means of the widest windows scatter.
     """
     room = np.empty(total.T.shape)
     widening = np.ones(total.shape[1])
@@ -231,25 +207,10 @@ def covered(start: Indices, stop: Indices, n: int) -> Flags:
 
 
 def loud(y: Array, noise: Noise, w: int, tail: float, start: Indices, stop: Indices) -> Flags:
-    """Return the samples in windows that scatter more than noise does.
+    """Return the samples, shape (n,), in windows of ``w`` samples that scatter more than noise does in any channel.
 
-    Parameters
-    ----------
-    y : ndarray, shape (n, channels)
-        Finite samples.
-    noise : Noise
-        Of these samples.
-    w : int
-        Width of the window [samples].
-    tail : float
-        False-alarm probability of one window.
-    start, stop : ndarray of int, shape (k,)
-        Stretches at one level, ascending and disjoint; windows lie inside.
-
-    Returns
-    -------
-    ndarray of bool, shape (n,)
-        True for all samples of a window in which any channel exceeds its limit.
+    Windows lie inside the stretches at one level, ascending and disjoint; ``tail`` is the false-alarm probability of
+    one.
     """
     inside = covered(start, stop, len(y))
     cuts = np.concatenate(([0], np.cumsum(stop - start)))
@@ -298,26 +259,9 @@ def settled_ends(
 ) -> tuple[Indices, Indices]:
     """Return stretches whose ends lie where the samples settle at the level inside, three samples off at most.
 
-    A sample at an end that does not fit the level just inside is given up; one before the end that does fit
-    is taken in, if no other stretch holds it.
-
-    Parameters
-    ----------
-    y : ndarray, shape (n, channels)
-        Finite samples.
-    total : ndarray, shape (n + 1, channels)
-        Their running sum.
-    noise : Noise
-        Of these samples.
-    start, stop : ndarray of int, shape (k,)
-        Ascending, disjoint stretches of at least ``SHORTEST`` samples.
-    walls : ndarray of int
-        0, long gaps and n: no end moves across, an end there stays.
-
-    Returns
-    -------
-    start, stop : ndarray of int, shape (k,)
-        Ascending and disjoint.
+    A sample at an end that does not fit the level just inside is given up; one before the end that does fit is taken
+    in, if no other stretch holds it. No end moves across a wall (0, long gaps and n), and an end there stays. ``total``
+    (n + 1, channels) is the running sum of the samples.
     """
     first = (total[start + RAMP + LEVEL_SAMPLES] - total[start + RAMP]) / LEVEL_SAMPLES
     last = (total[stop - RAMP] - total[stop - RAMP - LEVEL_SAMPLES]) / LEVEL_SAMPLES
@@ -354,27 +298,8 @@ def joined_where_equal(
 ) -> tuple[Indices, Indices]:
     """Return stretches joined where they touch and their levels, over the widest windows, do not differ.
 
-    A disturbance of a few samples makes a change on a fine scale that a wide one does not see.
-
-    Parameters
-    ----------
-    total : ndarray, shape (n + 1, channels)
-        Running sum of the samples.
-    noise : Noise
-        Of these samples.
-    quantile : ndarray, shape (channels,)
-        Threshold in standard deviations of the difference.
-    start, stop : ndarray of int, shape (k,)
-        Ascending, disjoint stretches.
-    walls : ndarray of int
-        0, long gaps and n: stretches are not joined across.
-    longest : int
-        Widest window [samples].
-
-    Returns
-    -------
-    start, stop : ndarray of int
-        Ascending and disjoint.
+    A disturbance of a few samples makes a change on a fine scale that a wide one does not see. Stretches are not joined
+    across a wall; ``quantile`` (channels,) is the threshold in standard deviations of the difference.
     """
     at = np.flatnonzero((start[1:] == stop[:-1]) & ~np.isin(start[1:], walls))
     edge = stop[at]
@@ -385,19 +310,7 @@ def joined_where_equal(
 
 
 def sloping(total: Array, noise: Noise, quantile: Array, start: Indices, stop: Indices) -> Flags:
-    """Return which stretches have two halves at different levels, shape (k,).
-
-    Parameters
-    ----------
-    total : ndarray, shape (n + 1, channels)
-        Running sum of the samples.
-    noise : Noise
-        Of these samples.
-    quantile : ndarray, shape (channels,)
-        Threshold in standard deviations of the difference.
-    start, stop : ndarray of int, shape (k,)
-        Stretches of two samples or more.
-    """
+    """Return which stretches, of two samples or more, have two halves at different levels, shape (k,)."""
     half = (stop - start) // 2
     return _differ(total, noise, quantile, (start, start + half), (stop - half, stop))
 

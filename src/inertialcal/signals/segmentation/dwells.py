@@ -136,19 +136,9 @@ def dwell_of(samples: Samples, start: int, stop: int, drop_edge: int = 1, distur
 
 
 def effective_size(x: Array, neighbours: Flags | None = None) -> Array:
-    """Independent samples that correlated ones are worth for their mean.
+    """Return how many independent samples, 1 to n, those of one stretch (n, channels) are worth for their mean.
 
-    Parameters
-    ----------
-    x : ndarray, shape (n, channels)
-        One stretch.
-    neighbours : ndarray of bool, shape (n - 1,), optional
-        Which samples are followed by their neighbour; all by default.
-
-    Returns
-    -------
-    ndarray, shape (channels,)
-        Between 1 and n.
+    ``neighbours`` (n - 1,) says which samples are followed by their neighbour; all by default.
     """
     n = len(x)
     pairs = np.ones(n - 1, dtype=bool) if neighbours is None else neighbours

@@ -54,20 +54,8 @@ class LevelScatter:
 def quiet_level(blocks: Blocks, quiet: Flags, at: int, way: int, w: int, walls: Flags) -> tuple[Array, int]:
     """Return the mean of the quiet blocks beside a place, shape (channels,), and their number.
 
-    Parameters
-    ----------
-    blocks : Blocks
-        The record.
-    quiet : ndarray of bool, shape (b,)
-        Of its blocks.
-    at : int
-        First block of time after the place, or the one after the last before it.
-    way : {1, -1}
-        To later, or to earlier blocks.
-    w : int
-        How many blocks of time are looked at.
-    walls : ndarray of bool, shape (b,)
-        Blocks that it does not look across.
+    Looked at are ``w`` blocks of time from the block ``at`` on, to later (way 1) or to earlier ones (-1), not across
+    walls.
     """
     a, b = (int(i) for i in np.searchsorted(blocks.at, (at, at + w) if way > 0 else (at - w, at)))
     hit = np.flatnonzero(walls[a:b])

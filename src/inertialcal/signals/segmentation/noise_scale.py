@@ -48,19 +48,7 @@ class Noise:
 
 
 def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
-    """Return the scatter of the quiet part of a signal, or the stated one.
-
-    Parameters
-    ----------
-    y : ndarray, shape (n, channels), n >= 16
-        Finite samples.
-    stated : tuple of float, optional
-        Standard deviation of a sample, one a channel, taken as known [unit of the signal].
-
-    Returns
-    -------
-    Noise
-        Per channel.
+    """Return the scatter of the quiet part of a signal (n, channels), n >= 16, or the stated one.
 
     Raises
     ------

@@ -82,21 +82,7 @@ class Found:
 
 
 def still_stretches(x: Array, ticks: Array, plan: Detection) -> Found:
-    """Return the still stretches of a signal.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n, channels), n >= 16
-        Good samples.
-    ticks : ndarray, shape (n,)
-        Their times [sample intervals].
-    plan : Detection
-        Settings.
-
-    Returns
-    -------
-    Found
-        Stretches, outliers, noise.
+    """Return the still stretches of good samples (n, channels), n >= 16, at times counted in sample intervals.
 
     Raises
     ------

@@ -71,13 +71,7 @@ def amplitude_of(in_phase: ArrayLike, quadrature: ArrayLike, u: ArrayLike, dof: 
 
 
 def most_likely(ratio: Array) -> Array:
-    """Return the most likely amplitude of lengths found, both over the standard deviation of a component.
-
-    Parameters
-    ----------
-    ratio : ndarray, shape (k,)
-        C / s.
-    """
+    """Return the most likely amplitude of lengths found, both over the standard deviation of a component, shape (k,)."""
     low, high = np.zeros_like(ratio), ratio.copy()
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
@@ -107,12 +101,7 @@ def _solved(ratio: Array, dof: float, p: float) -> Array:
 def chance_of_less(ratio: Array, amplitude: Array, dof: float) -> Array:
     """Return the probability of a length as found or less, averaged over what the standard deviation may be.
 
-    Parameters
-    ----------
-    ratio, amplitude : ndarray, shape (k,)
-        Found and true length, both over the standard deviation that was found.
-    dof : float
-        Degrees of freedom of that.
+    Both lengths, found and true, are over the standard deviation that was found, with its degrees of freedom.
     """
     scale, weights = _scales(dof)
     return np.asarray(special.chndtr(np.outer(ratio**2, scale), 2.0, np.outer(amplitude**2, scale)) @ weights)

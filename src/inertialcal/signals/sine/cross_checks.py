@@ -133,14 +133,7 @@ def _compared(
 
 
 def difference_weights(drive: Drive, order: int = ORDER) -> Array:
-    """Return what the estimate weighs each reading with, shape (n,).
-
-    Parameters
-    ----------
-    drive : Drive
-        At the samples that there are.
-    order : int
-        n, 1 or more.
+    """Return what the estimate by differences of an order weighs each reading with, shape (n,).
 
     Raises
     ------
@@ -203,14 +196,7 @@ class Generalised:
 
 
 def generalised_fit(drive: Drive, readings: Array) -> Generalised:
-    """Fit a drive with noise that is told from the record.
-
-    Parameters
-    ----------
-    drive : Drive
-        At the samples of the readings.
-    readings : ndarray, shape (n,)
-        All finite.
+    """Fit a drive to readings, shape (n,), all finite, with noise that the record shows.
 
     Raises
     ------

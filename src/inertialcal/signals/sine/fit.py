@@ -80,15 +80,10 @@ class LineFit:
         return 2.0 * self.noise**2 * self.design.drive.step
 
     def weights_on(self, columns: Array) -> Array:
-        """Return the in-phase amplitude that the fit finds in columns that are no records, shape (k,).
+        """Return the in-phase amplitude that the fit finds in columns (n, k) that are no records, shape (k,).
 
         Of the identity matrix these are the weights that the estimate gives to each reading; of the weights of another
         estimate, their product with its own.
-
-        Parameters
-        ----------
-        columns : ndarray, shape (n, k)
-            Any.
         """
         right = np.zeros((self.design.main, columns.shape[1]))
         for part, rows in self.design.parts(self.design.main):

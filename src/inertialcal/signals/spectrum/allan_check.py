@@ -51,14 +51,7 @@ class SpectralAllan:
 
 
 def allan_of_spectrum(spectrum: Spectrum, tau: Array) -> SpectralAllan:
-    """Return the Allan deviation that a spectrum means.
-
-    Parameters
-    ----------
-    spectrum : Spectrum
-        Of rates or accelerations, lines included.
-    tau : ndarray, shape (k,)
-        Averaging times, whole multiples of the sample interval [s].
+    """Return the Allan deviation that a spectrum of rates or accelerations means at averaging times, shape (k,) [s].
 
     Raises
     ------

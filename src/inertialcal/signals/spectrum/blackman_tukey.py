@@ -43,14 +43,7 @@ class CorrelationSpectrum:
 
 
 def correlation_spectrum(correlations: Array, interval: float) -> CorrelationSpectrum:
-    """Return the raw spectrum of correlations.
-
-    Parameters
-    ----------
-    correlations : ndarray, shape (M + 1,)
-        At lags 0 to M.
-    interval : float
-        From sample to sample [s].
+    """Return the raw spectrum of correlations at lags 0 to M, shape (M + 1,), of samples an interval apart [s].
 
     Raises
     ------

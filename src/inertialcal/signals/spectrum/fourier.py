@@ -40,12 +40,7 @@ class FourierCoefficients:
 
 
 def fourier_coefficients(x: ArrayLike) -> FourierCoefficients:
-    """Return the Fourier coefficients of a record, or of several of equal length.
-
-    Parameters
-    ----------
-    x : array_like, shape (n,) or (n, k)
-        No sample may be missing: with gaps, fit the line instead (``signals.sine``).
+    """Return the Fourier coefficients of a record, shape (n,), or of several of equal length, (n, k).
 
     Raises
     ------

@@ -248,17 +248,7 @@ class Background:
 
 
 def background_of(spectrum: Spectrum, axis: int, marked: Flags) -> Background:
-    """Return the level of the noise around each value, the marked ones left out.
-
-    Parameters
-    ----------
-    spectrum : Spectrum
-        With positive density in this axis.
-    axis : int
-        Which.
-    marked : ndarray of bool, shape (k,)
-        Values that are no noise; not all.
-    """
+    """Return the level of the noise around each value of an axis, those marked as no noise, shape (k,), left out."""
     logs, place = np.log(spectrum.density[:, axis]), np.log(np.sin(np.pi * spectrum.frequency * spectrum.interval))
     inside = _windows(spectrum)
     count = inside(np.where(marked, 0.0, 1.0))

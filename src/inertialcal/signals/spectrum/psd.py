@@ -205,13 +205,7 @@ class Stretches:
 
 
 def stretches_of(x: Array) -> Stretches:
-    """Return the runs of samples that have a finite value in every axis.
-
-    Parameters
-    ----------
-    x : ndarray, shape (n, axes)
-        May hold NaN.
-    """
+    """Return the runs of samples (n, axes) that have a finite value in every axis."""
     good = np.isfinite(x).all(axis=1)
     edges = np.flatnonzero(np.diff(np.concatenate(([False], good, [False])).astype(np.int8)))
     return Stretches(edges[0::2], edges[1::2], int(np.count_nonzero(~good)))
