@@ -273,9 +273,9 @@ def looked_through(plan: Plan, run: Run, axis: str) -> Looked:
         spans = [f"{number(run.time(one.first), 6)} .. {number(run.time(one.last), 6)} s" for one in bad[:LISTED]]
         spans += ["..."] if len(bad) > LISTED else []
         worst = number(max(one.peak for one in bad), 3)
-        fate = f"left out: {left_out} of {len(run)} samples" if left_out else "kept in"
+        fate = f"excluded: {left_out} of {len(run)} samples" if left_out else "kept in"
         what = f"{axis}: disturbed at {', '.join(spans)}, by up to {worst} times the noise; {fate}"
-        do = "" if left_out else "Leave them out, or record again undisturbed"
+        do = "" if left_out else "Exclude them, or record again undisturbed"
         remarks.append(Remark("disturbed", "warning", what, count=len(bad), do=do))
     times, unit = 1.0, plan.unit or "file units"
     if plan.kind is not None:

@@ -90,6 +90,9 @@ def _chosen(given: GivenFile) -> tuple[list[Channel], list[Remark]]:
     numbers = [one for one in recording.channels if one.data.dtype.kind in "iuf" and one.quantity in SENSED]
     sure = [one for one in numbers if one.quantity or (one.unit is not None and kind(one.unit) in KINDS)]
     chosen = sure or numbers
+    if given.said.sensor is not None:
+        group = GROUPS.get(given.said.sensor, given.said.sensor)
+        chosen = [one for one in chosen if one.quantity == group]
     if not chosen:
         what = "no channel can be a gyro's or an accelerometer's"
         do = f"Add: {given.add('column', 'COLUMN')}. The file has: {', '.join(recording.names) or 'none'}"

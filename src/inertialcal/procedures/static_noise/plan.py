@@ -1,4 +1,4 @@
-"""Settings of a test of noise: its plan, what its nouns say of a file, what they show."""
+"""Settings of noise at rest: the plan of a test, and what allan and psd ask of a file and of filters."""
 
 from __future__ import annotations
 
@@ -28,36 +28,38 @@ class Plan:
     )
     unit: str = fact("Of the samples where the kind is None; empty where nobody said.", "sensor", "")
     deviation: Deviation = setting(
-        "Which deviation is shown; the terms are always fitted to the overlapping Allan deviation.", "overlapping"
+        "Deviation to show; terms are always fitted to the overlapping Allan deviation.", "overlapping"
     )
-    taus: Literal["octave", "decade", "all"] = setting(
-        "Averaging times that are shown; the fit takes octaves.", "octave"
-    )
-    tau: list[float] | None = setting("Averaging times that are shown instead.", None, unit="s", example="10 s")
+    taus: Literal["octave", "decade", "all"] = setting("Averaging times to show; the fit uses octaves.", "octave")
+    tau: list[float] | None = setting("Averaging times to show instead of these.", None, unit="s", example="10 s")
     terms: list[TermName] | None = setting(
-        "Terms that are fitted; where not given, all that the record shows, by the criterion of "
-        "sensors.noise.fitting.order.", None, example="random_walk",
+        "Terms to fit; by default all that the record shows.", None, example="random_walk",
     )  # fmt: skip
-    lines: bool = setting("Whether lines are looked for in the spectrum, and taken into the fit.", True)
-    warm_up: float = setting("Left out at the start of each record.", 0.0, unit="s", example="600 s")
-    disturbed: Literal["leave_out", "keep"] = setting("What becomes of samples in disturbances.", "leave_out")
-    spectrum: Method = setting("How the spectrum is estimated.", "welch")
+    lines: bool = setting("Find lines in the spectrum and include them in the fit.", True)
+    warm_up: float = setting("Time left out at the start of each record.", 0.0, unit="s", example="600 s")
+    disturbed: Literal["leave_out", "keep"] = setting(
+        "Samples in disturbances, stuck or at the end of the range.", "leave_out"
+    )
+    spectrum: Method = setting("Estimator of the spectrum.", "welch")
     segment: float | None = setting(
-        "Length of the segments of the spectrum; an eighth of the record, or 131,072 samples where that is less, where "
-        "not given.", None, unit="s", example="1000 s",
-    )  # fmt: skip
+        "Length of a segment of the spectrum; by default an eighth of the record, at most 131,072 samples.",
+        None,
+        unit="s",
+        example="1000 s",
+    )
     relative_error: float = setting(
-        "Relative error for which the length of a record is worked out.", 0.1, above=0.0, example="0.1"
+        "Relative error of a term for which the record length is computed.", 0.1, above=0.0, example="0.1"
     )
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
 
 
 @dataclass(frozen=True)
 class Samples:
-    """What a noun of noise at rest is told of the samples of a file."""
+    """Samples of a file, for allan and psd."""
 
     quantity: Literal["rate", "increment", "angle"] | None = setting(
-        "What a sample is, where the unit does not tell: a rate, what is added in it, or the integral.", None
+        "What a sample is: a rate, its increment over a sample, or its integral; needed for angles and velocities.",
+        None,
     )
     scale_factor: Mapping[str, str] = setting(
         "Scale factor of a column or group in counts or volts.", dict[str, str], example='gyro="131 count/(deg/s)"'
@@ -69,12 +71,12 @@ FilterName = Literal["kalibr", "px4", "gtsam", "kf-gins"]
 
 @dataclass(frozen=True)
 class Filters:
-    """Which settings of navigation filters are shown."""
+    """Settings of navigation filters to print."""
 
     for_filter: list[FilterName] | None = setting(
-        "Print the settings of this filter: kalibr, px4, gtsam or kf-gins.", None, example="kalibr", option="for"
+        "Filter whose settings are printed.", None, example="kalibr", option="for"
     )
     horizon: float | None = setting(
-        "With --for: a walk stands in for all that wanders, exact at this averaging time.", None, unit="s",
+        "Averaging time at which a random walk replaces all that wanders, for filters.", None, unit="s",
         example="100 s", above=0.0,
     )  # fmt: skip

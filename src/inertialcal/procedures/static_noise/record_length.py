@@ -2,7 +2,8 @@
 
 A term that was found has the relative error of this fit; the record that brings it to the wanted one is that of the
 planner (``sensors.noise.planner``), which takes all found terms as they are and as fitted together, and is long enough
-for the term to be named again. A term that was not found has the record that would show it, were it at its upper limit.
+for the term to be named again. A term that was not found has the record that would show it if it were at its upper
+limit.
 """
 
 from __future__ import annotations
@@ -78,5 +79,5 @@ def sentence(reach: Reach, wanted: float) -> str:
         return known
     aim = f"for {100.0 * wanted:.3g} %"
     if reach.needed is None:
-        return f"{known}; no record that can be planned is enough {aim}"
+        return f"{known}; no practical record is long enough {aim}"
     return f"{known}; record {duration(max(reach.needed, reach.record))} {aim}"

@@ -88,7 +88,7 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
         if skipped >= len(next(iter(values.values()))):
             what = f"a warm-up of {number(plan.warm_up)} s, the record is {length} s long"
             raise DataError(what, one.place, do="Leave out less", code="nothing_left")
-        what = f"the first {number(plan.warm_up)} s of {length} s are left out: the warm-up"
+        what = f"the first {number(plan.warm_up)} s of {length} s left out as warm-up"
         remarks.append(Remark("warm_up_left_out", "info", what))
     run = Run(
         {axis: data[skipped:] for axis, data in values.items()},

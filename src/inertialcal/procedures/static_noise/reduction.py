@@ -141,10 +141,8 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 def _relative(plan: Plan) -> list[Remark]:
     if plan.kind is None or SCALE in plan.standards:
         return []
-    what = "the scale factor has no stated uncertainty: noise terms are relative to it"
-    return [
-        Remark("relative_to_fixture", "info", what, do="A campaign states it under [standards]: sensor.scale_factor")
-    ]
+    what = "scale factor without a stated uncertainty: noise terms are relative to it"
+    return [Remark("relative_to_fixture", "info", what, do="Add its uncertainty: standard sensor.scale_factor")]
 
 
 def _of_axis(one: AxisNoise) -> Estimate | None:

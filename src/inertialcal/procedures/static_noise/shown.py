@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 Test = Tested[Any, Any, Any]
 WIDTH = 110  # of wrapped text
 PER_DECADE = 3  # rows of a spectrum
-TERMS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "what the record tells")
+TERMS = ("  term", "axis", "value ± u", "unit", "95 % interval", "SI", "how well known")
 ALONE = ("  alone", "term", "axis", "value ± u", "unit", "95 % interval")
 LINES = ("  axis", "line", "frequency", "unit", "amplitude", "unit", "over noise", "kind")
 SIZE, TIME = "gauss_markov_sigma", "gauss_markov_correlation_time"  # a limit of one says all of the other
@@ -93,7 +93,7 @@ def _terms(found: Reduced, test: Test) -> Iterator[str]:
             limit = f"{row.quantity} {figure(row.to_dict())} {row.unit}{longer}"
             groups.setdefault((short(row.axis), reach.reason), []).append(limit)
     if groups:
-        yield "  not found: below a 95 % limit (in brackets: the record that would show a term at its limit)"
+        yield "  not found: upper 95 % limits (in brackets: record that would show a term of that size)"
     for (axis, reason), limits in groups.items():
         yield _wrapped(f"    {axis}: {reason}: {', '.join(limits)}", "       ")
     yield from _nothing(test, rows)

@@ -420,6 +420,10 @@ def _matrix(model: SensorModel) -> list[str]:
 
 
 def _sentence(model: SensorModel, one: Parameter) -> str:
+    value = float(values([one], model.terms)[0])
+    if one.name in model.not_estimated and value == 0.0:
+        words = {"scale_factor_error": "scale factor"}.get(one.quantity, one.quantity.replace("_", " "))
+        return f"{one.axis} {words}: not estimated"
     if one.field == "matrix":
         return _matrix_sentence(model, one)
     if one.field == "bias":
@@ -438,8 +442,6 @@ def _matrix_sentence(model: SensorModel, one: Parameter) -> str:
     entry = 100.0 * float(model.matrix[one.index])
     if power:
         return f"{sensor} sensor and {moves} motion, term in {_power(power)}"
-    if row != column and not entry and one.name in model.not_estimated:
-        return f"{sensor} sensor and {moves} motion: not estimated, taken as none"
     if row != column:
         return f"{sensor} sensor reads {number(entry, PERCENT_DIGITS)} % of {moves} motion"
     excess = entry - 100.0

@@ -69,7 +69,7 @@ class RecordPlan:
     relative_error : float
         That is wanted of its size.
     fit : float
-        Record for a fit of all terms together [s]; infinite where no record that can be planned is enough.
+        Record for a fit of all terms together [s]; infinite where no practical record is long enough.
     record : float
         Record in which the term is also named in 95 % of cases, among all that there are to choose from: `fit` or
         longer [s].

@@ -127,11 +127,11 @@ def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP, *, horizon: 
         Setting(key, tuple(v / float(np.sqrt(step)) for v in _largest(values)), unit, source)
         for key, values, unit, source in wanted
     ]
-    lines = [f"# for EKF2_PREDICT_US {round(step * 1e6)}: another step asks for other values"]
+    lines = [f"# for EKF2_PREDICT_US {round(step * 1e6)}: values depend on the step"]
     outside = []
     for one in settings:
         if not one.values:
-            lines.append(f"# {one.key}: not told by the terms")
+            lines.append(f"# {one.key}: not found in the record")
             continue
         lines += [f"# {one.unit}; {one.source}", f"param set {one.key} {_figure(one.values[0])}"]
         low, high = PX4_RANGES[one.key]
@@ -177,8 +177,8 @@ def to_gtsam(
     for one in settings:
         listed = ", ".join(_figure(v) for v in one.values)
         told = f"params.{one.key}(np.diag([{listed}]))  # {one.unit}"
-        lines.append(told if one.values else f"# params.{one.key}: not told by the terms")
-    missing = ("setIntegrationCovariance and the first covariance of the bias: no noise terms, yours to set",)
+        lines.append(told if one.values else f"# params.{one.key}: not found in the record")
+    missing = ("setIntegrationCovariance and the first covariance of the bias: no noise terms: set them yourself",)
     return filter_block("gtsam", lines, settings, rate, acc, _times_not_held(rate, acc), missing)
 
 
@@ -222,10 +222,10 @@ def to_kf_gins(
     for one in settings:
         listed = ", ".join(_figure(v) for v in one.values)
         told = f"  {one.key}: [{listed}]  # [{one.unit}] {one.source}"
-        lines.append(told if one.values else f"  # {one.key}: not told by the terms")
+        lines.append(told if one.values else f"  # {one.key}: not found in the record")
     settings.append(Setting("corrtime", (time * factor("s", "h"),) if time else (), "h", "one for all biases"))
-    told = f"  corrtime: {_figure(settings[-1].values[0])}  # [h]" if time else "  # corrtime: not told by the terms"
-    missing = ("gsstd and asstd [ppm]: scale factors are no noise terms, take them from a calibration",)
+    told = f"  corrtime: {_figure(settings[-1].values[0])}  # [h]" if time else "  # corrtime: not found in the record"
+    missing = ("gsstd and asstd [ppm]: scale factors are not noise: take them from a calibration",)
     return filter_block("kf_gins", [*lines, told], settings, rate, acc, _other_times(time, rate, acc), missing)
 
 
@@ -239,7 +239,7 @@ def _three(values: tuple[float, ...]) -> tuple[float, ...]:
 
 def _worst_only(*sensors: SensorNoise) -> tuple[str, ...]:
     return tuple(
-        f"{one.kind}: differences between the axes, the largest value stands for all"
+        f"{one.kind}: differences between axes: the largest value is used for all"
         for one in sensors
         if len(set(one.white)) > 1 or len(set(one.drive)) > 1
     )
@@ -248,7 +248,7 @@ def _worst_only(*sensors: SensorNoise) -> tuple[str, ...]:
 def _times_not_held(*sensors: SensorNoise) -> tuple[str, ...]:
     return tuple(
         f"{one.kind}: correlation time {', '.join(f'{t:.3g}' for t in one.times if np.isfinite(t))} s: the bias "
-        "wanders without end, too far after that time"
+        "wanders without limit, too far beyond that time"
         for one in sensors
         if np.any(np.isfinite(one.times))
     )
@@ -259,15 +259,17 @@ def _other_times(time: float | None, *sensors: SensorNoise) -> tuple[str, ...]:
     for one in sensors:
         for axis, own in enumerate(one.times):
             if time is not None and np.isfinite(own) and not np.isclose(own, time, rtol=1e-9):
-                found.append(f"{one.kind} axis {axis}: its own correlation time {own:.4g} s; its driving noise is kept")
+                found.append(f"{one.kind} axis {axis}: correlation time {own:.4g} s of its own; driving noise is kept")
         if time is not None and any(not np.isfinite(t) for t in one.times) and np.any(np.isfinite(one.drive)):
-            found.append(f"{one.kind}: a bias that wanders without end; the filter's returns to zero over {time:.4g} s")
+            found.append(
+                f"{one.kind}: a bias that wanders without limit; the filter's decays to zero over {time:.4g} s"
+            )
     return tuple(found)
 
 
 def _yaml(setting: Setting, value: float | None) -> str:
     if value is None:
-        return f"# {setting.key}: not told by the terms"
+        return f"# {setting.key}: not found in the record"
     return f"{setting.key}: {_figure(value)}  # {setting.unit}; {setting.source}"
 
 
@@ -324,7 +326,9 @@ class FilterBlock:
 
     def __str__(self) -> str:
         """Return the block, and under it as comments what it does not hold."""
-        lines = [f"# not held: {one}" for one in self.cannot_hold] + [f"# missing: {one}" for one in self.missing]
+        lines = [f"# not represented: {one}" for one in self.cannot_hold] + [
+            f"# missing: {one}" for one in self.missing
+        ]
         return "\n".join([self.text.rstrip("\n"), *lines])
 
 
@@ -398,7 +402,7 @@ def _bias(terms: Sequence[Term]) -> _Bias:
     if markov is not None:
         drive = markov.sigma * float(np.sqrt(2.0 / markov.correlation_time))
         return _Bias(drive, markov.correlation_time, "sigma sqrt(2 / t_c)", tuple(left))
-    return _Bias(np.nan, np.nan, "not told", tuple(left))
+    return _Bias(np.nan, np.nan, "not found", tuple(left))
 
 
 def _matched(terms: Sequence[Term], horizon: float) -> _Bias:
@@ -406,11 +410,11 @@ def _matched(terms: Sequence[Term], horizon: float) -> _Bias:
     wandering = tuple(t for t in terms if isinstance(t, BiasInstability | RateRandomWalk | GaussMarkov))
     left = [_words(t.name) for t in terms if not isinstance(t, RandomWalk) and t not in wandering]
     if not wandering:
-        return _Bias(np.nan, np.nan, "not told", tuple(left))
+        return _Bias(np.nan, np.nan, "not found", tuple(left))
     variance = float(expected_variance(wandering, [STEPS], horizon / STEPS)[0])
     names = " and ".join(_words(t.name) for t in wandering)
     if {t.name for t in wandering} != {RateRandomWalk.name}:
-        left.append(f"{names}: a walk stands in, right at {horizon:g} s, too small before and too large after")
+        left.append(f"{names}: replaced by a walk, exact at {horizon:g} s, too small below and too large above")
     source = f"walk with the Allan deviation of {names} at {horizon:g} s"
     return _Bias(float(np.sqrt(3.0 * variance / horizon)), np.nan, source, tuple(left))
 

@@ -110,12 +110,12 @@ def test_a_term_that_looks_like_another_says_which() -> None:
     named = next(name for name in other if name in {term.name for term in found.terms})
     one = found.term(other[named])
     assert one is not None
-    assert f"not told from {named}" in one.reason
+    assert f"cannot be separated from {named}" in one.reason
     assert (one.code, one.others) == ("like_another", (named,))
     rival = found.term(named)
     assert rival is not None
     assert rival.code == "like_another"
-    assert rival.reason == f"could as well be {other[named]}"
+    assert rival.reason == f"{other[named]} would fit nearly as well"
     row = next(row for row in found.rows() if row.quantity == rival.parameters[0].name)
     assert (row.status, row.reason.text) == ("estimated", rival.reason)
 

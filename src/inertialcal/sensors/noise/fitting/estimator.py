@@ -205,14 +205,14 @@ def _unexplained(solution: Solution, residual: ChiSquare | None, agree: bool) ->
     misfit = solution.problem.misfit
     what = f"the terms do not explain the Allan deviation ({residual}): "
     if misfit >= MOST:
-        what += f"even if each deviation were known to {50.0 * MOST:.2g} % only; no figure of this fit holds"
+        what += f"even allowing each deviation {50.0 * MOST:.2g} % only; no figure of this fit holds"
     elif misfit > 0.0:
-        what += f"each deviation was taken as known to {50.0 * misfit:.2g} % at best, in intervals too"
+        what += f"each deviation is taken as known to {50.0 * misfit:.2g} % at best, and intervals allow for it"
     elif not agree:
         return ()  # that runs differ is said, and each by itself may be explained
     else:
         what += "intervals are too short"
-    do = "Look for lines, disturbances or drift (psd), and leave them out or name them"
+    do = "Look for lines, disturbances or drift (psd)"
     return (Remark("terms_do_not_explain", "warning", what, do=do),)
 
 
@@ -221,9 +221,9 @@ def _runs(solution: Solution, agree: bool, agreement: ChiSquare | None) -> tuple
         return ()
     what = (
         f"the {len(solution.problem.runs)} runs do not agree on the terms ({agreement}): "
-        "figures of all together are a mean, and their intervals do not hold the difference"
+        "the joint figures are a mean, and their intervals do not cover the difference"
     )
-    return (Remark("runs_disagree", "warning", what, do="Fit each run by itself, and look what differs"),)
+    return (Remark("runs_disagree", "warning", what, do="Fit each record alone and see what differs"),)
 
 
 def _white_beyond(solution: Solution) -> tuple[Remark, ...]:
@@ -241,10 +241,10 @@ def _white_beyond(solution: Solution) -> tuple[Remark, ...]:
     shown = both if unit == inside else converted(both, inside, unit)
     word = quantity_name(RandomWalk.name, "coefficient", solution.kind).replace("_", " ")
     what = (
-        f"Gauss-Markov noise with a correlation time of {number(markov.correlation_time, 2)} s is white to all that is "
-        f"slower: with it the {word} is {number(shown, 4)} {unit}".rstrip()
+        f"Gauss-Markov noise with a correlation time of {number(markov.correlation_time, 2)} s looks white to anything "
+        f"slower: together the {word} is {number(shown, 4)} {unit}".rstrip()
     )
-    do = "Take that figure for a filter that runs slower, and the terms as they stand to simulate the samples"
+    do = "Use that figure for a slower filter, and the terms as they are to simulate samples"
     return (Remark("white_with_filter", "info", what, do=do),)
 
 

@@ -22,11 +22,11 @@ if TYPE_CHECKING:
 BEST = 5  # choices of terms that are shown
 REASONS = {
     "too_short": "record too short",
-    "like_another": "not told from {others}",
-    "like_white": "looks like white noise, with dead time",
-    "hidden_by_white": "hidden by white noise, faster samples would show it",
-    "small": "smaller than its limit, or not there",
-    "no_record": "too small for any record that can be planned",
+    "like_another": "cannot be separated from {others}",
+    "like_white": "same as white noise, with dead time",
+    "hidden_by_white": "hidden by white noise: sample faster to show it",
+    "small": "below its limit, or absent",
+    "no_record": "too small for any practical record",
     "no_limit": "record too short for a limit",
 }  # why a term is not identified
 DOUBTS = {
@@ -69,7 +69,7 @@ class TermEstimate:
     def reason(self) -> str:
         """What `code` means, in words; empty where there is nothing to say."""
         if self.status == "estimated" and self.code:
-            return f"could as well be {', '.join(self.others)}"
+            return f"{', '.join(self.others)} would fit nearly as well"
         return REASONS.get(self.code, "").format(others=", ".join(self.others))
 
 
@@ -183,7 +183,7 @@ def _missing_rows(term: TermEstimate, axis: str, test: str, condition: str) -> l
     if term.limit_at is not None:
         reason += f"; limit at a correlation time of {duration(term.limit_at)}"
     if term.record_needed is not None and term.record_needed > term.record:
-        reason += f"; a record of {duration(term.record_needed)} would show it, were it at its upper limit"
+        reason += f"; a record of {duration(term.record_needed)} would show it if it were at its upper limit"
     why = Reason("not_found", reason)
     if term.upper_limit is None:
         return [
