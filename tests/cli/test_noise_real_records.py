@@ -56,7 +56,7 @@ def test_a_disturbance_is_remarked_and_left_out(capsys: pytest.CaptureFixture[st
     content = allan(capsys, path, "--unit", "gyro=deg/s")
     told = remarks(content, "disturbed")
     assert len(told) == 3
-    assert all("left out" in what for what in told)
+    assert all("excluded" in what for what in told)
     left_out = values(content, "angle_random_walk")
     kept = allan(capsys, path, "--unit", "gyro=deg/s", "--disturbed", "keep")
     assert all("kept in" in what for what in remarks(kept, "disturbed"))

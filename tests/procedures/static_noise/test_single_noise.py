@@ -243,3 +243,10 @@ def test_figures_of_noise_are_plotted_by_name() -> None:
     found = ic.allan(imu())
     assert "Allan deviation" in ic.plot(found).get_ylabel()
     assert "density" in ic.plot(found, figure="spectrum", test="accelerometer", axis="y").get_ylabel()
+
+
+def test_the_deviation_and_the_averaging_times_that_are_shown_are_chosen() -> None:
+    found = ic.allan(imu(), deviation="hadamard", tau=["0.1 s", "1 s"])
+    shown = next(one for one in found.results["curves"] if one["name"] == "allan")
+    assert shown["of"] == "hadamard"
+    assert shown["columns"]["tau"]["values"] == pytest.approx([0.1, 1.0])

@@ -157,7 +157,7 @@ def test_a_disturbance_is_left_out_counted_and_leaves_the_terms_as_they_were() -
     remark = told(found, "disturbed")
     lost = found.axes[0].records[0].looked.left_out
     assert 190 <= lost <= 240
-    assert f"left out: {lost} of 20000 samples" in remark.what
+    assert f"excluded: {lost} of 20000 samples" in remark.what
     assert "x: disturbed at 160" in remark.what
     assert "gaps" not in codes(found)  # they are missing on purpose
 
@@ -176,7 +176,7 @@ def test_a_warm_up_is_remarked_and_left_out_only_when_asked() -> None:
     assert "warm-up" in remark.do
     cut = reduced(warming, replace(GYRO, warm_up=250.0))
     assert {"warm_up", "drift"}.isdisjoint(codes(cut))
-    assert told(cut, "warm_up_left_out").what == "the first 250 s of 400 s are left out: the warm-up"
+    assert told(cut, "warm_up_left_out").what == "the first 250 s of 400 s left out as warm-up"
     assert len(cut.readings.records[0]) == 7_500
 
 
@@ -439,7 +439,7 @@ def test_how_long_to_record_is_told_of_every_term() -> None:
         (Reach("rate_ramp", "rate_ramp", 0.3, 60.0, 7200.0), "rate ramp: known to 30 %; record 2 h for 10 %"),
         (
             Reach("rate_ramp", "rate_ramp", 0.3, 60.0, None),
-            "rate ramp: known to 30 %; no record that can be planned is enough for 10 %",
+            "rate ramp: known to 30 %; no practical record is long enough for 10 %",
         ),
         (
             Reach("rate_ramp", "rate_ramp", None, 60.0, 7200.0, "record too short"),

@@ -153,7 +153,7 @@ class StaticNoise(Procedure[Plan, "Readings", "Result"]):
         return report(found)
 
     def content(self, found: Reduced) -> Mapping[str, object]:
-        """Return curves, and settings of filters."""
+        """Return settings of filters."""
         from .shown import content
 
         return content(found)

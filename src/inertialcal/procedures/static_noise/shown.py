@@ -44,13 +44,12 @@ def report(found: Reduced) -> str:
 
 
 def content(found: Reduced) -> dict[str, object]:
-    """Return what ``--json`` has besides rows: curves, those of the spectrum for ``psd``, and settings of filters."""
-    shown = [one for one in found.results["curves"] if found.word != "psd" or one["name"] == "spectrum"]
+    """Return what ``--json`` has besides rows: settings of filters."""
     filters = {
         target: {"text": block.text, "cannot_hold": list(block.cannot_hold), "missing": list(block.missing)}
         for target, block in blocks(found).items()
     }
-    return {"curves": shown} | ({"filters": filters} if filters else {})
+    return {"filters": filters} if filters else {}
 
 
 def files(found: Reduced) -> dict[str, str]:
@@ -186,8 +185,9 @@ def _curves_text(found: Reduced) -> str:
     buffer = io.StringIO()
     writer = csv.writer(buffer, lineterminator="\n")
     writer.writerow(["curve", "sensor", "axis", "record", "of", "at", "at_unit", "column", "value", "unit"])
-    for curve in content(found)["curves"]:  # type: ignore[attr-defined]
-        if curve["name"] != "record_length":
+    names = ("spectrum",) if found.word == "psd" else ("allan", "allan_terms", "spectrum")
+    for curve in found.results["curves"]:
+        if curve["name"] in names:
             writer.writerows(_points(curve))
     return buffer.getvalue()
 

@@ -422,7 +422,7 @@ def _matrix(model: SensorModel) -> list[str]:
 def _sentence(model: SensorModel, one: Parameter) -> str:
     value = float(values([one], model.terms)[0])
     if one.name in model.not_estimated and value == 0.0:
-        words = {"scale_factor_error": "scale factor"}.get(one.quantity, one.quantity.replace("_", " "))
+        words = {"scale_factor_error": "scale factor"}.get(one.key.quantity, one.key.quantity.replace("_", " "))
         return f"{one.axis} {words}: not estimated"
     if one.field == "matrix":
         return _matrix_sentence(model, one)

@@ -69,7 +69,7 @@ def test_quantisation_is_not_separable_from_white_noise_where_there_is_dead_time
     found = fitted((RandomWalk(1.0),), 4000, 2.0, 1, 1.0, auto=True)
     one = found.term("quantization")
     assert one is not None
-    assert "looks like white noise" in one.reason
+    assert "same as white noise" in one.reason
 
 
 def test_a_term_not_identified_has_its_reason_limit_and_record_length() -> None:
@@ -210,7 +210,7 @@ def test_a_run_that_differs_is_no_misfit_of_the_terms() -> None:
         assert found.misfit < 0.02
     assert told >= 5
     (row,) = (row for row in found.rows() if row.quantity == "angle_random_walk")
-    assert "the runs do not agree" in row.reason.text
+    assert "the records do not agree" in row.reason.text
 
 
 def test_a_misfit_at_its_bound_is_told() -> None:
