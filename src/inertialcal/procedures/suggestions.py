@@ -36,40 +36,20 @@ class Strength(IntEnum):
 
 @dataclass(frozen=True)
 class Suggestion:
-    """The command to type next.
+    """The command to type next."""
 
-    Parameters
-    ----------
-    commands : tuple of str
-        Nouns; the first one that the tool has.
-    strength : Strength
-        ``SURE``: whatever units and time the file leaves open.
-    complete : bool
-        Nothing needs to be said of its units and time.
-    in_campaign : bool
-        Also where the file lies in the folder of a campaign.
-    """
-
-    commands: tuple[str, ...]
-    strength: Strength
-    complete: bool = False
-    in_campaign: bool = False
+    commands: tuple[str, ...]  # nouns; the first one that the tool has
+    strength: Strength  # ``SURE``: whatever units and time the file leaves open
+    complete: bool = False  # nothing needs to be said of its units and time
+    in_campaign: bool = False  # also where the file lies in the folder of a campaign
 
 
 @dataclass(frozen=True)
 class FolderFile:
-    """A file of a folder that a campaign is begun for.
+    """A file of a folder that a campaign is begun for."""
 
-    Parameters
-    ----------
-    table : Table
-        As read.
-    recording : Recording or None
-        With time; None while it is looked at as a table only.
-    """
-
-    table: Table
-    recording: Recording | None = None
+    table: Table  # as read
+    recording: Recording | None = None  # with time; None while it is looked at as a table only
 
     @cached_property
     def columns(self) -> Guess:
@@ -88,17 +68,10 @@ class FolderFile:
 
 @dataclass(frozen=True)
 class Claim:
-    """A file that a procedure wants.
+    """A file that a procedure wants."""
 
-    Parameters
-    ----------
-    strength : Strength
-        How clearly.
-    take : callable
-        What the procedure makes of it, and what there is to remark; called if it has the file.
-    """
-
-    strength: Strength
+    strength: Strength  # how clearly
+    # what the procedure makes of it, and what there is to remark; called if it has the file
     take: Callable[[], tuple[object, Sequence[Remark]]]
 
 

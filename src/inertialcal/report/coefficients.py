@@ -23,33 +23,15 @@ FORMULAS = 3  # lines of an equation before those that say what its symbols are
 
 @dataclass(frozen=True)
 class Coefficient:
-    """One number of the terms of a model.
+    """One number of the terms of a model."""
 
-    Parameters
-    ----------
-    meaning : Finding
-        What it is.
-    symbol : str
-        In the equation, and as a key of model.json.
-    value : Number
-        As delivered.
-    unit : str
-        SI.
-    row : Branch or None
-        The row of results that gives its uncertainty.
-    note : str
-        Why it has none.
-    origin : str
-        Test that it comes from, or citation.
-    """
-
-    meaning: Finding
-    symbol: str
-    value: Number
-    unit: str
-    row: Branch | None
-    note: str
-    origin: str
+    meaning: Finding  # name of the quantity
+    symbol: str  # in the equation, and as a key of model.json
+    value: Number  # as delivered
+    unit: str  # SI
+    row: Branch | None  # the row of results that gives its uncertainty
+    note: str  # why it has none
+    origin: str  # test that it comes from, or citation
 
 
 @dataclass(frozen=True)

@@ -25,27 +25,13 @@ FORMULA = ("=", "+", "-", "@", "\t", "\n")  # a spreadsheet would run a text tha
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """One figure.
+    """One figure."""
 
-    Parameters
-    ----------
-    key : str
-        Names it on the page.
-    spec : FigureSpec
-        What kind of figure.
-    picture : Picture
-        What to draw.
-    caption : Finding
-        What stands under it.
-    data : callable
-        Gives the tables behind it, as (title, CSV).
-    """
-
-    key: str
-    spec: FigureSpec
-    picture: Picture
-    caption: Finding
-    data: Callable[[], list[tuple[str, str]]]
+    key: str  # names it on the page
+    spec: FigureSpec  # what kind of figure
+    picture: Picture  # what to draw
+    caption: Finding  # what stands under it
+    data: Callable[[], list[tuple[str, str]]]  # the tables behind it, as (title, CSV)
 
     def svg(self) -> Markup:
         """Return it as markup, with ids of its own; its texts are escaped where it is made."""

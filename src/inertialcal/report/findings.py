@@ -240,21 +240,11 @@ def _unit(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Highlight:
-    """One of the three.
+    """One of the three."""
 
-    Parameters
-    ----------
-    label : Finding
-        What it is.
-    figure : Finding
-        The number, with uncertainty and unit.
-    rule : str
-        How it was picked.
-    """
-
-    label: Finding
-    figure: Finding
-    rule: str
+    label: Finding  # name of the quantity
+    figure: Finding  # number with uncertainty and unit
+    rule: str  # how it was chosen
 
 
 def highlights(results: Branch) -> list[Highlight]:

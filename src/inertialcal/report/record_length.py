@@ -14,38 +14,18 @@ from .numbers import Branch, Number, Text
 
 @dataclass(frozen=True)
 class Reach:
-    """Uncertainty of one noise term of one axis from the recordings of a test, and the length that is needed.
-
-    Parameters
-    ----------
-    test, axis, term : str
-        Which.
-    known : Number or None
-        Relative error; None for a term that was not detected.
-    wanted : Number or None
-        Relative error that the plan requires.
-    unit : str
-        Of both.
-    record : Number
-        Length of the longest record.
-    needed : Number or None
-        Length of one that is enough; None where there is none.
-    time : str
-        Unit of these two.
-    reason : str
-        Why the term was not detected, or is unreliable.
-    """
+    """Uncertainty of one noise term of one axis from the recordings of a test, and the length that is needed."""
 
     test: str
     axis: str
     term: str
-    known: Number | None
-    wanted: Number | None
-    unit: str
-    record: Number
-    needed: Number | None
-    time: str
-    reason: str
+    known: Number | None  # relative error; None for a term that was not detected
+    wanted: Number | None  # relative error that the plan requires
+    unit: str  # of both
+    record: Number  # length of the longest record
+    needed: Number | None  # length of one that is enough; None where there is none
+    time: str  # unit of these two
+    reason: str  # why the term was not detected, or is unreliable
 
     @property
     def enough(self) -> bool:

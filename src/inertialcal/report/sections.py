@@ -34,45 +34,20 @@ class Line:
 
 @dataclass(frozen=True)
 class Section:
-    """One test, or the estimates of the model.
+    """One test, or the estimates of the model."""
 
-    Parameters
-    ----------
-    test : str
-        Identifier.
-    anchor : str
-        Id on the page.
-    step : Branch or None
-        Its row of the sequence.
-    finding : Finding
-        Its title.
-    lines : list of Line
-        Estimated quantities.
-    ways : list of Case
-        Alternatives to the result: other methods, single flips.
-    alone : sequence of (Case, str)
-        Single records that were reduced, in their own table; with their names.
-    missing : list of (reason, rows)
-        Quantities that the data could not carry, by reason.
-    remarks : list
-        Those placed in this test.
-    pairs : dict
-        Where it is set beside another test: both errors and what they differ by, by axis and part of the readings.
-    pairs_caption : str
-        What their table is called.
-    """
-
-    test: str
-    anchor: str
-    step: Branch | None
-    finding: Finding
-    lines: list[Line]
-    ways: list[Case]
-    alone: Sequence[tuple[Case, str]]
-    missing: list[tuple[str, list[Branch]]]
-    remarks: list[Branch]
+    test: str  # identifier
+    anchor: str  # id on the page
+    step: Branch | None  # its row of the sequence
+    finding: Finding  # its title
+    lines: list[Line]  # estimated quantities
+    ways: list[Case]  # alternatives to the result: other methods, single flips
+    alone: Sequence[tuple[Case, str]]  # recordings reduced on their own, with their names
+    missing: list[tuple[str, list[Branch]]]  # quantities that could not be estimated, by reason
+    remarks: list[Branch]  # remarks on this test
+    # comparison with another test: both errors and their difference, by axis and part of the readings
     pairs: dict[tuple[str, str], dict[str, Branch]]
-    pairs_caption: str
+    pairs_caption: str  # title of their table
 
     @property
     def together(self) -> list[Line]:

@@ -26,69 +26,36 @@ NAMES = ("x+", "x-", "y+", "y-", "z+", "z-")
 
 @dataclass(frozen=True)
 class Part:
-    """Samples [start, stop) of a position or a turn.
+    """Samples [start, stop) of a position or a turn."""
 
-    Parameters
-    ----------
-    start, stop : int
-        Samples.
-    direction : tuple of float, optional
-        What points up in a position, in body axes, as it was meant.
-    axis : tuple of float, optional
-        Of a turn whose angle is known.
-    angle : float, optional
-        Of that turn [rad].
-    """
-
+    # samples
     start: int
     stop: int
-    direction: tuple[float, float, float] | None = None
-    axis: tuple[float, float, float] | None = None
-    angle: float | None = None
+    direction: tuple[float, float, float] | None = None  # up in a position, in body axes, as intended
+    axis: tuple[float, float, float] | None = None  # axis of a turn by a known angle
+    angle: float | None = None  # angle of that turn [rad]
 
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """True inputs, a row a sample.
+    """True inputs, a row a sample."""
 
-    Parameters
-    ----------
-    rate : ndarray, shape (n, 3)
-        Against inertial space, along the body axes [rad/s].
-    force : ndarray, shape (n, 3)
-        Specific force along the body axes [m/s2].
-    parts : tuple of Part
-        Positions, and turns by known angles.
-    place : ndarray of int, shape (n,)
-        Number of the position that a sample lies in, or is nearest to.
-    """
-
-    rate: Array
-    force: Array
-    parts: tuple[Part, ...]
-    place: Array
+    rate: Array  # against inertial space, along the body axes, (n, 3) [rad/s]
+    force: Array  # specific force along the body axes, (n, 3) [m/s2]
+    parts: tuple[Part, ...]  # positions, and turns by known angles
+    place: Array  # position of each sample, or the nearest one, (n,)
 
 
 @dataclass(frozen=True, eq=False)
 class Leg:
-    """A dwell and the turn after it.
+    """A dwell and the turn after it."""
 
-    Parameters
-    ----------
-    dwell, turn : int
-        Samples of each; no turn after the last.
-    vector : ndarray, shape (3,)
-        Turn in the body [rad].
-    direction : tuple of float, optional
-        What points up, as it was meant.
-    known : (tuple of float, float), optional
-        Axis and angle [rad] of the turn, as they are written down.
-    """
-
+    # [samples]; no turn after the last dwell
     dwell: int
     turn: int
-    vector: Array
-    direction: tuple[float, float, float] | None = None
+    vector: Array  # rotation vector in the body, (3,) [rad]
+    direction: tuple[float, float, float] | None = None  # up, as intended
+    # axis and angle [rad] of the turn, as written in the protocol
     known: tuple[tuple[float, float, float], float] | None = None
 
 

@@ -49,21 +49,11 @@ FAULTS: dict[str, Fault] = {
 
 @dataclass(frozen=True, eq=False)
 class Held:
-    """A record with what lies behind it.
+    """A record with what lies behind it."""
 
-    Parameters
-    ----------
-    recording : Recording
-        Channels ``acc_x`` ... ``gyro_z``.
-    motion : Motion
-        True inputs.
-    parts : tuple of Part
-        What a protocol would say: positions and turns as they were meant.
-    """
-
-    recording: Recording
-    motion: Motion
-    parts: tuple[Part, ...]
+    recording: Recording  # channels ``acc_x`` ... ``gyro_z``.
+    motion: Motion  # true inputs
+    parts: tuple[Part, ...]  # content of a protocol: positions and turns as intended
 
 
 def build(bench: Bench, seed: int) -> Twin:

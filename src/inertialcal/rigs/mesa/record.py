@@ -39,24 +39,12 @@ TABLE_3 = (
 
 @dataclass(frozen=True)
 class Drawn:
-    """What nobody told the reduction.
+    """What nobody told the reduction."""
 
-    Parameters
-    ----------
-    scale_factor : float
-        Of the accelerometer [pulses/s/(m/s^2)].
-    applied_error : float
-        Of what the schedule says is applied, relative (1).
-    pad_tilt : float
-        Amplitude in phase with the attraction [rad].
-    mercury : float
-        Amplitude of the mercury in phase with it [rad].
-    """
-
-    scale_factor: float
-    applied_error: float
-    pad_tilt: float
-    mercury: float
+    scale_factor: float  # of the accelerometer [pulses/s/(m/s^2)]
+    applied_error: float  # relative error of the applied input of the schedule (1)
+    pad_tilt: float  # amplitude in phase with the attraction [rad]
+    mercury: float  # amplitude of the mercury in phase with it [rad]
 
 
 @dataclass(frozen=True, eq=False)

@@ -49,80 +49,41 @@ RUNS = (
 
 @dataclass(frozen=True)
 class Bench:
-    """The campaign as it is made.
+    """The campaign as it is made."""
 
-    Parameters
-    ----------
-    runs : tuple of Run
-        In order.
-    dwells : int
-        Of each run.
-    dwell, move : float
-        [s].
-    drive : {"sine", "ABAB"}
-        Order of the places.
-    range : {"low", "high"}
-        Of the accelerometer.
-    bias_ug : float
-        Input that keeps the pulses coming [ug].
-    white, flicker, walk : float
-        Of a dwell after hours: standard deviation, flicker floor, and step of a random walk [pulses/s].
-    cubic, thermostat : float
-        Size of the smooth drift, and swing of the thermostat [pulses/s].
-    run_to_run : float
-        Scatter of the scale factor from run to run, relative (1).
-    pad_tilt, pad_noise, meter_noise : float
-        Of the pad: tilt in phase with the mass, and by itself; of the meter [rad].
-    stop_scatter : float
-        Of each stop of the mass, anew for each move [m].
-    lost : float
-        Part of the dwells whose reading is an error (1).
-    density, placing, gravitational_constant : Influence
-        Of what is applied, relative.
-    mercury : Influence
-        Of the tilt that the mass gives to the mercury.
-    lighter : float
-        Mass of the cubes over that of lead (1).
-    slipped : (str, int) or None
-        Run, and its dwell from which the mass comes one dwell late.
-    no_tilt : str
-        Run whose tilt is not recorded; none where empty.
-    cut : (str, int) or None
-        Run, and the number of dwells after which its record ends.
-    gate_said : float
-        Gate that the campaign says [s].
-    stand_off_said : float
-        Stand-off that the campaign says [m].
-    """
-
-    runs: tuple[Run, ...] = RUNS
-    dwells: int = 100
+    runs: tuple[Run, ...] = RUNS  # in order
+    dwells: int = 100  # of each run
+    # [s]
     dwell: float = 100.0
     move: float = 20.0
-    drive: str = "sine"
-    range: str = "low"
-    bias_ug: float = 17.0
+    drive: str = "sine"  # {"sine", "ABAB"}: order of the places
+    range: str = "low"  # {"low", "high"}: of the accelerometer
+    bias_ug: float = 17.0  # bias input that keeps the pulses coming [ug]
+    # noise of a dwell after hours: standard deviation, flicker floor, random-walk step [pulses/s]
     white: float = 0.105
     flicker: float = 0.060
     walk: float = 0.01
+    # size of the smooth drift, and swing of the thermostat [pulses/s]
     cubic: float = 0.5
     thermostat: float = 0.3
-    run_to_run: float = 0.0
+    run_to_run: float = 0.0  # scatter of the scale factor from run to run, relative (1)
+    # pad tilt in phase with the mass, its own noise, and noise of the meter [rad]
     pad_tilt: float = 1.5e-9
     pad_noise: float = 5e-9
     meter_noise: float = 2e-9
-    stop_scatter: float = 1e-3
-    lost: float = 0.01
+    stop_scatter: float = 1e-3  # scatter of each stop of the mass [m]
+    lost: float = 0.01  # fraction of dwells with a failed reading (1)
+    # relative uncertainty of the applied input
     density: Influence = DENSITY
     placing: Influence = PLACING
     gravitational_constant: Influence = CONSTANT
-    mercury: Influence = MERCURY
-    lighter: float = 1.0
-    slipped: tuple[str, int] | None = None
-    no_tilt: str = ""
-    cut: tuple[str, int] | None = None
-    gate_said: float = GATE
-    stand_off_said: float = STAND_OFF
+    mercury: Influence = MERCURY  # uncertainty of the mercury tilt caused by the mass
+    lighter: float = 1.0  # mass of the cubes relative to lead (1)
+    slipped: tuple[str, int] | None = None  # run, and the dwell from which the mass is one dwell late
+    no_tilt: str = ""  # run without a tilt record; empty for none
+    cut: tuple[str, int] | None = None  # run, and the dwell at which its record ends
+    gate_said: float = GATE  # gate stated in the campaign [s]
+    stand_off_said: float = STAND_OFF  # stand-off stated in the campaign [m]
 
 
 FAULTS: dict[str, Fault] = {

@@ -142,34 +142,17 @@ def _pressure(torr: tuple[float, float], n: int) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class World:
-    """How the bench really is.
+    """How the bench really is."""
 
-    Parameters
-    ----------
-    table_gain, converter_gain : float
-        True over nominal.
-    thermometer : float
-        By how much the temperature channels show too much [degC].
-    latitude : float
-        [rad]
-    C_table_level : ndarray, shape (3, 3)
-        Rate table from level.
-    C_body_table : mapping of str to ndarray, shape (3, 3)
-        For each axis that is turned.
-    phase : mapping of str to float
-        Table angle of the index mark for each axis that is turned [rad].
-    C_body_chamber : ndarray, shape (3, 3)
-        Body from level, in the chamber and at rest.
-    """
-
+    # true over nominal
     table_gain: float
     converter_gain: float
-    thermometer: float
-    latitude: float
-    C_table_level: Array
-    C_body_table: dict[str, Array]
-    phase: dict[str, float]
-    C_body_chamber: Array
+    thermometer: float  # error of the temperature channels [degC]
+    latitude: float  # [rad]
+    C_table_level: Array  # rate table from level, (3, 3)
+    C_body_table: dict[str, Array]  # for each turned axis, (3, 3)
+    phase: dict[str, float]  # table angle of the index mark for each turned axis [rad]
+    C_body_chamber: Array  # body from level, in the chamber and at rest, (3, 3)
 
     @property
     def earth_in_chamber(self) -> Array:
@@ -240,27 +223,13 @@ def save_starts(bench: Bench, duration: float, rng: np.random.Generator) -> Arra
 
 @dataclass(frozen=True, eq=False)
 class Sensed:
-    """What there is to be saved.
+    """What there is to be saved."""
 
-    Parameters
-    ----------
-    starts : ndarray, shape (n,)
-        Of the averaging windows, from the begin of the recording [s].
-    readings : ndarray, shape (n, 3)
-        Along the body axes [rad/s].
-    temperature : ndarray, shape (n, 3)
-        Of the sensors [degC].
-    powered : float
-        From power-up to the begin of the recording [s].
-    begin : int
-        Of the recording, UNIX time [s].
-    """
-
-    starts: Array
-    readings: Array
-    temperature: Array
-    powered: float
-    begin: int
+    starts: Array  # starts of the averaging windows in the recording, (n,) [s]
+    readings: Array  # along the body axes, (n, 3) [rad/s]
+    temperature: Array  # temperature of the sensors, (n, 3) [degC]
+    powered: float  # time from power-up to the start of the recording [s]
+    begin: int  # start of the recording, UNIX time [s]
 
 
 def saved(

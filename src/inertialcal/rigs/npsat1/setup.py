@@ -47,128 +47,72 @@ def _standards() -> dict[str, Influence]:
 
 @dataclass(frozen=True)
 class Chamber:
-    """How the thermal chamber is run in one condition.
+    """How the thermal chamber is run in one condition."""
 
-    Parameters
-    ----------
-    hold, soak : float
-        At the first set-point after power-up, and at each of the others [s].
-    time_constant : float
-        With which the unit follows the chamber [s].
-    torr : (float, float)
-        Pressure at the start and at the end of a run [Torr].
-    """
-
+    # time at the first set-point after power-up, and at each other one [s]
     hold: float
     soak: float
-    time_constant: float
-    torr: tuple[float, float]
+    time_constant: float  # of the unit following the chamber [s]
+    torr: tuple[float, float]  # pressure at the start and at the end of a run [Torr]
 
 
 @dataclass(frozen=True)
 class Bench:
-    """The campaign as it is made.
+    """The campaign as it is made."""
 
-    Parameters
-    ----------
-    parts : tuple of str
-        Tests that are in it, of `PARTS`.
-    chambers : mapping of Chamber
-        By condition: air, vacuum.
-    set_points : tuple of float
-        Of the chamber, one after the other [degC].
-    ramps : tuple of float
-        Of its set-point, run after run in turn [degC/min].
-    chamber_runs, chamber_fit_runs : int
-        Power-ups in each condition, and how many of them are for the fit.
-    copied : bool
-        Whether the file of the second run in air is a copy of that of the first.
-    nominal_shift : float
-        Of the voltage of the temperature channels at their reference temperature; the campaign knows it [V].
-    rates_deg_s : tuple of float
-        Of the dwells of every recording on the rate table, in order; neighbours that are equal are one dwell [deg/s].
-    dwell : int
-        Length of each of them [s].
-    longest_ramp : int
-        A ramp takes one to so many intervals.
-    table_runs, table_fit_runs : int
-        Power-ups on the rate table, and how many of them are for the fit.
-    warmed : float
-        From power-up to the first recording on the rate table, and to the static one [s].
-    set_up : float
-        From one axis to the next [s].
-    lab_degc, u_lab_degc : float
-        Temperature of the unit beside the chamber, and by how much it differs from run to run [degC].
-    static_hours, static_runs : float, int
-        Length of the static record [h], and how many there are.
-    steps : mapping of int to float
-        Steps between saves other than the nominal one [s], and their share.
-    latitude_deg : float
-        Of the site [deg].
-    tilt_deg, azimuth_deg, u_tilt_deg, u_azimuth_deg : float
-        Of the table axis from the vertical, of the direction of the tilt, and how well they are known [deg].
-    chamber_tilt_deg, chamber_azimuth_deg, u_chamber_tilt_deg, u_chamber_azimuth_deg : float
-        Of the body's z axis from the vertical and of its x axis from north, in the chamber and at rest [deg].
-    standards : mapping of Influence
-        How well the others are known.
-    table_gain : float
-        Rate of the table over the commanded one, but for the error of the standard.
-    wiring : tuple of str
-        Sensor that each of the columns x, y, z really shows.
-    inverted : tuple of int
-        -1 for each sensor that is really mounted inverted; the campaign file says ``INVERTED``.
-    reference_saved : bool
-        Whether the logger saves the reference voltages of the rates.
-    zero_reference : bool
-        Whether the rate table is reduced with the reading at rest taken off.
-    overlapping : bool
-        Whether the windows of a fit and of a hold-out test overlap.
-    required_degc : (float, float)
-        Temperatures that the requirement on the bias is for [degC].
-    """
-
-    parts: tuple[str, ...] = PARTS
+    parts: tuple[str, ...] = PARTS  # parts of the campaign, of `PARTS`
+    # by condition: air, vacuum
     chambers: Mapping[str, Chamber] = field(
         default_factory=lambda: {
             AIR: Chamber(900.0, 1200.0, 400.0, (760.0, 760.0)),
             VACUUM: Chamber(5400.0, 1800.0, 600.0, (1e-5, 1e-6)),
         }
     )
-    set_points: tuple[float, ...] = (23.0, -30.0, 67.0, 23.0)
-    ramps: tuple[float, ...] = (1.5, 0.75)
+    set_points: tuple[float, ...] = (23.0, -30.0, 67.0, 23.0)  # chamber set-points in order [degC]
+    ramps: tuple[float, ...] = (1.5, 0.75)  # ramp rate of each run in turn [degC/min]
+    # power-ups in each condition, and those used for the fit
     chamber_runs: int = 7
     chamber_fit_runs: int = 5
-    copied: bool = False
+    copied: bool = False  # whether the second file in air is a copy of the first
+    # shift of the temperature channels' voltage at their reference temperature; stated in the campaign [V]
     nominal_shift: float = 0.0
+    # rates of the dwells on the rate table, in order; equal neighbours are one dwell [deg/s]
     rates_deg_s: tuple[float, ...] = RATES_DEG_S
-    dwell: int = 64
-    longest_ramp: int = 3
+    dwell: int = 64  # length of each dwell [s]
+    longest_ramp: int = 3  # a ramp takes one to this many intervals
+    # power-ups on the rate table, and those used for the fit
     table_runs: int = 8
     table_fit_runs: int = 5
-    warmed: float = 900.0
-    set_up: float = 3600.0
+    warmed: float = 900.0  # time from power-up to the first rate-table recording, and to the static one [s]
+    set_up: float = 3600.0  # time from axis to axis [s]
+    # temperature of the unit in the laboratory, and its scatter from run to run [degC]
     lab_degc: float = 22.0
     u_lab_degc: float = 0.5
+    # length [h] and number of static records
     static_hours: float = 8.0
     static_runs: int = 1
+    # off-nominal steps between saves [s], and their share
     steps: Mapping[int, float] = field(default_factory=lambda: dict(LATE))
-    latitude_deg: float = 36.6
+    latitude_deg: float = 36.6  # latitude of the site [deg]
+    # tilt of the table axis from the vertical, azimuth of that tilt, and their uncertainties [deg]
     tilt_deg: float = -36.4
     azimuth_deg: float = 0.0
     u_tilt_deg: float = 1.0
     u_azimuth_deg: float = 2.0
+    # the same for body z and body x, in the chamber and at rest [deg]
     chamber_tilt_deg: float = 0.0
     chamber_azimuth_deg: float = 30.0
     u_chamber_tilt_deg: float = 1.0
     u_chamber_azimuth_deg: float = 2.0
-    standards: Mapping[str, Influence] = field(default_factory=_standards)
-    table_gain: float = 1.0
-    wiring: tuple[str, ...] = AXES
+    standards: Mapping[str, Influence] = field(default_factory=_standards)  # uncertainties of the other standards
+    table_gain: float = 1.0  # true over commanded table rate, apart from the error of the standard
+    wiring: tuple[str, ...] = AXES  # sensor that the columns x, y, z really hold
+    # true mounting: -1 for inverted; the campaign states ``INVERTED``
     inverted: tuple[int, ...] = INVERTED
-    reference_saved: bool = True
-    zero_reference: bool = True
-    overlapping: bool = False
-    required_degc: tuple[float, float] = (-20.0, 60.0)
+    reference_saved: bool = True  # whether the logger saves the reference voltages of the rates
+    zero_reference: bool = True  # whether one rate-table test subtracts the reading at rest
+    overlapping: bool = False  # whether the windows of a fit and of a hold-out test overlap
+    required_degc: tuple[float, float] = (-20.0, 60.0)  # temperature range of the bias requirement [degC]
 
 
 def nominal_volts(bench: Bench) -> np.ndarray:

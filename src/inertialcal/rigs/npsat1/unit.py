@@ -89,52 +89,29 @@ MIDDLE_DEGC = 20.0  # about which the slope of a power-up turns
 
 @dataclass(frozen=True, eq=False)
 class Unit:
-    """A unit with its scatter; all along the body axes.
+    """A unit with its scatter; all along the body axes."""
 
-    Parameters
-    ----------
-    model : SensorModel
-        Scale factors, cross-axis sensitivity and asymmetry.
-    bias_volts : mapping of str to ndarray, shape (4, 3)
-        In air and in vacuum, bias [V] in powers of the volts of the temperature channel.
-    installation : ndarray, shape (3,)
-        Of the bias, on the rate table over that in the chamber [rad/s].
-    start_up : mapping of str to ndarray, shape (3,)
-        What the bias has more at power-up, in air and in vacuum [rad/s].
-    start_up_time : mapping of str to float
-        Its time constant [s].
-    hysteresis : ndarray, shape (3,)
-        Half of what the bias has more on a path of warming than of cooling [rad/s].
-    lag : float
-        By which the bias is behind the temperature channel [s].
-    run_bias_std, run_slope_std, run_scale_std : float
-        From power-up to power-up: of the bias [rad/s], of its slope [rad/s/degC], of each scale factor (1).
-    dwell_std : float
-        Of the bias, from dwell to dwell on the rate table [rad/s].
-    white, walk : ndarray, shape (3,)
-        Of an average [rad/s]; rate random walk [rad/s/sqrt(s)].
-    temperature_std, reference_std : float
-        Of an average of a temperature channel, and of a reference voltage [V].
-    reference_volts : ndarray, shape (2, 3, 3)
-        Reference voltage of the rate and of the temperature of each sensor [V], in powers of the distance from
-        ``REFERENCE_DEGC``: [which, power, sensor].
-    """
-
-    model: SensorModel
+    model: SensorModel  # scale factors, cross-axis sensitivity and asymmetry
+    # in air and in vacuum, bias [V] in powers of the volts of the temperature channel, (4, 3)
     bias_volts: Mapping[str, Array]
-    installation: Array
-    start_up: Mapping[str, Array]
-    start_up_time: Mapping[str, float]
-    hysteresis: Array
-    lag: float
+    installation: Array  # bias on the rate table minus that in the chamber, (3,) [rad/s]
+    start_up: Mapping[str, Array]  # extra bias at power-up, in air and in vacuum, (3,) [rad/s]
+    start_up_time: Mapping[str, float]  # its time constant [s]
+    hysteresis: Array  # half the bias difference between warming and cooling, (3,) [rad/s]
+    lag: float  # delay of the bias behind the temperature channel [s]
+    # scatter from power-up to power-up: bias [rad/s], its slope [rad/s/degC], scale factors (1)
     run_bias_std: float
     run_slope_std: float
     run_scale_std: float
-    dwell_std: float
+    dwell_std: float  # bias scatter from dwell to dwell on the rate table [rad/s]
+    # white noise of an average [rad/s]; rate random walk [rad/s/sqrt(s)]; (3,) each
     white: Array
     walk: Array
+    # noise of an averaged temperature channel, and of a reference voltage [V]
     temperature_std: float
     reference_std: float
+    # reference voltages [V] in powers of the distance from ``REFERENCE_DEGC``, (2, 3, 3): rate or temperature, power,
+    # sensor
     reference_volts: Array
 
 
@@ -229,24 +206,12 @@ def powered_up(unit: Unit, rng: np.random.Generator) -> Run:
 
 @dataclass(frozen=True, eq=False)
 class Climate:
-    """Conditions of three sensors at n times.
+    """Conditions of three sensors at n times."""
 
-    Parameters
-    ----------
-    temperature : ndarray, shape (n, 3)
-        That the temperature channels are at [degC].
-    felt : ndarray, shape (n, 3)
-        That the bias is at: the same some time before [degC].
-    side : ndarray, shape (n, 3)
-        s of the module head.
-    torr : ndarray, shape (n,)
-        Pressure [Torr].
-    """
-
-    temperature: Array
-    felt: Array
-    side: Array
-    torr: Array
+    temperature: Array  # temperature of the temperature channels, (n, 3) [degC]
+    felt: Array  # temperature that the bias follows: the same, some time before, (n, 3) [degC]
+    side: Array  # side of the path, -1 to 1, (n, 3)
+    torr: Array  # pressure, (n,) [Torr]
 
 
 def knots(bench: Bench, chamber: Chamber, ramp: float) -> tuple[Array, Array]:

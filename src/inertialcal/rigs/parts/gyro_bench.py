@@ -27,33 +27,15 @@ from .noise import random_walk, white
 
 @dataclass(frozen=True, eq=False)
 class Gyro:
-    """A unit with its scatter.
+    """A unit with its scatter."""
 
-    Parameters
-    ----------
-    model : SensorModel
-        The sensor equation without scatter.
-    mounting : ndarray, shape (3, 3)
-        Sensor from body.
-    run_bias_std : float
-        Of the bias, from power-up to power-up [rad/s].
-    run_scale_std : float
-        Of each scale factor, from power-up to power-up (1).
-    dwell_std : float
-        Of the bias, from dwell to dwell [rad/s].
-    sample_std : float
-        White noise of an average [rad/s].
-    walk : float
-        Rate random walk [rad/s/sqrt(s)].
-    """
-
-    model: SensorModel
-    mounting: Array
-    run_bias_std: float
-    run_scale_std: float
-    dwell_std: float
-    sample_std: float
-    walk: float = 0.0
+    model: SensorModel  # sensor equation without scatter
+    mounting: Array  # sensor from body, (3, 3)
+    run_bias_std: float  # bias scatter from power-up to power-up [rad/s]
+    run_scale_std: float  # scale-factor scatter from power-up to power-up (1)
+    dwell_std: float  # bias scatter from dwell to dwell [rad/s]
+    sample_std: float  # white noise of an average [rad/s]
+    walk: float = 0.0  # rate random walk [rad/s/sqrt(s)]
 
 
 def powered_up(gyro: Gyro, rng: np.random.Generator) -> Gyro:
@@ -146,27 +128,13 @@ def averaged_codes(chain: Chain, values: Array, reference: Array, averaged: int)
 
 @dataclass(frozen=True, eq=False)
 class Motion:
-    """What the table does in each averaging window; all of shape (n,).
+    """What the table does in each averaging window; all of shape (n,)."""
 
-    Parameters
-    ----------
-    start : ndarray
-        Start of the window, from the start of the recording [s].
-    rate : ndarray
-        Mean rate over the window [rad/s].
-    angle : ndarray
-        At the start of the window [rad].
-    turned : ndarray
-        From start to end of the window [rad].
-    dwell : ndarray of int64
-        Which dwell the window begins in, or which it ramps to.
-    """
-
-    start: Array
-    rate: Array
-    angle: Array
-    turned: Array
-    dwell: NDArray[np.int64]
+    start: Array  # start of the window, from the start of the recording [s]
+    rate: Array  # mean rate over the window [rad/s]
+    angle: Array  # at the start of the window [rad]
+    turned: Array  # from start to end of the window [rad]
+    dwell: NDArray[np.int64]  # dwell in which the window begins, or to which it ramps
 
 
 def motion(rates: ArrayLike, dwell: float, ramps: ArrayLike, interval: float, averaging: float) -> Motion:

@@ -68,28 +68,15 @@ FAULTS: dict[str, Fault] = {
 
 @dataclass(frozen=True, eq=False)
 class _World:
-    """What the engineer does not know of his bench.
+    """What the engineer does not know of his bench."""
 
-    Parameters
-    ----------
-    table_gain, converter_gain : float
-        True over nominal.
-    latitude : float
-        [rad]
-    C_table_level : ndarray, shape (3, 3)
-        Table from level.
-    C_body_table : mapping of str to ndarray, shape (3, 3)
-        For each axis that is turned.
-    phase : mapping of str to float
-        Table angle of the index mark for each axis that is turned [rad].
-    """
-
+    # true over nominal
     table_gain: float
     converter_gain: float
-    latitude: float
-    C_table_level: Array
-    C_body_table: dict[str, Array]
-    phase: dict[str, float]
+    latitude: float  # [rad]
+    C_table_level: Array  # table from level, (3, 3)
+    C_body_table: dict[str, Array]  # for each turned axis, (3, 3)
+    phase: dict[str, float]  # table angle of the index mark for each turned axis [rad]
 
 
 def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:

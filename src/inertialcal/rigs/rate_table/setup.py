@@ -33,63 +33,35 @@ def _standards() -> dict[str, Influence]:
 
 @dataclass(frozen=True)
 class Bench:
-    """The test as it is made.
+    """The test as it is made."""
 
-    Parameters
-    ----------
-    rates_deg_s : tuple of float
-        Rates of the dwells of every recording, in order [deg/s].
-    dwell, interval, averaging : float
-        Length of a dwell, time from save to save, length of the window that is averaged [s].
-    longest_ramp : int
-        A ramp takes one to so many intervals.
-    skipped : float
-        Part of the saves that are skipped.
-    averaged : int
-        Conversions of an average.
-    runs, fit_runs : int
-        Power-ups, and how many of them are for the fit.
-    turned : tuple of str
-        Axes that are turned in every run.
-    latitude_deg, tilt_deg, azimuth_deg : float
-        Of the site, of the table axis from the vertical, of the direction of the tilt [deg].
-    u_tilt_deg, u_azimuth_deg : float
-        How well they are known [deg].
-    standards : mapping of Influence
-        How well the others are known.
-    table_gain : float
-        Rate of the table over the commanded one, but for the error of the standard.
-    wiring : tuple of str
-        Sensor that each of the columns x, y, z really shows.
-    inverted : tuple of int
-        -1 for each sensor that is really mounted inverted; the campaign file says ``INVERTED``.
-    reference_saved : bool
-        Whether the logger saves the reference voltages.
-    built_in_test : float
-        Voltage of the built-in test [V].
-    """
-
+    # rates of the dwells of every recording, in order [deg/s]
     rates_deg_s: tuple[float, ...] = (0.0, 0.5, -0.5, 1.5, -1.5, 0.0, 3.0, -3.0, 4.5, -4.5, 0.0)
+    # length of a dwell, interval of saves, length of the averaging window [s]
     dwell: float = 60.0
     interval: float = 2.0
     averaging: float = 1.0
-    longest_ramp: int = 3
-    skipped: float = 0.01
-    averaged: int = 200
+    longest_ramp: int = 3  # a ramp takes one to this many intervals
+    skipped: float = 0.01  # fraction of skipped saves
+    averaged: int = 200  # conversions per average
+    # power-ups, and those used for the fit
     runs: int = 8
     fit_runs: int = 5
-    turned: tuple[str, ...] = AXES
+    turned: tuple[str, ...] = AXES  # axes turned in every run
+    # latitude; tilt of the table axis from the vertical, and its azimuth [deg]
     latitude_deg: float = 36.6
     tilt_deg: float = -36.4
     azimuth_deg: float = 0.0
+    # uncertainties of tilt and azimuth [deg]
     u_tilt_deg: float = 1.0
     u_azimuth_deg: float = 2.0
-    standards: Mapping[str, Influence] = field(default_factory=_standards)
-    table_gain: float = 1.0
-    wiring: tuple[str, ...] = AXES
+    standards: Mapping[str, Influence] = field(default_factory=_standards)  # uncertainties of the other standards
+    table_gain: float = 1.0  # true over commanded table rate, apart from the error of the standard
+    wiring: tuple[str, ...] = AXES  # sensor that the columns x, y, z really hold
+    # true mounting: -1 for inverted; the campaign states ``INVERTED``
     inverted: tuple[int, ...] = INVERTED
-    reference_saved: bool = True
-    built_in_test: float = 4.2
+    reference_saved: bool = True  # whether the logger saves the reference voltages
+    built_in_test: float = 4.2  # voltage of the built-in test [V]
 
 
 def chain() -> Chain:

@@ -48,50 +48,25 @@ SLOWEST = 2e-6  # slope at which hysteresis is seen [degC/s]
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """What the standards are off, and nobody knows; zero where a standard is not given.
+    """What the standards are off, and nobody knows; zero where a standard is not given."""
 
-    Parameters
-    ----------
-    angle : float
-        Of every position but 0 [rad].
-    axis : ndarray, shape (2,)
-        Of the axis of the turn, towards the other two [rad].
-    zero : ndarray, shape (3,)
-        Of the electronics of each axis [m/s^2].
-    scale : ndarray, shape (3,)
-        Relative, of each scale factor.
-    """
-
-    angle: float
-    axis: Array
-    zero: Array
-    scale: Array
+    angle: float  # error of every position except 0 [rad]
+    axis: Array  # error of the turn axis towards the other two, (2,) [rad]
+    zero: Array  # zero error of the electronics of each axis, (3,) [m/s^2]
+    scale: Array  # relative error of each scale factor, (3,)
 
 
 @dataclass(frozen=True, eq=False)
 class Record:
-    """One record of the head before its converter, and the truth behind it.
+    """One record of the head before its converter, and the truth behind it."""
 
-    Parameters
-    ----------
-    seconds : ndarray, shape (n,)
-        Since its start [s].
-    readings : ndarray, shape (n, 3)
-        Of the axes, as the stated scale factors have them [m/s^2].
-    temperature : ndarray, shape (n, 3), or (1, 3) where it is constant
-        [degC]
-    bias, ambient : ndarray, shape (3,)
-        The truth, means over the record [m/s^2].
-    errors : Errors
-        Of the standards.
-    """
-
-    seconds: Array
-    readings: Array
-    temperature: Array
+    seconds: Array  # time since the start, (n,) [s]
+    readings: Array  # readings by the stated scale factors, (n, 3) [m/s^2]
+    temperature: Array  # (n, 3) [degC]
+    # true means over the record, (3,) [m/s^2]
     bias: Array
     ambient: Array
-    errors: Errors
+    errors: Errors  # errors of the standards
 
 
 def record(bench: Bench, head: Head, rng: np.random.Generator) -> Record:

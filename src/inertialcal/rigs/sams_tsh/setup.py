@@ -36,157 +36,77 @@ def _standards() -> dict[str, Influence]:
 
 @dataclass(frozen=True)
 class Bench:
-    """The flip as it is made.
+    """The flip as it is made."""
 
-    Parameters
-    ----------
-    rate : float
-        Samples a second.
-    duration : float
-        Of the record [s].
-    turn_starts, positions_deg : tuple of float
-        When each turn begins [s], and the angle that it should end at [deg].
-    stopped_deg : tuple of float
-        By how much each turn really goes further than that [deg].
-    turn_time : float
-        Of a turn [s].
-    turn_axis : str
-        Head axis about which it is really turned; the campaign says x.
-    window, settle : float
-        Length of the windows beside a turn, and what is left out after it [s].
-    density_ug : float
-        Of the sensor's white noise [ug/sqrt(Hz)].
-    corner : float
-        Frequency below which its 1/f noise is larger [Hz].
-    ambient_ug, bias_ug : float
-        Spread of the quasi-steady acceleration and of the biases that are drawn [ug].
-    swing_ug, orbit : float
-        Wave of the ambient acceleration [ug], and its period [s].
-    lines : tuple of (float, float)
-        Frequency [Hz] and size [ug] of vibration lines; those beyond half the sample rate are filtered away.
-    pushes : float
-        Disturbances by the crew, an hour; they stay off the windows.
-    arm : (float, float), optional
-        When the robot arm moves [s].
-    arm_ug, arm_frequency : (float, float)
-        Ends of the size [ug] and frequency [Hz] that are drawn.
-    lever : float
-        Spread of the distance of each proof mass from the axis of the turn [m].
-    warming, warming_time : float
-        By how much the head warms during the record [degC], and with which time constant [s].
-    temperature_swing : float
-        Wave of the temperature once an orbit [degC].
-    hysteresis_ug : float
-        More bias by this while warming, less while cooling [ug].
-    drift_ug : float
-        Of the bias, an hour [ug].
-    filtered : bool
-        Whether the low-passes are there.
-    gains : tuple of float
-        Of each axis.
-    gain_change : (float, str, float), optional
-        When, of which axis and by which factor the gain changes.
-    lost : (float, float), optional
-        What is not recorded [s].
-    gain_recorded : bool
-        Whether the gain of each axis is recorded beside it; the zero of the electronics then changes with it.
-    signs : tuple of int
-        -1 for an axis that is wired the wrong way.
-    ground : {"", "jointly", "bias_first"}
-        Order of the ground model in the campaign; empty for none.
-    model_ug, model_slope_ug, model_misalignment : float
-        Spread of the errors of the model: bias [ug], its slope [ug/degC], each misalignment [rad].
-    saved : {"count", "g"}
-        What is recorded.
-    said : str
-        Unit of it that the campaign states.
-    standards : mapping of Influence
-        How well the others are known; an error of each is drawn.
-    """
-
-    rate: float = 25.0
-    duration: float = 3600.0
+    rate: float = 25.0  # [Hz]
+    duration: float = 3600.0  # length of the record [s]
+    # start of each turn [s], and its nominal end angle [deg]
     turn_starts: tuple[float, ...] = (1200.0, 2400.0)
     positions_deg: tuple[float, ...] = (180.0, 0.0)
-    stopped_deg: tuple[float, ...] = (0.0, 0.0)
-    turn_time: float = 5.0
-    turn_axis: str = "x"
+    stopped_deg: tuple[float, ...] = (0.0, 0.0)  # overshoot of each turn [deg]
+    turn_time: float = 5.0  # length of a turn [s]
+    turn_axis: str = "x"  # true axis of the turn; the campaign states x
+    # length of the windows before and after a turn, and settling time after it [s]
     window: float = 300.0
     settle: float = 20.0
-    density_ug: float = 1.0
-    corner: float = 0.01
+    density_ug: float = 1.0  # white noise of the sensor [ug/sqrt(Hz)]
+    corner: float = 0.01  # frequency below which its 1/f noise is larger [Hz]
+    # spread of the drawn quasi-steady acceleration and biases [ug]
     ambient_ug: float = 4.0
     bias_ug: float = 1000.0
+    # amplitude [ug] and period [s] of the ambient wave
     swing_ug: float = 0.02
     orbit: float = 5400.0
+    # frequency [Hz] and size [ug] of vibration lines; those above half the sample rate are filtered out
     lines: tuple[tuple[float, float], ...] = ((3.6, 2.0), (4.7, 4.0), (17.0, 40.0))
-    pushes: float = 6.0
-    arm: tuple[float, float] | None = None
+    pushes: float = 6.0  # crew disturbances per hour, outside the windows
+    arm: tuple[float, float] | None = None  # when the robot arm moves [s]
+    # range of the drawn size [ug] and frequency [Hz]
     arm_ug: tuple[float, float] = (10.0, 40.0)
     arm_frequency: tuple[float, float] = (0.1, 0.4)
-    lever: float = 0.02
+    lever: float = 0.02  # spread of the distance of the proof masses from the turn axis [m]
+    # warming during the record [degC], and its time constant [s]
     warming: float = 0.02
     warming_time: float = 3600.0
-    temperature_swing: float = 0.005
-    hysteresis_ug: float = 0.01
-    drift_ug: float = 0.05
-    filtered: bool = True
-    gains: tuple[float, ...] = (100.0, 100.0, 10.0)
-    gain_change: tuple[float, str, float] | None = None
+    temperature_swing: float = 0.005  # temperature wave once per orbit [degC]
+    hysteresis_ug: float = 0.01  # extra bias while warming, the negative while cooling [ug]
+    drift_ug: float = 0.05  # bias drift per hour [ug]
+    filtered: bool = True  # whether the low-pass filters are present
+    gains: tuple[float, ...] = (100.0, 100.0, 10.0)  # gain of each axis
+    gain_change: tuple[float, str, float] | None = None  # time, axis and factor of a gain change
+    # whether the gain of each axis is recorded; the zero of the electronics then changes with it
     gain_recorded: bool = False
-    lost: tuple[float, float] | None = None
-    signs: tuple[int, ...] = (1, 1, 1)
-    ground: str = ""
+    lost: tuple[float, float] | None = None  # gap in the record [s]
+    signs: tuple[int, ...] = (1, 1, 1)  # -1 for an axis wired the wrong way
+    ground: str = ""  # {"", "jointly", "bias_first"}: order of the ground model in the campaign; empty for none
+    # spread of the model errors: bias [ug], its slope [ug/degC], misalignments [rad]
     model_ug: float = 20.0
     model_slope_ug: float = 1.0
     model_misalignment: float = 1e-4
-    saved: str = "count"
-    said: str = "count"
+    saved: str = "count"  # {"count", "g"}: what is recorded
+    said: str = "count"  # its unit as stated in the campaign
+    # other standards; an error of each is drawn
     standards: Mapping[str, Influence] = field(default_factory=_standards)
 
 
 @dataclass(frozen=True, eq=False)
 class Head:
-    """A triaxial head; powers of the temperature are those of its distance from the reference, 0 to 4.
+    """A triaxial head; powers of the temperature are those of its distance from the reference, 0 to 4."""
 
-    Parameters
-    ----------
-    bias : ndarray, shape (5, 3)
-        [m/s^2/degC^i]
-    scale : ndarray, shape (4, 5, 3)
-        Scale factor at each of the `GAINS` over the ideal one [1/degC^i].
-    matrix : ndarray, shape (2, 3, 3)
-        M_0 with the misalignment, and its change [1/degC]; row = the sensor that reads.
-    zero : ndarray, shape (4, 3)
-        Of the electronics at each of the `GAINS` [V at the converter].
-    arms : ndarray, shape (3, 3)
-        From the axis of the turn to the proof mass of each sensor [m].
-    """
-
-    bias: Array
-    scale: Array
-    matrix: Array
-    zero: Array
-    arms: Array
+    bias: Array  # (5, 3) [m/s^2/degC^i]
+    scale: Array  # scale factor at each of the `GAINS` relative to the ideal one, (4, 5, 3) [1/degC^i]
+    matrix: Array  # M_0 with the misalignment, and its change [1/degC]; row = the sensor that reads, (2, 3, 3)
+    zero: Array  # zero of the electronics at each of the `GAINS`, (4, 3) [V at the converter]
+    arms: Array  # from the turn axis to the proof mass of each sensor, (3, 3) [m]
 
 
 @dataclass(frozen=True, eq=False)
 class Drawing:
-    """What the engineer knows of a head, from the ground; powers of the temperature as those of `Head`.
+    """What the engineer knows of a head, from the ground; powers of the temperature as those of `Head`."""
 
-    Parameters
-    ----------
-    bias : ndarray, shape (5, 3)
-        [m/s^2/degC^i]
-    scale : ndarray, shape (4, 5, 3)
-        Scale factor at each of the `GAINS` [V/g/degC^i].
-    cross : ndarray, shape (2, 3, 3)
-        Misalignment [rad/degC^i]; row = the sensor that reads.
-    """
-
-    bias: Array
-    scale: Array
-    cross: Array
+    bias: Array  # (5, 3) [m/s^2/degC^i]
+    scale: Array  # scale factor at each of the `GAINS`, (4, 5, 3) [V/g/degC^i]
+    cross: Array  # misalignment [rad/degC^i]; row = the sensor that reads, (2, 3, 3)
 
 
 def draw_head(bench: Bench, rng: np.random.Generator) -> Head:

@@ -127,43 +127,24 @@ def _knock(n: int) -> Array:
 
 @dataclass(frozen=True)
 class Bench:
-    """The record as it is made.
+    """The record as it is made."""
 
-    Parameters
-    ----------
-    records, samples : int
-        Records, and averages of each.
-    interval, averaging : float
-        From average to average, and length of each [s].
-    walk, rate_walk, flicker : float
-        Sizes about which those of a unit are drawn: N [rad/sqrt(s)], K [rad/s/sqrt(s)], B [rad/s].
-    skipped : float
-        Part of the averages that is not saved (1).
-    scale_factor : Influence
-        Uncertainty of what turns readings into rates.
-    knocked : bool
-        Whether somebody knocks against the bench.
-    warming : float
-        Change of all biases while the unit warms up [rad/s].
-    humming : float
-        Amplitude of a line in x [rad/s].
-    stuck : str
-        Axis whose channel hangs; none where empty.
-    """
-
+    # records, and averages in each
     records: int = 2
     samples: int = 12_000
+    # interval and length of the averages [s]
     interval: float = 2.0
     averaging: float = 1.0
+    # nominal sizes of the drawn terms: N [rad/sqrt(s)], K [rad/s/sqrt(s)], B [rad/s]
     walk: float = 7e-5
     rate_walk: float = 8e-7
     flicker: float = 3e-5
-    skipped: float = 0.001
-    scale_factor: Influence = SCALE
-    knocked: bool = False
-    warming: float = 0.0
-    humming: float = 0.0
-    stuck: str = ""
+    skipped: float = 0.001  # fraction of averages that are not saved (1)
+    scale_factor: Influence = SCALE  # uncertainty of the scale factor
+    knocked: bool = False  # whether somebody knocks against the bench
+    warming: float = 0.0  # bias change during warm-up [rad/s]
+    humming: float = 0.0  # amplitude of a spectral line in x [rad/s]
+    stuck: str = ""  # axis with a stuck channel; empty for none
 
 
 def recording_name(number: int) -> str:
