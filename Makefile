@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow mutants check bench docs pins clean
+.PHONY: demo test slow coverage mutants check bench docs pins clean
 
 demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -19,6 +19,10 @@ test: $(READY)  ## the default suite
 
 slow: $(READY)  ## long coverage runs
 	$(BIN)/python -m pytest -m "slow and not bench" -n 2 --dist worksteal --benchmark-disable --durations=20
+
+coverage: $(READY)  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="npsat1 mesa", TESTS=tests/procedures/flip
+	$(BIN)/python tests/coverage_runs.py $(RIGS)
+	INERTIALCAL_COVERAGE=full $(BIN)/python -m pytest -m "slow and not bench" --durations=20 $(or $(TESTS),tests/procedures tests/rigs tests/campaign)
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2

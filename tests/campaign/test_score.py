@@ -22,6 +22,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench, draw_gyro
+from sized import sized
 
 # Standards about as uncertain as the scatter lets the estimates be: either kind alone would be seen to fail.
 BALANCED = {
@@ -161,4 +162,4 @@ def test_coverage_with_balanced_standards_long() -> None:
         unit = draw_gyro(bench.inverted, np.random.default_rng([seed, 1]))
         return rate_table.build(bench, seed, replace(unit, walk=WALK))
 
-    assert not failures(coverage(make, 1000))
+    assert not failures(coverage(make, sized(1000, 300)))

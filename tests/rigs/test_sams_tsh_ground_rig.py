@@ -16,6 +16,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.sams_tsh.rig import Bench, build
 from inertialcal.rigs.sams_tsh.setup import UG
+from sized import sized
 
 BENCH = replace(Bench(), ground="jointly", rate=5.0)
 QUIET = replace(BENCH, standards={}, density_ug=0.01, corner=0.0, pushes=0.0, swing_ug=0.0, drift_ug=0.0)
@@ -128,4 +129,4 @@ def test_coverage_with_a_ground_model_in_a_few_records() -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("order", ["jointly", "bias_first"])
 def test_coverage_with_a_ground_model(order: str) -> None:
-    check(100, order)
+    check(sized(100, 40), order)

@@ -128,12 +128,12 @@ def test_rule_for_coverage() -> None:
     assert covers(285, 300)
     assert covers(950, 1000)
     assert not covers(880, 1000)  # the normal factor in place of Student's t with few degrees of freedom
-    assert not covers(998, 1000)  # uncertainties that are far too large do not pass either
+    assert covers(998, 1000)  # uncertainties that are too large pass: how wide they are is told beside
     edges = [hits for hits in range(301) if covers(hits, 300)]
     assert edges == list(range(edges[0], edges[-1] + 1))
 
 
-@pytest.mark.parametrize("true_coverage", [0.93, 0.95, 0.97])
+@pytest.mark.parametrize("true_coverage", [0.95, 0.97, 1.0])
 def test_rule_for_coverage_seldom_fails_a_good_interval(true_coverage: float) -> None:
     hits = np.arange(1001)
     passes = np.array([covers(int(h), 1000) for h in hits])

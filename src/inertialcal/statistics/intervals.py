@@ -174,11 +174,11 @@ def binomial_interval(hits: int, n: int, p: float = 0.999) -> tuple[float, float
     return float(low), float(high)
 
 
-def covers(hits: int, n: int, low: float = 0.93, high: float = 0.97, p: float = 0.999) -> bool:
+def covers(hits: int, n: int, low: float = 0.95, high: float = 1.0, p: float = 0.999) -> bool:
     """Say whether a stated 95 % interval keeps its promise: the house's rule for coverage.
 
-    True when the exact binomial interval (probability ``p``) of the hit rate overlaps ``low`` to ``high``.
-    A true coverage inside them fails the rule in at most ``1 - p`` of all such runs.
+    True when the exact binomial interval (probability ``p``) of the hit rate holds 95 %, or lies above it: overlaps
+    ``low`` to ``high``. A true coverage inside them fails the rule in at most ``1 - p`` of all such runs.
 
     Raises
     ------

@@ -16,6 +16,7 @@ from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import SensorModel
 from inertialcal.statistics.closed_loop import judged, overall
 from inertialcal.statistics.intervals import binomial_interval
+from sized import sized
 
 PLAN = Plan(standards={"rate_table.rate": Influence(3e-4)}, zero_reference=True)
 PARAMETERS = ("bias", "scale_factor_error", "misalignment", "scale_factor_asymmetry")
@@ -99,7 +100,8 @@ def test_no_difference_seldom_fails(runs: int) -> None:
 
 @pytest.mark.slow
 def test_no_difference_seldom_fails_long() -> None:
-    assert false_alarms(1000, 3) <= RISK * 1000
+    n = sized(1000, 400)
+    assert binomial_interval(false_alarms(n, 3), n)[0] <= RISK
 
 
 def test_judged_by_its_own_readings_the_gain_is_as_uncertain_as_clusters_of_runs_make_it() -> None:

@@ -19,9 +19,10 @@ from inertialcal.procedures.flip.given import found_windows
 from inertialcal.procedures.flip.reduction import reduce
 from inertialcal.rigs.sams_tsh.record import ARM_FADE
 from inertialcal.statistics.intervals import covers
+from sized import FULL, sized
 
 CORNERS = (0.0, 0.01, 0.1)  # of the 1/f noise [Hz]; 0: white alone
-LONG, FURTHER, SHORT = range(1, 1001), range(1, 301), range(1, 31)
+LONG, FURTHER, SHORT = range(1, sized(1000, 100) + 1), range(1, sized(1000, 60) + 1), range(1, 31)
 MINUTES = 8.0  # for 3,000 flips on PROCESSES
 PROCESSES = 2
 QUIET = {"relative_to_fixture", "settling"}  # what is said of every flip
@@ -48,12 +49,12 @@ def test_intervals_hold_the_truth_of_the_rig(corner: float) -> None:
 
 
 @pytest.mark.slow
-def test_intervals_hold_the_truth_of_three_thousand_flips_in_eight_minutes() -> None:
+def test_intervals_hold_the_truth_of_three_thousand_flips() -> None:
     found = {corner: flips(THERE_AND_BACK, corner, LONG, PROCESSES) for corner in CORNERS}
     for corner, one in found.items():
         check(one, corner)
     seconds = sum(one.seconds for one in found.values())
-    assert seconds / PROCESSES < 60.0 * MINUTES, f"{seconds:.0f} s of processor time"
+    assert seconds / PROCESSES < 60.0 * MINUTES or not FULL, f"{seconds:.0f} s of processor time"
 
 
 @pytest.mark.slow
@@ -82,7 +83,8 @@ def test_a_robot_arm_in_a_window_is_remarked(corner: float) -> None:
 @pytest.mark.parametrize("turning", [ONE_WAY, THERE_AND_BACK])
 @pytest.mark.parametrize("corner", CORNERS)
 def test_a_robot_arm_in_a_window_is_remarked_in_95_of_100(corner: float, turning: Turning) -> None:
-    assert remarked(turning, corner, 200, PROCESSES) >= 0.95
+    n = sized(200, 60)
+    assert remarked(turning, corner, n, PROCESSES) >= 0.95
 
 
 def kept_off(seed: int, corner: float) -> bool:
@@ -101,7 +103,7 @@ def kept_off(seed: int, corner: float) -> bool:
     return reach <= ARM_FADE or "disturbed" in {one.code for one in remarks}
 
 
-@pytest.mark.parametrize("n", [10, pytest.param(200, marks=pytest.mark.slow)])
+@pytest.mark.parametrize("n", [10, pytest.param(sized(200, 60), marks=pytest.mark.slow)])
 @pytest.mark.parametrize("corner", [0.01])
 def test_windows_that_are_found_keep_off_a_robot_arm_or_say_so(corner: float, n: int) -> None:
     assert sum(kept_off(seed, corner) for seed in range(1, n + 1)) >= 0.95 * n

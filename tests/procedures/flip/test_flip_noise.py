@@ -17,6 +17,7 @@ from inertialcal.procedures.flip.readings import Quiet, Readings
 from inertialcal.procedures.flip.reduction import Result, reduce
 from inertialcal.procedures.flip.simulation import Truth, simulate
 from inertialcal.statistics.intervals import contains, covers, t_interval
+from sized import sized
 
 UG = 9.80665e-6
 TRUTH = Truth(bias=np.array([1000.0, -900.0, 1200.0]) * UG, ambient=np.array([0.4, -5.0, 4.0]) * UG)
@@ -68,7 +69,7 @@ def test_intervals_hold_the_truth_and_the_control_axis_alarms_in_5_percent(corne
 @pytest.mark.slow
 def test_intervals_hold_the_truth_with_standards_that_are_off() -> None:
     size = math.hypot(*TRUTH.ambient[1:])  # what standards.py takes it for
-    coverage(0.01, 500, Plan(standards=STANDARDS), along=size)
+    coverage(0.01, sized(1000, 300), Plan(standards=STANDARDS), along=size)
 
 
 @pytest.mark.slow
@@ -76,10 +77,11 @@ def test_intervals_of_pairs_hold_the_truth() -> None:
     """The record must be long against the dwells: the level at each position is taken off before."""
     plan, truth = Plan(noise="pairs"), replace(TRUTH, corner=0.01, record=7200.0, dwell=100.0)
     hits = {"ambient_acceleration_y": 0, "control_error_x": 0}
-    for seed in range(1, 1001):
+    n = sized(1000, 300)
+    for seed in range(1, n + 1):
         found = held(reduce(plan, simulate(plan, truth, np.random.default_rng(seed))), truth)
         hits = {name: hits[name] + found[name] for name in hits}
-    assert all(covers(hit, 1000) for hit in hits.values()), hits
+    assert all(covers(hit, n) for hit in hits.values()), hits
 
 
 def test_sub_means_inside_a_dwell_would_alarm_far_too_often() -> None:

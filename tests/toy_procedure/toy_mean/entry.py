@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from inertialcal.core.schema.quantities import Unit
 from inertialcal.core.schema.words import Strict, Text
+
+from inertialcal.core.schema.quantities import Unit
 from inertialcal.procedures.entries import Entry, EntryKey
 
 

@@ -1,7 +1,7 @@
 """Score: do the stated intervals hold the truth? Of one simulated campaign, or of a rig over many seeds.
 
 The rule for many seeds (DESIGN, coverage): seeds in a row, none selected; a quantity passes when the exact 99.9 %
-binomial interval of its hit rate overlaps 93 to 97 %.
+binomial interval of its hit rate holds 95 %, or lies above it.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from ..outcome.publish import OUT, previous
 from .fitted import fitted_tests
 from .twin import Of, Truth, known_truth, read_truth, truth_by_key
 
-RULE = "the exact 99.9 % binomial interval of the hit rate overlaps 93 to 97 %"
+RULE = "the exact 99.9 % binomial interval of the hit rate holds 95 %, or lies above it"
 P = 0.999
 STEPS = 20  # times that progress is told
 Progress = Callable[[int, int, str], None]
