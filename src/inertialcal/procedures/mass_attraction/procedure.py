@@ -1,4 +1,4 @@
-"""The procedure ``mass_attraction``: what it takes, what it says of its tests."""
+"""The procedure ``mass_attraction``."""
 
 from __future__ import annotations
 
@@ -65,10 +65,10 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         return {"axis": facts.axes[0], "nominal": facts.pulse_scale_factor, "standards": facts.standards}
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
-        """Return the runs, of recordings with their schedules and of tables reduced before."""
+        """Return the runs: recordings with their schedules, and tables reduced before."""
         from ...core.errors import DataError
         from .inputs import lines_of, moved_mass
-        from .recordings import readings_from
+        from .readings import readings_from
 
         moved, lines = [], []
         for source in sources:
@@ -82,7 +82,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
             source.chose(len(chosen))
             lines += chosen
         if not moved and not lines:
-            raise DataError(f"test {sources[0].test!r}: no row is in its groups", code="nothing_left")
+            raise DataError(f"test {sources[0].test!r}: no row belongs to its groups", code="nothing_left")
         return replace(readings_from(plan, moved), lines=tuple(lines))
 
     def reduce(self, plan: Plan, readings: Readings) -> Result:
@@ -92,17 +92,34 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         return reduce(plan, readings)
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
-        """Return what a test found, as one sentence."""
-        from .finding import finding
+        """Return the scale factor, its difference from that at high g, and the largest null response as a sentence."""
+        from ...core.results import case_of
+        from ...core.show.sentence import Cited, estimated, largest
+        from ...core.show.wording import counted
 
-        return finding(rows)
+        runs = {case_of(row): row for row in rows if row["quantity"] == "response_amplitude"}
+        found = largest(estimated(rows, "scale_factor"))
+        if found is None:
+            return (f"The response of {counted(len(runs), 'run')} cannot be told from noise",)
+        sentence: Sentence = (
+            "Scale factor ",
+            Cited(found),
+            " from ",
+            counted(len(runs), "run"),
+            " with the mass moved",
+        )
+        difference = largest(estimated(rows, "high_g_difference"))
+        if difference is not None:
+            sentence = (*sentence, "; ", Cited(difference), " off that at high g")
+        null = largest([row for row in rows if row["quantity"] == "null_response" and row["value"] is not None])
+        return sentence if null is None else (*sentence, "; with the mass at rest at most ", Cited(null))
 
     def quantities(self) -> Mapping[str, Quantity]:
-        """Return what there is to say of its figures."""
+        """Return kinds and units of its figures."""
         return QUANTITIES
 
     def needs(self, influence: str, result: Result) -> bool:
-        """Return False: the table of standards lists what is stated alone, until results schema 2."""
+        """Return False: the table of standards lists only what is stated, until results schema 2."""
         return False
 
     def effects(self) -> Mapping[str, str]:
@@ -116,7 +133,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         return KEYS
 
     def check_recording(self, test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
-        """Yield a recording without a schedule of the mass, or of a sensor that no pulses are counted of."""
+        """Yield a recording without a schedule of the mass, or of a sensor that does not count pulses."""
         from .entry import recording_problems
 
         return recording_problems(test, name, entry)

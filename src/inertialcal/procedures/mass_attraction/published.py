@@ -1,14 +1,17 @@
-"""The reduction of 1969, as published: amplitudes less the mean amplitude beside them, of all runs together.
+"""The reduction of 1969, as published, for comparison: amplitudes less the mean amplitude next to them, of all runs.
 
-The amplitudes G and B of the line, from the spectrum and from the Fourier series, lose the mean amplitudes GR and CR
-of the eight lines beside them::
+A run goes through the programme of [1]_: error readings closed up, moving mean subtracted, Fourier lines and spectrum.
+The programme needs an even number of samples in whole cycles of four, beginning at the middle position. Closing up a gap
+shifts the phase of everything that follows, and the moving mean removes 1.7 % of the line; both belong to this way.
+
+The amplitudes G and B of the line, from the spectrum and from the Fourier series, lose the mean amplitudes GR and CR of
+the eight lines next to them::
 
     GO = G - GR        BO = B - CR        SC = mean of all GO and BO / amplitude applied
 
-The report takes the mean of all GO and BO, twice their standard deviation as its uncertainty, and rounds both to the
-one digit of the uncertainty. Noise does not add to a line in phase as it does to an amplitude without one: what is
-subtracted is a bias, about a tenth of the amplitude. It stands here to be compared, with ``condition =
-"as_published"``.
+The report takes twice the standard deviation of all GO and BO as the uncertainty of their mean, and rounds both to the
+one digit of the uncertainty. Noise does not add to a line in phase as it does to an amplitude without one: the
+subtraction is a bias of about a tenth of the amplitude. Rows of this way have the method ``as_published``.
 
 References
 ----------
@@ -26,15 +29,20 @@ import numpy as np
 
 from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
+from ...signals.programme1969.programme import Analysis, adjusted_curve, analyse
 from ...statistics.intervals import t_interval
-from .readings import Line
+from .estimate import UNIT
+from .readings import Line, Readings, Run
+from .response import shape_of
 
 if TYPE_CHECKING:
     from .reduction import Result
 
-UNIT = "count/s/(m/s^2)"
-FEWEST = 2  # values that a standard deviation needs
-STEP = 0.01  # unit in which the report has its amplitudes [count/s]
+FEWEST_VALUES = 2  # for a standard deviation
+STEP = 0.01  # unit of the amplitudes in the report [count/s]
+CYCLE, HALF_WIDTH, BESIDE = 4, 3, 4  # samples a cycle, JA, lines on each side
+FEWEST_SAMPLES = 40
+ORDER = np.array([0.0, 1.0, 0.0, -1.0])
 
 
 @dataclass(frozen=True)
@@ -50,7 +58,7 @@ class Published:
     scale_factor, u_scale_factor : float
         From the rounded values [count/s/(m/s^2)].
     values : int
-        Of which the mean is.
+        Number of GO and BO.
     """
 
     response: float
@@ -68,16 +76,10 @@ def less_noise(line: Line) -> tuple[float, float]:
 
 
 def published(lines: Sequence[Line]) -> Published | None:
-    """Return the mean response of runs with the mass moved; None where there is too little.
-
-    Parameters
-    ----------
-    lines : sequence of Line
-        Runs, those that the report takes.
-    """
+    """Return the mean response of runs with the mass moved; None for too few runs."""
     moved = [line for line in lines if line.moved]
     values = np.array([value for line in moved for value in less_noise(line) if math.isfinite(value)])
-    if len(values) < FEWEST or not np.ptp(values) > 0.0:
+    if len(values) < FEWEST_VALUES or not np.ptp(values) > 0.0:
         return None
     mean, u = float(values.mean()), 2.0 * float(values.std(ddof=1))
     step = 10.0 ** math.floor(math.log10(u / STEP)) * STEP
@@ -99,9 +101,54 @@ def published_rows(result: Result) -> Iterator[Row]:
         yield not_estimated(Key("scale_factor", axis), UNIT, Reason("few_runs", reason), Method.TEXTBOOK)
         return
     reason = (
-        f"mean of {found.values} amplitudes less the mean amplitude beside them, {found.response:.4g} count/s, rounded"
-        f" to {found.rounded:.4g} +- {found.u_rounded:.4g}; subtracting takes too much off"
+        f"mean of {found.values} amplitudes less the mean amplitude next to them, {found.response:.4g} count/s, rounded"
+        f" to {found.rounded:.4g} +- {found.u_rounded:.4g}; this subtracts too much"
     )
     interval = t_interval(found.scale_factor, found.u_scale_factor, math.inf)
     yield Row(Key("scale_factor", axis), found.scale_factor, found.u_scale_factor, UNIT, None, interval,
               reason=Reason("limits", reason), method=Method.TEXTBOOK)  # fmt: skip
+
+
+def published_lines(readings: Readings) -> tuple[tuple[Line, ...], str]:
+    """Return all runs as lines in the published way, or why there are none; runs reduced before stay as they are."""
+    if readings.lines:
+        return readings.lines, ""
+    for run in readings.series:
+        schedule = run.schedule
+        if len(schedule) % schedule.samples_per_cycle:
+            return (), f"{run.name}: {len(schedule)} dwells are not in whole cycles"
+        if schedule.samples_per_cycle != CYCLE or not np.allclose(shape_of(schedule)[:CYCLE], ORDER, atol=0.01):
+            return (), f"{run.name}: the published way is for middle, maximum, middle, minimum"
+        if run.there < FEWEST_SAMPLES:
+            return (), f"{run.name}: {run.there} readings, too few for the published way"
+    return tuple(_line(run) for run in readings.series), ""
+
+
+def analysed(run: Run) -> Analysis:
+    """Return the analysis of the programme after its moving mean, of a run in whole cycles."""
+    closed = run.reading[np.isfinite(run.reading)]
+    n = len(closed) - len(closed) % CYCLE
+    x = closed[:n] - closed[:n].mean()
+    return analyse(adjusted_curve(x, HALF_WIDTH), np.zeros(n), run.schedule.dwell, n // 2, n // 2)
+
+
+def _line(run: Run) -> Line:
+    """Return G, B, GR, CR and XSD of a run."""
+    found = analysed(run)
+    n, lines = len(found.x), len(found.density)
+    at, of_spectrum = n // CYCLE, 2 * lines // CYCLE
+    near = [k for m in range(1, BESIDE + 1) for k in (-m, m)]
+    model = found.sine[at - 1] * np.tile(ORDER, n // CYCLE)
+    return Line(
+        run.name,
+        run.schedule.amplitude,
+        response=float(found.sine[at - 1]),
+        noise=float(np.mean([found.line[at - 1 + k] for k in near])),
+        beside=2 * BESIDE,
+        u_applied=run.schedule.u_applied or 0.0,
+        moved=run.moved,
+        psd_response=float(found.amplitude[of_spectrum - 1]),
+        psd_noise=float(np.mean([found.amplitude[of_spectrum - 1 + k] for k in near])),
+        scatter=float(np.sqrt(np.mean((found.x - model) ** 2))),
+        where=run.where,
+    )

@@ -1,14 +1,38 @@
-"""What a moved mass works on: runs, a value a dwell, or reduced before."""
+"""Readings of a moved-mass campaign: recordings cut into the dwells of their schedule, or runs reduced before.
+
+A sample is the mean over its averaging time (a gate, for pulses) and belongs to a dwell if all of it lies there. Samples
+within a move are left out and counted. A dwell without a sample, or with an error reading, is a gap: nothing is closed
+up, because that would shift the phase of the drive.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from typing import cast
 
 import numpy as np
+from numpy.typing import NDArray
 
+from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
+from ...core.times import read_elapsed, read_instant
+from ...core.units import factor, parse_quantity
+from ...files.text.table import Table
 from ...physics.motion.schedule import Schedule
+from ..protocol import Source
+from .entry import Lines, MassEntry
+from .plan import Plan
+from .schedule_csv import read_schedule
+
+READING, TILT, TEMPERATURE = "reading", "tilt", "temperature"
+INSIDE = 0.02  # of a dwell, by which a sample may reach beyond it: clocks of logger and mover
+HALF = 0.5  # of the samples, that may lie in no dwell
+SAME = 0.01  # relative difference of gate and averaging time that rounding explains
+YES, NO = ("yes", "true", "1"), ("no", "false", "0")
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,15 +46,15 @@ class Run:
     schedule : Schedule
         Its n dwells.
     reading : ndarray, shape (n,)
-        Mean of each [count/s]; NaN where there is none.
+        Mean of each [count/s]; NaN for a gap.
     tilt : ndarray, shape (n,), or None
-        Of the pad, as the meter has it [rad]; NaN where there is none, None without a meter.
+        Of the pad, as the meter reads it [rad]; NaN for a gap, None without a meter.
     temperature : ndarray, shape (n,), or None
         [degC].
     moved : bool
-        Whether the mass was moved; in a null run it was not.
+        False for a null run.
     where : str
-        Of the readings, for messages.
+        Place of the readings, for messages.
     """
 
     name: str
@@ -49,7 +73,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Line:
-    """One run that was reduced before: its line with the mean amplitude of those beside it, as a document prints them.
+    """A run that was reduced before: its line and the mean amplitude of the lines next to it, as a document prints them.
 
     Parameters
     ----------
@@ -58,17 +82,17 @@ class Line:
     applied : float
         Amplitude of the drive; of a null run that of a moved mass [m/s^2].
     response, noise : float
-        Amplitude at the drive, and mean amplitude of the lines beside it [count/s].
+        Amplitude at the drive, and mean amplitude of the lines next to it [count/s].
     beside : int
-        How many lines that mean is of.
+        Number of those lines.
     u_applied : float
         Relative standard uncertainty of ``applied`` (1).
     moved : bool
-        Whether the mass was moved.
+        False for a null run.
     psd_response, psd_noise : float
-        The same from the power spectrum [count/s]; NaN where they are not known.
+        The same from the power spectrum [count/s]; NaN if not known.
     scatter : float
-        Standard deviation of the reduced readings [count/s]; NaN where it is not known.
+        Standard deviation of the reduced readings [count/s]; NaN if not known.
     where : str
         For messages.
     """
@@ -88,17 +112,7 @@ class Line:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Runs of one instrument.
-
-    Parameters
-    ----------
-    series : tuple of Run
-        With a value a dwell.
-    lines : tuple of Line
-        Reduced before.
-    remarks : tuple of Remark
-        What reading them brought up.
-    """
+    """Runs of one instrument: with a value a dwell, or reduced before; remarks from reading them."""
 
     series: tuple[Run, ...] = ()
     lines: tuple[Line, ...] = ()
@@ -112,3 +126,222 @@ class Readings:
     def runs(self) -> int:
         """Number of runs."""
         return len(self.series) + len(self.lines)
+
+
+@dataclass(frozen=True, eq=False)
+class SourceMassRecording:
+    """A recording with the schedule of its mass.
+
+    Parameters
+    ----------
+    recording : Recording
+        ``reading`` [count/s], perhaps ``tilt`` [rad] and ``temperature`` [degC]; stamps in the middle of each average,
+        with averaging time. Without a time, a row is a dwell.
+    schedule : Schedule
+        Of the mass.
+    begin : int or None
+        Start of the schedule on the clock of the recording [ns]; None: the first sample.
+    name : str
+        Of the run.
+    moved : bool
+        False for a null run.
+    """
+
+    recording: Recording
+    schedule: Schedule
+    begin: int | None = None
+    name: str = ""
+    moved: bool = True
+
+
+def moved_mass(source: Source) -> SourceMassRecording:
+    """Return a recording of a campaign as ``readings_from`` takes it.
+
+    Raises
+    ------
+    DataError
+        ``gate_disagrees`` if gate and averaging time differ; if recording or schedule cannot be read.
+    """
+    name, entry, facts = source.name, cast("MassEntry", source.entry), source.facts
+    assert entry.mass is not None  # noqa: S101 - as the file was checked
+    schedule = source.read_file(entry.mass.schedule, read_schedule)
+    gate = float(facts.gate or 0.0)
+    averaging = None if entry.clock is None else entry.clock.averaging
+    if averaging is not None and abs(averaging / gate - 1.0) > SAME:
+        what = f"recordings.{name}: clock.averaging is {averaging:g} s, the gate of the chain {gate:g} s"
+        why = "the scale factor would be wrong by their ratio"
+        raise DataError(what, entry.file, why, "Correct the wrong one", "gate_disagrees")
+    _, body = source.recordings()[0]
+    axis = next(one for one in facts.axes if one in (entry.channels or {}))
+    rate = np.asarray(body.channel(axis).data, dtype=np.float64) * (facts.pulse_scale_factor or 1.0)
+    kept = tuple(body.channel(one) for one in (TILT, TEMPERATURE) if one in body.names)
+    made = (Channel(READING, rate, "count/s", "chain", axis), *kept)
+    found = replace(body, channels=made, averaging_time=averaging or gate)
+    begin = None
+    if entry.mass.begin is not None:
+        try:
+            begin = (read_instant if found.epoch == "utc" else read_elapsed)(entry.mass.begin)
+        except ValueError as error:
+            clock = "UTC" if found.epoch == "utc" else "elapsed time, without a date"
+            why = f"the clock of {found.source.path or name} is {clock}"
+            raise DataError(f"recordings.{name}.mass.begin: {error}", why=why, code="wrong_time") from None
+    return SourceMassRecording(found, schedule, begin, entry.run or name, entry.mass.moved)
+
+
+def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
+    """Return the readings of runs, a mean a dwell.
+
+    Parameters
+    ----------
+    plan : Plan
+        Not used yet; as all procedures have it.
+    moved : iterable of SourceMassRecording
+        Recordings with their schedules.
+
+    Raises
+    ------
+    DataError
+        ``no_time`` if a recording has no averaging time, ``gate_too_long``, ``length_differs`` if record and schedule
+        do not span the same time.
+    """
+    runs, remarks = [], []
+    for one in moved:
+        where = one.recording.source.path or one.name
+        remarks += list(one.recording.remarks)
+        if one.recording.time_ns is None:
+            runs.append(_run_without_time(one, where))
+            continue
+        seconds, averaging = _clock(one, where)
+        dwell = _dwell_of(one.schedule, seconds, averaging)
+        outside = int(np.sum(dwell < 0))
+        if outside > 1 and outside > HALF * len(dwell):
+            what = f"{one.name}: {outside} of {len(dwell)} samples lie in no dwell of the schedule"
+            do = "Check begin, the clock, and dwell and move of the schedule"
+            raise DataError(what, where, "their times do not fit", do, "schedule_differs")
+        if outside:
+            what = f"{one.name}: samples that reach into a move of the mass, or beyond the schedule, are left out"
+            remarks.append(Remark("outside_dwells", "info", what, where, outside))
+        means = {
+            name: _means(np.asarray(one.recording.channel(name).data, dtype=np.float64), dwell, len(one.schedule))
+            for name in (READING, TILT, TEMPERATURE)
+            if name in one.recording.names
+        }
+        run = Run(one.name, one.schedule, means[READING], means.get(TILT), means.get(TEMPERATURE), one.moved, where)
+        runs.append(run)
+    return Readings(tuple(runs), (), tuple(remarks))
+
+
+def _run_without_time(one: SourceMassRecording, where: str) -> Run:
+    gate, dwell = one.recording.averaging_time, one.schedule.dwell
+    if one.begin is not None:
+        what, do = "the file has no time for the schedule to begin at", "Name the time column, or leave begin out"
+        raise DataError(what, where, do=do, code="no_time")
+    if gate is not None and abs(gate / dwell - 1.0) > SAME:
+        what, why = f"a gate of {gate:g} s, rows of dwells of {dwell:g} s", "pulses are counted for the gate"
+        raise DataError(what, where, why, "Correct the wrong one", "gate_disagrees")
+    tilt = np.asarray(one.recording.channel(TILT).data, dtype=float) if TILT in one.recording.names else None
+    reading = np.asarray(one.recording.channel(READING).data, dtype=float)
+    return run_of_rows(one.schedule, reading, tilt, one.name, where, one.moved)
+
+
+def _clock(one: SourceMassRecording, where: str) -> tuple[Array, float]:
+    """Return middles of the samples on the clock of the schedule [s], and the averaging time [s]."""
+    recording, schedule = one.recording, one.schedule
+    averaging = recording.averaging_time
+    assert recording.time_ns is not None  # noqa: S101 - else a row is a dwell
+    if averaging is None or not averaging > 0.0:
+        what, do = f"{one.name}: averaging time of the samples missing", "Give clock.averaging, or the gate"
+        raise DataError(what, where, do=do, code="no_time")
+    if averaging > schedule.dwell * (1.0 + INSIDE):
+        what = f"{one.name}: a gate of {averaging:g} s, but the mass dwells for {schedule.dwell:g} s"
+        why = "every sample would include a move of the mass"
+        raise DataError(what, where, why, "Correct the wrong one", "gate_too_long")
+    zero = recording.time_ns[0] - round(0.5 * averaging * SECOND) if one.begin is None else one.begin
+    begins = round(float(schedule.start[0]) * SECOND) if one.begin is None else 0
+    seconds = (recording.time_ns - zero + begins) / SECOND
+    late = (seconds[0] - 0.5 * averaging - schedule.start[0]) / schedule.step
+    early = (schedule.stop[-1] - seconds[-1] - 0.5 * averaging) / schedule.step
+    worst = max((late, "begins", "after"), (early, "ends", "before"), (-late, "begins", "before"),
+                (-early, "ends", "after"))  # fmt: skip
+    if worst[0] >= schedule.samples_per_cycle:
+        what = (
+            f"{one.name}: the record {worst[1]} {worst[0]:.0f} dwells {worst[2]} its schedule of {len(schedule)} dwells"
+        )
+        why = "record and schedule are not of one run, or one of them was cut"
+        do = "Give the schedule of this record, or cut both to the same time"
+        raise DataError(what, where, why, do, "length_differs")
+    return seconds, averaging
+
+
+def _dwell_of(schedule: Schedule, seconds: Array, averaging: float) -> NDArray[np.int64]:
+    """Return the dwell that each sample lies in; -1 if it reaches beyond."""
+    slack = INSIDE * schedule.dwell
+    at = np.searchsorted(schedule.start - slack, seconds - 0.5 * averaging, side="right") - 1
+    inside = (at >= 0) & (seconds + 0.5 * averaging <= schedule.stop[np.maximum(at, 0)] + slack)
+    return np.where(inside, at, -1)
+
+
+def _means(values: Array, dwell: NDArray[np.int64], n: int) -> Array:
+    """Return the mean of each dwell, NaN for a dwell without samples or with an error reading."""
+    used = dwell >= 0
+    sums = np.bincount(dwell[used], values[used], n)
+    count = np.bincount(dwell[used], minlength=n)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.asarray(sums / count)
+
+
+def run_of_rows(
+    schedule: Schedule, reading: Array, tilt: Array | None = None, name: str = "", where: str = "", moved: bool = True
+) -> Run:
+    """Return a run from a reduced table, a row a dwell in the order of the schedule.
+
+    Raises
+    ------
+    DataError
+        ``length_differs`` if the table does not have a row for each dwell.
+    """
+    if len(reading) != len(schedule):
+        what = f"{len(reading)} rows, but the schedule has {len(schedule)} dwells"
+        why = "it is not known which row belongs to which dwell"
+        do = "Give a row for each dwell, empty for a missing reading, and the schedule of this run"
+        raise DataError(what, where, why, do, "length_differs")
+    return Run(name, schedule, reading, tilt, None, moved, where)
+
+
+def lines_of(table: Table, lines: Lines, file: str) -> list[Line]:
+    """Return the runs of a table that was reduced before, a row each, SI.
+
+    Raises
+    ------
+    DataError
+        If a column is missing, or a required cell is empty or not a number.
+    """
+    applied = table.numbers(lines.applied) * factor(lines.applied_unit, "m/s^2")
+    scale = factor(lines.unit, "count/s")
+    named = {
+        "response": lines.response, "noise": lines.noise, "psd_response": lines.psd_response,
+        "psd_noise": lines.psd_noise, "scatter": lines.scatter,
+    }  # fmt: skip
+    columns = {
+        what: np.full(len(table), math.nan) if column is None else table.numbers(column) * scale
+        for what, column in named.items()
+    }
+    u = 0.0 if lines.u_applied is None else parse_quantity(lines.u_applied).to("m/s^2", difference=True)
+    moved = table.text(lines.moved) if lines.moved else ("yes",) * len(table)
+    strokes = [a for a, cell in zip(applied.tolist(), moved, strict=True) if cell.lower() in YES and a > 0.0]
+    found = []
+    for i, name in enumerate(table.text(lines.run)):
+        where = f"{file}:{table.rows[i]}"
+        word = moved[i].strip().lower()
+        if word not in (*YES, *NO):
+            raise DataError(f"column {lines.moved!r}: {moved[i]!r}", where, do="Write yes or no", code="wrong_value")
+        is_moved = word in YES
+        amplitude = float(applied[i]) if is_moved else (strokes[0] if strokes else math.nan)
+        values = {what: float(column[i]) for what, column in columns.items()}
+        if not (amplitude > 0.0 and math.isfinite(values["response"]) and values["noise"] > 0.0):
+            what = f"applied {amplitude:g} m/s^2, response {values['response']:g}, noise {values['noise']:g} count/s"
+            raise DataError(what, where, "a run needs all three, noise and applied above zero", code="missing_value")
+        found.append(
+            Line(name, amplitude, beside=lines.beside, u_applied=u / amplitude, moved=is_moved, where=where, **values)
+        )
+    return found

@@ -32,12 +32,25 @@ from ....physics.motion.schedule import Schedule, repeated
 from ...settings_file import Groups, GroupsRead, read_groups
 from .body import MassBody, body_of
 from .checks import setting_problems
-from .curves import body_curve, cube_curve, field_curves, forecast_curve, growth_curve
 from .drive import DIRECTIONS, MassBudget, MassDrive, MassForecast, budget_of, drive_of, forecast_of
 from .noise import noise_from, terms_of
 from .orbit import orbit_rows
 from .proof import proof_curve, proof_rows
-from .rows import CM, TEST, body_remarks, body_rows, budget_remarks, drive_rows, forecast_rows, mass_parts
+from .rows import (
+    CM,
+    TEST,
+    body_curve,
+    body_remarks,
+    body_rows,
+    budget_remarks,
+    cube_curve,
+    drive_rows,
+    field_curves,
+    forecast_curve,
+    forecast_rows,
+    growth_curve,
+    mass_parts,
+)
 from .settings import Constants, Settings, ends_of, stage_of
 
 if TYPE_CHECKING:

@@ -1,0 +1,333 @@
+"""Response of one run: the line of the drive in its readings, by ``signals.sine``, corrected for the tilt of the pad.
+
+The drive is what the schedule applies, about its middle and over its amplitude: the line is in the unit of the readings.
+
+The pad tilts with the mass that moves on it, and an accelerometer feels a tilt ``theta`` as ``g theta``. The meter reads
+that tilt and, in phase, the tilt of its own mercury, which the mass attracts; the computed tilt of the mercury is
+subtracted first. Then, with the remaining tilt Y:
+
+- ``known``: ``S0 g Y`` is subtracted from the readings; S0 is the nominal scale factor. The tilt tau in phase with the
+  drive corrects for the difference of S from S0: ``S = (A + S0 g tau) / (a + g tau)``.
+- ``regressed``: Y is regressed together with drive and drift. Its coefficient p follows from the residuals of both; the
+  response is that of the readings less ``p Y``, and the uncertainty of p counts by the tilt in phase. Noise of the meter
+  draws p towards zero, which leaves ``(S g - |p|) tau`` in the response if the meter stands along the input axis
+  (`tilt_left`): it is remarked, and counts as an uncertainty.
+- ``ignored``: the response is to ``a + g tau`` with an unknown tau.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ...core.constants import STANDARD_GRAVITY
+from ...core.errors import DataError, PlanError
+from ...core.estimate import Array
+from ...physics.motion.schedule import Schedule
+from ...signals.sine.fit import Design, design_of
+from ...signals.sine.drive import applied_drive
+from ...signals.sine.fit import LineFit
+from ...signals.sine.fit import fit_line as fit_drive
+from .plan import Plan
+from .readings import Line, Run
+
+G = STANDARD_GRAVITY.value
+SLIP = 25.0  # gain of squared signal over noise that proves a slip of the schedule
+HALF = 0.5  # of the dwells of a run, that need a tilt
+RAYLEIGH = float(np.sqrt(np.pi / 2.0))  # mean amplitude of noise over the standard deviation of its part in phase
+
+
+@dataclass(frozen=True, eq=False)
+class Response:
+    """Response of one run.
+
+    Parameters
+    ----------
+    name : str
+        Of the run.
+    moved : bool
+        False for a null run.
+    applied : float
+        Amplitude of the drive, of a null run that of a moved mass [m/s^2].
+    amplitude, u : float
+        In phase with the drive, and its standard uncertainty from the lines next to it [count/s].
+    dof : float
+        Degrees of freedom of ``u``.
+    quadrature, u_quadrature : float
+        A quarter of a cycle ahead, and its standard uncertainty [count/s]; NaN if not known.
+    tilt, u_tilt : float
+        Of the pad in phase with the drive, mercury subtracted, and its standard uncertainty [rad]; NaN without a meter.
+    coefficient : float
+        Of the tilt in the readings [count/s/rad]; NaN if nothing was subtracted.
+    tilt_used : str
+        As the plan says, or ``ignored`` without a tilt.
+    fitted : Fitted or None
+        Line and drift; None for a run that was reduced before.
+    series : ndarray, shape (n,)
+        Readings that were fitted, tilt subtracted [count/s].
+    """
+
+    name: str
+    moved: bool
+    applied: float
+    amplitude: float
+    u: float
+    dof: float
+    quadrature: float = np.nan
+    u_quadrature: float = np.nan
+    tilt: float = np.nan
+    u_tilt: float = np.nan
+    coefficient: float = np.nan
+    tilt_used: str = "ignored"
+    fitted: Fitted | None = None
+    series: Array = field(default_factory=lambda: np.empty(0))
+
+    @property
+    def scale_factor(self) -> float:
+        """What the amplitude is to what is applied [count/s/(m/s^2)]."""
+        return self.amplitude / self.applied
+
+    @property
+    def u_scale_factor(self) -> float:
+        """Standard uncertainty of it from the noise of the run [count/s/(m/s^2)]."""
+        return self.u / self.applied
+
+    def significant(self, floor: float) -> bool:
+        """Return whether the response is at least so many standard uncertainties from zero."""
+        return abs(self.amplitude) >= floor * self.u
+
+
+def response_of(plan: Plan, run: Run) -> Response:
+    """Return the response of a run.
+
+    Raises
+    ------
+    DataError
+        ``schedule_slip``, if the mass came a dwell late or early from some dwell on; as `fit_line`.
+    """
+    mode = tilt_used(plan, run)
+    tilt = None if run.tilt is None or mode == "ignored" else _pad_tilt(plan, run)
+    try:
+        x, p, u_p = _without_tilt(plan, run, tilt, mode)
+        found = fit_line(run.schedule, x, plan.side_bands)
+        meter = None if tilt is None else fit_line(run.schedule, np.where(np.isfinite(x), tilt, np.nan))
+    except DataError as error:
+        raise DataError([replace(one, where=one.where or run.where or run.name) for one in error.problems]) from None
+    if run.moved:
+        gain, dwell = fits_better_late(run.schedule, x)
+        if gain > SLIP:
+            part = "the whole run fits" if dwell == 0 else f"from dwell {dwell + 1} on the readings fit"
+            what = f"{run.name}: {part} a mass that comes one dwell off its schedule"
+            why = f"the squared signal over noise gains {gain:.0f}; the phase would be wrong"
+            do = "Find the lost dwell or move, and correct the schedule or its begin"
+            raise DataError(what, run.where, why, do, "schedule_slip")
+    tau, u_tau = (np.nan, np.nan) if meter is None else (meter.amplitude, meter.u)
+    applied, amplitude, u = run.schedule.amplitude, found.amplitude, found.u
+    if mode == "known" and run.moved:
+        share = applied / (applied + G * tau)
+        amplitude, u = (amplitude + p * tau) * share, u * abs(share)
+    if mode == "regressed":
+        u = float(np.hypot(u, u_p * tau))
+    return Response(run.name, run.moved, applied, amplitude, u, found.dof, found.quadrature, found.u_quadrature, tau,
+                    u_tau, p, mode, found, x)  # fmt: skip
+
+
+def _without_tilt(plan: Plan, run: Run, tilt: Array | None, mode: str) -> tuple[Array, float, float]:
+    """Return the readings less the share of the tilt, its coefficient and the uncertainty of it [count/s/rad]."""
+    if tilt is None:
+        return run.reading, np.nan, 0.0
+    if mode == "known":
+        p = (plan.nominal or 0.0) * G
+        return run.reading - p * tilt, p, 0.0
+    both = np.column_stack([run.reading, tilt / np.nanstd(tilt)])
+    found, there = fit_lines(run.schedule, both, plan.side_bands)
+    line = [found.in_phase] if found.quadrature is None else [found.in_phase, found.quadrature]
+    columns = np.concatenate([part for _, part in found.design.parts(found.design.main)], axis=1)
+    x, y = (both[there] - columns.T @ np.vstack([*line, found.drift])).T
+    p = float(x @ y / (y @ y))
+    residual = float(np.sum((x - p * y) ** 2)) / max(len(x) - found.design.main - 1, 1)
+    scale = float(np.nanstd(tilt))
+    return run.reading - p / scale * tilt, p / scale, float(np.sqrt(residual / (y @ y))) / scale
+
+
+def _pad_tilt(plan: Plan, run: Run) -> Array:
+    """Return the tilt of the pad about its mean, with the sign that is felt, mercury subtracted [rad].
+
+    Raises
+    ------
+    PlanError
+        If plan and schedule both state the tilt of the mercury.
+    """
+    tilt, schedule = run.tilt, run.schedule
+    assert tilt is not None  # noqa: S101 - checked before
+    if schedule.mercury is not None and plan.mercury and run.moved:
+        what = f"{run.name}: plan.mercury, and a column mercury in the schedule"
+        raise PlanError(what, why="it would be subtracted once only", do="Keep one of them", code="contradiction")
+    if run.moved:
+        computed = plan.mercury * (schedule.applied - schedule.applied.mean()) / schedule.amplitude
+        tilt = tilt - (computed if schedule.mercury is None else schedule.mercury)
+    middle = np.nanmean(tilt) if np.isfinite(tilt).any() else 0.0
+    return np.asarray(plan.tilt_sign * (tilt - middle))
+
+
+def tilt_left(responses: Iterable[Response], scale: float) -> float:
+    """Return what a regressed tilt leaves in the scale factor, mean over the runs [count/s/(m/s^2)].
+
+    An accelerometer feels gravity times the tilt. Noise of the meter draws the coefficient towards zero (or the meter
+    does not stand along the input axis); the difference stays in the response, with the sign of the coefficient.
+
+    Parameters
+    ----------
+    responses : iterable of Response
+        Of all runs.
+    scale : float
+        Scale factor [count/s/(m/s^2)].
+    """
+    each = [
+        np.sign(one.coefficient) * max(abs(scale) * G - abs(one.coefficient), 0.0) * one.tilt / one.applied
+        if one.tilt_used == "regressed" else 0.0 for one in responses if one.moved
+    ]  # fmt: skip
+    return float(np.mean(each)) if each else 0.0
+
+
+def response_of_line(line: Line) -> Response:
+    """Return the response of a run that was reduced before.
+
+    The mean amplitude of n lines of noise is ``sqrt(pi/2)`` times the standard deviation of the part in phase.
+    """
+    return Response(line.name, line.moved, line.applied, line.response, line.noise / RAYLEIGH, 2.0 * line.beside)
+
+
+def tilt_used(plan: Plan, run: Run) -> str:
+    """Return how the tilt of a run is used: not at all if half of its dwells or more lack one."""
+    if plan.tilt == "ignored" or run.tilt is None:
+        return "ignored"
+    wanted = np.isfinite(run.reading)
+    have = np.isfinite(run.tilt) & wanted
+    if have.sum() <= HALF * wanted.sum() or not np.ptp(run.tilt[have]) > 0.0:
+        return "ignored"
+    return "ignored" if plan.tilt == "known" and not plan.nominal else plan.tilt
+
+
+NONE = 1e-9  # of a length: smaller is zero
+FEWEST = 12  # readings
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """Line of a drive.
+
+    Parameters
+    ----------
+    amplitude, u : float
+        In phase with the drive, and its standard uncertainty [unit of the readings].
+    quadrature, u_quadrature : float
+        A quarter of a cycle ahead of the drive, and its standard uncertainty; NaN if the drive has none.
+    dof : float
+        Degrees of freedom of both.
+    drift, line : ndarray, shape (n,)
+        Drift and line; NaN for a gap.
+    frequencies : ndarray, shape (m,)
+        Of the drive, then of its side bands [Hz].
+    """
+
+    amplitude: float
+    u: float
+    quadrature: float
+    u_quadrature: float
+    dof: float
+    drift: Array
+    line: Array
+    frequencies: Array
+
+
+def shape_of(schedule: Schedule) -> Array:
+    """Return what is applied, about its middle, over its amplitude, shape (n,)."""
+    middle = 0.5 * (schedule.applied.max() + schedule.applied.min())
+    return np.asarray((schedule.applied - middle) / schedule.amplitude)
+
+
+def fit_lines(schedule: Schedule, series: Array, side_bands: int | None = None) -> tuple[LineFit, NDArray[np.bool_]]:
+    """Return the line of the drive in series of the same dwells, and the dwells that were fitted.
+
+    Parameters
+    ----------
+    schedule : Schedule
+        n dwells.
+    series : ndarray, shape (n,) or (n, k)
+        Readings; rows with a NaN are left out.
+    side_bands : int, optional
+        Lines on each side that the noise is read from; ``signals.sine`` chooses by default.
+
+    Raises
+    ------
+    DataError
+        ``too_short`` if there are too few readings; as ``signals.sine``.
+    """
+    there: NDArray[np.bool_] = np.asarray(np.isfinite(series.reshape(len(series), -1)).all(axis=1))
+    if there.sum() < FEWEST:
+        what = f"{int(there.sum())} of {len(series)} dwells have a reading: a line needs at least {FEWEST}"
+        raise DataError(what, do="Measure longer", code="too_short")
+    return fit_drive(_design(schedule, there, side_bands), series[there]), there
+
+
+def _design(schedule: Schedule, there: NDArray[np.bool_], side_bands: int | None) -> Design:
+    drive = applied_drive(schedule.middle[there], shape_of(schedule)[there], schedule.frequency)
+    return design_of(drive, side_bands=side_bands)
+
+
+def fit_line(schedule: Schedule, x: Array, side_bands: int | None = None) -> Fitted:
+    """Return the line of the drive in one series, shape (n,); errors as `fit_lines`."""
+    found, there = fit_lines(schedule, x, side_bands)
+    line, drift = np.full((2, len(there)), np.nan)
+    line[there], drift[there] = found.fitted()
+    quadrature = np.nan if found.quadrature is None else float(found.quadrature[0])
+    u_quadrature = np.nan if found.u_quadrature is None else float(found.u_quadrature[0])
+    drive, steps = found.design.drive, np.arange(1, found.design.side_bands + 1)
+    beside = np.abs(drive.frequency + np.concatenate([-steps, steps]) / drive.span)
+    frequencies = np.concatenate([[drive.frequency], np.unique(beside[beside <= 0.5 / drive.step * (1.0 + NONE)])])
+    return Fitted(
+        float(found.in_phase[0]), float(found.u_in_phase[0]), quadrature, u_quadrature, found.dof, drift, line,
+        frequencies,
+    )  # fmt: skip
+
+
+def fits_better_late(schedule: Schedule, x: Array) -> tuple[float, int]:
+    """Return how much better a late or early mass explains a series, and from which dwell on.
+
+    For each dwell k, the drive is as planned before k, and one dwell late or early from k on.
+
+    Parameters
+    ----------
+    schedule : Schedule
+        As planned, n dwells.
+    x : ndarray, shape (n,)
+        Readings; NaN for a gap.
+
+    Returns
+    -------
+    (float, int)
+        Largest gain of the squared signal over noise, with the residuals of the better schedule as noise; the dwell,
+        counted from 0.
+    """
+    there = np.isfinite(x)
+    design = _design(schedule, there, None)
+    drift = np.concatenate([part[design.line :] for _, part in design.parts(design.main)], axis=1)
+    slow = np.asarray(np.linalg.qr(drift.T)[0])  # orthonormal columns of the drift
+    s, at = shape_of(schedule), np.arange(len(schedule))
+    late, early = np.concatenate([s[:1], s[:-1]]), np.concatenate([s[1:], s[-1:]])
+    moved = [np.where(at[:, None] < at[None, :], s[:, None], other[:, None]) for other in (late, early)]
+    tried = np.column_stack([s, *moved])[there]
+    y = x[there] - slow @ (slow.T @ x[there])
+    alone = tried - slow @ (slow.T @ tried)
+    power = np.einsum("ij,ij->j", alone, alone)
+    response = alone.T @ y
+    response[1:] = np.maximum(response[1:], 0.0)  # a response of the other sign is no slip
+    explained = np.where(power > NONE, response**2 / np.maximum(power, NONE), 0.0)
+    best = int(np.argmax(explained))
+    noise = (y @ y - explained[best]) / max(len(y) - slow.shape[1] - 1, 1)
+    gain = explained[best] - explained[0]
+    return float(gain / noise) if gain > NONE * (y @ y) else 0.0, int((best - 1) % len(s)) if best else 0

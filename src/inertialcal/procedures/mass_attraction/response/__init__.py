@@ -1,1 +1,0 @@
-"""Response of each run to the moved mass, and the runs together."""
