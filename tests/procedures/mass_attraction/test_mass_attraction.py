@@ -117,7 +117,7 @@ def test_the_mercury_of_the_schedule_is_taken_off_dwell_by_dwell_and_not_beside_
     meter = 5e-6 + tau * s + mercury + 1e-14 * rng.standard_normal(100)
     result = reduce(Plan(nominal=S, tilt="known"), Readings((Run("1", tilted, x, meter),)))
     assert row(result, "scale_factor").value == pytest.approx(S, rel=2e-4)
-    with pytest.raises(PlanError, match="stated twice"):
+    with pytest.raises(PlanError, match="a column mercury in the schedule"):
         reduce(Plan(nominal=S, tilt="known", mercury=1e-9), Readings((Run("1", tilted, x, meter),)))
 
 
@@ -151,7 +151,7 @@ def test_what_the_noise_of_the_meter_leaves_of_a_regressed_tilt_is_told_and_coun
         assert np.mean(told) == pytest.approx(half, rel=0.15)
         together = reduce(Plan(nominal=S), Readings(tuple(runs)))
         (said,) = [one for one in together.remarks if one.code == "tilt_in_phase"]
-        assert "% of the scale factor in it" in said.what
+        assert "% of the scale factor" in said.what
         assert together.estimate is not None
         assert contains(t_interval(*(float(a[0]) for a in (together.estimate.values, together.estimate.u,
                                                            together.estimate.dof))), S)  # fmt: skip
@@ -313,7 +313,7 @@ def test_a_mass_that_cannot_be_is_refused(source: SourceMass, code: str) -> None
 
 def test_what_tells_nothing_is_refused() -> None:
     null = Run("0", schedule(), noise(np.random.default_rng(1)), moved=False)
-    with pytest.raises(DataError, match="in no run the mass was moved"):
+    with pytest.raises(DataError, match="the mass moved in no run"):
         reduce(PLAN, Readings((null,)))
     short = replace(null, moved=True, reading=np.where(np.arange(100) < 8, null.reading, np.nan))
     with pytest.raises(DataError, match="8 of 100 dwells have a reading"):
@@ -354,7 +354,7 @@ def test_a_gate_longer_than_a_dwell_and_a_record_without_clock_are_refused() -> 
     of = schedule()
     with pytest.raises(DataError, match=r"a gate of 120 s, but the mass dwells for 100 s"):
         readings_from(PLAN, [SourceMassRecording(replace(recording(of), averaging_time=120.0), of)])
-    with pytest.raises(DataError, match=r"no clock"):
+    with pytest.raises(DataError, match=r"averaging time"):
         readings_from(PLAN, [SourceMassRecording(replace(recording(of), averaging_time=None), of)])
     begin = (5 * 10**8 - 60) * SECOND
     with pytest.raises(DataError, match=r"samples lie in no dwell"):

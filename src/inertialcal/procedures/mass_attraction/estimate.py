@@ -5,9 +5,9 @@ explains their differences [1]_. The weights only affect the efficiency. The unc
 of the runs about their mean, with one degree of freedom fewer than runs [2]_: it holds whatever makes the runs differ.
 The noise within the runs alone gives another one, right if nothing differs from run to run.
 
-Type A is that scatter (or noise), with its degrees of freedom. Type B is the uncertainty of the acceleration applied, of
-the mercury of the tilt meter, of a tilt that was not subtracted, and the remainder of a regressed tilt: the same in all
-runs, so more runs do not reduce it.
+Type A is that scatter (or noise), with its degrees of freedom. Type B is the uncertainty of the acceleration applied,
+of the mercury of the tilt meter, of a tilt that was not subtracted, and the remainder of a regressed tilt: the same in
+all runs, so more runs do not reduce it.
 
 References
 ----------

@@ -47,16 +47,6 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     if own.get("schedule") is None:
         do = f"Add: {given.add('schedule', 'schedule.csv')}"
         raise UsageError("the schedule of the mass is missing", do=do, code="missing")
-    columns = {what: name for what, name in said.columns.items() if what != name or what in (*AXES, *_names(spec))}
-    bare = [name for what, name in said.columns.items() if what not in columns]
-    if not any(axis in columns for axis in AXES):
-        counted = [one.name for one in given.recording.channels if one.unit and same_dimension(one.unit, "count")]
-        pulses = bare or counted
-        if len(pulses) != 1:
-            have = ", ".join(given.recording.names)
-            what = f"{given.name}: cannot tell which column holds the pulses; it has {have}"
-            raise UsageError(what, do=f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
-        columns["x"] = pulses[0]
     chain = said.chain
     if chain is None:
         if own.get("gate") is None:
@@ -66,6 +56,7 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
             )
             raise UsageError(what, do=f"Add: {do}", code="no_gate")
         chain = f'{{ kind = "pulse_rate", gate = "{own["gate"]}" }}'
+    columns = _columns(given, spec)
     found = described_by_unit(replace(given, said=replace(said, columns=columns, chain=chain)), spec)
     if not found.sensor["chain"].get("scale_factor"):
         found.sensor["unit"] = UNIT
@@ -85,10 +76,22 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     return replace(found, entry=entry)
 
 
+def _columns(given: GivenFile, spec: InputSpec) -> dict[str, str]:
+    """Return the columns by channel: as given, or the one column in pulses as x."""
+    known = (*AXES, *(role.name for role in spec.roles))
+    columns = {what: name for what, name in given.said.columns.items() if what != name or what in known}
+    if any(axis in columns for axis in AXES):
+        return columns
+    bare = [name for what, name in given.said.columns.items() if what not in columns]
+    channels = given.recording.channels
+    pulses = bare or [one.name for one in channels if one.unit and same_dimension(one.unit, "count")]
+    if len(pulses) != 1:
+        have = ", ".join(given.recording.names)
+        what = f"{given.name}: cannot tell which column holds the pulses; it has {have}"
+        raise UsageError(what, do=f"Add: {given.add('column', 'x=COLUMN')}", code="no_column")
+    return columns | {"x": pulses[0]}
+
+
 def _called(name: str) -> set[str]:
     """Return path, name and name without suffix of a file."""
     return {name, PurePath(name).name, PurePath(name).stem}
-
-
-def _names(spec: InputSpec) -> list[str]:
-    return [role.name for role in spec.roles]

@@ -67,8 +67,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the runs: recordings with their schedules, and tables reduced before."""
         from ...core.errors import DataError
-        from .inputs import lines_of, moved_mass
-        from .readings import readings_from
+        from .readings import lines_of, moved_mass, readings_from
 
         moved, lines = [], []
         for source in sources:

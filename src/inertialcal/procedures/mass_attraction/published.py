@@ -1,8 +1,8 @@
 """The reduction of 1969, as published, for comparison: amplitudes less the mean amplitude next to them, of all runs.
 
 A run goes through the programme of [1]_: error readings closed up, moving mean subtracted, Fourier lines and spectrum.
-The programme needs an even number of samples in whole cycles of four, beginning at the middle position. Closing up a gap
-shifts the phase of everything that follows, and the moving mean removes 1.7 % of the line; both belong to this way.
+The programme needs an even number of samples in whole cycles of four, beginning at the middle position. Closing up a
+gap shifts the phase of everything that follows, and the moving mean removes 1.7 % of the line; both belong to this way.
 
 The amplitudes G and B of the line, from the spectrum and from the Fourier series, lose the mean amplitudes GR and CR of
 the eight lines next to them::

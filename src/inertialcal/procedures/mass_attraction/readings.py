@@ -1,8 +1,8 @@
 """Readings of a moved-mass campaign: recordings cut into the dwells of their schedule, or runs reduced before.
 
-A sample is the mean over its averaging time (a gate, for pulses) and belongs to a dwell if all of it lies there. Samples
-within a move are left out and counted. A dwell without a sample, or with an error reading, is a gap: nothing is closed
-up, because that would shift the phase of the drive.
+A sample is the mean over its averaging time (a gate, for pulses) and belongs to a dwell if all of it lies there.
+Samples within a move are left out and counted. A dwell without a sample, or with an error reading, is a gap: nothing is
+closed up, because that would shift the phase of the drive.
 """
 
 from __future__ import annotations
@@ -73,7 +73,7 @@ class Run:
 
 @dataclass(frozen=True)
 class Line:
-    """A run that was reduced before: its line and the mean amplitude of the lines next to it, as a document prints them.
+    """A run reduced before: its line and the mean amplitude of the lines next to it, as a document prints them.
 
     Parameters
     ----------

@@ -1,15 +1,15 @@
 """Scale factor of an accelerometer from the attraction of a moved mass.
 
 A mass moves between places near the sensor and dwells at each. Half the difference of its attraction along the input
-axis is the amplitude that is applied; the readings follow it within their own drift. Each run gives a response: the line
-of the drive, with its error from the lines next to it (``response``). Response over amplitude is the scale factor of the
-run, and ``estimate`` joins the runs.
+axis is the amplitude that is applied; the readings follow it within their own drift. Each run gives a response: the
+line of the drive, with its error from the lines next to it (``response``). Response over amplitude is the scale factor
+of the run, and ``estimate`` joins the runs.
 
 Estimated: pulses per second and unit of acceleration, for accelerations as small as the mass applies, mean over the
-runs. Assumed: the mass was where the schedule says, when it says; apart from it and the tilt of the pad, nothing follows
-the drive. The uncertainty is the scatter of the runs (or the noise in each, as the plan says), combined with the
-uncertainty of the acceleration applied and of the mercury of the tilt meter, which are common to all runs. No noise is
-subtracted from a response; ``published`` does, as the report [1]_ did, for comparison.
+runs. Assumed: the mass was where the schedule says, when it says; apart from it and the tilt of the pad, nothing
+follows the drive. The uncertainty is the scatter of the runs (or the noise in each, as the plan says), combined with
+the uncertainty of the acceleration applied and of the mercury of the tilt meter, which are common to all runs. No noise
+is subtracted from a response; ``published`` does, as the report [1]_ did, for comparison.
 
 References
 ----------

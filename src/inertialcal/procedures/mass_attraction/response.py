@@ -1,16 +1,17 @@
 """Response of one run: the line of the drive in its readings, by ``signals.sine``, corrected for the tilt of the pad.
 
-The drive is what the schedule applies, about its middle and over its amplitude: the line is in the unit of the readings.
+The drive is what the schedule applies, about its middle and over its amplitude: the line is in the unit of the
+readings.
 
-The pad tilts with the mass that moves on it, and an accelerometer feels a tilt ``theta`` as ``g theta``. The meter reads
-that tilt and, in phase, the tilt of its own mercury, which the mass attracts; the computed tilt of the mercury is
+The pad tilts with the mass that moves on it, and an accelerometer feels a tilt ``theta`` as ``g theta``. The meter
+reads that tilt and, in phase, the tilt of its own mercury, which the mass attracts; the computed tilt of the mercury is
 subtracted first. Then, with the remaining tilt Y:
 
 - ``known``: ``S0 g Y`` is subtracted from the readings; S0 is the nominal scale factor. The tilt tau in phase with the
   drive corrects for the difference of S from S0: ``S = (A + S0 g tau) / (a + g tau)``.
 - ``regressed``: Y is regressed together with drive and drift. Its coefficient p follows from the residuals of both; the
-  response is that of the readings less ``p Y``, and the uncertainty of p counts by the tilt in phase. Noise of the meter
-  draws p towards zero, which leaves ``(S g - |p|) tau`` in the response if the meter stands along the input axis
+  response is that of the readings less ``p Y``, and the uncertainty of p counts by the tilt in phase. Noise of the
+  meter draws p towards zero, which leaves ``(S g - |p|) tau`` in the response if the meter stands along the input axis
   (`tilt_left`): it is remarked, and counts as an uncertainty.
 - ``ignored``: the response is to ``a + g tau`` with an unknown tau.
 """
@@ -27,9 +28,8 @@ from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...physics.motion.schedule import Schedule
-from ...signals.sine.fit import Design, design_of
 from ...signals.sine.drive import applied_drive
-from ...signals.sine.fit import LineFit
+from ...signals.sine.fit import Design, LineFit, design_of
 from ...signals.sine.fit import fit_line as fit_drive
 from .plan import Plan
 from .readings import Line, Run
