@@ -54,18 +54,10 @@ _KINDS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """A number with its unit.
+    """A number with its unit."""
 
-    Parameters
-    ----------
-    value : float
-        In ``unit``.
-    unit : str
-        As ``normalise`` prints it.
-    """
-
-    value: float
-    unit: str
+    value: float  # In ``unit``
+    unit: str  # As ``normalise`` prints it
 
     def to(self, unit: str, difference: bool = False) -> float:
         """Return the number in another unit of the same dimension.

@@ -23,30 +23,16 @@ def no_rows() -> Rows:
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """One column of a file.
+    """One column of a file."""
 
-    Parameters
-    ----------
-    name : str
-        As the file has it; ``column_3``, counted from 1, where it has none.
-    values : ndarray, shape (n,)
-        Numbers in the type of the file, ``datetime64[ns]``, or objects of type str.
-    unit : str or None
-        As a units row or the metadata of the format say it.
-    named : bool
-        Whether the file has a name for it.
-    matrix : str
-        Name of the matrix that it is a column of; what it says holds for the column too.
-    empty, not_a_number : ndarray of int64
-        Index of each cell that was empty, and of each that spelled out NaN, NA or infinity. Both hold NaN.
-    """
-
-    name: str
-    values: NDArray[Any]
-    unit: str | None = None
-    named: bool = True
-    matrix: str = ""
+    name: str  # As the file has it; ``column_3``, counted from 1, where it has none
+    values: NDArray[Any]  # shape (n,): numbers in the type of the file, ``datetime64[ns]``, or objects of type str
+    unit: str | None = None  # As a units row or the metadata of the format say it
+    named: bool = True  # Whether the file has a name for it
+    matrix: str = ""  # Name of the matrix that it is a column of; what it says holds for the column too
+    # Index of each cell that was empty, and of each that spelled out NaN, NA or infinity. Both hold NaN.
     empty: Rows = field(default_factory=no_rows)
+    # Index of each cell that was empty, and of each that spelled out NaN, NA or infinity. Both hold NaN.
     not_a_number: Rows = field(default_factory=no_rows)
 
     @property
@@ -62,29 +48,15 @@ class Column:
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """All columns of a file.
+    """All columns of a file."""
 
-    Parameters
-    ----------
-    columns : tuple of Column
-        All of one length.
-    format : str
-        In words: ``"text, tab-separated"``.
-    rows : ndarray of int64, shape (n,), or None
-        Row of the file (counted from 1) of each sample; None where rows have no meaning.
-    sample_rate : float or None
-        As comments or metadata say it [Hz].
-    remarks : tuple of Remark
-        What reading it brought up.
-    time_ns : ndarray of int64, shape (n,), or None
-        Stamps that the format itself gives [ns since 1970 UTC]; then no column is time.
-    """
-
-    columns: tuple[Column, ...]
-    format: str
+    columns: tuple[Column, ...]  # All of one length
+    format: str  # In words: ``"text, tab-separated"``
+    # shape (n,): row of the file (counted from 1) of each sample; None where rows have no meaning
     rows: Rows | None = None
-    sample_rate: float | None = None
-    remarks: tuple[Remark, ...] = ()
+    sample_rate: float | None = None  # As comments or metadata say it [Hz]
+    remarks: tuple[Remark, ...] = ()  # What reading it brought up
+    # shape (n,): stamps that the format itself gives [ns since 1970 UTC]; then no column is time
     time_ns: Times | None = None
 
     def place(self, path: str, index: int) -> str:

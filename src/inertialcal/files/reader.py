@@ -20,26 +20,13 @@ from .time.window import Window
 
 @dataclass(frozen=True)
 class Reader:
-    """A reader of files that hold columns.
+    """A reader of files that hold columns."""
 
-    Parameters
-    ----------
-    name : str
-        That in the registry: ``"parquet"``.
-    title : str
-        As a list of formats names it: ``"Parquet"``.
-    endings : tuple of str
-        Of the names of such files, in small letters: ``(".parquet",)``.
-    recognises : callable
-        Whether bytes (all of the file, unpacked) and path are of this format.
-    read : callable
-        Columns of a loaded file; the second argument names the variables to take, where a file holds several sets.
-    """
-
-    name: str
-    title: str
-    endings: tuple[str, ...]
-    recognises: Callable[[bytes, str], bool]
+    name: str  # That in the registry: ``"parquet"``
+    title: str  # As a list of formats names it: ``"Parquet"``
+    endings: tuple[str, ...]  # Of the names of such files, in small letters: ``(".parquet",)``
+    recognises: Callable[[bytes, str], bool]  # Whether bytes (all of the file, unpacked) and path are of this format
+    # Columns of a loaded file; the second argument names the variables to take, where a file holds several sets
     read: Callable[[Loaded, Sequence[str] | None], Content]
 
 
@@ -58,18 +45,8 @@ class Request:
 
 @dataclass(frozen=True)
 class ArchiveReader:
-    """A reader of records that are several files: found by path, with a time of their own.
+    """A reader of records that are several files: found by path, with a time of their own."""
 
-    Parameters
-    ----------
-    name : str
-        ``"pad"``.
-    title : str
-        As a list of formats names it.
-    read : callable
-        Recording of a path; None where it is no such record.
-    """
-
-    name: str
-    title: str
-    read: Callable[[str | Path, Request], Recording | None]
+    name: str  # ``"pad"``
+    title: str  # As a list of formats names it
+    read: Callable[[str | Path, Request], Recording | None]  # Recording of a path; None where it is no such record

@@ -26,24 +26,12 @@ GZIP = b"\x1f\x8b"
 
 @dataclass(frozen=True)
 class Loaded:
-    """A file's content.
+    """A file's content."""
 
-    Parameters
-    ----------
-    path : str
-        As given.
-    data : bytes
-        Unpacked.
-    sha256 : str
-        Of the bytes of the file as it lies there, packed or not.
-    packed : bool
-        Whether it was gzip.
-    """
-
-    path: str
-    data: bytes
-    sha256: str
-    packed: bool = False
+    path: str  # As given
+    data: bytes  # Unpacked
+    sha256: str  # Of the bytes of the file as it lies there, packed or not
+    packed: bool = False  # Whether it was gzip
 
 
 def load(path: str | Path) -> Loaded:

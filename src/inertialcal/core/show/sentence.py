@@ -23,19 +23,11 @@ class Quoted(str):
 
 @dataclass(frozen=True, eq=False)
 class Cited:
-    """The value of a row.
+    """The value of a row."""
 
-    Parameters
-    ----------
-    row : mapping
-        Of ``results.json``.
-    u, unit : bool
-        Whether its uncertainty and its unit stand with it; without uncertainty it has few digits.
-    """
-
-    row: WrittenRow
-    u: bool = True
-    unit: bool = True
+    row: WrittenRow  # Of ``results.json``
+    u: bool = True  # Whether its uncertainty and its unit stand with it; without uncertainty it has few digits
+    unit: bool = True  # Whether its uncertainty and its unit stand with it; without uncertainty it has few digits
 
 
 Sentence = tuple[str | Cited, ...]

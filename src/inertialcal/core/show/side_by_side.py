@@ -18,22 +18,14 @@ R = TypeVar("R", bound=WrittenRow)
 
 @dataclass(frozen=True)
 class Compared:
-    """An error that stands beside that of another test: its quantities, and what its tables are called.
+    """An error that stands beside that of another test: its quantities, and what its tables are called."""
 
-    Parameters
-    ----------
-    error, other, change, reduction : str
-        Quantities: of the test; of the other; this less the other; by how much it is nearer to zero.
-    title, caption : str
-        Of a table for a terminal, and for a report.
-    """
-
-    error: str
-    other: str
-    change: str
-    reduction: str
-    title: str
-    caption: str
+    error: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
+    other: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
+    change: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
+    reduction: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
+    title: str  # Of a table for a terminal, and for a report
+    caption: str  # Of a table for a terminal, and for a report
 
     @property
     def roles(self) -> dict[str, str]:

@@ -21,24 +21,12 @@ _RIGHT = "text-align:right"
 
 @dataclass(frozen=True)
 class Table:
-    """Rows of cells under heads.
+    """Rows of cells under heads."""
 
-    Parameters
-    ----------
-    heads : sequence of str
-        Of the columns.
-    rows : sequence of sequence of str
-        Cells.
-    caption : str
-        Line above; empty for none.
-    right : sequence of int
-        Columns of figures: set to the right, never cut.
-    """
-
-    heads: Sequence[str]
-    rows: Sequence[Sequence[str]]
-    caption: str = ""
-    right: Sequence[int] = ()
+    heads: Sequence[str]  # Of the columns
+    rows: Sequence[Sequence[str]]  # Cells
+    caption: str = ""  # Line above; empty for none
+    right: Sequence[int] = ()  # Columns of figures: set to the right, never cut
 
 
 @dataclass(frozen=True)

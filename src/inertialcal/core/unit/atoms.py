@@ -44,40 +44,19 @@ TWO_CASES = ("m", "M", "p")  # the other case is another prefix
 
 @dataclass(frozen=True)
 class Atom:
-    """A unit whose spelling is not made of others.
+    """A unit whose spelling is not made of others."""
 
-    Parameters
-    ----------
-    symbol : str
-        As printed.
-    name : str
-        Its name in full, which is also a spelling, as is its plural.
-    kind : str
-        What it measures; sets the order in print.
-    value : float
-        One of it, in the unit ``of``; a base unit is 1 of itself.
-    of : str
-        A product of other units.
-    si : str
-        The unit of that kind inside the project.
-    prefixes : str
-        Those that may stand before ``symbol``, ``symbols`` (letters) and ``name``, ``words`` (in full).
-    symbols, words : tuple of str
-        Other spellings; case counts in symbols of one or two letters only.
-    offset : float
-        Zero of a temperature scale. [K]
-    """
-
-    symbol: str
-    name: str
-    kind: str
-    value: float
-    of: str
-    si: str
+    symbol: str  # As printed
+    name: str  # Its name in full, which is also a spelling, as is its plural
+    kind: str  # What it measures; sets the order in print
+    value: float  # One of it, in the unit ``of``; a base unit is 1 of itself
+    of: str  # A product of other units
+    si: str  # The unit of that kind inside the project
+    # Those that may stand before ``symbol``, ``symbols`` (letters) and ``name``, ``words`` (in full)
     prefixes: str = ""
-    symbols: tuple[str, ...] = ()
-    words: tuple[str, ...] = ()
-    offset: float = 0.0
+    symbols: tuple[str, ...] = ()  # Other spellings; case counts in symbols of one or two letters only
+    words: tuple[str, ...] = ()  # Other spellings; case counts in symbols of one or two letters only
+    offset: float = 0.0  # Zero of a temperature scale. [K]
 
 
 ATOMS = (

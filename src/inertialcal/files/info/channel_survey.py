@@ -20,47 +20,25 @@ CELSIUS, KELVIN = (-60.0, 130.0), (213.0, 403.0)  # usual range of a sensor
 
 @dataclass(frozen=True)
 class ChannelSurvey:
-    """What a channel holds.
+    """What a channel holds."""
 
-    Parameters
-    ----------
-    name, axis, quantity, unit, unit_from : str
-        As ``core.recording.Channel`` has them; unit None when nobody said.
-    dtype : str
-        Type of the stored numbers.
-    count, missing : int
-        Samples, and how many of them have no number.
-    minimum, maximum, mean, std : float or None
-        In the unit of the channel; None where there is no number.
-    resolution : float or None
-        Step of which all differences are whole multiples.
-    longest_run : Run or None
-        Longest stretch of equal values.
-    stuck : bool
-        Whether it is far longer than the other stretches explain; a constant channel is stuck.
-    rails : tuple of Rail
-        Extremes at which samples pile up.
-    rails_at : tuple of int
-        Index of the first sample of each.
-    """
-
-    name: str
-    axis: str
-    quantity: str
-    unit: str | None
-    unit_from: str
-    dtype: str
-    count: int
-    missing: int
-    minimum: float | None = None
-    maximum: float | None = None
-    mean: float | None = None
-    std: float | None = None
-    resolution: float | None = None
-    longest_run: Run | None = None
-    stuck: bool = False
-    rails: tuple[Rail, ...] = ()
-    rails_at: tuple[int, ...] = ()
+    name: str  # As ``core.recording.Channel`` has them; unit None when nobody said
+    axis: str  # As ``core.recording.Channel`` has them; unit None when nobody said
+    quantity: str  # As ``core.recording.Channel`` has them; unit None when nobody said
+    unit: str | None  # As ``core.recording.Channel`` has them; unit None when nobody said
+    unit_from: str  # As ``core.recording.Channel`` has them; unit None when nobody said
+    dtype: str  # Type of the stored numbers
+    count: int  # Samples, and how many of them have no number
+    missing: int  # Samples, and how many of them have no number
+    minimum: float | None = None  # In the unit of the channel; None where there is no number
+    maximum: float | None = None  # In the unit of the channel; None where there is no number
+    mean: float | None = None  # In the unit of the channel; None where there is no number
+    std: float | None = None  # In the unit of the channel; None where there is no number
+    resolution: float | None = None  # Step of which all differences are whole multiples
+    longest_run: Run | None = None  # Longest stretch of equal values
+    stuck: bool = False  # Whether it is far longer than the other stretches explain; a constant channel is stuck
+    rails: tuple[Rail, ...] = ()  # Extremes at which samples pile up
+    rails_at: tuple[int, ...] = ()  # Index of the first sample of each
 
     @property
     def is_constant(self) -> bool:
@@ -182,21 +160,11 @@ COUNTS_FROM = 256.0  # whole numbers whose largest is beyond 8 bits
 
 @dataclass(frozen=True)
 class Hint:
-    """A unit that the numbers suggest.
+    """A unit that the numbers suggest."""
 
-    Parameters
-    ----------
-    target : str
-        Group or column, as ``--unit`` takes it.
-    unit : str
-        Suggested; empty where nothing suggests one.
-    reason : str
-        Why.
-    """
-
-    target: str
-    unit: str
-    reason: str
+    target: str  # Group or column, as ``--unit`` takes it
+    unit: str  # Suggested; empty where nothing suggests one
+    reason: str  # Why
 
     def __str__(self) -> str:
         return f"{self.reason}: --unit {self.target}={self.unit}?" if self.unit else self.reason

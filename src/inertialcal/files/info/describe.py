@@ -32,25 +32,13 @@ COUNTED_FROM = 3  # rows from which 0, 1, 2, ... is a count of rows
 
 @dataclass(frozen=True, eq=False)
 class Described:
-    """A column with what is known of it.
+    """A column with what is known of it."""
 
-    Parameters
-    ----------
-    column : Column
-        As read.
-    axis, quantity : str
-        As ``Heading`` has them.
-    unit : str or None
-        As ``core.units`` prints it.
-    unit_from : str
-        ``"flag"``, ``"header"``, ``"format"`` or ``""``.
-    """
-
-    column: Column
-    axis: str
-    quantity: str
-    unit: str | None
-    unit_from: str
+    column: Column  # As read
+    axis: str  # As ``Heading`` has them
+    quantity: str  # As ``Heading`` has them
+    unit: str | None  # As ``core.units`` prints it
+    unit_from: str  # ``"flag"``, ``"header"``, ``"format"`` or ``""``
 
     @property
     def name(self) -> str:

@@ -24,27 +24,13 @@ HEADS = ("channel", "axis", "what", "unit", "min", "max", "mean", "std", "missin
 
 @dataclass(frozen=True)
 class TimeSurvey:
-    """Time of a file.
+    """Time of a file."""
 
-    Parameters
-    ----------
-    epoch : {"utc", "elapsed"} or None
-        What time zero is; None where the file has no time.
-    start : str or None
-        First stamp: an instant, or seconds.
-    sample_interval : float or None
-        Nominal [s].
-    interval_from : str
-        Where it comes from; empty where there is none.
-    axis : TimeAxis or None
-        What the stamps say; None where there are fewer than two.
-    """
-
-    epoch: Literal["utc", "elapsed"] | None
-    start: str | None
-    sample_interval: float | None
-    interval_from: str
-    axis: TimeAxis | None
+    epoch: Literal["utc", "elapsed"] | None  # What time zero is; None where the file has no time
+    start: str | None  # First stamp: an instant, or seconds
+    sample_interval: float | None  # Nominal [s]
+    interval_from: str  # Where it comes from; empty where there is none
+    axis: TimeAxis | None  # What the stamps say; None where there are fewer than two
 
     @property
     def sample_rate(self) -> float | None:
@@ -95,33 +81,15 @@ class TimeSurvey:
 
 @dataclass(frozen=True)
 class Survey:
-    """What a file holds.
+    """What a file holds."""
 
-    Parameters
-    ----------
-    source : Source
-        Path, SHA-256, format.
-    rows : int
-        Samples.
-    channels : tuple of ChannelSurvey
-        One a channel.
-    time : TimeSurvey
-        Time axis and sample rate.
-    hints : tuple of Hint
-        At units that nobody said.
-    remarks : tuple of Remark
-        Of reading, and of the survey.
-    next : str or None
-        Command to type next; the survey itself knows none.
-    """
-
-    source: Source
-    rows: int
-    channels: tuple[ChannelSurvey, ...]
-    time: TimeSurvey
-    hints: tuple[Hint, ...]
-    remarks: tuple[Remark, ...]
-    next: str | None = None
+    source: Source  # Path, SHA-256, format
+    rows: int  # Samples
+    channels: tuple[ChannelSurvey, ...]  # One a channel
+    time: TimeSurvey  # Time axis and sample rate
+    hints: tuple[Hint, ...]  # At units that nobody said
+    remarks: tuple[Remark, ...]  # Of reading, and of the survey
+    next: str | None = None  # Command to type next; the survey itself knows none
 
     @property
     def path(self) -> str:

@@ -28,26 +28,16 @@ REDUCED = re.compile(r"(?:\b|_)(?:(?<!sample[_ ])rate|applied|reading)(?:_|\b)",
 
 @dataclass(frozen=True)
 class Guess:
-    """Columns by what they hold; None where no name, or more than one, says so.
+    """Columns by what they hold; None where no name, or more than one, says so."""
 
-    Parameters
-    ----------
-    applied, scatter, samples, group, run, axis : str or None
-        Names of columns.
-    readings : tuple of str
-        Columns that can be the sensor's reading.
-    unit : str or None
-        That the names of applied and readings say, where they agree.
-    """
-
-    applied: str | None = None
-    scatter: str | None = None
-    samples: str | None = None
-    group: str | None = None
-    run: str | None = None
-    axis: str | None = None
-    readings: tuple[str, ...] = ()
-    unit: str | None = None
+    applied: str | None = None  # Names of columns
+    scatter: str | None = None  # Names of columns
+    samples: str | None = None  # Names of columns
+    group: str | None = None  # Names of columns
+    run: str | None = None  # Names of columns
+    axis: str | None = None  # Names of columns
+    readings: tuple[str, ...] = ()  # Columns that can be the sensor's reading
+    unit: str | None = None  # That the names of applied and readings say, where they agree
     by_axis: dict[str, str] = field(default_factory=dict)
 
 

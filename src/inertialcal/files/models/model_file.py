@@ -23,27 +23,13 @@ from .model_format import ImportedModels, ModelText
 
 @dataclass(frozen=True, eq=False)
 class ModelFile:
-    """A file with a model, as it lies there.
+    """A file with a model, as it lies there."""
 
-    Parameters
-    ----------
-    path : str
-        As given.
-    data : bytes
-        Whole content.
-    model : SensorModel
-        What it says; where the file has a checksum, it fits.
-    format : str
-        Title of its format: ``"inertialcal"``, ``"Kalibr"``.
-    remarks : tuple of Remark
-        What the file holds and the model does not.
-    """
-
-    path: str
-    data: bytes
-    model: SensorModel
-    format: str = "inertialcal"
-    remarks: tuple[Remark, ...] = ()
+    path: str  # As given
+    data: bytes  # Whole content
+    model: SensorModel  # What it says; where the file has a checksum, it fits
+    format: str = "inertialcal"  # Title of its format: ``"inertialcal"``, ``"Kalibr"``
+    remarks: tuple[Remark, ...] = ()  # What the file holds and the model does not
 
     @property
     def sha256(self) -> str:
@@ -142,7 +128,14 @@ def export(
         raise UsageError(f"--to {to!r}: no such format", do=f"Formats: {', '.join(FORMATS)}", code="unsupported_format")
     sources = (source, *others)
     for one in sources:
-        _check_judged(one, unjudged)
+        if not (one.model.judged or unjudged):
+            raise DataError(
+                "the model was not judged on recordings held out",
+                where=one.path,
+                why="how well it does on data that it was not fitted to is not known",
+                do='Mark tests with use = "hold_out" and run again, or say --unjudged',
+                code="unjudged",
+            )
     chosen = FORMATS[to]
     if chosen.one_sensor and len(sources) > 1:
         raise UsageError(f"--to {to} holds one sensor a file", do="Export them one by one", code="one_sensor")
@@ -156,14 +149,3 @@ def export(
         aside.write_bytes(data)
     before = tuple(remark for one in sources for remark in one.remarks)
     return Exported(hashlib.sha256(data).hexdigest(), before + gone)
-
-
-def _check_judged(source: ModelFile, unjudged: bool) -> None:
-    if not (source.model.judged or unjudged):
-        raise DataError(
-            "the model was not judged on recordings held out",
-            where=source.path,
-            why="how well it does on data that it was not fitted to is not known",
-            do='Mark tests with use = "hold_out" and run again, or say --unjudged',
-            code="unjudged",
-        )

@@ -19,21 +19,11 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class ModelText:
-    """Text of a file that holds models.
+    """Text of a file that holds models."""
 
-    Parameters
-    ----------
-    text : str
-        All of it.
-    where : str
-        Path, for messages.
-    kind : {"accelerometer", "gyro"}, optional
-        Which sensor is wanted, for formats that do not tell.
-    """
-
-    text: str
-    where: str = ""
-    kind: Kind | None = None
+    text: str  # All of it
+    where: str = ""  # Path, for messages
+    kind: Kind | None = None  # Which sensor is wanted, for formats that do not tell
 
     @cached_property
     def json(self) -> object:
@@ -46,48 +36,23 @@ class ModelText:
 
 @dataclass(frozen=True, eq=False)
 class ImportedModels:
-    """Models read from a file.
+    """Models read from a file."""
 
-    Parameters
-    ----------
-    models : mapping
-        Kind of sensor -> model.
-    remarks : tuple of Remark
-        What the file holds and a model does not.
-    """
-
-    models: Models
-    remarks: tuple[Remark, ...] = ()
+    models: Models  # Kind of sensor -> model
+    remarks: tuple[Remark, ...] = ()  # What the file holds and a model does not
 
 
 @dataclass(frozen=True, kw_only=True)
 class ModelFormat:
-    """A format of models, in and out.
+    """A format of models, in and out."""
 
-    Parameters
-    ----------
-    name : str
-        As ``--to`` takes it: ``"kalibr-model"``.
-    title : str
-        Whose it is: ``"Kalibr"``.
-    dump : callable
-        Text of the file that holds these models.
-    cannot_hold : callable
-        What the format leaves out of these models, or fills in.
-    one_sensor : bool
-        Whether a file holds one sensor only.
-    verbatim : bool
-        Whether a file in this format is handed on byte by byte.
-    read : callable or None
-        Models of a text; it gives None for a text in another format. None where the format is written only.
-    """
-
-    name: str
-    title: str
-    dump: Callable[[Models], str]
-    cannot_hold: Callable[[Models], tuple[Remark, ...]]
-    one_sensor: bool = False
-    verbatim: bool = False
+    name: str  # As ``--to`` takes it: ``"kalibr-model"``
+    title: str  # Whose it is: ``"Kalibr"``
+    dump: Callable[[Models], str]  # Text of the file that holds these models
+    cannot_hold: Callable[[Models], tuple[Remark, ...]]  # What the format leaves out of these models, or fills in
+    one_sensor: bool = False  # Whether a file holds one sensor only
+    verbatim: bool = False  # Whether a file in this format is handed on byte by byte
+    # Models of a text; it gives None for a text in another format. None where the format is written only.
     read: Callable[[ModelText], ImportedModels | None] | None = None
 
 

@@ -40,21 +40,11 @@ RANGES = ("input_range", "temperature_range", "pressure_range")
 
 @dataclass(frozen=True, eq=False)
 class Triad:
-    """v = gain x + offset + force f.
+    """v = gain x + offset + force f."""
 
-    Parameters
-    ----------
-    gain : ndarray, shape (3, 3)
-        [output unit / SI input unit]
-    offset : ndarray, shape (3,)
-        [output unit]
-    force : ndarray, shape (3, 3)
-        [output unit / (m/s2)]; zero where the model has no such term.
-    """
-
-    gain: Array
-    offset: Array
-    force: Array
+    gain: Array  # shape (3, 3): [output unit / SI input unit]
+    offset: Array  # shape (3,): [output unit]
+    force: Array  # shape (3, 3): [output unit / (m/s2)]; zero where the model has no such term
 
 
 def triad(model: SensorModel) -> Triad:

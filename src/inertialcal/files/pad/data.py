@@ -74,7 +74,19 @@ def read_numbers(path: Path, header: PadHeader, digest: Digest) -> tuple[Numbers
         if not header.number_type:
             return _from_text(path, columns, digest)
         _whole_records(path, size, columns)
-        return _from_binary(path, np.dtype(header.number_type), size // (FLOAT * columns), columns, digest)
+        n = size // (FLOAT * columns)
+        found = [np.empty(n, dtype=np.float32) for _ in range(columns)]
+        buffer = np.empty((min(BLOCK, n), columns), dtype=np.dtype(header.number_type))
+        with path.open("rb") as stream:
+            for first in range(0, n, BLOCK):
+                block = buffer[: min(BLOCK, n - first)]
+                raw = block.view(np.uint8).data
+                if stream.readinto(raw) != block.nbytes:
+                    raise DataError(f"ends before record {n}, while it is read", where=str(path), code="damaged_file")
+                digest.update(raw)
+                for column, numbers in enumerate(found):
+                    numbers[first : first + len(block)] = block[:, column]
+        return found[0], found[1:]
     except OSError as error:
         what = f"cannot be read: {error.strerror or error}"
         raise DataError(what, where=str(path), code="missing_file") from None
@@ -90,24 +102,6 @@ def _whole_records(path: Path, size: int, columns: int) -> None:
             do="Fetch it again from the archive",
             code="truncated",
         )
-
-
-def _from_binary(
-    path: Path, kind: np.dtype[Any], n: int, columns: int, digest: Digest
-) -> tuple[Numbers, list[Numbers]]:
-    """Columns in the machine's byte order, still 32 bits wide."""
-    found = [np.empty(n, dtype=np.float32) for _ in range(columns)]
-    buffer = np.empty((min(BLOCK, n), columns), dtype=kind)
-    with path.open("rb") as stream:
-        for first in range(0, n, BLOCK):
-            block = buffer[: min(BLOCK, n - first)]
-            raw = block.view(np.uint8).data
-            if stream.readinto(raw) != block.nbytes:
-                raise DataError(f"ends before record {n}, while it is read", where=str(path), code="damaged_file")
-            digest.update(raw)
-            for column, numbers in enumerate(found):
-                numbers[first : first + len(block)] = block[:, column]
-    return found[0], found[1:]
 
 
 def _from_text(path: Path, columns: int, digest: Digest) -> tuple[Numbers, list[Numbers]]:

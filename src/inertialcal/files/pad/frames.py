@@ -74,12 +74,6 @@ def turned(
         what = f"x, y, z are the axes of {header.data_system}, not those of the sensor {header.sensor_system}"
         do = "For those of the sensor, in which its bias and scale factor lie: --frame sensor"
         return values, (Remark("not_sensor_axes", "info", what, where, do=do),)
-    _turn(values, C)
-    what = f"x, y, z turned from {header.data_system} to the axes of the sensor {header.sensor_system}"
-    return values, (Remark("turned_to_sensor_axes", "info", what, where),)
-
-
-def _turn(values: list[Numbers], C: Array) -> None:
     for first in range(0, len(values[0]), BLOCK):
         part = slice(first, first + BLOCK)
         vectors = [column[part].astype(np.float64) for column in values[:3]]
@@ -88,6 +82,8 @@ def _turn(values: list[Numbers], C: Array) -> None:
             for other in (1, 2):
                 turned_part += C[axis, other] * vectors[other]
             values[axis][part] = turned_part
+    what = f"x, y, z turned from {header.data_system} to the axes of the sensor {header.sensor_system}"
+    return values, (Remark("turned_to_sensor_axes", "info", what, where),)
 
 
 def sensor_frame(path: str | Path) -> Frame | None:

@@ -32,20 +32,12 @@ ANGLES = ("r", "p", "w")
 
 @dataclass(frozen=True)
 class CoordinateSystem:
-    """Attitude of a coordinate system in that of the station.
+    """Attitude of a coordinate system in that of the station."""
 
-    Parameters
-    ----------
-    name : str
-        ``"121f03"``, ``"SSAnalysis"``.
-    roll, pitch, yaw : float
-        As the header has them [deg].
-    """
-
-    name: str
-    roll: float
-    pitch: float
-    yaw: float
+    name: str  # ``"121f03"``, ``"SSAnalysis"``
+    roll: float  # As the header has them [deg]
+    pitch: float  # As the header has them [deg]
+    yaw: float  # As the header has them [deg]
 
     @property
     def C_station_system(self) -> Array:
@@ -59,46 +51,22 @@ class CoordinateSystem:
 
 @dataclass(frozen=True)
 class PadHeader:
-    """What a header says.
+    """What a header says."""
 
-    Parameters
-    ----------
-    system : str
-        Name of its root: ``"sams2_accel"``, ``"mams_accel_ossraw"``.
-    sensor : str
-        SensorID.
-    time_zero : int
-        Instant of t = 0 [ns since 1970 UTC].
-    sample_rate : float
-        [Hz].
-    number_type : str
-        ``"<f4"``, ``">f4"``, or ``""`` for text.
-    data_file : str
-        Name that GData gives to the data file; empty where it gives none.
-    gain, cutoff : float or None
-        Gain of the chain, and cutoff of its filter [Hz], where they are said.
-    bias, scale_factor : tuple of float, or None
-        BiasCoeff and ScaleFactor of x, y, z, where they are said.
-    sensor_system, data_system : CoordinateSystem or None
-        Of the head's axes, and of the axes that the data are given in.
-    quality, configuration : str
-        DataQualityMeasure (what was applied) and ISSConfiguration.
-    """
-
-    system: str
-    sensor: str
-    time_zero: int
-    sample_rate: float
-    number_type: str
-    data_file: str
-    gain: float | None
-    cutoff: float | None
-    bias: tuple[float, ...] | None
-    scale_factor: tuple[float, ...] | None
-    sensor_system: CoordinateSystem | None
-    data_system: CoordinateSystem | None
-    quality: str
-    configuration: str
+    system: str  # Name of its root: ``"sams2_accel"``, ``"mams_accel_ossraw"``
+    sensor: str  # SensorID
+    time_zero: int  # Instant of t = 0 [ns since 1970 UTC]
+    sample_rate: float  # [Hz]
+    number_type: str  # ``"<f4"``, ``">f4"``, or ``""`` for text
+    data_file: str  # Name that GData gives to the data file; empty where it gives none
+    gain: float | None  # Gain of the chain, and cutoff of its filter [Hz], where they are said
+    cutoff: float | None  # Gain of the chain, and cutoff of its filter [Hz], where they are said
+    bias: tuple[float, ...] | None  # BiasCoeff and ScaleFactor of x, y, z, where they are said
+    scale_factor: tuple[float, ...] | None  # BiasCoeff and ScaleFactor of x, y, z, where they are said
+    sensor_system: CoordinateSystem | None  # Of the head's axes, and of the axes that the data are given in
+    data_system: CoordinateSystem | None  # Of the head's axes, and of the axes that the data are given in
+    quality: str  # DataQualityMeasure (what was applied) and ISSConfiguration
+    configuration: str  # DataQualityMeasure (what was applied) and ISSConfiguration
 
 
 def read_header(path: Path) -> PadHeader:
@@ -115,7 +83,15 @@ def read_header(path: Path) -> PadHeader:
     if rate is None or not SLOWEST <= rate <= FASTEST:
         need = f"need one above zero, from {SLOWEST:g} to {FASTEST:g} Hz"
         raise bad_header(where, f"SampleRate {_text(root, 'SampleRate', where)!r}: {need}")
-    number_type, data_file = _layout(root, where)
+    # Type of a number, and the name of the data file
+    found = root.find("GData")
+    if found is None:
+        raise bad_header(where, "the header has no GData, which says how the bytes of the data are laid out")
+    said = found.get("format", "")
+    known = FORMATS.get(" ".join(said.lower().split()))
+    if known is None:
+        raise bad_header(where, f"GData format {said!r} is none of: {', '.join(FORMATS)}")
+    number_type, data_file = known, found.get("file", "")
     return PadHeader(
         system=root.tag,
         sensor=_text(root, "SensorID", where),
@@ -186,18 +162,6 @@ def _time_zero(root: ET.Element, where: str) -> int:
         return read_instant(text)
     except ValueError as error:
         raise bad_header(where, f"TimeZero: {error}") from None
-
-
-def _layout(root: ET.Element, where: str) -> tuple[str, str]:
-    """Type of a number, and the name of the data file."""
-    found = root.find("GData")
-    if found is None:
-        raise bad_header(where, "the header has no GData, which says how the bytes of the data are laid out")
-    said = found.get("format", "")
-    known = FORMATS.get(" ".join(said.lower().split()))
-    if known is None:
-        raise bad_header(where, f"GData format {said!r} is none of: {', '.join(FORMATS)}")
-    return known, found.get("file", "")
 
 
 LARGEST = 2**16  # bytes; headers of the archive have 700 to 1500

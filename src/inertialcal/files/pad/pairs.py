@@ -114,22 +114,12 @@ NAME = re.compile(rf"(?P<start>{STAMP})(?P<sign>[+-])(?P<stop>{STAMP})\.(?P<sens
 
 @dataclass(frozen=True)
 class PadName:
-    """What the name of a data file says.
+    """What the name of a data file says."""
 
-    Parameters
-    ----------
-    start, stop : int
-        First and last sample [ns since 1970 UTC].
-    contiguous : bool
-        Whether the file goes on where the one before it ended.
-    sensor : str
-        Behind the last dot.
-    """
-
-    start: int
-    stop: int
-    contiguous: bool
-    sensor: str
+    start: int  # First and last sample [ns since 1970 UTC]
+    stop: int  # First and last sample [ns since 1970 UTC]
+    contiguous: bool  # Whether the file goes on where the one before it ended
+    sensor: str  # Behind the last dot
 
 
 def parse_name(name: str) -> PadName | None:

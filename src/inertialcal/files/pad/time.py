@@ -27,36 +27,16 @@ DRIFT = 0.05  # in intervals, from which stamps run away from the count
 
 @dataclass(frozen=True, eq=False)
 class Stamps:
-    """Time axis of one file.
+    """Time axis of one file."""
 
-    Parameters
-    ----------
-    time_ns : ndarray of int64, shape (n,)
-        Regenerated [ns since 1970 UTC].
-    end : int
-        Last of the file's own stamps [ns since 1970 UTC].
-    interval : float
-        By the file's own stamps, over the longest run without a gap [s].
-    uncertain : float
-        By how much it may be wrong for the width of the stamps [s].
-    deviation : float
-        Largest difference of the file's stamps from the regenerated ones [s].
-    resolution : float
-        Step in which the file's time moves at its end [s].
-    drifts : bool
-        Whether that is more than its resolution and a twentieth of an interval explain.
-    jumps : ndarray of int64, shape (k,)
-        Index of the last sample before each gap inside the file.
-    """
-
-    time_ns: Times
-    end: int
-    interval: float
-    uncertain: float
-    deviation: float
-    resolution: float
-    drifts: bool
-    jumps: NDArray[np.int64]
+    time_ns: Times  # shape (n,): regenerated [ns since 1970 UTC]
+    end: int  # Last of the file's own stamps [ns since 1970 UTC]
+    interval: float  # By the file's own stamps, over the longest run without a gap [s]
+    uncertain: float  # By how much it may be wrong for the width of the stamps [s]
+    deviation: float  # Largest difference of the file's stamps from the regenerated ones [s]
+    resolution: float  # Step in which the file's time moves at its end [s]
+    drifts: bool  # Whether that is more than its resolution and a twentieth of an interval explain
+    jumps: NDArray[np.int64]  # shape (k,): index of the last sample before each gap inside the file
 
 
 def regenerate(time: Numbers, zero: int, sample_rate: float, where: str) -> Stamps:

@@ -32,20 +32,12 @@ INT64_DIGITS = 18  # whole numbers of so many digits fit int64 for certain
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """One column, judged.
+    """One column, judged."""
 
-    Parameters
-    ----------
-    values : ndarray, shape (n,)
-        int64 or float64 (NaN where there is no number), or objects of type str.
-    empty, not_a_number, text : ndarray of int64
-        Index of the cells of each kind; ``text`` only where the column is numbers.
-    """
-
-    values: NDArray[Any]
-    empty: Rows
-    not_a_number: Rows
-    text: Rows
+    values: NDArray[Any]  # shape (n,): int64 or float64 (NaN where there is no number), or objects of type str
+    empty: Rows  # Index of the cells of each kind; ``text`` only where the column is numbers
+    not_a_number: Rows  # Index of the cells of each kind; ``text`` only where the column is numbers
+    text: Rows  # Index of the cells of each kind; ``text`` only where the column is numbers
 
 
 def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
@@ -71,7 +63,7 @@ def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
         return Cells(np.array(stripped, dtype="S18").astype(np.int64), empty, nan, none)
     values = np.full(len(stripped), np.nan)
     at = np.flatnonzero(numbers)
-    values[at] = _to_floats([stripped[i] for i in at], decimal)
+    values[at] = list(map(float, _plain(" ".join([stripped[i] for i in at]), decimal).split()))
     bad = text | np.isinf(values)  # beyond the range of float64 is no number that can be used
     values[np.isinf(values)] = np.nan
     return Cells(_whole(values, stripped, kinds), empty, nan, np.flatnonzero(bad))
@@ -86,11 +78,6 @@ def kind(cell: str, decimal: Decimal = ".") -> str:
 def to_float(cell: str, decimal: Decimal = ".") -> float:
     """Return the number in a cell of kind ``i`` or ``f``; infinite where it is out of range."""
     return float(_plain(cell, decimal))
-
-
-def _to_floats(cells: list[str], decimal: Decimal) -> list[float]:
-    """Numbers of cells of kind ``i`` or ``f``; joined first, because one replacement is faster than many."""
-    return list(map(float, _plain(" ".join(cells), decimal).split()))
 
 
 def _plain(text: str, decimal: Decimal) -> str:

@@ -129,25 +129,14 @@ CLOSING = {"]": "[", ")": "("}
 
 @dataclass(frozen=True)
 class Heading:
-    """What a name says.
+    """What a name says."""
 
-    Parameters
-    ----------
-    unit : str or None
-        As ``core.units`` prints it; None where the name says none.
-    axis : str
-        ``"x"``, ``"y"``, ``"z"`` or ``""``.
-    quantity : str
-        ``"gyro"``, ``"acc"``, ``"magnetometer"``, ``"temperature"``, ``"pressure"``, ``"voltage"``,
-        ``"time"``, ``"status"``, ``"index"`` or ``""``.
-    unknown : str
-        Text in brackets that is no unit.
-    """
-
-    unit: str | None = None
-    axis: str = ""
+    unit: str | None = None  # As ``core.units`` prints it; None where the name says none
+    axis: str = ""  # ``"x"``, ``"y"``, ``"z"`` or ``""``
+    # ``"gyro"``, ``"acc"``, ``"magnetometer"``, ``"temperature"``, ``"pressure"``, ``"voltage"``, ``"time"``,
+    # ``"status"``, ``"index"`` or ``""``
     quantity: str = ""
-    unknown: str = ""
+    unknown: str = ""  # Text in brackets that is no unit
 
 
 def heading(name: str, unit: str | None = None) -> Heading:

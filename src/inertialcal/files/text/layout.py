@@ -57,41 +57,19 @@ class Line:
 
 @dataclass(frozen=True)
 class Layout:
-    """How a text file is laid out.
+    """How a text file is laid out."""
 
-    Parameters
-    ----------
-    separator : str or None
-        None for blanks.
-    decimal : {".", ","}
-        Decimal sign.
-    width : int
-        Cells in a row.
-    names, units : tuple of str
-        One a column; empty text where there is none.
-    start, row : int
-        Offset of the first character of the first data row, and its row in the file.
-    comment : tuple of str
-        Starts of a comment line.
-    across : bool
-        Whether the only line is a series of numbers.
-    sample_rate : float or None
-        As comments say it [Hz].
-    remarks : tuple of Remark
-        What was unusual.
-    """
-
-    separator: str | None
-    decimal: Decimal
-    width: int
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    start: int
-    row: int
-    comment: tuple[str, ...]
-    across: bool = False
-    sample_rate: float | None = None
-    remarks: tuple[Remark, ...] = ()
+    separator: str | None  # None for blanks
+    decimal: Decimal  # Decimal sign
+    width: int  # Cells in a row
+    names: tuple[str, ...]  # One a column; empty text where there is none
+    units: tuple[str, ...]  # One a column; empty text where there is none
+    start: int  # Offset of the first character of the first data row, and its row in the file
+    row: int  # Offset of the first character of the first data row, and its row in the file
+    comment: tuple[str, ...]  # Starts of a comment line
+    across: bool = False  # Whether the only line is a series of numbers
+    sample_rate: float | None = None  # As comments say it [Hz]
+    remarks: tuple[Remark, ...] = ()  # What was unusual
 
     @property
     def words(self) -> str:

@@ -36,24 +36,12 @@ SAID_FROM = 10**8 * SECOND  # 1973: a smaller number in a column of that name co
 
 @dataclass(frozen=True, eq=False)
 class Clock:
-    """Time of a file.
+    """Time of a file."""
 
-    Parameters
-    ----------
-    column : int or None
-        Position of the column that is time.
-    time_ns : ndarray of int64, shape (n,), or None
-        Stamps [ns].
-    epoch : {"utc", "elapsed"}
-        What time zero is.
-    remarks : tuple of Remark
-        What was taken, and what was not.
-    """
-
-    column: int | None = None
-    time_ns: Times | None = None
-    epoch: Literal["utc", "elapsed"] = "elapsed"
-    remarks: tuple[Remark, ...] = ()
+    column: int | None = None  # Position of the column that is time
+    time_ns: Times | None = None  # shape (n,): stamps [ns]
+    epoch: Literal["utc", "elapsed"] = "elapsed"  # What time zero is
+    remarks: tuple[Remark, ...] = ()  # What was taken, and what was not
 
 
 @dataclass(frozen=True)

@@ -18,20 +18,15 @@ NUMBER = re.compile(r"[+-]?[0-9]+(?:\.[0-9]*)?", re.ASCII)
 
 @dataclass(frozen=True)
 class Window:
-    """Times as they were said; None where nothing bounds that side.
+    """Times as they were said; None where nothing bounds that side."""
 
-    Parameters
-    ----------
-    start, stop : str, int, float, datetime or None
-        As ``core.times.read_instant`` takes them; of a recording that counts from its own time zero, as
-        ``read_elapsed`` takes them.
-    mission_start : same, optional
-        Instant at which mission elapsed time is zero.
-    """
-
+    # As ``core.times.read_instant`` takes them; of a recording that counts from its own time zero, as
+    # ``read_elapsed`` takes them
     start: object = None
+    # As ``core.times.read_instant`` takes them; of a recording that counts from its own time zero, as
+    # ``read_elapsed`` takes them
     stop: object = None
-    mission_start: object = None
+    mission_start: object = None  # Instant at which mission elapsed time is zero
 
     @property
     def is_all(self) -> bool:

@@ -33,7 +33,12 @@ def atomic_write(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
         _refuse_same(target, Path(given))
     aside = target.with_name(f".{target.name}.{os.getpid()}.part")
     try:
-        _check_place(target)
+        if "\0" in str(target):
+            raise OSError(0, "a nul in the name")
+        if target.is_dir():
+            raise IsADirectoryError(0, "this is a folder")
+        if not target.parent.is_dir():
+            raise FileNotFoundError(0, f"there is no folder {str(target.parent)!r}")
         yield aside
         aside.replace(target)
     except OSError as error:
@@ -42,15 +47,6 @@ def atomic_write(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
         ) from None
     finally:
         _remove(aside)
-
-
-def _check_place(target: Path) -> None:
-    if "\0" in str(target):
-        raise OSError(0, "a nul in the name")
-    if target.is_dir():
-        raise IsADirectoryError(0, "this is a folder")
-    if not target.parent.is_dir():
-        raise FileNotFoundError(0, f"there is no folder {str(target.parent)!r}")
 
 
 def _refuse_same(target: Path, given: Path) -> None:

@@ -50,7 +50,17 @@ def write(path: str | os.PathLike[str], recording: Recording) -> tuple[Remark, .
         ``not_written``.
     """
     writer = writer_for(path)
-    _check_numbers(recording)
+    for channel in recording.channels:
+        kind, size = channel.data.dtype.kind, channel.data.dtype.itemsize
+        if kind not in "biuf" or size > np.dtype(float).itemsize:
+            raise DataError(
+                f"column {channel.name!r} holds {channel.data.dtype}, need whole numbers or floats of at most 64 bits",
+                where=recording.source.path,
+                do="Convert it, or leave it out",
+                code="not_numbers",
+            )
+    if not recording.channels:
+        raise DataError("a recording without channels", where=recording.source.path, code="no_channel")
     inputs = [recording.source.path] if recording.source.path else []
     with atomic_write(path, inputs) as aside:
         remarks = writer(aside, recording)
@@ -73,20 +83,6 @@ def writer_for(path: str | os.PathLike[str]) -> Writer:
             code="unsupported_format",
         )
     return WRITERS[ending]
-
-
-def _check_numbers(recording: Recording) -> None:
-    for channel in recording.channels:
-        kind, size = channel.data.dtype.kind, channel.data.dtype.itemsize
-        if kind not in "biuf" or size > np.dtype(float).itemsize:
-            raise DataError(
-                f"column {channel.name!r} holds {channel.data.dtype}, need whole numbers or floats of at most 64 bits",
-                where=recording.source.path,
-                do="Convert it, or leave it out",
-                code="not_numbers",
-            )
-    if not recording.channels:
-        raise DataError("a recording without channels", where=recording.source.path, code="no_channel")
 
 
 def _not_kept(recording: Recording) -> tuple[Remark, ...]:
