@@ -14,7 +14,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, thermal
+    from .campaign.calls.nouns import allan, flip, mass_attraction, positions, psd, rate_table, sine, thermal
     from .campaign.compare.compare import compare
     from .campaign.engine.run import check, run
     from .campaign.models.compensation import compensate
@@ -29,7 +29,6 @@ if TYPE_CHECKING:
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
     from .procedures.positions.lot.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
-    from .procedures.sine.files import sine
     from .report.plot import plot
 
 __all__ = [
@@ -62,7 +61,6 @@ __all__ = [
 _HOMES = {
     "allan": ("campaign.calls.nouns", "allan"),
     "psd": ("campaign.calls.nouns", "psd"),
-    "sine": ("procedures.sine.files", "sine"),
     "check": ("campaign.engine.run", "check"),
     "compare": ("campaign.compare.compare", "compare"),
     "compensate": ("campaign.models.compensation", "compensate"),

@@ -9,12 +9,12 @@ from numpy.typing import NDArray
 
 import inertialcal as ic
 from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
+from inertialcal.campaign.calls.call import Reduced
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
 from inertialcal.core.show.names import case_name, reason_text
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
-from inertialcal.procedures.sine.files import SineFile
 from inertialcal.report.figures import figures, on_new_figure
 from typed_commands import call, call_json
 
@@ -43,15 +43,15 @@ def scheduled(path: Path, cycles: int = 25) -> str:
     return str(path)
 
 
-def of(found: SineFile, quantity: str) -> Row:
+def of(found: Reduced, quantity: str) -> Row:
     return next(row for row in found.rows if row.quantity == quantity and row.case.plain)
 
 
 def test_what_is_printed(capsys: pytest.CaptureFixture[str], pulses: str) -> None:
     status, out, _ = call(capsys, "sine", pulses, *PERIOD, "--phase", "0 deg")
     assert status == 0
-    assert out.startswith("rate: sine of 480 s, phase known; 100 readings, 25 cycles\n")
-    for word in ("amplitude", "quadrature", "noise_density", "(differences)", "(generalised)", "16 degrees of freedom"):
+    assert "x: sine of 480 s, phase known, 100 readings, 25 cycles" in out
+    for word in ("amplitude", "quadrature", "noise_density", "(differences)", "(generalised)", "16 degrees"):
         assert word in out
 
 
@@ -61,9 +61,10 @@ def test_json_has_rows_curves_and_the_hash(capsys: pytest.CaptureFixture[str], p
     interval = rows["amplitude"]["interval"]
     assert interval["lo"] < AMPLITUDE < interval["hi"]
     assert rows["quadrature"]["interval"]["lo"] < 0.0 < rows["quadrature"]["interval"]["hi"]
-    assert [curve["name"] for curve in content["curves"]] == ["sine_series", "sine_lines"]
     assert len(content["inputs"][0]["sha256"]) == 64
-    lines = content["curves"][1]["columns"]
+    series, curve = ic.sine(pulses, period="480 s", phase="0 deg").results["curves"]
+    assert (series["name"], curve["name"]) == ("sine_series", "sine_lines")
+    lines = curve["columns"]
     assert lines["frequency"]["values"][lines["role"]["values"].index("drive")] == pytest.approx(1.0 / 480.0)
 
 
@@ -143,8 +144,8 @@ def test_figure_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path, pul
     assert (status, (tmp_path / "f.svg").stat().st_size > 10_000) == (0, True)
     assert "written: " in out
     found = ic.sine(pulses, period="480 s", phase="0 deg")
-    (picture,) = figures()["sine"].pictures(found.content())
-    assert picture.finding.startswith("rate: amplitude 0.2")
+    (picture,) = figures()["sine"].pictures(found.results)
+    assert picture.finding.startswith("x: amplitude 0.2")
     axes = on_new_figure(picture, titled=True).axes
     labels = [line.get_label() for line in axes[2].get_lines()]
     assert [name for name in labels if not str(name).startswith("_")] == [
@@ -157,11 +158,11 @@ def test_figure_is_drawn(capsys: pytest.CaptureFixture[str], tmp_path: Path, pul
 
 def test_a_long_record_is_thinned_in_curves(tmp_path: Path) -> None:
     x = np.sin(2 * np.pi * np.arange(20_000) / 50.0) + np.random.default_rng(1).standard_normal(20_000)
-    found = ic.sine(x, period="50 s", sample_rate=1.0, unit="g")
-    series = found.content()["curves"][0]["columns"]
+    found = ic.sine(x, period="50 s", sample_rate=1.0, units={"g": "g"})
+    series = found.results["curves"][0]["columns"]
     assert len(series["time"]["values"]) <= 4000
     assert of(found, "amplitude").value == pytest.approx(1.0, abs=0.05)
-    assert json.dumps(found.content())
+    assert json.dumps(found.results)
 
 
 def test_printed_in_python(pulses: str) -> None:
@@ -174,9 +175,9 @@ def test_printed_in_python(pulses: str) -> None:
 BAD = {
     "neither": ((), 2, "neither is given"),
     "both": ((*PERIOD, "--schedule", "order.csv"), 2, "both are given"),
-    "no unit": (("--period", "480"), 2, "Write a number with its unit"),
+    "no unit": (("--period", "480"), 2, "no unit"),
     "phase and schedule": (("--schedule", "order.csv", "--phase", "0 deg"), 2, "the schedule has the phase"),
-    "drift": ((*PERIOD, "--drift", "spline"), 2, "There are: dct, polynomial"),
+    "drift": ((*PERIOD, "--drift", "spline"), 2, "'dct'"),
     "negative": (("--period", "-1 s"), 3, "It must be positive"),
     "too long": (("--period", "20000 s"), 3, "it is not longer than the period"),
     "few cycles": (("--period", "5000 s"), 3, "2.4 cycles"),
@@ -208,7 +209,7 @@ def test_other_files_refused(capsys: pytest.CaptureFixture[str], tmp_path: Path)
     gone = np.where(np.arange(N) % 3 == 0, values, np.nan)
     assert "66 of 100 samples" in call(capsys, "sine", written(tmp_path / "g.csv", gone), *PERIOD)[2]
     (tmp_path / "two.csv").write_text("a [g],b [g]\n" + "1,2\n" * 30)
-    assert "Name it: --column NAME" in call(capsys, "sine", str(tmp_path / "two.csv"), *PERIOD)[2]
+    assert "Add: --column x=COLUMN" in call(capsys, "sine", str(tmp_path / "two.csv"), *PERIOD)[2]
     assert "the file has no time" in call(capsys, "sine", str(tmp_path / "two.csv"), *PERIOD, "--column", "a")[2]
     with pytest.raises(UsageError, match="neither is given"):
-        ic.sine(values)
+        ic.sine(values, sample_rate=1.0)

@@ -150,7 +150,8 @@ class Reduced:
         rows = [row.to_dict() for row in self.rows if not row.case.beside]
         count = len(self.inputs)
         caption = f"{procedure.kind_of_test or self.procedure.replace('_', ' ')}: {count} file{'s'[: count != 1]}"
-        return (f"columns: {taken}", *estimate_table(rows, caption), *remarks_line(self.remarks))
+        head = [f"columns: {taken}", *([summary] if (summary := procedure.summary(self)) else [])]
+        return (*head, *estimate_table(rows, caption), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""

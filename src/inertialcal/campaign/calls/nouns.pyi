@@ -220,6 +220,7 @@ def sine(
     drift: Literal['dct', 'polynomial'] | None = None,
     order: int | None = None,
     side_bands: int | None = None,
+    schedule: str | None = None,
     columns: Mapping[str, str] | Sequence[str] | str | None = None,
     units: Mapping[str, str] | Sequence[str] | str | None = None,
     sensor: str | None = None,

@@ -102,7 +102,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
             return f"rule: {key}" if value is None else f"rule: {key} = {value:g}"
 
         readings = test.readings
-        for number, remark in enumerate(readings.remarks):
+        for remark in readings.remarks:
             if remark.code in RULES:
                 key, counts = RULES[remark.code]
                 yield Exclusion(remark.code, decided(key), remark.what, remark.where, count=remark.count,

@@ -8,12 +8,11 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.errors import DataError, UsageError
+from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ...files.text.headers import bare_name
 from ...physics.motion.schedule import Schedule
 from ...signals.sine.drive import Drive, applied_drive, averaging_response, sine_drive
 
@@ -56,26 +55,6 @@ class Driven:
     def unit(self) -> str:
         """Of the readings; empty where not known."""
         return self.channel.unit or ""
-
-
-def channel_of(recording: Recording, column: str | None) -> Channel:
-    """Return the channel under the drive.
-
-    Raises
-    ------
-    DataError
-        If there is none of that name.
-    UsageError
-        ``no_column`` if none is named and there are several.
-    """
-    if column is not None:
-        bare = [one.name for one in recording.channels if bare_name(one.name) == column]
-        return recording.channel(bare[0] if len(bare) == 1 else column)
-    known = [one for one in recording.channels if np.issubdtype(one.data.dtype, np.number)]
-    if len(known) == 1:
-        return known[0]
-    what = f"{recording.source.path or 'the record'}: {len(known)} columns of numbers: {', '.join(recording.names)}"
-    raise UsageError(what, why="a drive is fitted to one channel", do="Name it: --column NAME", code="no_column")
 
 
 def driven_by_sine(recording: Recording, channel: Channel, period: float, phase: float | None) -> Driven:

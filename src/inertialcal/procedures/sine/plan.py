@@ -1,4 +1,4 @@
-"""What a test of a known drive is told."""
+"""Settings of a test of a known drive."""
 
 from __future__ import annotations
 
@@ -12,20 +12,28 @@ INFLUENCES: dict[str, str] = {}
 
 
 @dataclass(frozen=True)
+class Drive:
+    """The drive, as a caller says it of a file."""
+
+    schedule: str | None = setting(
+        "CSV of dwells and what is applied in each, in place of a period; it begins with the recording.",
+        None, example="dwells.csv",
+    )  # fmt: skip
+
+
+@dataclass(frozen=True)
 class Plan:
     """Which drive, and how the drift under it is described."""
 
     period: float | None = setting(
-        "True time from cycle to cycle, pauses included; absent: the recording has a schedule of its drive.",
+        "True time from cycle to cycle, pauses included; else the recording has a schedule of its drive.",
         None,
         unit="s",
         example="480 s",
     )
     phase: float | None = setting(
-        "Of the sine at the first sample; free if not given.", None, unit="rad", example="90 deg"
+        "Phase of the sine at the first sample; free if not given.", None, unit="rad", example="90 deg"
     )
     drift: Literal["dct", "polynomial"] = setting("A straight line and the lowest cosines, or a polynomial.", "dct")
     order: int | None = setting("Highest cosine, or degree of the polynomial; chosen if not given.", None, example="6")
-    side_bands: int | None = setting(
-        "Lines on each side from which the noise is told; chosen if not given.", None, example="8"
-    )
+    side_bands: int | None = setting("Lines on each side that give the noise; chosen if not given.", None, example="8")

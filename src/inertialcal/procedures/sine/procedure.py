@@ -6,14 +6,15 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
 from ...core.axes import AXES
-from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Source
+from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Reduced, Source
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Drive, Plan
 
 if TYPE_CHECKING:
     from ...core.results import Row, WrittenRow
     from ...core.show.sentence import Sentence
     from ..entries import EntryKey
+    from ..given import Described, GivenFile
     from .entry import SineEntry
     from .reduction import Readings, Result
 
@@ -26,15 +27,21 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
     commands = (
         Command(
             "sine",
-            "Amplitude of a known drive in drift and noise, its uncertainty from the lines beside it; or an upper"
-            " limit.",
+            "Amplitude of a known drive in drift and noise, with an uncertainty from neighbouring lines; or an"
+            " upper limit.",
         ),
     )
-    plan_type, influences = Plan, INFLUENCES
+    plan_type, said_type, influences = Plan, Drive, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "report_only"})
     counts_dwells = False
-    inputs = InputSpec(("accelerometer", "gyro"), missing=True)
+    inputs = InputSpec(("accelerometer", "gyro"), missing=True, bare=True, raw=True)
+
+    def described(self, given: GivenFile) -> Sequence[Described]:
+        """Return the channels of a file under a drive, with the schedule of the drive."""
+        from .given import described
+
+        return [described(given, self.inputs)]
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return nothing: all of it is set."""
@@ -85,6 +92,11 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
         from ...core.show.sentence import largest_of
 
         return largest_of(("amplitude",), rows) or ("No amplitude could be estimated",)
+
+    def summary(self, found: Reduced) -> str:
+        """Return drive, readings and fit of each channel."""
+        result: Result = found.result
+        return "; ".join(one.summary() for one in result.lines)
 
     def entry_keys(self) -> Sequence[EntryKey]:
         """Return ``drive``."""

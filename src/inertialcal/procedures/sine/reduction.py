@@ -167,7 +167,8 @@ class SineResult:
             across, own = float(fit.quadrature[0]) / part, float(fit.u_quadrature[0]) / part
             yield Row(Key("quadrature", self._axis), across, own, self.unit, dof, t_interval(across, own, dof))
         if self.driven.applied is not None and self.driven.unit:
-            key, unit, applied = Key("scale_factor", self._axis), f"{self.driven.unit}/(m/s^2)", self.driven.applied
+            key, applied = Key("scale_factor", self._axis), self.driven.applied
+            unit = "1" if self.driven.unit == "m/s^2" else f"{self.driven.unit}/(m/s^2)"
             found, own = value / (applied or math.nan), u / abs(applied or math.nan)
             total = math.hypot(own, abs(found) * (self.driven.u_applied or 0.0))
             dof = dof * (total / own) ** 4
@@ -193,6 +194,23 @@ class SineResult:
         yield Row(key, value, own, self.unit, fit.dof, interval)
         angle, u_angle = math.degrees(math.atan2(b, a)), math.degrees(own / value)
         yield Row(Key("phase", self._axis), angle, u_angle, "deg", fit.dof, t_interval(angle, u_angle, fit.dof))
+
+    def summary(self) -> str:
+        """Return one line: drive, readings, drift and noise, and why an amplitude is an upper limit."""
+        design, drive = self.fit.design, self.fit.design.drive
+        kind = "sine" if drive.quadrature is not None else "applied sequence"
+        drift = (
+            f"polynomial of degree {design.rows}"
+            if design.drift == "polynomial"
+            else f"a line and {design.rows} cosines"
+        )
+        limits = [f"; {row.quantity}: {row.reason}" for row in self.rows() if row.status == "upper_limit"]
+        return (
+            f"{self._axis}: {kind} of {number(1.0 / drive.frequency, 6)} s,"
+            f" phase {'known' if drive.phase_known else 'free'},"
+            f" {len(self.driven.readings)} readings, {number(drive.cycles, 5)} cycles, drift: {drift}, noise from"
+            f" {design.side_bands} line(s) on each side ({number(self.fit.dof, 3)} degrees of freedom){''.join(limits)}"
+        )
 
     def remarks(self) -> tuple[Remark, ...]:
         """Return the remarks on the fit."""
