@@ -35,13 +35,14 @@ from inertialcal.cli.app import app
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import COLUMNS
 from inertialcal.core.schema import standards as schema_standards
-from inertialcal.core.schema import words as schema_words
+from inertialcal.core.schema import quantities as schema_words
 from inertialcal.core.settings import settings_of, settings_table
 from inertialcal.core.show.names import case_name
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip
 from inertialcal.procedures.mass_attraction import entry as mass_attraction
 from inertialcal.procedures.mass_attraction.planning.settings import Settings
+from inertialcal.procedures.positions import entry as positions
 from inertialcal.procedures.rate_table import entry as rate_table
 from inertialcal.procedures.sine import entry as sine
 
@@ -69,6 +70,7 @@ CAMPAIGN_TABLES: dict[str, type[schema_words.Strict]] = {
     "`rows`, of": rate_table.Rows,
     "`means`, of": flip.Means,
     "`positions`, of": flip.Position,
+    "`rests`, of": positions.Rests,
     "`channels`, of": schema_recordings.ChannelEntry,
     "`clock`, of": schema_recordings.Clock,
     "`schedule`, of": rate_table.Schedule,
