@@ -96,7 +96,9 @@ def test_the_truth_is_told_in_the_words_of_the_results(folder: Path) -> None:
     assert {(one.quantity, one.axis) for one in truth.values} <= named
     assert (truth.rig, truth.seed, truth.fault) == ("small", 3, "")
     drawn = json.loads((folder / TRUTH).read_text())["drawn"]
-    assert {"table_rate_error", "converter_reference_error", "tilt", "mounting_x_turned"} <= set(drawn)
+    assert {"table_rate_error", "converter_reference_error", "tilt_and_azimuth_of_table", "mounting_x_turned"} <= set(
+        drawn
+    )
 
 
 def test_the_seal_stands_in_the_campaign_file_and_a_changed_truth_is_refused(folder: Path, tmp_path: Path) -> None:

@@ -26,20 +26,7 @@ from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.campaign import AT_DEGC, degrees
 from inertialcal.rigs.npsat1.recordings import WARMER_DEGC, column, save_starts
 from inertialcal.rigs.npsat1.rig import FAULTS
-from inertialcal.rigs.npsat1.setup import (
-    AIR,
-    AVERAGING,
-    CODES,
-    INVERTED,
-    LATE,
-    REFERENCE,
-    STEP,
-    VACUUM,
-    VOLTS_PER_RAD_S,
-    Bench,
-    Chamber,
-    chain,
-)
+from inertialcal.rigs.npsat1.setup import AIR, AVERAGING, LATE, VACUUM, Bench, Chamber, chain
 from inertialcal.rigs.npsat1.unit import (
     AIR_TORR,
     AMBIENT_VOLTS,
@@ -67,6 +54,7 @@ from inertialcal.rigs.npsat1.unit import (
     side_of_path,
     vacuum_part,
 )
+from inertialcal.rigs.parts.gyro_bench import CODES, INVERTED, REFERENCE, STEP, VOLTS_PER_RAD_S
 from inertialcal.rigs.protocol import Twin
 from inertialcal.sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from inertialcal.sensors.chain.conversion import Converted, convert

@@ -21,12 +21,22 @@ from inertialcal.procedures.rate_table.plan import Attitude
 from inertialcal.procedures.rate_table.reduction import Plan
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.parts.campaign import drawn_error
-from inertialcal.rigs.parts.gyro_bench import Gyro, Motion, averaged_codes, body_rate, motion, mounted, powered_up
+from inertialcal.rigs.parts.gyro_bench import (
+    CODES,
+    REFERENCE,
+    Gyro,
+    Motion,
+    averaged_codes,
+    body_rate,
+    motion,
+    mounted,
+    powered_up,
+)
 from inertialcal.rigs.parts.noise import random_walk
 from inertialcal.rigs.protocol import Twin
 from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.rig import FAULTS
-from inertialcal.rigs.rate_table.setup import CODES, REFERENCE, Bench, chain, draw_gyro
+from inertialcal.rigs.rate_table.setup import Bench, chain, draw_gyro
 from inertialcal.sensors.chain.conversion import convert
 from inertialcal.sensors.model.sensor_model import SensorModel
 

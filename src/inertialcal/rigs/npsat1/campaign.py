@@ -8,19 +8,16 @@ from ...core.axes import AXES
 from ...core.campaign_text import Noted, toml_text
 from ...sensors.catalogue import SLOPE, T_REFERENCE
 from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
+from ..parts.gyro_bench import suite_table
 from .recordings import BEGIN, DAY, column
 from .setup import (
     AIR,
     APPLIED,
     AVERAGED,
     AVERAGING,
-    CODES,
     INTERVAL,
-    INVERTED,
     PRESSURE,
-    SCALE_FACTOR_V_PER_DEG_S,
     VACUUM,
-    VALID_VOLTS,
     Bench,
     nominal_volts,
 )
@@ -58,6 +55,11 @@ def campaign_text(bench: Bench) -> str:
         entries_of, tests_of = parts[part]
         recordings |= entries_of(bench)
         tests += tests_of(bench)
+    thermometer = {
+        "slope": f"{SLOPE:g} V/degC",
+        "voltage": {axis: f"{one:g} V" for axis, one in zip(AXES, nominal_volts(bench), strict=True)},
+        "temperature": {axis: degrees(one) for axis, one in zip(AXES, T_REFERENCE, strict=True)},
+    }
     title = "Thermal, vacuum, rate table and noise tests of a simulated rate-sensor suite"
     about = "three rate sensors in a thermal chamber, on a rate table and at rest"
     return toml_text(
@@ -65,36 +67,12 @@ def campaign_text(bench: Bench) -> str:
             **campaign_head("npsat1", "simulated rate-sensor suite", title, about),
             "site": {"latitude": Noted(f"{bench.latitude_deg:g} deg", "geodetic")},
             "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
-            "sensors": {"suite": _sensor(bench)},
+            "sensors": {"suite": suite_table(AVERAGED, thermometer=thermometer)},
             "recordings": recordings,
             "tests": tests,
             "requirements": list(_requirements(bench)),
         }
     )
-
-
-def _sensor(bench: Bench) -> Content:
-    mounting = [[sign if i == j else 0 for j in range(3)] for i, sign in enumerate(INVERTED)]
-    volts = {axis: f"{one:g} V" for axis, one in zip(AXES, nominal_volts(bench), strict=True)}
-    at = {axis: degrees(one) for axis, one in zip(AXES, T_REFERENCE, strict=True)}
-    chain = {
-        "kind": "adc",
-        "lsb": "5 V / 4095",
-        "counts": list(CODES),
-        "reference": "channel",
-        "scale_factor": f"{SCALE_FACTOR_V_PER_DEG_S:g} V/(deg/s)",
-        "validity_minimum": f"{VALID_VOLTS:g} V",
-        "thermometer": {"slope": f"{SLOPE:g} V/degC", "voltage": volts, "temperature": at},
-    }
-    about = f"Codes are means of {AVERAGED} conversions. A reading is valid while its built-in test is high."
-    return {
-        "kind": "gyro",
-        "axes": list(AXES),
-        "unit": "deg/s",
-        "range": ["-5 deg/s", "5 deg/s"],
-        "mounting": Noted(mounting, "sensor from body: x and z are mounted inverted"),
-        "chain": Noted(chain, above=about),
-    }
 
 
 def _chamber_entries(bench: Bench) -> Content:

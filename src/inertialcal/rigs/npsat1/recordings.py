@@ -13,20 +13,16 @@ import numpy as np
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
-from ...physics.earth import earth_rate, level_to_table
+from ...physics.earth import earth_rate
 from ...sensors.chain.conversion import to_temperature_counts
-from ..parts.campaign import drawn_error
-from ..parts.gyro_bench import Motion, averaged_codes, body_rate, motion, mounted
-from ..protocol import Drawn
+from ..parts.gyro_bench import CODES, STEP, Motion, World, averaged_codes, motion
 from .setup import (
     AIR,
     APPLIED,
     AVERAGED,
     AVERAGING,
-    CODES,
     INTERVAL,
     PRESSURE,
-    STEP,
     VACUUM,
     Bench,
     chain,
@@ -63,7 +59,7 @@ def chamber_recording(
     side = np.column_stack([side_of_path(path) for path in felt.T])
     climate = Climate(temperature, felt, side, torr)
     run = powered_up(unit, rng)
-    read = readings(unit, run, world.earth_in_chamber[None, :], climate, middle)
+    read = readings(unit, run, _chamber_rate(world), climate, middle)
     read = read + noise(unit, starts, np.zeros(3), rng).values
     begin = BEGIN + DAY * (FIRST_DAY[condition] + number - 1)
     sensed = Sensed(starts, read, temperature, 0.0, begin)
@@ -76,7 +72,7 @@ def static_recording(bench: Bench, unit: Unit, world: World, number: int, rng: n
     powered = bench.warmed + starts + 0.5 * AVERAGING
     climate = _laboratory(bench, starts, rng)
     run = powered_up(unit, rng)
-    read = readings(unit, run, world.earth_in_chamber[None, :], climate, powered)
+    read = readings(unit, run, _chamber_rate(world), climate, powered)
     read = read + noise(unit, starts, np.zeros(3), rng).values
     sensed = Sensed(starts, read, climate.temperature, bench.warmed, BEGIN + DAY * (FIRST_DAY["static"] + number - 1))
     return saved(bench, unit, world, sensed, {}, rng)
@@ -93,7 +89,7 @@ def table_recordings(
         walked = walked + rng.normal(0.0, np.sqrt(powered - at), 3) * unit.walk
         turning, starts = _turning(bench, rng)
         climate = _constant(warm + np.zeros(len(starts)))
-        read = readings(unit, run, _rate(world, axis, turning), climate, powered + turning.start + 0.5 * AVERAGING)
+        read = readings(unit, run, world.body_rate(turning, axis), climate, powered + turning.start + 0.5 * AVERAGING)
         read += unit.installation + rng.normal(0.0, unit.dwell_std, (len(bench.rates_deg_s), 3))[turning.dwell]
         disturbed = noise(unit, turning.start, walked, rng)
         walked = disturbed.end
@@ -105,11 +101,9 @@ def table_recordings(
     return found
 
 
-def _rate(world: World, axis: str, turning: Motion) -> Array:
-    """Return the rate of the unit against inertial space along the body axes, shape (n, 3) [rad/s]."""
-    return body_rate(
-        turning, world.table_gain, world.C_body_table[axis], world.latitude, world.C_table_level, world.phase[axis]
-    )
+def _chamber_rate(world: World) -> Array:
+    """Return the earth's rate along the body axes, in the chamber and at rest, shape (1, 3) [rad/s]."""
+    return np.asarray(world.levels["chamber"] @ earth_rate(world.latitude))[None, :]
 
 
 def _turning(bench: Bench, rng: np.random.Generator) -> tuple[Motion, Array]:
@@ -138,70 +132,6 @@ def _pressure(torr: tuple[float, float], n: int) -> Array:
     """Return the pressure from start to end of a run as a gauge of two digits shows it, shape (n,) [Torr]."""
     levels = np.array([float(f"{one:.2g}") for one in np.geomspace(*torr, GAUGE_STEPS)])
     return np.asarray(levels[np.arange(n) * GAUGE_STEPS // n])
-
-
-@dataclass(frozen=True, eq=False)
-class World:
-    """How the bench really is."""
-
-    # true over nominal
-    table_gain: float
-    converter_gain: float
-    thermometer: float  # error of the temperature channels [degC]
-    latitude: float  # [rad]
-    C_table_level: Array  # rate table from level, (3, 3)
-    C_body_table: dict[str, Array]  # for each turned axis, (3, 3)
-    phase: dict[str, float]  # table angle of the index mark for each turned axis [rad]
-    C_body_chamber: Array  # body from level, in the chamber and at rest, (3, 3)
-
-    @property
-    def earth_in_chamber(self) -> Array:
-        """Rate of the earth along the body axes, in the chamber and at rest, shape (3,) [rad/s]."""
-        return np.asarray(self.C_body_chamber @ earth_rate(self.latitude))
-
-
-def draw_world(bench: Bench, rng: np.random.Generator) -> tuple[World, Drawn]:
-    """Return how the bench really is, and the same for the file of the truth."""
-    standards = bench.standards
-    rate, converter, thermometer = (
-        drawn_error(standards.get(name), rng)
-        for name in ("rate_table.rate", "converter.reference", "thermometer.temperature")
-    )
-    latitude = float(np.radians(bench.latitude_deg)) + drawn_error(standards.get("site.latitude"), rng)
-    stands = {
-        "table": (bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg),
-        "chamber": (
-            bench.chamber_tilt_deg, bench.u_chamber_tilt_deg, bench.chamber_azimuth_deg, bench.u_chamber_azimuth_deg,
-        ),
-    }  # fmt: skip
-    angles = {
-        name: np.radians([rng.normal(tilt, u_tilt), rng.normal(azimuth, u_azimuth)])
-        for name, (tilt, u_tilt, azimuth, u_azimuth) in stands.items()
-    }
-    mounting = standards.get("rate_table.mounting")
-    pairs = {axis: (drawn_error(mounting, rng), drawn_error(mounting, rng)) for axis in AXES}
-    phase = {axis: float(rng.uniform(0.0, 2.0 * np.pi)) for axis in AXES}
-    level = {name: level_to_table(float(tilt), float(azimuth)) for name, (tilt, azimuth) in angles.items()}
-    world = World(
-        bench.table_gain * (1.0 + rate),
-        1.0 + converter,
-        thermometer,
-        latitude,
-        level["table"],
-        {axis: mounted(i, pairs[axis]) for i, axis in enumerate(AXES)},
-        phase,
-        level["chamber"],
-    )
-    drawn: dict[str, float | list[float] | list[list[float]]] = {
-        "table_rate_error": rate,
-        "converter_reference_error": converter,
-        "thermometer_error": thermometer,
-        "latitude": latitude,
-        **{f"tilt_and_azimuth_of_{name}": pair.tolist() for name, pair in angles.items()},
-        **{f"mounting_{axis}_turned": list(pair) for axis, pair in pairs.items()},
-        **{f"phase_{axis}_turned": angle for axis, angle in phase.items()},
-    }
-    return world, drawn
 
 
 def column(what: str, axis: str) -> str:

@@ -21,10 +21,11 @@ from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.key import At
 from ...core.recording import Recording
+from ..parts.gyro_bench import World, draw_world
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import AT_DEGC, NAMES, REFERENCE_DEGC, campaign_text, recording_file
-from .recordings import World, chamber_recording, draw_world, static_recording, table_recordings
+from .recordings import chamber_recording, static_recording, table_recordings
 from .setup import AIR, AVERAGING, VACUUM, Bench
 from .unit import Unit, draw_unit, polynomial_bias, reference_volts
 
@@ -81,7 +82,13 @@ def build(bench: Bench, seed: int, unit: Unit | None = None) -> Twin:
     """
     of_unit, of_world, of_chambers, of_table, of_rest = np.random.default_rng(seed).spawn(5)
     own = unit or draw_unit(of_unit)
-    world, drawn = draw_world(bench, of_world)
+    stands = {
+        "table": (bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg),
+        "chamber": (
+            bench.chamber_tilt_deg, bench.u_chamber_tilt_deg, bench.chamber_azimuth_deg, bench.u_chamber_azimuth_deg,
+        ),
+    }  # fmt: skip
+    world, drawn = draw_world(bench.standards, bench.latitude_deg, bench.table_gain, stands, of_world)
     made: dict[str, tuple[Callable[..., Recordings], np.random.Generator]] = {
         "thermal": (_chambers, of_chambers),
         "rate_table": (_table, of_table),

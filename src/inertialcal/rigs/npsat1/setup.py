@@ -11,14 +11,8 @@ from ...core.axes import AXES
 from ...core.influence import Influence
 from ...sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from ...sensors.chain.converter import Chain, Thermometer
+from ..parts.gyro_bench import CODES, INVERTED, STANDARDS, STEP, VALID_VOLTS, VOLTS_PER_RAD_S
 
-INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
-STEP = 5.0 / 4095.0  # [V]
-CODES = (0, 4095)
-REFERENCE = 2.5  # [V]
-SCALE_FACTOR_V_PER_DEG_S = 0.5
-VOLTS_PER_RAD_S = float(SCALE_FACTOR_V_PER_DEG_S / np.radians(1.0))
-VALID_VOLTS = 2.4  # of the built-in test
 INTERVAL, AVERAGING, AVERAGED = 2, 1.0, 200  # [s], [s], conversions
 PARTS = ("thermal", "rate_table", "noise")
 AIR, VACUUM = "ambient", "vacuum"
@@ -33,16 +27,6 @@ RATES_DEG_S: tuple[float, ...] = (
     *(0.0,) * LONGER,
     *(rate for high in RATES for rate in (high, -high, 0.0)),
 )
-
-
-def _standards() -> dict[str, Influence]:
-    return {
-        "rate_table.rate": Influence(3e-4, "1", certificate="simulated"),
-        "rate_table.mounting": Influence(1e-3, "rad", certificate="simulated"),
-        "converter.reference": Influence(1e-4, "1", certificate="simulated"),
-        "site.latitude": Influence(1e-4, "rad", certificate="simulated"),
-        "thermometer.temperature": Influence(0.1, "degC", certificate="simulated"),
-    }
 
 
 @dataclass(frozen=True)
@@ -104,7 +88,9 @@ class Bench:
     chamber_azimuth_deg: float = 30.0
     u_chamber_tilt_deg: float = 1.0
     u_chamber_azimuth_deg: float = 2.0
-    standards: Mapping[str, Influence] = field(default_factory=_standards)  # uncertainties of the other standards
+    standards: Mapping[str, Influence] = field(
+        default_factory=lambda: STANDARDS | {"thermometer.temperature": Influence(0.1, "degC", certificate="simulated")}
+    )  # uncertainties of the other standards
     table_gain: float = 1.0  # true over commanded table rate, apart from the error of the standard
     wiring: tuple[str, ...] = AXES  # sensor that the columns x, y, z really hold
     # true mounting: -1 for inverted; the campaign states ``INVERTED``

@@ -32,7 +32,8 @@ from ...core.estimate import Array
 from ...sensors.catalogue import B_CONS_DEG_S, B_IN_RUN, SLOPE, T_REFERENCE, V_NOMINAL
 from ...sensors.model.equation import predict
 from ...sensors.model.sensor_model import SensorModel
-from .setup import AIR, AVERAGING, SCALE_FACTOR_V_PER_DEG_S, VACUUM, VOLTS_PER_RAD_S, Bench, Chamber
+from ..parts.gyro_bench import SCALE_FACTOR_V_PER_DEG_S, VOLTS_PER_RAD_S
+from .setup import AIR, AVERAGING, VACUUM, Bench, Chamber
 
 # Figures of the published suite [1]_, columns x, y, z along the body; Tables 2 and 15 are in ``sensors.catalogue``.
 # Table 3: bias in air [V] in powers of the temperature channel's volts; rows B, m1, m2, m3.

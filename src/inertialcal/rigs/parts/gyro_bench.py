@@ -2,7 +2,7 @@
 
 Frames: body axes are those of the unit's marks. While body axis i is turned, i lies along the table's z, the next
 axis (cyclic) along its x and the one after along its y, but for the small rotation of the mounting. ``mounting``
-takes body to sensor axes: a sensor that is mounted inverted has -1 there, and its bias is told in the sense of the
+takes body to sensor axes: a sensor that is mounted inverted has -1 there, and its bias is stated in the sense of the
 body. The true input is the rate against inertial space: table and earth.
 
 A saved code is the mean of ``averaged`` conversions, a multiple of 1 / averaged of a step.
@@ -10,19 +10,117 @@ A saved code is the mean of ``averaged`` conversions, a multiple of 1 / averaged
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
+from ...core.axes import AXES
+from ...core.campaign_text import Noted
 from ...core.estimate import Array
-from ...physics.earth import earth_rate_in_dwell
+from ...core.influence import Influence
+from ...physics.earth import earth_rate_in_dwell, level_to_table
 from ...sensors.chain.conversion import to_counts
 from ...sensors.chain.converter import Chain
 from ...sensors.model.equation import predict
 from ...sensors.model.sensor_model import SensorModel
+from ..protocol import Drawn
+from .campaign import Content, drawn_error
 from .noise import random_walk, white
+
+INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
+STEP = 5.0 / 4095.0  # [V]
+CODES = (0, 4095)
+REFERENCE = 2.5  # [V]
+SCALE_FACTOR_V_PER_DEG_S = 0.5
+VOLTS_PER_RAD_S = float(SCALE_FACTOR_V_PER_DEG_S / np.radians(1.0))
+VALID_VOLTS = 2.4  # of the built-in test
+STANDARDS = {
+    "rate_table.rate": Influence(3e-4, "1", certificate="simulated"),
+    "rate_table.mounting": Influence(1e-3, "rad", certificate="simulated"),
+    "converter.reference": Influence(1e-4, "1", certificate="simulated"),
+    "site.latitude": Influence(1e-4, "rad", certificate="simulated"),
+}
+Stand = tuple[float, float, float, float]  # tilt, u, azimuth, u [deg]
+
+
+def suite_table(averaged: int, **chain: object) -> Content:
+    """Return the table of the sensors in campaign.toml, with more settings of their chain."""
+    settings = {
+        "kind": "adc",
+        "lsb": "5 V / 4095",
+        "counts": list(CODES),
+        "reference": "channel",
+        "scale_factor": f"{SCALE_FACTOR_V_PER_DEG_S:g} V/(deg/s)",
+        "validity_minimum": f"{VALID_VOLTS:g} V",
+        **chain,
+    }
+    mounting = [[sign if i == j else 0 for j in range(3)] for i, sign in enumerate(INVERTED)]
+    codes = f"Codes are means of {averaged} conversions. A reading is valid while its built-in test is high."
+    return {
+        "kind": "gyro",
+        "axes": list(AXES),
+        "unit": "deg/s",
+        "range": ["-5 deg/s", "5 deg/s"],
+        "mounting": Noted(mounting, "sensor from body: x and z are mounted inverted"),
+        "chain": Noted(settings, above=codes),
+    }
+
+
+@dataclass(frozen=True, eq=False)
+class World:
+    """What the engineer does not know of his bench: one unknown each for the whole campaign."""
+
+    # true over nominal
+    table_gain: float
+    converter_gain: float
+    thermometer: float  # error of the temperature channels [degC]
+    latitude: float  # [rad]
+    levels: dict[str, Array]  # from level to each place: ``"table"`` and others, (3, 3)
+    C_body_table: dict[str, Array]  # for each turned axis, (3, 3)
+    phase: dict[str, float]  # table angle of the index mark for each turned axis [rad]
+
+    def body_rate(self, motion: Motion, axis: str) -> Array:
+        """Return the rate of the unit while an axis is turned, as `body_rate`."""
+        C_body_table, C_table_level = self.C_body_table[axis], self.levels["table"]
+        return body_rate(motion, self.table_gain, C_body_table, self.latitude, C_table_level, self.phase[axis])
+
+
+def draw_world(
+    standards: Mapping[str, Influence],
+    latitude_deg: float,
+    table_gain: float,
+    stands: Mapping[str, Stand],
+    rng: np.random.Generator,
+) -> tuple[World, Drawn]:
+    """Return how the bench really is, and the same for the file of the truth; ``stands``: attitude of each place."""
+    rate, converter, thermometer = (
+        drawn_error(standards.get(name), rng)
+        for name in ("rate_table.rate", "converter.reference", "thermometer.temperature")
+    )
+    latitude = float(np.radians(latitude_deg)) + drawn_error(standards.get("site.latitude"), rng)
+    angles = {
+        place: np.radians([rng.normal(tilt, u_tilt), rng.normal(azimuth, u_azimuth)])
+        for place, (tilt, u_tilt, azimuth, u_azimuth) in stands.items()
+    }
+    mounting = standards.get("rate_table.mounting")
+    pairs = {axis: (drawn_error(mounting, rng), drawn_error(mounting, rng)) for axis in AXES}
+    phase = {axis: float(rng.uniform(0.0, 2.0 * np.pi)) for axis in AXES}
+    levels = {place: level_to_table(float(tilt), float(azimuth)) for place, (tilt, azimuth) in angles.items()}
+    C_body_table = {axis: mounted(i, pairs[axis]) for i, axis in enumerate(AXES)}
+    world = World(table_gain * (1.0 + rate), 1.0 + converter, thermometer, latitude, levels, C_body_table, phase)
+    drawn: dict[str, float | list[float] | list[list[float]]] = {
+        "table_rate_error": rate,
+        "converter_reference_error": converter,
+        "thermometer_error": thermometer,
+        "latitude": latitude,
+        **{f"tilt_and_azimuth_of_{place}": pair.tolist() for place, pair in angles.items()},
+        **{f"mounting_{axis}_turned": list(pair) for axis, pair in pairs.items()},
+        **{f"phase_{axis}_turned": angle for axis, angle in phase.items()},
+    }
+    return world, drawn
 
 
 @dataclass(frozen=True, eq=False)

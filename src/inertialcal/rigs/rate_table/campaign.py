@@ -7,7 +7,8 @@ from collections.abc import Iterable
 from ...core.axes import AXES
 from ...core.campaign_text import Noted, toml_text
 from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
-from .setup import CODES, INVERTED, SCALE_FACTOR_V_PER_DEG_S, VALID_VOLTS, Bench
+from ..parts.gyro_bench import suite_table
+from .setup import Bench
 
 APPLIED = "rate_dps"
 
@@ -40,24 +41,6 @@ def campaign_text(bench: Bench) -> str:
     if held := runs[bench.fit_runs :]:
         about_held = "Hold-out: the model is judged on power-ups that the fit does not use"
         tests.append(_test(bench, "check", "hold_out", held, about_held))
-    mounting = [[sign if i == j else 0 for j in range(3)] for i, sign in enumerate(INVERTED)]
-    chain = {
-        "kind": "adc",
-        "lsb": "5 V / 4095",
-        "counts": list(CODES),
-        "reference": "channel",
-        "scale_factor": f"{SCALE_FACTOR_V_PER_DEG_S:g} V/(deg/s)",
-        "validity_minimum": f"{VALID_VOLTS:g} V",
-    }
-    codes = f"Codes are means of {bench.averaged} conversions. A reading is valid while its built-in test is high."
-    sensor = {
-        "kind": "gyro",
-        "axes": list(AXES),
-        "unit": "deg/s",
-        "range": ["-5 deg/s", "5 deg/s"],
-        "mounting": Noted(mounting, "sensor from body: x and z are mounted inverted"),
-        "chain": Noted(chain, above=codes),
-    }
     requirement = {
         "id": "R1",
         "text": "expected error of rate within 5 % from 1.5 deg/s on",
@@ -71,7 +54,7 @@ def campaign_text(bench: Bench) -> str:
             **campaign_head("rate_table", "simulated rate gyro", title, about),
             "site": {"latitude": Noted(f"{bench.latitude_deg:g} deg", "geodetic")},
             "standards": Noted(standard_tables(bench.standards), above=EACH_ERROR),
-            "sensors": {"suite": sensor},
+            "sensors": {"suite": suite_table(bench.averaged)},
             "recordings": {
                 recording_name(axis, run): _entry(bench, axis, run) for run in runs for axis in bench.turned
             },

@@ -16,22 +16,29 @@ References
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
-from ...physics.earth import level_to_table
-from ..parts.campaign import drawn_error
-from ..parts.gyro_bench import Gyro, Motion, averaged_codes, body_rate, motion, mounted, powered_up, readings
+from ..parts.gyro_bench import (
+    REFERENCE,
+    STEP,
+    Gyro,
+    Motion,
+    World,
+    averaged_codes,
+    draw_world,
+    motion,
+    powered_up,
+    readings,
+)
 from ..parts.noise import random_walk
-from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench
+from ..protocol import Fault, Rig, TrueValue, Twin, on_bench
 from . import TITLE
 from .campaign import APPLIED, campaign_text, recording_file, reference_column, validity_column
-from .setup import REFERENCE, STEP, Bench, chain, draw_gyro
+from .setup import Bench, chain, draw_gyro
 
 __all__ = ["FAULTS", "RIG", "Bench", "build", "true_values"]
 
@@ -66,19 +73,6 @@ FAULTS: dict[str, Fault] = {
 }
 
 
-@dataclass(frozen=True, eq=False)
-class _World:
-    """What the engineer does not know of his bench."""
-
-    # true over nominal
-    table_gain: float
-    converter_gain: float
-    latitude: float  # [rad]
-    C_table_level: Array  # table from level, (3, 3)
-    C_body_table: dict[str, Array]  # for each turned axis, (3, 3)
-    phase: dict[str, float]  # table angle of the index mark for each turned axis [rad]
-
-
 def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
     """Return the campaign that a bench gives.
 
@@ -93,7 +87,8 @@ def build(bench: Bench, seed: int, gyro: Gyro | None = None) -> Twin:
     """
     of_unit, of_bench, of_runs = np.random.default_rng(seed).spawn(3)
     unit = gyro or draw_gyro(bench.inverted, of_unit)
-    world, drawn = _draw_world(bench, of_bench)
+    stands = {"table": (bench.tilt_deg, bench.u_tilt_deg, bench.azimuth_deg, bench.u_azimuth_deg)}
+    world, drawn = draw_world(bench.standards, bench.latitude_deg, bench.table_gain, stands, of_bench)
     recordings = {}
     for run in range(1, bench.runs + 1):
         powered = powered_up(unit, of_runs)
@@ -123,44 +118,11 @@ def true_values(gyro: Gyro) -> tuple[TrueValue, ...]:
     return tuple(found)
 
 
-def _draw_world(bench: Bench, rng: np.random.Generator) -> tuple[_World, Drawn]:
-    """Draw what stays the same for the whole campaign."""
-    standards = bench.standards
-    rate = drawn_error(standards.get("rate_table.rate"), rng)
-    converter = drawn_error(standards.get("converter.reference"), rng)
-    latitude = np.radians(bench.latitude_deg) + drawn_error(standards.get("site.latitude"), rng)
-    tilt = np.radians(bench.tilt_deg + rng.normal(0.0, bench.u_tilt_deg))
-    azimuth = np.radians(bench.azimuth_deg + rng.normal(0.0, bench.u_azimuth_deg))
-    mounting = standards.get("rate_table.mounting")
-    angles = {axis: (drawn_error(mounting, rng), drawn_error(mounting, rng)) for axis in AXES}
-    phase = {axis: float(rng.uniform(0.0, 2.0 * np.pi)) for axis in AXES}
-    world = _World(
-        bench.table_gain * (1.0 + rate),
-        1.0 + converter,
-        float(latitude),
-        level_to_table(float(tilt), float(azimuth)),
-        {axis: mounted(i, angles[axis]) for i, axis in enumerate(AXES)},
-        phase,
-    )
-    drawn: dict[str, float | list[float] | list[list[float]]] = {
-        "table_rate_error": rate,
-        "converter_reference_error": converter,
-        "latitude": float(latitude),
-        "tilt": float(tilt),
-        "azimuth": float(azimuth),
-        **{f"mounting_{axis}_turned": list(pair) for axis, pair in angles.items()},
-        **{f"phase_{axis}_turned": angle for axis, angle in phase.items()},
-    }
-    return world, drawn
-
-
-def _recording(bench: Bench, world: _World, gyro: Gyro, axis: str, run: int, rng: np.random.Generator) -> Recording:
+def _recording(bench: Bench, world: World, gyro: Gyro, axis: str, run: int, rng: np.random.Generator) -> Recording:
     """Return what the logger saves while one axis is turned in one run."""
     ramps = bench.interval * rng.integers(1, bench.longest_ramp + 1, len(bench.rates_deg_s) - 1)
     turning = motion(np.radians(bench.rates_deg_s), bench.dwell, ramps, bench.interval, bench.averaging)
-    rate = body_rate(
-        turning, world.table_gain, world.C_body_table[axis], world.latitude, world.C_table_level, world.phase[axis]
-    )
+    rate = world.body_rate(turning, axis)
     read = readings(gyro, rate, turning, bench.interval, bench.averaging, rng)
     signals = _signals(bench, read @ gyro.mounting.T * world.converter_gain, rng)
     signals[APPLIED] = np.asarray(np.round(np.degrees(turning.rate), DIGITS) + 0.0, dtype=np.float64)  # no -0.0

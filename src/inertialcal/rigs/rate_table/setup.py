@@ -12,23 +12,7 @@ from ...core.estimate import Array
 from ...core.influence import Influence
 from ...sensors.chain.converter import Chain
 from ...sensors.model.sensor_model import SensorModel
-from ..parts.gyro_bench import Gyro
-
-INVERTED = (-1, 1, -1)  # x and z sensors are mounted against the body axes
-STEP = 5.0 / 4095.0  # [V]
-CODES = (0, 4095)
-REFERENCE = 2.5  # [V]
-SCALE_FACTOR_V_PER_DEG_S = 0.5
-VALID_VOLTS = 2.4  # of the built-in test
-
-
-def _standards() -> dict[str, Influence]:
-    return {
-        "rate_table.rate": Influence(3e-4, "1", certificate="simulated"),
-        "rate_table.mounting": Influence(1e-3, "rad", certificate="simulated"),
-        "converter.reference": Influence(1e-4, "1", certificate="simulated"),
-        "site.latitude": Influence(1e-4, "rad", certificate="simulated"),
-    }
+from ..parts.gyro_bench import CODES, INVERTED, STANDARDS, STEP, VALID_VOLTS, VOLTS_PER_RAD_S, Gyro
 
 
 @dataclass(frozen=True)
@@ -55,7 +39,8 @@ class Bench:
     # uncertainties of tilt and azimuth [deg]
     u_tilt_deg: float = 1.0
     u_azimuth_deg: float = 2.0
-    standards: Mapping[str, Influence] = field(default_factory=_standards)  # uncertainties of the other standards
+    # uncertainties of the other standards
+    standards: Mapping[str, Influence] = field(default_factory=lambda: dict(STANDARDS))
     table_gain: float = 1.0  # true over commanded table rate, apart from the error of the standard
     wiring: tuple[str, ...] = AXES  # sensor that the columns x, y, z really hold
     # true mounting: -1 for inverted; the campaign states ``INVERTED``
@@ -67,13 +52,8 @@ class Bench:
 def chain() -> Chain:
     """Return the signal chain of all three sensors."""
     return Chain(
-        AXES, STEP, CODES, "rad/s", scale_factor=volts_per_rad_s(), reference="channel", validity_minimum=VALID_VOLTS
+        AXES, STEP, CODES, "rad/s", scale_factor=VOLTS_PER_RAD_S, reference="channel", validity_minimum=VALID_VOLTS
     )
-
-
-def volts_per_rad_s() -> float:
-    """Return the ideal scale factor [V/(rad/s)]."""
-    return float(SCALE_FACTOR_V_PER_DEG_S / np.radians(1.0))
 
 
 def draw_gyro(inverted: tuple[int, ...], rng: np.random.Generator) -> Gyro:
@@ -82,7 +62,7 @@ def draw_gyro(inverted: tuple[int, ...], rng: np.random.Generator) -> Gyro:
     model = SensorModel(
         kind="gyro",
         axes=AXES,
-        scale_factor=np.full(3, volts_per_rad_s()),
+        scale_factor=np.full(3, VOLTS_PER_RAD_S),
         output_unit="V",
         matrix=matrix,
         bias=rng.normal(0.0, np.radians(0.02), 3),
