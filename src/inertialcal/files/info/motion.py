@@ -93,14 +93,8 @@ def is_laid(recording: Recording) -> bool:
 
 
 SENSED = ("gyro", "acc")
-
-
 UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, accelBuffer_2
-
-
 LARGEST = 1e100
-
-
 MOST = 3  # stretches of disturbance; with more of them the sensor is not at rest
 
 

@@ -81,15 +81,33 @@ class TimeSurvey:
 
 @dataclass(frozen=True)
 class Survey:
-    """What a file holds."""
+    """What a file holds.
 
-    source: Source  # Path, SHA-256, format
-    rows: int  # Samples
-    channels: tuple[ChannelSurvey, ...]  # One a channel
-    time: TimeSurvey  # Time axis and sample rate
-    hints: tuple[Hint, ...]  # At units that nobody said
-    remarks: tuple[Remark, ...]  # Of reading, and of the survey
-    next: str | None = None  # Command to type next; the survey itself knows none
+    Parameters
+    ----------
+    source : Source
+        Path, SHA-256, format.
+    rows : int
+        Samples.
+    channels : tuple of ChannelSurvey
+        One a channel.
+    time : TimeSurvey
+        Time axis and sample rate.
+    hints : tuple of Hint
+        At units that nobody said.
+    remarks : tuple of Remark
+        Of reading, and of the survey.
+    next : str or None
+        Command to type next; the survey itself knows none.
+    """
+
+    source: Source
+    rows: int
+    channels: tuple[ChannelSurvey, ...]
+    time: TimeSurvey
+    hints: tuple[Hint, ...]
+    remarks: tuple[Remark, ...]
+    next: str | None = None
 
     @property
     def path(self) -> str:

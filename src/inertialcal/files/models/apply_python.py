@@ -11,7 +11,7 @@ import numpy as np
 from ...core.estimate import Array
 from ...sensors.model.equation import needed
 from ...sensors.model.sensor_model import SensorModel
-from .apply_c import (
+from .apply_parts import (
     CONDITIONS,
     MISSING,
     Constant,

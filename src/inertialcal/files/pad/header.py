@@ -213,15 +213,11 @@ def _refuse_document_type(data: bytes, where: str) -> None:
 
 
 STEPS = ("bias", "scale_factor", "misalignment")
-
-
 MEANINGS = (
     (re.compile(r"temperature"), ("bias", "scale_factor")),
     (re.compile(r"gain"), ("scale_factor",)),
     (re.compile(r"mis-?\s?alignment"), ("misalignment",)),
 )
-
-
 NOT = re.compile(r"\b(no|not|without)\b[^,;]*|[^,;]*\bun(compensat|correct|calibrat|appli)[^,;]*")
 
 
@@ -233,11 +229,7 @@ def applied(header: PadHeader) -> tuple[str, ...]:
 
 
 PLACEHOLDER = (1.23, 4.46, 7.89)  # BiasCoeff of several heads in the archive, digits in a row
-
-
 LONGER = 1.5  # step, in intervals, from which samples are missing
-
-
 BLOCK = 2**18  # stamps
 
 

@@ -104,11 +104,7 @@ def _whole(pair: Pair, given: str) -> Pair:
 
 
 HEADER = ".header"
-
-
 STAMP = r"[0-9]{4}(?:_[0-9]{2}){5}(?:\.[0-9]{1,9})?"
-
-
 NAME = re.compile(rf"(?P<start>{STAMP})(?P<sign>[+-])(?P<stop>{STAMP})\.(?P<sensor>[A-Za-z0-9_]+)")
 
 
@@ -148,11 +144,7 @@ class Pair:
 
 
 MILLISECOND = SECOND // 1000  # names and headers give times to it
-
-
 RECORDS = 1e-3  # share of the records that may lack or be too many before the pair is refused
-
-
 FIRST = 1000  # records that tell the byte order
 
 

@@ -41,8 +41,6 @@ SAMPLE_RATE = re.compile(
     r"([0-9]+(?:\.[0-9]*)?(?:e[-+]?[0-9]+)?)\s*(k?hz|sps|/s)?",
     re.IGNORECASE,
 )
-
-
 Table = list[list[str]]  # cells by line
 
 

@@ -137,14 +137,8 @@ def _offset(zone: str | None) -> int:
 
 
 FASTEST = 1.0  # [K/s]
-
-
 SMALLEST_SWING = 5.0  # [K]
-
-
 BLOCKS = 100
-
-
 SAMPLE_RATES = (0.01, 1e5)  # that come into question where the unit of time is not known [Hz]
 
 

@@ -129,8 +129,6 @@ def write_parquet(path: Path, recording: Recording) -> tuple[Remark, ...]:
 
 
 RATE = "sample_rate"
-
-
 FEWEST = 2  # values from which an array in a file is a column
 
 

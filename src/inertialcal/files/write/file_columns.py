@@ -180,8 +180,6 @@ def _remarks(channel: Channel, title: Title) -> Iterator[Remark]:
 
 
 PLAIN = "time"
-
-
 EXACT = 2**53  # whole numbers up to here are floats without rounding
 
 
