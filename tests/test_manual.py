@@ -34,8 +34,8 @@ from inertialcal.cli.__main__ import main
 from inertialcal.cli.app import app
 from inertialcal.core.remarks import Remark
 from inertialcal.core.results import COLUMNS
-from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.schema import quantities as schema_words
+from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.settings import settings_of, settings_table
 from inertialcal.core.show.names import case_name
 from inertialcal.procedures import procedure_names, procedure_of

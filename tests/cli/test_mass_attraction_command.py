@@ -9,7 +9,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from one_way_in import same_rows
 
 import inertialcal as ic
 from inertialcal.campaign.engine.run import run
@@ -20,6 +19,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.rig import Bench, Run
 from inertialcal.rigs.protocol import Changes, Rig, Twin
+from one_way_in import same_rows
 from typed_commands import call
 
 RUNS = (*(Run(f"run{i}") for i in range(1, 4)), Run("null1", moved=False))

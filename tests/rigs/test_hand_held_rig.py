@@ -109,11 +109,11 @@ def test_ferraris_turns_have_the_angle_and_the_axis_that_are_told() -> None:
 
 def test_truth_has_every_parameter_that_the_test_can_tell() -> None:
     values = RIG.twin(1).truth
-    kinds = [value.condition for value in values]
+    kinds = [value.sensor for value in values]
     assert (kinds.count("accelerometer"), kinds.count("gyro")) == (9, 12 + 9)
-    assert len({(v.quantity, v.axis, v.condition) for v in values}) == len(values)
+    assert len({(v.quantity, v.axis, v.sensor) for v in values}) == len(values)
     full = build(replace(Bench(), variant="ferraris"), 1).truth
-    assert sum(v.condition == "accelerometer" for v in full) == 12
+    assert sum(v.sensor == "accelerometer" for v in full) == 12
 
 
 def test_the_same_seed_is_the_same_to_the_bit_and_another_is_not() -> None:

@@ -9,13 +9,13 @@ from typing import Any
 
 import numpy as np
 import pytest
-from one_way_in import same_rows
 
 import inertialcal
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build
+from one_way_in import same_rows
 from pad_pairs_made import flip_records
 
 MEANS = """\

@@ -9,12 +9,12 @@ from typing import Any, Literal
 
 import numpy as np
 import pytest
-from one_way_in import same_rows
 
 import inertialcal
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.hand_held.rig import Bench, build
+from one_way_in import same_rows
 
 RATE = """rate [deg/s],x [deg/s],std [deg/s],run
 -4,-4.021,0.002,1

@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from one_way_in import same_rows
 
 import inertialcal as ic
+from one_way_in import same_rows
 
 N, INTERVAL = 4_000, 0.01
 

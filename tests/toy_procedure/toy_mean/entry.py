@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import Protocol
 
-from inertialcal.core.schema.quantities import Strict, Text
-
-from inertialcal.core.schema.quantities import Unit
+from inertialcal.core.schema.quantities import Strict, Text, Unit
 from inertialcal.procedures.entries import Entry, EntryKey
 
 
