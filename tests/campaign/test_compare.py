@@ -380,12 +380,12 @@ def test_what_cannot_be_compared_is_refused(tmp_path: Path, first: str, second: 
     write_model(tmp_path / "model.json", model())
     (tmp_path / "edited.json").write_text((tmp_path / "model.json").read_text().replace("-0.005", "-0.006"))
     texts = {
-        "results.json": json.dumps({"results": [row(1.0).to_dict()]}),
-        "apart.json": json.dumps({"results": [row(1.0, axis="y").to_dict()]}),
+        "results.json": json.dumps({"schema": 2, "results": [row(1.0).to_dict()]}),
+        "apart.json": json.dumps({"schema": 2, "results": [row(1.0, axis="y").to_dict()]}),
         "text.json": "not { json",
         "list.json": "[1]",
         "other.json": '{"a": 1}',
-        "rows.json": '{"results": [{"quantity": "bias"}, 3]}',
+        "rows.json": '{"schema": 2, "results": [{"quantity": "bias"}, 3]}',
     }
     for name, text in texts.items():
         (tmp_path / name).write_text(text)

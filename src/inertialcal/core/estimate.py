@@ -62,6 +62,9 @@ class Component:
         Standard uncertainty of the underlying quantity itself, and its unit: 0.05 % of the table's rate. The
         sensitivity of a value to it is ``u / stated``; where several unknowns of that size enter (two mounting
         angles), the root sum of squares over them. Absent for scatter, which is observed in the values.
+    changes : ndarray, shape (s, k), optional
+        Signed change of each value for one standard uncertainty of each of s independent unknowns, where these are
+        known: ``covariance = changes.T @ changes``. With them the difference of two results knows what both share.
     """
 
     given: Origin | str
@@ -70,6 +73,7 @@ class Component:
     dof: Array | float = np.inf
     distribution: str = "normal"
     stated: tuple[float, str] | None = None
+    changes: Array | None = None
 
     @property
     def origin(self) -> Origin:
@@ -158,6 +162,20 @@ class Estimate:
         with np.errstate(divide="ignore"):
             return np.asarray(1.0 / spent, dtype=float)
 
+    def shared(self, name: Key | str, times: float = 1.0) -> dict[str, float]:
+        """Return the change of a value for one standard uncertainty of each unknown of a standard, with its sign.
+
+        Unknowns go by the name of their influence: ``"rate_table.rate"``; of several, ``"site.latitude[1]"``.
+        """
+        at, found = self.index(name), {}
+        for one in self.components:
+            origin = one.origin
+            if one.changes is not None and origin.standard and not origin.test:
+                for i, change in enumerate(one.changes[:, at]):
+                    number = f"[{i}]" if len(one.changes) > 1 else ""
+                    found[f"{origin.standard}.{origin.quantity}{number}"] = float(change) * times
+        return found
+
     def index(self, name: Key | str) -> int:
         """Position of a value.
 
@@ -179,7 +197,15 @@ class Estimate:
         """Return the estimate of some of the values, in the order given."""
         at = [self.index(name) for name in names]
         grid = np.ix_(at, at)
-        components = tuple(replace(c, covariance=c.covariance[grid], dof=_take(c.dof, at)) for c in self.components)
+        components = tuple(
+            replace(
+                one,
+                covariance=one.covariance[grid],
+                dof=_take(one.dof, at),
+                changes=None if one.changes is None else one.changes[:, at],
+            )
+            for one in self.components
+        )
         return Estimate(tuple(self.given[i] for i in at), self.values[at], tuple(self.units[i] for i in at), components)
 
     def to_frame(self) -> DataFrame:
@@ -206,6 +232,15 @@ class Estimate:
     def _repr_html_(self) -> str:
         """Return the same table for a notebook."""
         return html(self.parts())
+
+
+def placed_changes(component: Component, start: int, size: int) -> Array | None:
+    """Return the changes of some of the values as those of all of them; the others do not follow the unknowns."""
+    if component.changes is None:
+        return None
+    whole = np.zeros((len(component.changes), size))
+    whole[:, start : start + len(component.covariance)] = component.changes
+    return whole
 
 
 def _take(dof: Array | float, at: list[int]) -> Array | float:

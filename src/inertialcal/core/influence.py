@@ -43,6 +43,8 @@ class Influence:
         Which quantity of which standard: the same in two tests is the same unknown.
     redrawn_by : {"", "never", "certificate", "day", "mounting", "power_up", "dwell"}
         What draws its error anew; empty where nobody said.
+    valid : str
+        Period of the certificate.
     """
 
     u: float
@@ -54,6 +56,7 @@ class Influence:
     standard: str = ""
     quantity: str = ""
     redrawn_by: Redrawn = ""
+    valid: str = ""
 
     @property
     def stated(self) -> tuple[float, str]:

@@ -16,6 +16,7 @@ from .key import NO_REASON, At, Case, Key, Member, Method, Reason
 Status = Literal["estimated", "not_estimated", "upper_limit"]
 
 
+SCHEMA = 2  # of results.json, and of what commands print with --json
 COLUMNS = (
     "quantity", "axis", "sensor", "power", "at_what", "at", "at_unit", "test", "condition", "method", "member_kind",
     "member", "value", "u", "unit", "dof", "lo", "hi", "p", "status", "reason_code", "reason",

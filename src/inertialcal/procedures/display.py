@@ -96,6 +96,7 @@ def displayed(row: Row, sensor_unit: str) -> Row:
         u=scaled(row.u, scale),
         interval=scaled_interval(row.interval, scale),
         unit=unit,
+        shared={name: change * scale for name, change in row.shared.items()},
     )
 
 

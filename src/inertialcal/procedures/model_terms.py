@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 
 from ..core.curve import Curve
-from ..core.estimate import Array, Component, Estimate
+from ..core.estimate import Array, Component, Estimate, placed_changes
 from ..core.key import Key, Origin
 from ..core.remarks import Remark
 from ..core.results import Row
@@ -123,7 +123,7 @@ def _placed(component: Component, start: int, size: int) -> Component:
     covariance, dof = np.zeros((size, size)), np.full(size, np.inf)
     covariance[at, at] = component.covariance
     dof[at] = component.dof
-    return replace(component, covariance=covariance, dof=dof)
+    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, start, size))
 
 
 @dataclass(frozen=True, eq=False)

@@ -135,7 +135,8 @@ def linear(
     for component in estimate.components:
         factor = slopes @ _factor(component)
         dof = _carried_dof(component, slopes)
-        components.append(replace(component, covariance=factor @ factor.T, dof=dof))
+        changes = None if component.changes is None else component.changes @ slopes.T
+        components.append(replace(component, covariance=factor @ factor.T, dof=dof, changes=changes))
     return Estimate(tuple(names), values, tuple(units), tuple(components))
 
 

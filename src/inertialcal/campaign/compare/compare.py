@@ -20,7 +20,7 @@ from ...statistics.intervals import ends
 from .allowed_change import Allowed, allowed_for, is_named, parse_allowed
 from .differences import Difference, P, differences, is_scatter
 from .matched_rows import matched, rows_remark
-from .sources import Kind, load_both, shared_remarks
+from .sources import Kind, load_both, shared_influences, shared_remarks
 from .tables import comparison_parts
 
 
@@ -104,12 +104,9 @@ def compare(first: str | os.PathLike[str], second: str | os.PathLike[str], allow
             do="Compare campaigns of one kind of sensor and test",
             code="no_shared_quantity",
         )
-    found, judging = judged(differences(pairs), stated)
-    assumed = Remark(
-        "taken_as_independent",
-        "info",
-        "first and second are taken as independent: u of a difference is the root of the sum of squares",
-    )
+    found, judging = judged(differences(pairs, shared_influences(one, other)), stated)
+    what = "first and second are taken as independent, but for standards that both share"
+    assumed = Remark("taken_as_independent", "info", what)
     everything = (assumed, *shared_remarks(one, other), *remarks, *judging)
     return Comparison(kind, found, everything, {one.path: one.sha256, other.path: other.sha256})
 

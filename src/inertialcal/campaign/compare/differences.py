@@ -1,7 +1,7 @@
-"""Differences of figures taken as independent, and whether they are shown to differ.
+"""Differences of figures, and whether they are shown to differ.
 
-A difference is second less first; variances add, degrees of freedom follow by Welch-Satterthwaite [1]_. It is
-called ``different`` if its t test rejects equality, with Holm's step-down over all figures compared [2]_: where
+A difference is second less first; what both share cancels (`statistics.difference`), the rest adds, and degrees of
+freedom follow by Welch-Satterthwaite [1]_. It is called ``different`` if its t test rejects equality, with Holm's step-down over all figures compared [2]_: where
 nothing differs, the word falls in at most 5 % of all comparisons. The interval beside it holds for each figure by
 itself. Standard deviations (``scatter_...``) are no normal values: they have the F test and the interval of
 ``statistics.scatters``.
@@ -15,22 +15,22 @@ References
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 from typing import Any, Literal
 
-import numpy as np
 from scipy import special
 
-from ...core.estimate import Component, Estimate
 from ...core.key import Reason
 from ...core.results import Interval, Row, finite
 from ...statistics.decision import Verdict, holm
+from ...statistics.difference import Figure, difference
 from ...statistics.intervals import t_interval
 from ...statistics.scatters import difference_interval, equality_p_value
 
 Word = Literal["different", "not shown different", "not compared"]
 P = 0.95
+CANCELLED = 1e-12  # of a difference: an uncertainty below it is none
 LEVELS = ("sample", "dwell", "run", "recording", "position", "rotation")
 SCATTERS = tuple(f"scatter_{level}" for level in LEVELS)  # quantities that are standard deviations
 
@@ -70,15 +70,25 @@ class Difference:
         }
 
 
-def differences(pairs: Sequence[tuple[Row, Row]]) -> tuple[Difference, ...]:
-    """Return the difference of each pair, second less first, with a word on each."""
+def differences(pairs: Sequence[tuple[Row, Row]], shared: Collection[str] = ()) -> tuple[Difference, ...]:
+    """Return the difference of each pair, second less first, with a word on each.
+
+    Parameters
+    ----------
+    pairs : sequence of (Row, Row)
+        First and second, in one unit.
+    shared : collection of str
+        Influences whose error is the same in both.
+    """
     reasons = [_not_comparable(*pair) for pair in pairs]
     usable = [pair for pair, reason in zip(pairs, reasons, strict=True) if not reason]
-    estimate = _independent(usable)
-    tested = zip(usable, estimate.values, estimate.u, estimate.dof, strict=True)
-    p_values = [_scatter_p(*pair) if is_scatter(pair[0]) else _p_value(d / u, dof) for pair, d, u, dof in tested]
+    figures = [difference(_figure(one), _figure(other), _of(shared, one, other)) for one, other in usable]
+    p_values = [
+        _scatter_p(*pair) if is_scatter(pair[0]) else _p_value(found.value, found.u, found.dof)
+        for pair, found in zip(usable, figures, strict=True)
+    ]
     rejected = iter(holm(p_values, 1.0 - P))
-    each = iter(zip(estimate.values, estimate.u, estimate.dof, p_values, strict=True))
+    each = iter(zip(figures, p_values, strict=True))
     found = []
     for (one, other), reason in zip(pairs, reasons, strict=True):
         if reason:
@@ -86,8 +96,8 @@ def differences(pairs: Sequence[tuple[Row, Row]]) -> tuple[Difference, ...]:
                 Difference(_row(one, other, _plain(one, other), reason=reason), one, other, None, "not compared")
             )
             continue
-        d, u, dof, p = next(each)
-        row = _row(one, other, float(d), float(u), float(dof))
+        figure, p = next(each)
+        row = _row(one, other, figure.value, figure.u, figure.dof)
         found.append(Difference(row, one, other, float(p), "different" if next(rejected) else "not shown different"))
     return tuple(found)
 
@@ -128,24 +138,20 @@ def _interval(one: Row, other: Row, d: float, u: float, dof: float) -> Interval:
     return t_interval(d, u, dof, P)
 
 
-def _independent(pairs: Sequence[tuple[Row, Row]]) -> Estimate:
-    """Differences of independent figures: the two variances are two sources."""
-    components = tuple(
-        Component(
-            source,
-            "A",
-            np.diag([float(pair[side].u or 0.0) ** 2 for pair in pairs]),
-            np.array([pair[side].dof or math.inf for pair in pairs]),  # absent: infinite
-        )
-        for side, source in enumerate(("first", "second"))
-    )
-    values = np.array([float(other.value or 0.0) - float(one.value or 0.0) for one, other in pairs])
-    names = tuple(str(i) for i in range(len(pairs)))
-    return Estimate(names, values, tuple(one.unit for one, _ in pairs), components)
+def _figure(row: Row) -> Figure:
+    return Figure(float(row.value or 0.0), float(row.u or 0.0), row.dof or math.inf, row.shared)  # absent: infinite
 
 
-def _p_value(t: float, dof: float) -> float:
-    """Two-sided, of Student's t; normal for infinite dof."""
+def _of(shared: Collection[str], one: Row, other: Row) -> list[str]:
+    """Return the unknowns of influences that are shared; one that a figure does not follow changes it by 0."""
+    return [name for name in {*one.shared, *other.shared} if name.partition("[")[0] in shared]
+
+
+def _p_value(d: float, u: float, dof: float) -> float:
+    """Two-sided, of Student's t; normal for infinite dof; where all of u cancels, any difference is one."""
+    if u <= CANCELLED * abs(d) or not u:
+        return 0.0 if d else 1.0
+    t = d / u
     below = special.ndtr(-abs(t)) if math.isinf(dof) else special.stdtr(dof, -abs(t))
     return min(2.0 * float(below), 1.0)
 

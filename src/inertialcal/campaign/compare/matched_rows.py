@@ -61,8 +61,10 @@ def _in_unit(row: Row, unit: str) -> Row:
     if row.unit == unit:
         return replace(row, interval=None)
     value = None if row.value is None else float(convert([row.value], row.unit, unit)[0])
-    u = None if row.u is None else row.u * factor(row.unit, unit, difference=True)
-    return replace(row, value=value, u=u, unit=unit, interval=None)
+    scale = factor(row.unit, unit, difference=True)
+    u = None if row.u is None else row.u * scale
+    shared = {name: change * scale for name, change in row.shared.items()}
+    return replace(row, value=value, u=u, unit=unit, interval=None, shared=shared)
 
 
 def _alone(side: str, rows: Sequence[Row]) -> list[Remark]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Literal
 
@@ -20,6 +20,7 @@ from ...sensors.model.serial import FORMAT
 from ..models.find import RESULTS, find_model
 from ..models.rows import model_rows
 from ..outcome.publish import OUT
+from ..outcome.results_file import check_schema
 
 Kind = Literal["models", "results"]
 CAMPAIGN_FILE = "campaign.toml"
@@ -43,6 +44,8 @@ class Compared:
         SHA-256 -> path of each recording that went in, as far as ``provenance.json`` lies beside.
     sensor : str
         What a model senses: ``"accelerometer"``, ``"gyro"``; empty for results.
+    influences, site : mapping
+        Of results.
     """
 
     path: str
@@ -52,6 +55,8 @@ class Compared:
     type_b: frozenset[str]
     recordings: Mapping[str, str]
     sensor: str = ""
+    influences: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    site: Mapping[str, Any] = field(default_factory=dict)
 
 
 def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> tuple[Kind, Compared, Compared]:
@@ -91,6 +96,18 @@ def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> 
     return kind, one, other
 
 
+def shared_influences(one: Compared, other: Compared) -> list[str]:
+    """Return the influences whose error is the same in both: one certificate, or one constant or site."""
+    found = []
+    for name, mine in one.influences.items():
+        of_site = mine["standard"] in ("site", "gravity")
+        same = mine == other.influences.get(name) and (not of_site or one.site == other.site)
+        lasting = mine["redrawn_by"] == "never" or (mine["redrawn_by"] == "certificate" and mine["certificate"])
+        if same and lasting:
+            found.append(name)
+    return found
+
+
 def shared_remarks(one: Compared, other: Compared) -> tuple[Remark, ...]:
     """Return remarks on what two sides share, or may share."""
     remarks = []
@@ -100,11 +117,16 @@ def shared_remarks(one: Compared, other: Compared) -> tuple[Remark, ...]:
     elif same:
         what = f"recordings that went into both: {', '.join(same)[:120]}: not independent, u of a difference is wrong"
         remarks.append(Remark("same_recordings", "warning", what, count=len(same), do="Compare separate recordings"))
-    standards = sorted(one.type_b & other.type_b)
-    if standards:
-        what = f"Type B in both ({', '.join(standards)[:160]}): taken as independent. One standard for both would "
-        what += "cancel in a difference, which is then known better than u says"
-        remarks.append(Remark("standards_may_be_shared", "info", what, count=len(standards)))
+    known = shared_influences(one, other)
+    if known:
+        what = f"one standard in both, so its error cancels in each difference: {', '.join(known)}"
+        remarks.append(Remark("standards_shared", "info", what, count=len(known)))
+    unknown = sorted((one.type_b & other.type_b) - set(known))
+    if unknown:
+        what = f"Type B in both ({', '.join(unknown)[:160]}): taken as independent. "
+        what += "With one standard in both, u of a difference is smaller than stated"
+        do = "Give both campaigns the certificate of the standard"
+        remarks.append(Remark("standards_may_be_shared", "info", what, count=len(unknown), do=do))
     if one.serial and other.serial and one.serial != other.serial:
         what = f"two units: serial {one.serial!r} and {other.serial!r}"
         remarks.append(Remark("different_serials", "info", what))
@@ -138,10 +160,14 @@ def _results(given: Path) -> Compared:
     if given.is_dir() and not path.is_file():
         raise DataError("no results here", where=str(given), do=f"Type: inertialcal run {given}", code="no_results")
     content, sha256 = _content(path)
+    if "results" in content:
+        check_schema(content, str(path))
     try:
         rows = tuple(Row.from_dict(row) for row in content["results"])
-        type_b = frozenset(str(b["source"]) for b in content.get("budgets", []) if b["kind"] == "B")
+        budgets = [b for b in content.get("budgets", []) if b["kind"] == "B"]
+        type_b = frozenset(str(b.get("influence") or b["source"]) for b in budgets)
         serial = str(content.get("item", {}).get("serial", ""))
+        influences, site = content.get("influences", {}), content.get("site", {})
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         raise DataError(
             f"neither a model nor results: {type(error).__name__} {error}",
@@ -149,7 +175,9 @@ def _results(given: Path) -> Compared:
             do="Name a model.json, a results.json, or the folder of a campaign",
             code="schema",
         ) from None
-    return Compared(str(path), sha256, rows, serial, type_b, _recordings(path))
+    return Compared(
+        str(path), sha256, rows, serial, type_b, _recordings(path), influences=influences, site=site
+    )  # fmt: skip
 
 
 def _content(path: Path) -> tuple[dict[str, Any], str]:

@@ -63,9 +63,15 @@ def _row(figure: BudgetFigure, component: Component, sensor_unit: str) -> dict[s
     u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
     dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
     return {
-        "source": component.source, "kind": component.kind, "distribution": component.distribution,
+        "source": component.source, "influence": _influence(component), "kind": component.kind, "distribution": component.distribution,
         **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
     }  # fmt: skip
+
+
+def _influence(component: Component) -> str:
+    """Return the name of the influence under [standards] that a source is; empty for others."""
+    origin = component.origin
+    return f"{origin.standard}.{origin.quantity}" if origin.standard else ""
 
 
 def _sensitivity(component: Component, u: float, unit: str, sensor_unit: str) -> dict[str, Any]:

@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
 from ...core.estimate import Estimate
+from ...core.influence import Influence
 from ...core.judging import Verdict
+from ...core.key import Key, Method
 from ...core.remarks import Remark, condensed
-from ...core.results import Row, finite, key_fields
+from ...core.results import SCHEMA, Row, finite, key_fields
+from ...core.schema.standards import OUTLIVES
 from ...core.units import convert, factor
 from ...procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
 from ..engine.engine import Prepared, ReducedTest
@@ -21,7 +24,6 @@ from .budgets import budget_rows
 from .curves import curves_content
 from .exclusions import exclusion_rows, left_out
 from .margins import margin
-from .publish import SCHEMA
 from .requirements import RULE, judge, worst
 from .sequence import sequence_rows
 from .set_up import sensors_content, site_content
@@ -52,7 +54,10 @@ def results_content(
     """
     rows = displayed_rows(campaign, tested)
     for name, (unit, one) in named_models(campaign, modelled).items():
-        rows += [displayed(replace(row, test=name), unit) for row in parameter_rows(one)]
+        estimate = None if one.model is None else one.model.estimate
+        for row in parameter_rows(one):
+            shared = {} if estimate is None or row.u is None else _outliving(campaign, estimate.shared(row.key))
+            rows.append(displayed(replace(row, test=name, shared=shared), unit))
     judged: list[tuple[Verdict, str]] = []
     tests = {one.test.id: one.test for one in tested}
     unit = campaign.file.sensors[next(iter(campaign.file.sensors))].unit
@@ -71,6 +76,7 @@ def results_content(
         "site": site_content(campaign.file.site),
         "sensors": sensors_content(campaign.file.sensors),
         "standards": standards_rows(campaign, tested),
+        "influences": {name: _influence(one) for name, one in sorted(campaign.standards.items())},
         "sequence": sequence_rows(prepared, unused),
         "exclusions": exclusion_rows(unused),
         "results": [row.to_dict() for row in rows],
@@ -94,12 +100,41 @@ def results_content(
 
 
 def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Row]:
-    """Return the rows of tests in the units of their sensors, each with the condition of its test."""
-    return [
-        displayed(replace(row, condition=one.test.condition), sensor_of(campaign, one.test, row.key.sensor).unit)
-        for one in tested
-        for row in one.rows
-    ]
+    """Return the rows of tests in the units of their sensors, each with its condition and what it shares."""
+    found = []
+    for one in tested:
+        known = {kind: _known(one, kind) for kind in one.parts}
+        for row in one.rows:
+            estimate, keys = known.get(row.key.sensor, (None, {}))
+            shared = dict(row.shared)
+            if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
+                shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
+            row = replace(row, condition=one.test.condition, shared=_outliving(campaign, shared))
+            found.append(displayed(row, sensor_of(campaign, one.test, row.key.sensor).unit))
+    return found
+
+
+def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, Key]]:
+    """Return the estimate of a sensor, and the key of each of its values by that of its row."""
+    part = one.parts[kind]
+    if part.estimate is None:
+        return None, {}
+    called = {one.procedure.called(part, key): key for key in part.estimate.keys}
+    return part.estimate, {key._replace(sensor=kind): own for key, own in called.items()} | called
+
+
+def _outliving(campaign: Campaign, shared: Mapping[str, float]) -> dict[str, float]:
+    """Return the changes by influences whose error is the same in the next test."""
+    stated = {name: one for name, one in campaign.standards.items() if one.redrawn_by in OUTLIVES}
+    return {name: change for name, change in shared.items() if name.partition("[")[0] in stated and change}
+
+
+def _influence(one: Influence) -> dict[str, Any]:
+    u, unit = one.stated
+    return {
+        "standard": one.standard, "quantity": one.quantity, "u": u, "unit": unit, "certificate": one.certificate,
+        "valid": one.valid, "redrawn_by": one.redrawn_by,
+    }  # fmt: skip
 
 
 def _budgets(campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None) -> list[dict[str, Any]]:

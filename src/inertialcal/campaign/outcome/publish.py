@@ -18,10 +18,10 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import StoreError
+from ...core.results import SCHEMA
 from ...core.show.names import case_name, quantity_name
 
 OUT = "out"
-SCHEMA = 2  # of results.json
 ROUNDING = 1e-9  # relative difference that is no change
 
 

@@ -11,12 +11,13 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import DataError
+from ...core.results import SCHEMA
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import read_curves
 from ...files.source import load
 from ...sensors.model.serial import FORMAT
 from ..models.find import RESULTS
-from .publish import OUT, SCHEMA
+from .publish import OUT
 
 
 @dataclass(frozen=True, eq=False)

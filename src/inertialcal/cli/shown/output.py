@@ -11,6 +11,7 @@ from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
 from ...core.errors import Problem
+from ...core.results import SCHEMA
 from ...core.show.tables import aligned as table
 from ...core.show.tables import clean
 
@@ -18,7 +19,7 @@ __all__ = ["clean", "errors_out", "found", "json_out", "package_version", "probl
 
 # Exit status that the command has found, for a reader that closes the pipe before all is printed.
 FOUND = [0]
-PARTS = ("results", "curves", "remarks", "verdicts", "errors")
+PARTS = ("results", "remarks", "verdicts", "errors")
 WIDTH = 110  # of wrapped text where there is no terminal
 
 
@@ -38,12 +39,13 @@ def json_out(command: str, content: Mapping[str, Any], status: int = 0) -> None:
     command : str
         Word that was typed.
     content : mapping
-        ``inputs``, ``results``, ``curves``, ``remarks``, ``verdicts``, ``errors``, and what else it gives.
+        ``inputs``, ``results``, ``remarks``, ``verdicts``, ``errors``, and what else it gives; curves are left out.
     status : int
         Exit status.
     """
-    whole: dict[str, Any] = {"command": command, "version": package_version(), "inputs": []}
-    whole |= {name: [] for name in PARTS} | dict(content) | {"exit": status}
+    whole: dict[str, Any] = {"command": command, "version": package_version(), "schema": SCHEMA, "inputs": []}
+    whole |= {name: [] for name in PARTS} | {name: part for name, part in content.items() if name != "curves"}
+    whole["exit"] = status
     print(json.dumps(whole, ensure_ascii=False, allow_nan=False))
 
 

@@ -77,7 +77,8 @@ def _type_b(
     plan: Plan, readings: Readings, responses: Sequence[Response], scale: float, way: Array
 ) -> Iterator[Component]:
     for name, one in applied_influences(plan, readings).items():
-        yield Component(one.origin(name), "B", _outer(way * scale * one.u), one.dof, one.distribution, one.stated)
+        u = way * scale * one.u
+        yield Component(one.origin(name), "B", _outer(u), one.dof, one.distribution, one.stated, -u[None])
     moved = [one for one in responses if one.moved]
     subtracted = [0.0 if one.tilt_used == "ignored" else abs(one.coefficient) / one.applied for one in moved]
     kept = [scale * G / one.applied if one.tilt_used == "ignored" else 0.0 for one in moved]
@@ -88,7 +89,8 @@ def _type_b(
         stated, slope = plan.standards.get(name), float(np.mean(slopes))
         if stated is not None and slope:
             u = way * slope * stated.u
-            yield Component(stated.origin(label), "B", _outer(u), stated.dof, stated.distribution, stated.stated)
+            origin = stated.origin(label)
+            yield Component(origin, "B", _outer(u), stated.dof, stated.distribution, stated.stated, u[None])
     remainder = tilt_left(responses, scale)
     if remainder:  # all of it as one standard uncertainty
         yield Component("tilt left by the noise of its meter", "B", _outer(way * remainder))

@@ -171,7 +171,8 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         stated = None if one.influence is None else one.influence.stated
         distribution = "t" if one.influence is None else one.influence.distribution
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
-        components.append(Component(one.origin, kind_of, covariance, least, distribution, stated))
+        changes = None if one.changes is None else one.changes @ by_numbers.T
+        components.append(Component(one.origin, kind_of, covariance, least, distribution, stated, changes))
     units_told = tuple(normalise(units[k]) for k in told)
     return Estimate(tuple(names[k] for k in told), values[told], units_told, tuple(components))
 

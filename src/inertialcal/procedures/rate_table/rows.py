@@ -103,7 +103,10 @@ def _scale_factor_row(result: Result, sensor: str, estimate: Estimate | None, me
         float(estimate.dof[i]),
     )
     interval = t_interval(value, u, dof)
-    return Row(key, value, u, "V/(rad/s)", _dof(dof), interval, reason=_limits(result), method=method)
+    shared = estimate.shared(error, ideal)
+    return Row(
+        key, value, u, "V/(rad/s)", _dof(dof), interval, reason=_limits(result), method=method, shared=shared
+    )  # fmt: skip
 
 
 def applies(name: str, plan: Plan, readings: Readings) -> bool:

@@ -197,7 +197,13 @@ def with_scale(estimate: Estimate, standards: Standards) -> Estimate:
     sized = np.array([0.0 if key.quantity == TIME else 1.0 for key in estimate.keys]) * estimate.values
     covariance = influence.u**2 * np.outer(sized, sized)
     component = Component(
-        influence.origin(SOURCE), "B", covariance, influence.dof, influence.distribution, influence.stated
+        influence.origin(SOURCE),
+        "B",
+        covariance,
+        influence.dof,
+        influence.distribution,
+        influence.stated,
+        -influence.u * sized[None],
     )
     return replace(estimate, components=(*estimate.components, component))
 

@@ -156,7 +156,9 @@ def _type_b(plan: Plan, laws: list[Law], rows: list[Array], values: Array, known
     if reference is not None:
         found.append(("converter reference", reference, (reference.u * values)[known]))
     return [
-        Component(one.origin(source), "B", np.outer(change, change), one.dof, one.distribution, one.stated)
+        Component(
+            one.origin(source), "B", np.outer(change, change), one.dof, one.distribution, one.stated, change[None]
+        )
         for source, one, change in found
     ]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from ...core.axes import AXES
 from ...core.errors import DataError
-from ...core.estimate import Array, Component, Estimate
+from ...core.estimate import Array, Component, Estimate, placed_changes
 from ...core.influence import Influence
 from ...core.key import At, Key, Origin
 from ...core.recording import Recording
@@ -264,7 +264,7 @@ def _wider(component: Component, more: int) -> Component:
     covariance[:k, :k] = component.covariance
     dof = np.full(k + more, np.inf)
     dof[:k] = component.dof
-    return replace(component, covariance=covariance, dof=dof)
+    return replace(component, covariance=covariance, dof=dof, changes=placed_changes(component, 0, len(covariance)))
 
 
 def _joint(off: Unknowns, keys: tuple[Key, ...], changes: Mapping[Key, Array]) -> Component:

@@ -75,7 +75,10 @@ def in_units(estimate: Estimate, units: tuple[str, ...]) -> Estimate:
         return estimate
     factors = np.array([factor(own, other) for own, other in zip(estimate.units, units, strict=True)])
     grid = np.outer(factors, factors)
-    components = tuple(replace(one, covariance=one.covariance * grid) for one in estimate.components)
+    components = tuple(
+        replace(one, covariance=one.covariance * grid, changes=None if one.changes is None else one.changes * factors)
+        for one in estimate.components
+    )
     return Estimate(estimate.keys, estimate.values * factors, units, components)
 
 

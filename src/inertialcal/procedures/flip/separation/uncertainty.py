@@ -279,5 +279,6 @@ def components(plan: Plan, parts: Patterns) -> list[Component]:
     for name, pattern in parts.items():
         one = plan.standards[name]
         covariance = pattern.T @ pattern
-        made.append(Component(one.origin(NAMES[name]), "B", covariance, one.dof, one.distribution, one.stated))
+        origin = one.origin(NAMES[name])
+        made.append(Component(origin, "B", covariance, one.dof, one.distribution, one.stated, pattern))
     return made

@@ -287,7 +287,9 @@ def _sensor(
     gravity = plan.standards.get("gravity.value")  # moves all positions alike, as the mounting does
     if gravity is not None:
         change = np.concatenate([-values[:9], np.zeros(3)]) * gravity.u / local_gravity(plan)
-        sources.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
+        sources.append(
+            Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity, changes=change[None])
+        )
     mounting = plan.standards.get("fixture.mounting")
     if mounting is not None and not of_frame:
         sources.append(mounting_source(values, mounting.u, plan))

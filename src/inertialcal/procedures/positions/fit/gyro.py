@@ -161,10 +161,10 @@ def _sensor(
     clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
     if clock is not None and rotated is not None:
         change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
-        found.append(Source("clock.rate", "B", np.outer(change, change), clock.dof, clock))
+        found.append(Source("clock.rate", "B", np.outer(change, change), clock.dof, clock, changes=change[None]))
     if gravity is not None:
         change = np.concatenate([np.zeros(12), values[12:] * gravity.u / local_gravity(plan)])
-        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity))
+        found.append(Source("gravity.value", "B", np.outer(change, change), gravity.dof, gravity, changes=change[None]))
     if "fixture.mounting" in plan.standards and readings.turns and not readings.transitions and rotated is not None:
         found.append(mounting_source(values, plan.standards["fixture.mounting"].u, plan))
     reasons = _reasons(rest, rotated, acc, bool(readings.transitions))

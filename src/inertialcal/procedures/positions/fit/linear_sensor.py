@@ -32,7 +32,7 @@ TAKES_PART = 0.03  # share of a parameter in a combination, below which it is to
 
 @dataclass(frozen=True, eq=False)
 class Source:
-    """One source of uncertainty of all the numbers at once: covariance, degrees of freedom, kind, what was stated."""
+    """One source of uncertainty of all the numbers at once: the fields of a Component, and what was stated."""
 
     name: str
     kind: str
@@ -40,6 +40,7 @@ class Source:
     dof: Array | float = np.inf
     influence: Influence | None = None
     level: str = ""
+    changes: Array | None = None
 
     @property
     def origin(self) -> Origin:
@@ -108,7 +109,14 @@ def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
     rows = np.concatenate([np.repeat(ratio, 3), ratio, np.repeat(ratio, 3)])[: len(sensor.values)]
     values = sensor.values * rows
     values[9:12] += (sensor.zero - zero) / ideal
-    sources = tuple(replace(one, covariance=one.covariance * np.outer(rows, rows)) for one in sensor.sources)
+    sources = tuple(
+        replace(
+            one,
+            covariance=one.covariance * np.outer(rows, rows),
+            changes=None if one.changes is None else one.changes * rows,
+        )
+        for one in sensor.sources
+    )
     return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero)
 
 
@@ -182,7 +190,7 @@ def summed(groups: Sequence[Sequence[Source]]) -> list[Source]:
         with np.errstate(divide="ignore", invalid="ignore"):
             weight = np.diag(before.covariance) ** 2 / before.dof + np.diag(one.covariance) ** 2 / one.dof
             dof = np.where(weight > 0.0, np.diag(covariance) ** 2 / weight, np.inf)
-        found[one.name] = replace(before, covariance=covariance, dof=dof)
+        found[one.name] = replace(before, covariance=covariance, dof=dof, changes=None)
     return list(found.values())
 
 

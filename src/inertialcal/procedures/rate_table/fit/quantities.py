@@ -144,7 +144,11 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
     rate = plan.standards.get("rate_table.rate")
     if rate is not None:
         covariance = rate.u**2 * np.outer(proportional, proportional)
-        found.append(Component(rate.origin("table rate"), "B", covariance, rate.dof, rate.distribution, rate.stated))
+        # The true input is larger by e: what is proportional to 1 / input is smaller, and errors of rate are too.
+        changes = -rate.u * proportional[None]
+        found.append(
+            Component(rate.origin("table rate"), "B", covariance, rate.dof, rate.distribution, rate.stated, changes)
+        )
     mounting = plan.standards.get("rate_table.mounting")
     if mounting is not None:
         covariance = _mounting(parts, lines, mounting.u)
@@ -160,7 +164,15 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
         covariance = reference.u**2 * np.outer(gain, gain)
         shape = reference.distribution
         found.append(
-            Component(reference.origin("converter reference"), "B", covariance, reference.dof, shape, reference.stated)
+            Component(
+                reference.origin("converter reference"),
+                "B",
+                covariance,
+                reference.dof,
+                shape,
+                reference.stated,
+                reference.u * gain[None],
+            )  # fmt: skip
         )
     return found
 

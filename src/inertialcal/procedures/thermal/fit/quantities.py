@@ -246,6 +246,8 @@ def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
         one = influences[source]
         assert one is not None  # noqa: S101 - a change has its influence
         found.append(
-            Component(one.origin(source), "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated)
+            Component(
+                one.origin(source), "B", 0.5 * (covariance + covariance.T), one.dof, one.distribution, one.stated, whole
+            )
         )
     return found

@@ -1,0 +1,88 @@
+"""Difference of two figures that share a standard, against an independent Monte Carlo."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import inertialcal as ic
+from inertialcal.campaign.compare.differences import differences
+from inertialcal.core.results import Row
+from inertialcal.statistics.difference import Figure, difference
+
+RATES = np.array([-4.0, -2.0, 2.0, 4.0] * 2)
+TABLE, NOISE = 5e-4, 2e-3  # relative standard uncertainty of the rate; scatter of a dwell [deg/s]
+DRAWS, ROUNDING = 40_000, 0.02  # relative error of a standard deviation of so many draws, four times over
+
+
+def unit_file(folder: Path, name: str, scale: float, rng: np.random.Generator) -> Path:
+    """Write the reduced table of a unit: rate, reading, scatter, run."""
+    read = scale * RATES + NOISE * rng.standard_normal(RATES.size)
+    rows = [f"{rate},{value:.9f},{NOISE},{1 + i // 4}" for i, (rate, value) in enumerate(zip(RATES, read, strict=True))]
+    path = folder / f"{name}.csv"
+    path.write_text("\n".join(["rate [deg/s],x [deg/s],std [deg/s],run", *rows, ""]), encoding="utf-8")
+    return path
+
+
+def scale_error(path: Path) -> Row:
+    found = ic.rate_table(path, axis="x", standards={"rate_table.rate": "0.05 %"})
+    return next(row for row in found.rows if row.quantity == "scale_factor_error" and row.case.plain)
+
+
+def drawn_differences(rng: np.random.Generator, shared: bool) -> np.ndarray:
+    """Return slopes of two units on a table whose rate is wrong, fitted by numpy alone, second less first [%]."""
+    first = TABLE * rng.standard_normal((DRAWS, 1))
+    second = first if shared else TABLE * rng.standard_normal((DRAWS, 1))
+    slopes = [
+        (((1.0 + e) * scale * RATES + NOISE * rng.standard_normal((DRAWS, RATES.size))) @ RATES) / (RATES @ RATES)
+        for e, scale in ((first, 1.01), (second, 1.013))
+    ]
+    return np.asarray(100.0 * (slopes[1] - slopes[0]))
+
+
+def test_two_units_on_one_table_differ_by_what_a_monte_carlo_gives(tmp_path: Path) -> None:
+    rng = np.random.default_rng(7)
+    one, other = (scale_error(unit_file(tmp_path, name, s, rng)) for name, s in (("a", 1.01), ("b", 1.013)))
+    assert one.shared.keys() == {"rate_table.rate"}
+    assert one.shared["rate_table.rate"] == pytest.approx(-100.0 * TABLE * 1.01, rel=2e-3)
+    apart = differences([(one, other)])[0].row
+    together = differences([(one, other)], ["rate_table.rate"])[0].row
+    assert apart.u is not None
+    assert together.u is not None
+    # What the fit knows of its own scatter is one draw; the exact scatter of a slope takes its place.
+    own = 100.0 * NOISE / math.sqrt(RATES @ RATES)
+    exact = [
+        Figure(row.value or 0.0, math.hypot(own, row.shared["rate_table.rate"]), changes=row.shared)
+        for row in (one, other)
+    ]
+    assert difference(*exact).u == pytest.approx(drawn_differences(rng, shared=True).std(), rel=ROUNDING)
+    assert difference(*exact, ()).u == pytest.approx(drawn_differences(rng, shared=False).std(), rel=ROUNDING)
+    assert together.u < 0.9 * apart.u
+    left = (other.u or 0.0) ** 2 + (one.u or 0.0) ** 2 - together.u**2
+    assert left == pytest.approx(2.0 * one.shared["rate_table.rate"] * other.shared["rate_table.rate"], rel=1e-9)
+
+
+def test_signs_decide_whether_a_shared_error_cancels_or_adds() -> None:
+    rng = np.random.default_rng(3)
+    e, own = rng.standard_normal(DRAWS), 0.3 * rng.standard_normal((2, DRAWS))
+    for change in (1.0, -1.0, 0.25):
+        drawn = (change * e + own[1]) - (e + own[0])
+        pair = (Figure(0.0, math.hypot(c, 0.3), changes={"standard": c}) for c in (1.0, change))
+        assert difference(*pair).u == pytest.approx(drawn.std(), rel=ROUNDING)
+
+
+def test_nothing_shared_is_the_sum_of_squares_with_welchs_degrees_of_freedom() -> None:
+    a, b = Figure(1.0, 0.3, 4.0, {"one": 0.2}), Figure(2.0, 0.4, 9.0, {"other": 0.1})
+    found = difference(a, b)
+    assert (found.value, found.u) == (1.0, pytest.approx(0.5))
+    assert found.dof == pytest.approx(0.5**4 / (0.3**4 / 4.0 + 0.4**4 / 9.0))
+    assert difference(b, a).value == -1.0
+
+
+def test_a_figure_less_itself_has_twice_its_own_variance_alone() -> None:
+    one = Figure(1.0, 0.5, changes={"table": 0.4, "mass": -0.3})
+    assert difference(one, one).u == pytest.approx(0.0, abs=1e-7)
+    assert difference(one, one, ["table"]).u == pytest.approx(math.sqrt(2.0) * 0.3)
