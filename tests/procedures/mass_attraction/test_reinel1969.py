@@ -82,8 +82,8 @@ def test_a_table_that_tells_less_is_refused_with_its_row(
 @pytest.mark.parametrize(
     ("old", "new", "words"),
     [
-        ('unit = "count/s"', 'unit = "V"', "need pulses a second"),
-        ('applied_unit = "ng"', 'applied_unit = "cm"', "need a unit of acceleration"),
+        ('unit = "count/s"', 'unit = "V"', "not in pulses a second"),
+        ('applied_unit = "ng"', 'applied_unit = "cm"', "not a unit of acceleration"),
         ('u_applied = "0.2 ng"', 'u_applied = "0.2 cm"', "u_applied"),
     ],
 )

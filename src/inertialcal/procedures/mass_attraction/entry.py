@@ -1,4 +1,4 @@
-"""What a campaign says of a moved mass: columns of reduced runs, the schedule of the mass."""
+"""Keys of a recording's entry for a moved mass: columns of reduced runs, schedule of the mass."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from ..entries import Entry, EntryKey, SaidSensor, SaidTest
 
 
 class Lines(Strict):
-    """lines = {...}: which column of a table of reduced runs is what; a row is a run with a moved mass."""
+    """lines = {...}: columns of a table of reduced runs; a row is a run with a moved mass."""
 
     run: Text
     applied: Text
@@ -31,7 +31,7 @@ class Lines(Strict):
 
 
 class MovedMass(Strict):
-    """mass = {...}: the schedule of the mass that is moved during a recording, and when it begins."""
+    """mass = {...}: schedule of the mass that moves during a recording, and its begin."""
 
     schedule: Text
     begin: str | int | float | None = None
@@ -48,7 +48,7 @@ class MassEntry(Entry, Protocol):
 
     @property
     def mass(self) -> MovedMass | None:
-        """Where the mass was, and when."""
+        """Schedule of the mass."""
         ...
 
 
@@ -59,33 +59,33 @@ KEYS = (
 
 
 def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
-    """Yield a recording without a schedule of the mass, or of a sensor that no pulses are counted of."""
+    """Yield a recording without a schedule of the mass, or of a sensor that does not count pulses."""
     if entry.channels is not None and cast("MassEntry", entry).mass is None:
-        what = f"recordings.{name}: nothing says where the mass was"
-        do = 'Give mass = { schedule = "schedule.csv" }'
+        what = f"recordings.{name}: schedule of the mass missing"
+        do = 'Add mass = { schedule = "schedule.csv" }'
         yield Problem(what, test.at("recordings", name), do=do, code="missing_key")
     sensor = test.sensors.get(entry.sensor)
     if sensor is not None and entry.channels is not None and sensor.chain.kind != "pulse_rate":
-        what = f"test {test.id!r}: a moved mass calibrates pulses a second, the chain is {sensor.chain.kind!r}"
-        do = 'Give chain = { kind = "pulse_rate", gate = ..., scale_factor = ... }'
+        what = f"test {test.id!r}: mass_attraction needs pulses, the chain is of kind {sensor.chain.kind!r}"
+        do = 'Set chain = { kind = "pulse_rate", gate = "100 s" }'
         yield Problem(what, test.at("sensors", entry.sensor, "chain"), do=do, code="wrong_value")
     if test.windows is not None:
-        what = f"test {test.id!r}: windows, but a run is read where its schedule says"
+        what = f"test {test.id!r}: windows, but the schedule says which part of a run is read"
         where = test.at("tests", test.number, "windows")
-        yield Problem(what, where, "they would have no effect", "Leave them out", "wrong_value")
+        yield Problem(what, where, "they would have no effect", "Remove them", "wrong_value")
 
 
 def entry_problems(name: str, entry: Entry, sensor: SaidSensor, at: Callable[..., str]) -> Iterator[Problem]:
-    """Yield units of a table of reduced runs that are of another kind."""
+    """Yield units of a table of reduced runs that do not fit."""
     lines = cast("MassEntry", entry).lines
     if lines is None:
         return
     where = at("recordings", name, "lines")
     if kind(lines.applied_unit) != "acceleration":
-        what = f"recordings.{name}: applied in {lines.applied_unit!r}, need a unit of acceleration"
+        what = f"recordings.{name}: applied in {lines.applied_unit!r}, not a unit of acceleration"
         yield Problem(what, where, code="wrong_value")
     if not same_dimension(lines.unit, "count/s"):
-        what = f"recordings.{name}: response in {lines.unit!r}, need pulses a second"
+        what = f"recordings.{name}: response in {lines.unit!r}, not in pulses a second"
         yield Problem(what, where, do="Write count/s", code="wrong_value")
     if lines.u_applied is not None:
         try:
