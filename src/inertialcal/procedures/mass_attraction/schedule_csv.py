@@ -1,8 +1,8 @@
 """Schedule of a moved mass as CSV: a row a dwell, and comments above for what all dwells have in common.
 
-Numbers are written with all digits of their bits. Comments such as ``# drive: sine`` give the drive, the dwells a cycle
-and the uncertainty of what is applied; a file without them is a custom schedule. Columns may have other units, stated in
-their header.
+Numbers are written with all digits of their bits. Comments such as ``# drive: sine`` give the drive, the dwells a
+cycle and the uncertainty of what is applied; a file without them is a custom schedule. Columns may have other units,
+stated in their header.
 """
 
 from __future__ import annotations
