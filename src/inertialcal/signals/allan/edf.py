@@ -112,7 +112,7 @@ def all_degrees(kind: Kind, factors: NDArray[np.int64], terms: NDArray[np.int64]
 
 
 def identified_powers(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Array:
-    """Return the exponent at each averaging factor, rising, shape (k,); NaN where there are too few averages to tell."""
+    """Return the exponent at each averaging factor, rising, shape (k,); NaN where averages are too few."""
     found = np.empty(len(factors))
     _kernels_noise_type.identify(phase.values, phase.count, phase.pointwise, factors, -kind.reddest // 2, found)
     power = np.clip(np.rint(found), kind.reddest, BLUEST)

@@ -71,7 +71,7 @@ def amplitude_of(in_phase: ArrayLike, quadrature: ArrayLike, u: ArrayLike, dof: 
 
 
 def most_likely(ratio: Array) -> Array:
-    """Return the most likely amplitude of lengths found, both over the standard deviation of a component, shape (k,)."""
+    """Return the most likely amplitude of lengths, both over the standard deviation of a component, shape (k,)."""
     low, high = np.zeros_like(ratio), ratio.copy()
     for _ in range(STEPS):
         middle = 0.5 * (low + high)
