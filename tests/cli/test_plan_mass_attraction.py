@@ -204,7 +204,7 @@ BAD: list[tuple[tuple[str, ...], int, str]] = [
     ((*BODY, *DRIVE, *sets("motion.travel=30 cm")), 3, "motion.stroke with motion.travel"),
     ((*BODY, *DRIVE, *sets("timing.drive=triangle")), 3, "should be 'sine', 'square' or 'abab'"),
     ((*BODY, *DRIVE, *sets("motion.direction=up")), 3, "should be 'along' or 'across'"),
-    ((*BODY, *DRIVE, *sets("instrument.case=8 cm")), 3, "where the instrument takes 0.08 m"),
+    ((*BODY, *DRIVE, *sets("instrument.case=8 cm")), 3, "but the instrument needs 0.08 m"),
     ((*BODY, *sets("motion.direction=along", "motion.rig=-10 cm, 50 cm")), 3, "would overlap the instrument"),
     ((*BODY, *sets("body.optimise=change")), 3, "needs motion.stroke"),
     ((*BODY, *DRIVE, *sets("noise.velocity_random_walk=5 deg/s")), 3, "noise.velocity_random_walk:"),

@@ -179,15 +179,15 @@ BAD = {
     "phase and schedule": (("--schedule", "order.csv", "--phase", "0 deg"), 2, "the schedule has the phase"),
     "drift": ((*PERIOD, "--drift", "spline"), 2, "'dct'"),
     "negative": (("--period", "-1 s"), 3, "It must be positive"),
-    "too long": (("--period", "20000 s"), 3, "it is not longer than the period"),
+    "too long": (("--period", "20000 s"), 3, "it is shorter than one period"),
     "few cycles": (("--period", "5000 s"), 3, "2.4 cycles"),
-    "nyquist": (("--period", "240 s"), 3, "amplitude and phase cannot be told apart"),
-    "faster": (("--period", "150 s"), 3, "faster than the samples can follow"),
+    "nyquist": (("--period", "240 s"), 3, "amplitude and phase cannot be separated"),
+    "faster": (("--period", "150 s"), 3, "above half the sampling frequency"),
     "no column": ((*PERIOD, "--column", "wx"), 3, "no column 'wx'"),
     "side bands": ((*PERIOD, "--side-bands", "40"), 3, "There is room for 1 to 14"),
-    "rows": ((*PERIOD, "--order", "49"), 3, "a row at the frequency of the drive takes it away"),
+    "rows": ((*PERIOD, "--order", "49"), 3, "drift at the frequency of the drive would remove it"),
     "schedule": (("--schedule", "short.csv"), 3, "they are not of one run"),
-    "averaged out": ((*PERIOD, "--averaging", "480 s"), 3, "their means show nothing of it"),
+    "averaged out": ((*PERIOD, "--averaging", "480 s"), 3, "averaging removes it"),
 }
 
 

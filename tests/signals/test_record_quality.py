@@ -80,14 +80,14 @@ def test_saturated_codes_are_told() -> None:
     x = np.clip(np.rint(30.0 * np.random.default_rng(7).normal(size=N)), -45.0, 1_000.0)
     (remark,) = record_quality(x, INTERVAL, floor=1.0).remarks
     assert remark.code == "saturated"
-    assert "x: samples lie at the end of the range, -45" in remark.what
+    assert "x: saturated samples at the end of the range, -45" in remark.what
 
 
 def test_constant_channel_is_told() -> None:
     x = np.stack((np.ones(N), np.random.default_rng(8).normal(size=N)), axis=1)
     found = record_quality(x, INTERVAL)
     assert [str(one) for one in found.remarks] == [
-        "warning: x: all samples are equal. Look at the wiring and at the resolution; there is no noise to be told"
+        "warning: x: all samples are equal. Check the wiring and the resolution"
     ]
     assert np.isnan(found.widening[0])
     assert found.stuck == ()

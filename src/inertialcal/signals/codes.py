@@ -159,11 +159,11 @@ def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:
         return ()
     what = f"{name}: steps of the readings are {number(step / float(np.sqrt(read)), 2)} times their scatter: "
     if before < (step / BLIND) ** 2:
-        what += "what they hide, and by how much the random walk is read wrong, cannot be told"
+        what += "the error of the random walk cannot be estimated"
     else:
         more = 100.0 * (float(np.sqrt(read / before)) - 1.0)
-        what += f"rounding adds to it, and the random walk reads about {number(more, 2)} % too large"
-    do = "Set a finer range or more bits, or take the size of the random walk as a bound from above"
+        what += f"rounding makes the random walk about {number(more, 2)} % too large"
+    do = "Use a finer range or more bits, or take the random walk as an upper bound"
     return (Remark("coarse_codes", "warning", what, do=do),)
 
 

@@ -74,11 +74,11 @@ class Drift:
             How much to leave out of a warm-up.
         """
         rise = f"{number(float(number(self.rise * times, 3)))} {unit}".rstrip()  # -1430, not -1.43e+03
-        what = f"{name}: drifts by {rise} over the record, more than its slow noise explains"
+        what = f"{name}: drifts by {rise} over the record, more than its slow noise can explain"
         if self.warms:
             do = f"Leave the warm-up out, say {early}, and compare"
             return Remark("warm_up", "warning", f"{what}, most of it early: the sensor warms up", do=do)
-        do = "Slow terms may be drift: look at temperature, or read them off a Hadamard deviation"
+        do = "Slow terms may be drift: check the temperature, or use a Hadamard deviation"
         return Remark("drift", "warning", what, do=do)
 
 

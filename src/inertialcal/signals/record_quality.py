@@ -79,14 +79,14 @@ class RecordQuality:
         found, name = [], self.names[axis]
         bad = [one for one in self.bad if one.axis == axis]
         if axis in self.moving:
-            do = "Noise terms need a record of a sensor that stands still"
-            found.append(Remark("not_at_rest", "warning", f"{name}: not at rest, or its level steps", do=do))
+            do = "Noise terms need a record of a sensor at rest"
+            found.append(Remark("not_at_rest", "warning", f"{name}: not at rest, or the level steps", do=do))
         elif self.widening[axis] > NOT_WHITE:
             what = (
                 f"{name}: window means scatter {number(self.widening[axis], 2)} times as much as white noise: "
                 "the output is filtered, or the sensor moves all the time"
             )
-            found.append(Remark("noise_not_white", "warning", what, do="Make sure that it stood still"))
+            found.append(Remark("noise_not_white", "warning", what, do="Check that the sensor was at rest"))
         if bad:
             worst = max(bad, key=lambda one: one.peak)
             lost = sum(one.last - one.first + 1 for one in bad) * self.interval
@@ -102,7 +102,7 @@ class RecordQuality:
 def _of_codes(x: Array, name: str) -> tuple[Remark, ...]:
     finite = x[np.isfinite(x)]
     if len(finite) > 1 and np.all(finite == finite[0]):
-        do = "Look at the wiring and at the resolution; there is no noise to be told"
+        do = "Check the wiring and the resolution"
         return (Remark("constant", "warning", f"{name}: all samples are equal", do=do),)
     return code_remarks(finite, name)
 

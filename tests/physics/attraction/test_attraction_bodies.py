@@ -147,12 +147,12 @@ def test_a_proof_mass_of_the_stated_length_is_a_point(inner: float) -> None:
     [
         (lambda: Prism((0.0, 0.0, 0.0), (1.0, 1.0, 1.0), np.inf), "density inf is not finite"),
         (lambda: ProofMass(0.0, 0.1), "length of the proof mass 0 is not above zero"),
-        (lambda: Lattice(np.full((2, 2, 2), np.nan), (1.0, 1.0, 1.0)), "is no lattice of finite numbers"),
+        (lambda: Lattice(np.full((2, 2, 2), np.nan), (1.0, 1.0, 1.0)), "is not a lattice of finite numbers"),
         (lambda: Lattice(np.ones((2, 2, 2)), (1.0, 1.0, 1.0), (0.0, np.nan, 0.0)), "lower vertex .* nan is not finite"),
         (lambda: Prism((0.0, 0.0, 0.0), (1.0, -1.0, 1.0), 1.0), "extent of the prism along y -1 is not above zero"),
         (lambda: ProofMass(1.0, 0.1, 0.2), "inner radius 0.2 m is not between"),
         (lambda: ProofMass(1.0, 0.1, axis=(0.0, 0.0, 0.0)), "has no direction"),
-        (lambda: Lattice(np.ones((2, 2)), (1.0, 1.0, 1.0)), "is no lattice of finite numbers"),
+        (lambda: Lattice(np.ones((2, 2)), (1.0, 1.0, 1.0)), "is not a lattice of finite numbers"),
         (lambda: Lattice(np.ones((2, 2, 2)), (1.0, 0.0, 1.0)), "edge of a cell along y 0 is not above zero"),
     ],
 )

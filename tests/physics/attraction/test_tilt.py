@@ -68,10 +68,10 @@ def test_reinels_appendix_follows_to_a_hundredth_with_the_pools_where_they_fit_b
     ("pools", "shifts", "words"),
     [
         (((0.0, 0.0, 0.0),) * 2, [(1.0, 0.0, 0.0)], "pools 0 m apart"),
-        (POOLS[:1], [(1.0, 0.0, 0.0)], "1 pools: a tilt is told between two"),
-        (((0.0, 0.0, 0.0), (1.0, 0.0, 0.1)), [(1.0, 0.0, 0.0)], r"differ by 0.1 m in height \(connected pools stand"),
-        (POOLS, [(np.nan, 0.0, 0.0)], r"shifts of shape \(1, 3\) are not triples of finite numbers"),
-        (POOLS, [(1.0, 0.0)], r"shifts of shape \(1, 2\) are not triples"),
+        (POOLS[:1], [(1.0, 0.0, 0.0)], "1 pools: need 2 for a tilt"),
+        (((0.0, 0.0, 0.0), (1.0, 0.0, 0.1)), [(1.0, 0.0, 0.0)], r"differ by 0.1 m in height \(connected pools are level"),
+        (POOLS, [(np.nan, 0.0, 0.0)], r"shifts of shape \(1, 3\) are not rows of three finite numbers"),
+        (POOLS, [(1.0, 0.0)], r"shifts of shape \(1, 2\) are not rows of three"),
     ],
 )
 def test_what_is_no_tilt_meter_is_refused(pools: object, shifts: object, words: str) -> None:

@@ -131,7 +131,7 @@ NAN, INF = math.nan, math.inf
         (lambda: Doubts(angle=INF), "uncertainty angle inf is not finite"),
         (
             lambda: Doubts(density=1.5),
-            r"uncertainty density = 1.5 is all of it, or more.* If 1.5 % was meant, give 0.015",
+            r"uncertainty density = 1.5 is 100 % or more.* If 1.5 % was meant, give 0.015",
         ),
         (lambda: Source(BODY, (0.0, -2.0, 0.0), FAR), r"direction \(0.0, -2.0, 0.0\) is not of length one"),
         (lambda: Source(BODY, (0.0, -1.0, 0.0), FAR, (0.0, 0.0, 0.0)), r"axis \(0.0, 0.0, 0.0\) is not of length one"),

@@ -190,7 +190,7 @@ def test_growth_grows_from_a_point_to_the_touching_ratio() -> None:
         (lambda: Grid(0.051, (2, 2, 2), -0.1, LEAD), "the mass would overlap the instrument"),
         (lambda: Grid(0.051, (2, 2, 2), math.nan, LEAD), "stand-off nan is not finite"),
         (lambda: Grid(math.inf, (2, 2, 2), 0.1, LEAD), "edge of a cell inf is not finite"),
-        (lambda: Grid(0.051, (2, 0, 2), 0.1, LEAD), "a grid of 2 x 0 x 2 cells has none"),
+        (lambda: Grid(0.051, (2, 0, 2), 0.1, LEAD), "a grid of 2 x 0 x 2 cells is empty"),
         (
             lambda: best_cells(REINEL, 1, Gain(proof_mass=ProofMass(0.3, 0.02))),
             r"overlap the instrument: the place \(0.1",

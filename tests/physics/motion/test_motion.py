@@ -109,7 +109,7 @@ def test_a_travel_into_the_instrument_is_refused(first: float, keep_out: float, 
         (lambda: travel_of_table([0.0, 1.0, 0.5, 2.0], [1.0, 2.0, 3.0, 4.0]), "rising, with a field each"),
         (lambda: travel_of_body(Point(1.0), (0.0, 0.0, 0.0), 0.0, 1.0), "direction \\(0.0, 0.0, 0.0\\) has no length"),
         (lambda: travel_of_body(Point(1.0), (1.0, 0.0, 0.0), 1.0, 1.0), "from 1 to 1 m has no length"),
-        (lambda: harmonics(ROD, np.zeros(10)), "10 positions a period tell fewer than 5 harmonics: 11 are needed"),
+        (lambda: harmonics(ROD, np.zeros(10)), "10 positions per period: 5 harmonics need 11"),
     ],
 )
 def test_what_cannot_be_driven_is_refused(make: object, words: str) -> None:

@@ -50,7 +50,7 @@ def codes(found: Any) -> set[str]:
         (WHITE, {"present": np.ones(3, dtype=bool)}, "present of shape \\(3,\\)"),
         (WHITE[:1], {}, "a record of 1 sample"),
         (WHITE[:2], {"deviation": "hadamard"}, "one term of the Hadamard deviation spans 3"),
-        (np.full(100, np.nan), {}, "no sample is there"),
+        (np.full(100, np.nan), {}, "no valid sample"),
         (np.array(["a", "b"]), {}, "samples of type <U1"),
         (WHITE + 1j, {}, "samples of type complex128"),
         (np.zeros((2, 2, 2)), {}, "samples of shape \\(2, 2, 2\\)"),
@@ -210,8 +210,8 @@ def test_grid() -> None:
 @pytest.mark.parametrize(
     ("places", "words", "code"),
     [
-        ([0, 1, 1, 2], "1 repeated stamp\\(s\\), 0 that run backwards", "time_repeated"),
-        ([0, 2, 1, 3], "sample 2: 0 repeated stamp\\(s\\), 1 that run backwards", "time_backwards"),
+        ([0, 1, 1, 2], "1 repeated timestamp\\(s\\), 0 out of order", "time_repeated"),
+        ([0, 2, 1, 3], "sample 2: 0 repeated timestamp\\(s\\), 1 out of order", "time_backwards"),
         ([0, 1, 1.3, 2], "1 sample\\(s\\) come within half a sample interval", "off_grid"),
         ([0, 1, 2, 1000], "4 samples over 1001 intervals", "all_missing"),
     ],

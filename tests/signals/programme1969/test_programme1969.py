@@ -195,7 +195,7 @@ def test_a_deck_of_one_case_is_a_recording(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="2 cases in one deck"):
         ic.read(path)
     path.write_text("  0 \n")
-    with pytest.raises(DataError, match=r"run1.cards:1: columns 1-4, KT: '  0 ' is no such number"):
+    with pytest.raises(DataError, match=r"run1.cards:1: columns 1-4, KT: cannot read '  0 '"):
         ic.read(path)
 
 
@@ -263,7 +263,7 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     path.write_text("  -1\n")
     status, _, refused = typed()
     assert status == 3
-    assert "the deck has no case" in refused
+    assert "the deck has no cases" in refused
 
 
 def test_a_reduction_that_takes_the_line_away_has_no_amplitude(tmp_path: Path) -> None:
@@ -282,11 +282,11 @@ def test_a_reduction_that_takes_the_line_away_has_no_amplitude(tmp_path: Path) -
         ("", "the deck ends where a card with KT is needed"),
         ("   0\n 100 100 601", "ML = 601. The programme takes 0 to 600"),
         ("   0\n  10 100   5", "5 values less 0 wrong ones are fewer than the 10 used"),
-        ("   0\n   1 100   1\n      12.5", "columns 4-9, AX: '   12.' is no such number"),
+        ("   0\n   1 100   1\n      12.5", "columns 4-9, AX: cannot read '   12.'"),
         ("   0\n   1 100   1\n", "the deck ends where a card with values of AX is needed"),
-        ("   1\n" + synthetic_card(KXS=0) + "\n", "KXS = 0: a half period of less than a sample"),
+        ("   1\n" + synthetic_card(KXS=0) + "\n", "KXS = 0: half period shorter than a sample"),
         ("   1\n" + synthetic_card() + "\n   7\n", "request 7. There are 1 to 6"),
-        ("  -1\n", "the deck has no case"),
+        ("  -1\n", "the deck has no cases"),
     ],
 )
 def test_bad_decks(cards: str, words: str) -> None:
@@ -299,7 +299,7 @@ def test_bad_decks(cards: str, words: str) -> None:
 def test_what_the_analysis_refuses() -> None:
     with pytest.raises(DataError, match="51 lines of 50 lags"):
         analyse(SINE, SINE, 100.0, 50, 51)
-    with pytest.raises(DataError, match="two of one even length"):
+    with pytest.raises(DataError, match="the same even length"):
         analyse(SINE[:99], SINE[:99], 100.0, 50, 50)
     found = analyse(SINE[:98], SINE[:98], 100.0, 40, 40)
     with pytest.raises(DataError, match="98 samples and 40 lines, 4 samples a cycle"):

@@ -31,7 +31,7 @@ def test_missing_tilt() -> None:
     rest, coefficient = without_tilt(2.0 * AT, tilt)
     assert coefficient == pytest.approx(2.0)
     assert np.isnan(rest[:50]).all()
-    with pytest.raises(DataError, match="0 samples have a tilt reading"):
+    with pytest.raises(DataError, match="0 samples with a tilt reading"):
         without_tilt(AT, np.full(100, np.nan))
     with pytest.raises(DataError, match="does not vary"):
         without_tilt(AT, np.ones(100))

@@ -76,7 +76,7 @@ def test_nothing_moves_and_missing_samples() -> None:
 
 
 def test_refusals() -> None:
-    with pytest.raises(DataError, match="no temperature is valid"):
+    with pytest.raises(DataError, match="no valid temperature"):
         find_ramps(np.full(5, np.nan), 1.0)
     with pytest.raises(PlanError, match="need more than 0"):
         find_ramps(np.zeros(5), 0.0)

@@ -29,7 +29,7 @@ def test_a_reference_with_noise_of_its_own() -> None:
     encoder = APPLIED + 1e-5 * np.random.default_rng(2).uniform(-1.0, 1.0, size=93)
     read = dwells_by_reference(encoder, READING, tolerance=3e-5)
     assert [(d.start, d.stop) for d in read] == [(1, 29), (33, 61), (64, 92)]
-    with pytest.raises(DataError, match=r"nowhere constant \(within 0\) for 6 samples"):
+    with pytest.raises(DataError, match=r"never constant \(within 0\) for 6 samples"):
         dwells_by_reference(encoder, READING)
 
 
@@ -46,7 +46,7 @@ def test_missing_reference_leaves_the_sample_out() -> None:
     applied[10:13] = np.nan
     read = dwells_by_reference(applied, READING, STAMPS)
     assert next((d.start, d.stop, d.missing, d.n) for d in read) == (1, 29, 3, 25)
-    with pytest.raises(DataError, match="nowhere constant"):
+    with pytest.raises(DataError, match="never constant"):
         dwells_by_reference(np.full(93, np.nan), READING)
 
 

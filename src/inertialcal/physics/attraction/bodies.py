@@ -98,7 +98,7 @@ class Lattice:
     Raises
     ------
     DataError
-        If the density is no lattice of finite numbers, or an edge is not above zero.
+        If the density is not a lattice of finite numbers, or an edge is not above zero.
     """
 
     density: Array  # of each cell; zero where there is none [kg/m^3], shape (nx, ny, nz)
@@ -108,7 +108,7 @@ class Lattice:
     def __post_init__(self) -> None:
         if self.density.ndim != len("xyz") or not np.isfinite(self.density).all():
             raise DataError(
-                f"density of shape {self.density.shape} is no lattice of finite numbers: nx x ny x nz is needed",
+                f"density of shape {self.density.shape} is not a lattice of finite numbers: need nx x ny x nz",
                 code="no_lattice",
             )
         finite("lower vertex of the lattice", *self.lower)

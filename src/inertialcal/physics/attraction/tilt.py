@@ -84,7 +84,7 @@ def _along() -> tuple[Array, Array]:
 def _line(ends: Array, up: Array) -> Array:
     """From the first pool to the second."""
     if len(ends) != 2:
-        raise DataError(f"{len(ends)} pools: a tilt is told between two", code="no_pools")
+        raise DataError(f"{len(ends)} pools: need 2 for a tilt", code="no_pools")
     line: Array = ends[1] - ends[0]
     length, height = float(np.linalg.norm(line)), float(np.linalg.norm(up))
     if length == 0.0 or height == 0.0:
@@ -97,7 +97,7 @@ def _line(ends: Array, up: Array) -> Array:
     if rise > FLAT * length:
         raise DataError(
             f"pools {length:g} m apart differ by {rise:g} m in height",
-            why="connected pools stand at one level",
+            why="connected pools are level",
             do="Give both at the height of the surface.",
             code="not_level",
         )
@@ -108,5 +108,5 @@ def _triples(given: ArrayLike, name: str) -> Array:
     """Rows of three finite numbers."""
     rows = np.atleast_2d(np.asarray(given, dtype=float))
     if rows.ndim != 2 or rows.shape[1] != len("xyz") or not np.isfinite(rows).all():
-        raise DataError(f"{name} of shape {rows.shape} are not triples of finite numbers [m]", code="no_points")
+        raise DataError(f"{name} of shape {rows.shape} are not rows of three finite numbers [m]", code="no_points")
     return rows

@@ -41,7 +41,7 @@ class Doubts:
         for name in ("density", "piece_density", "gravitational_constant"):
             if getattr(self, name) >= 1.0:
                 raise DataError(
-                    f"uncertainty {name} = {getattr(self, name):g} is all of it, or more",
+                    f"uncertainty {name} = {getattr(self, name):g} is 100 % or more",
                     why="it is relative",
                     do=f"If {getattr(self, name):g} % was meant, give {getattr(self, name) / 100.0:g}.",
                     code="absurd_uncertainty",

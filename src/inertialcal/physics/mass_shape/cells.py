@@ -44,7 +44,7 @@ class Grid:
         if not self.stand_off > 0.0:
             raise DataError(
                 f"stand-off {self.stand_off:g} m: the mass would overlap the instrument",
-                why="material at the point of measurement attracts it to no side",
+                why="material at the point of measurement does not pull it to either side",
                 do="Give the distance from the proof mass to the nearest face of the mass.",
                 code="overlap",
             )
@@ -61,14 +61,14 @@ class Grid:
         for name, (size, largest) in sizes.items():
             if size > largest:
                 raise DataError(
-                    f"{name} {size:g} m: more than {largest:g} m is no source mass of a laboratory",
-                    why="lengths are in metres, and the attraction goes with their squares",
+                    f"{name} {size:g} m: more than {largest:g} m is not a laboratory source mass",
+                    why="lengths are in metres",
                     do=slipped(size, largest),
                     code="absurd_length",
                 )
         if len(self.shape) != len("xyz") or min(self.shape) < 1:
             raise DataError(
-                f"a grid of {' x '.join(str(n) for n in self.shape)} cells has none",
+                f"a grid of {' x '.join(str(n) for n in self.shape)} cells is empty",
                 do="Give three numbers of one or more.",
                 code="no_cells",
             )

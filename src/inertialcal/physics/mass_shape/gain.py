@@ -64,8 +64,8 @@ class Gain:
             x, y, z = points[int(np.argmax(inside))]
             raise DataError(
                 f"the mass would overlap the instrument: the place ({x:.4g}, {y:.4g}, {z:.4g}) m of its proof mass, "
-                f"seen from the mass, lies among cells",
-                why="material around the proof mass attracts it to no side",
+                f"as seen from the mass, is inside its cells",
+                why="material around the proof mass does not pull it to either side",
                 do="Raise the stand-off above half of the proof mass's extent, or shorten the shift toward it.",
                 code="overlap",
             )

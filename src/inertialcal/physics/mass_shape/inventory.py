@@ -79,7 +79,7 @@ def _refuse_nothing(inventory: tuple[Pieces, ...]) -> None:
         if pieces.cells < 1 or pieces.count < 1:
             raise DataError(
                 f"{pieces.count} cubes of {pieces.cells} cells: both numbers must be one or more",
-                do="Leave out the size of which there are none.",
+                do="Leave out sizes with no cubes.",
                 code="no_pieces",
             )
     if not inventory:

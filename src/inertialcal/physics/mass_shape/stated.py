@@ -65,7 +65,7 @@ def checked(
     if over(FACTORS[1]) < 0.0 or over(FACTORS[0]) > 0.0:
         raise DataError(
             f"stated attraction {stated:g} m/s^2 is {stated / bound:.3g} times the most that {mass:g} kg can do",
-            why="no mass within thirteen powers of ten of it attracts so",
+            why="no mass within 13 orders of magnitude attracts that strongly",
             do="It is in m/s^2; 1 ng, a billionth of gravity, is 9.81e-9 m/s^2.",
             code="absurd_attraction",
         )

@@ -64,8 +64,8 @@ def refuse_overlap(body: Lattice, direction: Direction, first: float, last: floa
     if distance < keep_out or distance == 0.0:
         raise DataError(
             f"at position {position:g} m the mass would overlap the instrument: {distance:.4g} m from the centre of "
-            f"the proof mass, where the instrument takes {keep_out:g} m",
-            why="the mass would hit the instrument, and material around the proof mass attracts it to no side",
+            f"the proof mass, but the instrument needs {keep_out:g} m",
+            why="the mass would hit the instrument, and material around the proof mass does not pull it to either side",
             do="Move the travel, raise the stand-off, or choose cells farther away.",
             code="overlap",
         )

@@ -100,7 +100,7 @@ def harmonics(travel: Travel, positions: Array, count: int = 5) -> Array:
     """
     if len(positions) <= 2 * count:
         raise DataError(
-            f"{len(positions)} positions a period tell fewer than {count} harmonics: {2 * count + 1} are needed",
+            f"{len(positions)} positions per period: {count} harmonics need {2 * count + 1}",
             code="too_few_positions",
         )
     lines = np.fft.rfft(travel.at(positions)) / len(positions)

@@ -152,7 +152,7 @@ class Schedule:
             i = int(np.argmax(late))
             raise PlanError(
                 f"dwell {i + 2} starts at {self.start[i + 1]:g} s, before dwell {i + 1} ends at {self.stop[i]:g} s",
-                do="Put dwells in the order of time, none over another",
+                do="Sort the dwells by time; they must not overlap",
                 code="schedule",
             )
 
@@ -160,11 +160,17 @@ class Schedule:
         if self.drive not in DRIVES:
             raise PlanError(f"drive {self.drive!r} is not known: {', '.join(DRIVES)}", code="unknown_drive")
         if self.samples_per_cycle < 2:
-            raise PlanError(f"{self.samples_per_cycle} dwell(s) a cycle: a drive needs two or more", code="schedule")
+            raise PlanError(f"{self.samples_per_cycle} dwell(s) per cycle: a drive needs two or more", code="schedule")
         if not self.amplitude > 0.0:
-            raise PlanError("the same acceleration is applied in every dwell", why="nothing is told", code="schedule")
+            raise PlanError(
+                "the same acceleration is applied in every dwell",
+                why="the sensor does not respond to it",
+                code="schedule",
+            )
         if self.u_applied is not None and not 0.0 <= self.u_applied < np.inf:
-            raise PlanError(f"a relative uncertainty of {self.u_applied:g} of what is applied", code="schedule")
+            raise PlanError(
+                f"a relative uncertainty of {self.u_applied:g} of the applied acceleration", code="schedule"
+            )
 
 
 def repeated(

@@ -46,7 +46,7 @@ class Travel:
         if beyond.any():
             raise DataError(
                 f"position {given[beyond].flat[0]:g} m is outside the rig's travel, {self.first:g} to {self.last:g} m",
-                why="there is no field to tell there",
+                why="the field is not known there",
                 code="outside_travel",
             )
         return self.field(given.ravel()).reshape(given.shape)
@@ -181,7 +181,7 @@ def position_of(travel: Travel, field: float, between: tuple[float, float]) -> f
     ends = travel.at([low, high]) - field
     if not ends[0] * ends[1] <= 0.0:
         raise DataError(
-            f"field {field:g} does not occur between {low:g} and {high:g} m: there it goes from "
+            f"field {field:g} does not occur between {low:g} and {high:g} m, where it goes from "
             f"{ends[0] + field:g} to {ends[1] + field:g}",
             code="outside_travel",
         )

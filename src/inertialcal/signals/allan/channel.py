@@ -78,15 +78,15 @@ def of_channel(
 
 def _remarks(flat: bool, terms: NDArray[np.int64], told: int, k: int, name: str) -> tuple[Remark, ...]:
     if flat and terms.any():
-        do = "Look at the wiring and at the resolution; there is no noise to be told"
+        do = "Check the wiring and the resolution"
         return (Remark("constant", "warning", f"{name}: all samples are equal", do=do),)
     found: tuple[Remark, ...] = ()
     if told < min(TELLING, k):
-        what = f"{name}: the noise type can be told at {told} of {k} averaging times; the others follow them"
-        found = (Remark("too_short", "warning", what, do="Record longer, or say the noise type"),)
+        what = f"{name}: noise type identified at {told} of {k} averaging times; the others are extrapolated"
+        found = (Remark("too_short", "warning", what, do="Record longer, or state the noise type"),)
     empty = int(np.count_nonzero(terms == 0))
     if empty:
-        what = f"{name}: {empty} averaging time(s) have no pair of windows that are half filled"
+        what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
         found = (*found, Remark("gaps_too_many", "warning", what, count=empty))
     return found
 
@@ -103,12 +103,12 @@ def code_remarks(x: Numbers, name: str) -> tuple[Remark, ...]:
     found = []
     if is_stuck(finite):
         run = longest_run(finite)
-        what = f"{name}: one value is repeated far too long: {run.value:g}, {run.length} times on end"
+        what = f"{name}: stuck at one value: {run.value:g}, {run.length} times in a row"
         found.append(Remark("stuck", "warning", what, do="Leave the stretch out: it has no noise"))
         finite = np.delete(finite, slice(run.start, run.start + run.length))
     for rail in rails(levels_of(finite)):
-        what = f"{name}: samples lie at the end of the range, {rail.value:g}"
-        do = "Saturated samples hide noise: change the range"
+        what = f"{name}: saturated samples at the end of the range, {rail.value:g}"
+        do = "Change the range: saturated samples hide noise"
         found.append(Remark("saturated", "warning", what, count=rail.count, do=do))
     return tuple(found)
 
@@ -124,7 +124,7 @@ def checked_kind(quantity: str, deviation: str, p: float, noise: Literal["auto"]
     if quantity not in QUANTITIES:
         raise PlanError(
             f"quantity {quantity!r}",
-            why="rates, increments and their integral have other deviations, and numbers do not tell them apart",
+            why="rates, increments and their integral have different deviations, and numbers do not say which",
             do=f"There are: {', '.join(QUANTITIES)}",
             code="wrong_quantity",
         )

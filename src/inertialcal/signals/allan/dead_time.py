@@ -31,8 +31,8 @@ def check_averaging(interval: float, averaging: float | None) -> None:
     if averaging is not None and not 0.0 < averaging <= interval * (1.0 + CONTIGUOUS):
         raise DataError(
             f"an averaging time of {averaging:g} s at a sample interval of {interval:g} s",
-            why="averages that overlap share their noise, and 0 s average nothing",
-            do="Give what each sample is the mean of, at most the sample interval",
+            why="overlapping averages share their noise, and 0 s averages nothing",
+            do="Give the averaging time of a sample, at most the sample interval",
             code="wrong_averaging",
         )
 
@@ -46,5 +46,5 @@ def dead_time_remark(interval: float, averaging: float | None) -> tuple[Remark, 
         f"each sample is the mean of {averaging:g} s every {interval:g} s: "
         f"white noise shows {factor:.3g} times the deviation of contiguous averages"
     )
-    do = "Do not read a random walk off the curve; the fit of terms takes the dead time into account"
+    do = "Use the fitted terms, which allow for the dead time, not the curve"
     return (Remark("dead_time", "info", what, do=do),)

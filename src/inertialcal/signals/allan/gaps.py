@@ -48,10 +48,10 @@ def on_grid(x: Numbers, time_ns: Times, interval: float) -> tuple[Numbers, NDArr
     if np.any(steps <= 0):
         first, repeated = int(np.argmax(steps <= 0)) + 1, int(np.count_nonzero(steps == 0))
         raise DataError(
-            f"{repeated} repeated stamp(s), {np.count_nonzero(steps < 0)} that run backwards",
+            f"{repeated} repeated timestamp(s), {np.count_nonzero(steps < 0)} out of order",
             where=f"sample {first}",
-            why="an averaging time is counted off in samples of one order",
-            do="Sort the record, and drop or correct repeated rows",
+            why="averaging times are counted in samples, which must be in order",
+            do="Sort the record and remove or correct repeated rows",
             code="time_backwards" if repeated < np.count_nonzero(steps <= 0) else "time_repeated",
         )
     # From step to step: an interval that is known to 1e-5 would drift off the grid over a long record.
@@ -71,7 +71,7 @@ def _check_places(places: NDArray[np.int64], n: int, interval: float) -> None:
             f"{np.count_nonzero(same)} sample(s) come within half a sample interval of {interval:g} s",
             where=f"sample {int(np.argmax(same)) + 1}",
             why="they do not lie on the grid of that interval",
-            do="Give the right interval, or leave out the time where it says when packets arrived",
+            do="Give the right interval; drop the time column if it holds packet arrival times",
             code="off_grid",
         )
     if places[-1] + 1 > MOST_EMPTY * n:
@@ -85,7 +85,7 @@ def _check_places(places: NDArray[np.int64], n: int, interval: float) -> None:
 
 def missing_remark(missing: NDArray[np.int64], n: int, names: tuple[str, ...]) -> tuple[Remark, ...]:
     """Return what is said of missing samples, in one line a channel."""
-    do = "Windows that are half filled take part; look at why samples are missing"
+    do = "Windows at least half full are used; find out why samples are missing"
     return tuple(
         Remark("gaps", "warning", f"{name}: {lost} of {n} samples are missing ({lost / n:.2%})", do=do)
         for name, lost in zip(names, missing.tolist(), strict=True)

@@ -69,7 +69,7 @@ def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None =
         finite = np.isfinite(x)
         there = finite if there is None else there & finite
     if there is not None and not there.any():
-        raise DataError("no sample is there: all are missing or not finite", code="all_missing")
+        raise DataError("no valid sample: all are missing or not finite", code="all_missing")
     return _of_all(x, quantity) if there is None or there.all() else _of_present(x, quantity, there)
 
 

@@ -57,7 +57,7 @@ def factors_of(
         )
     if factors is not None:
         if not (isinstance(taus, str) and taus == "octave"):
-            raise PlanError("averaging times and averaging factors given", do="Give one of them", code="wrong_taus")
+            raise PlanError("both averaging times and averaging factors given", do="Give one", code="wrong_taus")
         return _possible(kind, points, interval, np.asarray(factors), ())
     if isinstance(taus, str):
         return _of_word(taus, max(1, (points - 1) // (kind.windows + 1))), ()

@@ -112,7 +112,7 @@ def read_cards(text: str, where: str = "") -> Deck:
             break
         found.append(_measured(cards) if kind == 0 else _synthetic(cards))
     if not found:
-        raise cards.refused("the deck has no case")
+        raise cards.refused("the deck has no cases")
     return tuple(found)
 
 
@@ -166,8 +166,8 @@ class _Cards:
                 raise ValueError
             return int(text) if text.strip() else 0
         except ValueError:
-            do = "Set whole numbers against the right edge: a blank behind a digit was read as a zero"
-            raise self.refused(f"columns {start + 1}-{stop}, {name}: {text!r} is no such number", do) from None
+            do = "Set whole numbers against the right edge: a blank after a digit counted as a zero"
+            raise self.refused(f"columns {start + 1}-{stop}, {name}: cannot read {text!r}", do) from None
 
 
 def _synthetic(cards: _Cards) -> SyntheticCase:
@@ -175,7 +175,7 @@ def _synthetic(cards: _Cards) -> SyntheticCase:
     for name in ("KXS", "KXC", "KY"):
         amplitude = {"KXS": "LXS", "KXC": "LXC", "KY": "LY"}[name]
         if head[amplitude] and head[name] < 1:
-            raise cards.refused(f"{name} = {head[name]}: a half period of less than a sample", "Give 1 or more")
+            raise cards.refused(f"{name} = {head[name]}: half period shorter than a sample", "Give 1 or more")
     return SyntheticCase(**head, requests=tuple(_requests(cards)))
 
 

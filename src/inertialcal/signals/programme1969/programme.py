@@ -110,9 +110,9 @@ def analyse(x: Array, y: Array, interval: float, lags: int, lines: int) -> Analy
     """
     x, y = np.asarray(x, dtype=np.float64), np.asarray(y, dtype=np.float64)
     if x.shape != y.shape or x.ndim != 1 or len(x) % 2:
-        raise DataError(f"series of shape {x.shape} and {y.shape}", do="Need two of one even length")
+        raise DataError(f"series of shapes {x.shape} and {y.shape}", do="Both need the same even length")
     if not 2 <= lines <= lags:
-        raise DataError(f"{lines} lines of {lags} lags", do="Need two lines or more, and as many lags")
+        raise DataError(f"{lines} lines of {lags} lags", do="Need 2 or more lines and at least as many lags")
     removed = float(x.mean())
     x, y = x - removed, y - y.mean()
     of_x, of_y = (autocorrelation(one, lags, centred=False).values for one in (x, y))
@@ -165,7 +165,7 @@ def scale_factor(found: Analysis, input_amplitude_ng: float, samples_per_cycle: 
     if n % samples_per_cycle or (2 * M) % samples_per_cycle:
         what = f"{n} samples and {M} lines, {samples_per_cycle} samples a cycle"
         do = "Take whole cycles and an even number of lines, or fit the line: signals.sine"
-        raise DataError(what, why="the input lies between two lines", do=do, code="whole_cycles")
+        raise DataError(what, why="the input falls between two lines", do=do, code="whole_cycles")
     applied = input_amplitude_ng * NG
     amplitude = float(found.amplitude[2 * M // samples_per_cycle - 1])
     at = np.arange(n) % samples_per_cycle

@@ -54,8 +54,8 @@ def without_tilt(x: ArrayLike, tilt: ArrayLike) -> tuple[Array, float]:
         raise DataError(f"{len(x)} samples, {len(tilt)} of tilt", do="Give two series of one length")
     pairs = np.isfinite(x) & np.isfinite(tilt)
     if pairs.sum() < 3:
-        what = f"{int(pairs.sum())} samples have a tilt reading"
-        raise DataError(what, do="Need 3 or more: leave the tilt trace out", code="missing_tilt")
+        what = f"{int(pairs.sum())} samples with a tilt reading"
+        raise DataError(what, do="Need 3 or more, or leave out the tilt trace", code="missing_tilt")
     centred, lean = (np.where(pairs, one - one[pairs].mean(), np.nan) for one in (x, tilt))
     square = float(np.nansum(lean**2))
     if not square > 0.0:
@@ -108,7 +108,7 @@ def without_bands(x: ArrayLike, low: int, high: int) -> Array:
     x = _record(x)
     n, lines = len(x), len(x) // 2
     if not (low >= 0 and high >= 0 and low + high < lines):
-        raise DataError(f"{low} + {high} of {lines} lines", do="Leave one line at least")
+        raise DataError(f"{low} + {high} of {lines} lines", do="At least one line must remain")
     found = fourier_coefficients(x)
     K = np.r_[0 : low + 1, lines - high + 1 : lines + 1]
     angle = 2.0 * np.pi / n * (np.outer(np.arange(n), K) % n)
@@ -135,7 +135,7 @@ def without_moving_mean(x: ArrayLike, reach: int, samples_per_cycle: int | None 
     Raises
     ------
     PlanError
-        ``whole_cycles`` if the window is no whole number of cycles: the line would be taken away with the drift.
+        ``whole_cycles`` if the window is no whole number of cycles: the line would be removed with the drift.
     DataError
         ``too_short`` if the record has less samples than the window.
     """
@@ -144,7 +144,7 @@ def without_moving_mean(x: ArrayLike, reach: int, samples_per_cycle: int | None 
     if samples_per_cycle is not None and (2 * reach) % samples_per_cycle:
         what = f"a moving mean over {2 * reach} samples, {samples_per_cycle} samples a cycle"
         good = samples_per_cycle // (2 if samples_per_cycle % 2 == 0 else 1)
-        why, do = "the line would be taken away with the drift", f"Make the reach a multiple of {good}"
+        why, do = "the line would be removed with the drift", f"Make the reach a multiple of {good}"
         raise PlanError(what, why=why, do=do, code="whole_cycles")
     if reach < 1 or n < 2 * reach + 1:
         raise DataError(f"{n} samples for a moving mean over {2 * reach}", do="Record longer", code="too_short")

@@ -77,7 +77,7 @@ class Blocks:
         """
         chosen = np.asarray(channels, dtype=bool)
         if not chosen.any():
-            raise DataError("no channel is left")
+            raise DataError("no channels left")
         parts = {name: getattr(self, name)[:, chosen] for name in ("mean", "variance", "lo", "hi", "count")}
         return replace(self, **parts)
 

@@ -72,7 +72,7 @@ def shortest_placement(segmentation: Segmentation) -> float:
         raise DataError("no sample interval is known", do="Give the sample rate", code="no_time")
     still = np.flatnonzero(segmentation.still)
     if not len(still):
-        raise DataError("the unit never lies still", do="Let it rest in each position", code="no_rest")
+        raise DataError("the unit is never at rest", do="Leave it at rest in each position", code="no_rest")
     length = segmentation.stop[still] - segmentation.start[still]
     longest = still[int(np.argmax(length))]
     samples = segmentation.samples

@@ -63,7 +63,7 @@ def find_ramps(temperature: Array, reversal: float) -> Ramps:
         raise PlanError(f"reversal {reversal:g} degC: need more than 0")
     good = np.flatnonzero(np.isfinite(temperature))
     if not len(good):
-        raise DataError("no temperature is valid", code="no_valid_sample")
+        raise DataError("no valid temperature", code="no_valid_sample")
     size = -(-len(good) // BLOCKS)
     starts = np.arange(0, len(good), size)
     level = np.add.reduceat(temperature[good], starts) / np.diff(np.append(starts, len(good)))

@@ -109,8 +109,8 @@ class Segmentation:
             found.append(Remark("outliers", "warning", "single outlier, left out", where, outliers))
         if np.any(self.widening > NOT_WHITE):
             ratio = float(self.widening.max())
-            text = f"window means scatter {ratio:.2g} times as much as white noise: slow motion may hide in it"
-            do = "Unless the noise is filtered, state the noise at rest"
+            text = f"window means scatter {ratio:.2g} times as much as white noise: there may be slow motion"
+            do = "State the noise at rest, unless the output is filtered"
             found.append(Remark("noise_not_white", "warning", text, do=do))
         if stuck:
             where = f"sample {self.start[np.flatnonzero(self.stuck)[0]]}"
@@ -164,8 +164,8 @@ def _good_rows(samples: Samples) -> Indices:
         if dead:
             raise DataError(
                 f"channel {', '.join(dead)} of {channels} holds no value",
-                why="a stretch is still only where every channel is",
-                do="Leave the channel out",
+                why="all channels must be still at once",
+                do="Leave out the channel",
                 code="no_values",
             )
     if len(rows) < 2 * BLOCK:

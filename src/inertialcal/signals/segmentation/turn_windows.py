@@ -84,7 +84,7 @@ def turn_windows(turns: Turns, temperature: Blocks | None = None) -> tuple[Windo
     if temperature is not None and (
         temperature.length_ns != turns.blocks.length_ns or temperature.start_ns != turns.blocks.start_ns
     ):
-        raise DataError("the temperatures lie in other blocks than the signal")
+        raise DataError("temperature and signal are in different blocks")
     apart = LevelScatter(turns.blocks, turns.quiet)
     found = []
     for i, turn in enumerate(turns.turns):
@@ -156,7 +156,7 @@ def _lack(
             do = "Record longer, or give a shorter window"
             found.append(Remark("shorter_than_settling", "warning", text, where, do=do))
         elif still < wanted:
-            text = f"disturbed {still * plan.block:g} s from the turn ({side}), need {wanted * plan.block:g} s of quiet"
+            text = f"disturbed {still * plan.block:g} s from the turn ({side}), need {wanted * plan.block:g} s quiet"
             found.append(Remark("disturbed", "warning", text, where, do="Repeat the turn, or give the windows"))
     return found
 

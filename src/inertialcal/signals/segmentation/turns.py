@@ -37,9 +37,9 @@ from .level_scatter import LevelScatter, quiet_level
 from .segments import Detection, Segmentation, detect
 
 SPIKES = {
-    "spike_without_step": "spike with one level before and after: a disturbance, or a turn in next to no acceleration",
-    "spike_undecided": "spike too near to other disturbances for a level before and after",
-    "disturbed": "spike with a change of level that is no turn: it takes longer, or other turn times are given",
+    "spike_without_step": "spike with one level before and after: a disturbance, or a turn in almost no acceleration",
+    "spike_undecided": "spike too close to other disturbances to read the level before and after",
+    "disturbed": "spike with a change of level that is not a turn: too long, or not at the given turn times",
 }
 
 FEWEST = 8  # quiet blocks beside a spike from which a level is told
@@ -136,7 +136,7 @@ class Turns:
             found.append(Remark(kind, severity, SPIKES[kind], _clock(group[0], self), len(group), do))
         unseen = [one for one in self.turns if one.given and one.first == one.stop]
         if unseen:
-            text, do = "no spike where the head was turned", "See whether the turn times are on the clock of the record"
+            text, do = "no spike where the head was turned", "Check that the turn times are on the clock of the record"
             found.append(Remark("turn_not_seen", "warning", text, _clock(unseen[0], self), len(unseen), do))
         return tuple(found)
 

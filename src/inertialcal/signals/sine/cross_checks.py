@@ -83,7 +83,7 @@ class CrossCheck:
         """Return what is said of a disagreement."""
         words = self.name.replace("_", " ")
         what = f"{words} differ from the fit by {self.difference:.3g}, noise explains {self.u_difference:.2g}"
-        do = "Look at the drift: a step, a saw-tooth or a change of the noise that one of them does not take out"
+        do = "Check the drift: one method may not remove a step, a saw-tooth or a change of the noise"
         return Remark("methods_disagree", "warning", what, do=do)
 
 
@@ -181,7 +181,7 @@ def _pattern(halves: Array) -> Array:
 
 
 def _impossible(why: str) -> DataError:
-    return DataError("alternating differences cannot be formed", why=why, code="no_half_periods")
+    return DataError("cannot form alternating differences", why=why, code="no_half_periods")
 
 
 @dataclass(frozen=True, eq=False)
@@ -205,7 +205,7 @@ def generalised_fit(drive: Drive, readings: Array) -> Generalised:
     """
     n = len(readings)
     if n > LARGEST:
-        raise DataError(f"{n} samples", why=f"noise is told from {LARGEST} or fewer", code="too_long")
+        raise DataError(f"{n} samples", why=f"noise can be estimated from at most {LARGEST}", code="too_long")
     place = 2.0 * (drive.times - drive.times[0]) / drive.span - 1.0
     rest = np.linalg.qr(np.column_stack([np.ones(n), place]), mode="complete")[0][:, 2:]
     parts = [rest.T @ part @ rest for part in _slow(drive)]

@@ -99,8 +99,8 @@ def applied_drive(times: ArrayLike, applied: ArrayLike, frequency: float) -> Dri
     t, values = _ascending(times), np.asarray(applied, dtype=np.float64)
     if values.shape != t.shape:
         what = f"{len(t)} samples, {len(values)} applied values"
-        do = "Give the schedule of this record, a row a sample"
-        raise DataError(what, why="no sample can be told from its neighbour", do=do, code="different_length")
+        do = "Give the schedule of this record, one row per sample"
+        raise DataError(what, why="samples cannot be matched to applied values", do=do, code="different_length")
     centred = values - 0.5 * (values.max() + values.min())
     if not np.all(np.isfinite(values)) or not np.ptp(values) > NOTHING * np.abs(values).max(initial=0.0):
         what = "the applied sequence does not vary, or has a value missing"
@@ -134,7 +134,7 @@ def averaging_response(frequency: float, averaging: float) -> float:
     part = float(np.sinc(frequency * averaging))
     if not abs(part) > NOTHING:
         what = f"samples of {averaging:.6g} s, a period of {1.0 / frequency:.6g} s"
-        raise DataError(what, why="their means show nothing of it", code="averaged_out")
+        raise DataError(what, why="averaging removes it", code="averaged_out")
     return part
 
 
@@ -152,13 +152,13 @@ def _with_both_told(drive: Drive) -> Drive:
     half_line = 0.5 / len(drive.times)
     if even and turn > 0.5 + half_line:
         what = f"a period of {1.0 / drive.frequency:.6g} s, samples every {drive.step:.6g} s"
-        raise DataError(what, why="the drive changes faster than the samples can follow: it would be seen as another "
-                        "period", do="Sample at least twice a period", code="nyquist")  # fmt: skip
+        why = "the drive is above half the sampling frequency and would alias"
+        raise DataError(what, why=why, do="Sample at least twice a period", code="nyquist")
     if not even or turn < 0.5 - half_line:
         return drive
     if not drive.phase_known or np.abs(drive.in_phase).max() < NOTHING:
         what = f"two samples a period of {1.0 / drive.frequency:.6g} s"
-        why = "each falls on a zero" if drive.phase_known else "amplitude and phase cannot be told apart"
+        why = "each falls on a zero" if drive.phase_known else "amplitude and phase cannot be separated"
         raise DataError(what, why=why, do="Give the schedule, or the phase: 90 deg if samples fall on the extremes",
                         code="nyquist")  # fmt: skip
     return Drive(drive.times, drive.in_phase, None, drive.frequency, phase_known=True)

@@ -114,7 +114,7 @@ def fit_line(design: Design, readings: Array) -> LineFit:
     Raises
     ------
     DataError
-        If shapes disagree or a reading is missing; ``rank_deficient`` if drive and drift cannot be told apart at these
+        If shapes disagree or a reading is missing; ``rank_deficient`` if drive and drift cannot be separated at these
         samples, ``no_scatter`` if nothing but the drive and drift is there (no noise can be told).
     """
     x = _checked(design, readings)
@@ -129,7 +129,7 @@ def fit_line(design: Design, readings: Array) -> LineFit:
     cofactors = inverse * np.outer(scale[:m], scale[:m])
     noise = np.sqrt(square)
     if not np.all(noise > 1e-13 * np.abs(x - offset).max(axis=0)):
-        raise DataError("the record is drive and drift alone", why="no noise can be told", code="no_scatter")
+        raise DataError("nothing but drive and drift in the record", why="noise not estimated", code="no_scatter")
     values, u = main * scale[:m, None], np.sqrt(np.diag(cofactors))
     drift = values[design.line :].copy()
     drift[1 if design.drift == "dct" else 0] += offset
@@ -148,7 +148,7 @@ def _checked(design: Design, readings: Array) -> Array:
         raise DataError(what, do="Give one of the drive for each reading", code="different_length")
     if not np.all(np.isfinite(x)):
         missing = int(np.count_nonzero(~np.isfinite(x).all(axis=1)))
-        raise DataError(f"{missing} readings are missing", do="Leave them out, here and in the drive", code="gaps")
+        raise DataError(f"{missing} readings are missing", do="Leave them out of readings and drive", code="gaps")
     return x
 
 
@@ -164,7 +164,7 @@ def _inverse(gram: Array) -> Array:
     """Inverse of scaled normal equations; refused where two columns are the same at these samples."""
     sizes = np.linalg.eigvalsh(gram)
     if not sizes[0] > DISTINCT:
-        what = "drive and drift cannot be told apart at the samples that there are"
+        what = "drive and drift cannot be separated at these samples"
         raise DataError(what, do="Fit less drift, or record longer", code="rank_deficient")
     return np.asarray(linalg.inv(gram))
 
@@ -176,7 +176,7 @@ def _side_bands(gram: Array, right: Array, mixed: Array, main: Array, m: int) ->
     sizes, axes = np.linalg.eigh(rest)
     good = sizes > DISTINCT**0.5
     if good.sum() < 2:
-        raise DataError("no side band can be told from drive and drift", do="Record longer", code="side_bands")
+        raise DataError("no side band can be separated from drive and drift", do="Record longer", code="side_bands")
     parts = axes[:, good].T @ told
     return np.asarray(np.sum(parts**2 / sizes[good, None], axis=0) / good.sum()), int(good.sum())
 
@@ -302,7 +302,7 @@ def _rows(drift: Drift, rows: int | None, cycles: float) -> int:
         return min(int(2.0 * BELOW * cycles), MOST_ROWS)
     if not 0 <= rows < 2.0 * cycles - 2.0:
         what = f"{rows} rows of drift, {cycles:.6g} cycles"
-        why = "a row at the frequency of the drive takes it away"
+        why = "drift at the frequency of the drive would remove it"
         raise PlanError(what, why=why, do=f"Need 0 to {int(np.ceil(2.0 * cycles - 2.0)) - 1}", code="wrong_value")
     return rows
 
@@ -317,7 +317,7 @@ def _sides(drive: Drive, asked: int | None, cycles: float, top: float) -> int:
         return asked
     if room < 1:
         what = f"{cycles:.6g} cycles, drift up to line {top:.6g}: no side band lies between"
-        raise DataError(what, why="the noise at the drive cannot be told", do="Record longer", code="side_bands")
+        raise DataError(what, why="the noise at the drive cannot be estimated", do="Record longer", code="side_bands")
     wanted = int(np.clip(CLEAR * cycles, *SIDES)) * (2 if drive.quadrature is None else 1)
     return min(wanted, room)
 
@@ -325,6 +325,6 @@ def _sides(drive: Drive, asked: int | None, cycles: float, top: float) -> int:
 def _too_short(drive: Drive) -> DataError:
     period, cycles = 1.0 / drive.frequency, drive.cycles
     what = f"a record of {drive.span:.6g} s, a period of {period:.6g} s: {cycles:.3g} cycles"
-    why = "it is not longer than the period" if cycles < 1.0 else "drive and drift cannot be told apart"
+    why = "it is shorter than one period" if cycles < 1.0 else "drive and drift cannot be separated"
     do = f"Record {FEWEST_CYCLES:g} cycles or more: {FEWEST_CYCLES * period:.6g} s"
     return DataError(what, why=why, do=do, code="too_few_cycles")

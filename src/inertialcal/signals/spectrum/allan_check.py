@@ -121,9 +121,9 @@ class Agreement:
             worst = int(np.nanargmin(self.chance[:, axis]))
             what = (
                 f"axis {axis}: the Allan deviation at {number(float(self.tau[worst]), 4)} s is "
-                f"{number(float(self.ratio[worst, axis]), 4)} times what the spectrum means"
+                f"{number(float(self.ratio[worst, axis]), 4)} times that of the spectrum"
             )
-            do = "Look for gaps, a wrong sample interval, a disturbance or drift in the record"
+            do = "Check for gaps, a wrong sample interval, disturbances or drift"
             found.append(Remark("allan_spectrum_disagree", "warning", what, do=do))
         return tuple(found)
 

@@ -53,7 +53,7 @@ def fourier_coefficients(x: ArrayLike) -> FourierCoefficients:
         raise DataError(f"a record of shape {values.shape}", do="Need two samples or more", code="too_short")
     missing = int(np.count_nonzero(~np.isfinite(values)))
     if missing:
-        do = "Fit the line to the samples that there are: signals.sine"
+        do = "Fit the line instead: signals.sine"
         raise DataError(f"{missing} of {n} samples are missing", why="lines would mix", do=do, code="gaps")
     turned = fft.rfft(values, axis=0) * (2.0 / n)
     turned[0] *= 0.5

@@ -96,9 +96,9 @@ class Lines:
     def remarks(self) -> tuple[Remark, ...]:
         """One remark a finding; or that nothing could be tested."""
         if not np.isfinite(self.tested[0]):
-            what = "the spectrum has too few frequencies to tell lines from noise"
+            what = "too few frequencies to separate lines from noise"
             return (Remark("lines_not_tested", "info", what, do="Record longer, or give longer segments"),)
-        do = "Find its source, or name it in the fit: a term fitted across it is wrong"
+        do = "Find its source, or include it in the fit: terms fitted across it are wrong"
         texts = [
             f"{'line' if line.kind == 'line' else 'broad peak'} in axis {line.axis} at {line.name}, amplitude "
             f"{number(line.amplitude, 3)}, {number(line.ratio, 3)} times the noise around it"

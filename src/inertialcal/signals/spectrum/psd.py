@@ -169,12 +169,12 @@ def _remarks(values: Array, gaps: Stretches, used: int, length: int) -> tuple[Re
         what = f"{gaps.missing} of {len(values)} samples are missing: segments lie between the gaps"
         found.append(Remark("gaps", "info", what, count=max(1, len(gaps.start) - 1)))
     if gaps.missing and left > used:
-        what = f"{left} samples between gaps fit into no segment of {length}; {used} are used"
+        what = f"{left} samples between gaps are too short for a segment of {length}; {used} are used"
         found.append(Remark("few_segments", "warning", what, do="Give shorter segments"))
     for axis in range(values.shape[1]):
         column = values[np.isfinite(values[:, axis]), axis]
         if np.ptp(column) <= CONSTANT * np.abs(column).max():
-            what = f"axis {axis} does not vary: it has no spectrum"
+            what = f"axis {axis} is constant: no spectrum"
             found.append(Remark("constant", "warning", what, do="Check for a stuck or disconnected channel"))
     return tuple(found)
 

@@ -52,11 +52,11 @@ class Samples:
         if seconds is None:
             return default if samples is None else samples
         if samples is not None:
-            raise PlanError(f"a length of {samples} samples and of {seconds:g} s given", do="Give one of them")
+            raise PlanError(f"a length of {samples} samples and of {seconds:g} s given", do="Give one")
         if self.sample_interval is None:
             raise PlanError(
                 f"a length of {seconds:g} s, but no sample interval",
-                why="samples cannot be counted off",
+                why="samples cannot be counted",
                 do="Give sample_interval, time_ns, or a number of samples",
             )
         return max(1, round(seconds / self.sample_interval))

@@ -60,7 +60,7 @@ def dwells_by_windows(
         if dwell is None:
             raise DataError(
                 f"window {start_ns} to {stop_ns} ns holds {stop - start} sample(s)",
-                why=f"need {2 + 2 * drop_edge} or more, {drop_edge} being dropped at each end",
+                why=f"need {2 + 2 * drop_edge} or more, as {drop_edge} are dropped at each end",
                 do=f"The record runs from {time_ns[0]} to {time_ns[-1]} ns" if len(time_ns) else "",
                 code="empty_window",
             )
@@ -118,7 +118,7 @@ def dwells_by_reference(
     Raises
     ------
     DataError
-        If lengths differ, or the reference is nowhere constant for long enough.
+        If lengths differ, or the reference is never constant for long enough.
     """
     given = samples_of(applied)
     reference, known = given.values, given.finite
@@ -136,7 +136,7 @@ def dwells_by_reference(
             found.append(replace(dwell, applied=held.mean(axis=0) if whole else np.nanmean(held, axis=0)))
     if not found:
         raise DataError(
-            f"the reference is nowhere constant (within {tolerance:g}) for {shortest} samples",
+            f"the reference is never constant (within {tolerance:g}) for {shortest} samples",
             do="Give its tolerance, or detect the dwells of the reference itself",
             code="no_dwells",
         )
