@@ -125,5 +125,5 @@ def test_never_still_is_refused() -> None:
     x = np.cumsum(np.random.default_rng(1).normal(size=(2000, 3)), axis=0)
     segmentation = detect(x, sample_interval=0.01)
     if not segmentation.still.any():
-        with pytest.raises(DataError, match="never lies still"):
+        with pytest.raises(DataError, match="never at rest"):
             shortest_placement(segmentation)

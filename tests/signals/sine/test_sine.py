@@ -191,7 +191,7 @@ def test_refused() -> None:
     refused(DataError, "a drive of -1", "bad_period", f=-1.0)
     refused(DataError, "100 samples of the drive, 99 readings", "different_length", x=np.zeros(99))
     refused(DataError, "1 readings are missing", "gaps", x=np.where(np.arange(100) == 5, np.nan, 1.0))
-    refused(DataError, "drive and drift alone", "no_scatter", x=np.ones(100))
+    refused(DataError, "nothing but drive and drift", "no_scatter", x=np.ones(100))
     refused(DataError, "20 samples for 26 columns", "too_few_readings", n=20, f=0.4)
     refused(PlanError, "49 rows of drift, 25 cycles", "wrong_value", design={"rows": 49})
     refused(DataError, "no side band lies between", "side_bands", n=13, design={"rows": 4})
