@@ -14,6 +14,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
+from inertialcal.campaign.calls.call import Reduced
 from inertialcal.campaign.twins.score import Score
 from inertialcal.campaign.twins.twin import read_truth
 from inertialcal.core.key import Method

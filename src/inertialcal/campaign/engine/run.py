@@ -17,7 +17,6 @@ from ...core.show.tables import Block, Table, html, text
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import curves_bytes
 from ...procedures import procedure_of
-from ...report.page import report_html
 from ..file.load import Campaign, load
 from ..inputs.sources import Store
 from ..models.build import build_models, model_files
@@ -293,6 +292,8 @@ def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:
 def _files(
     campaign: Campaign, results: dict[str, Any], modelled: JudgedModel | None, inputs: dict[str, str], folder: str
 ) -> dict[str, str | bytes]:
+    from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
+
     record = provenance(inputs, folder, {}) | {"campaign": campaign.file.campaign.id}
     model: dict[str, str | bytes] = {} if modelled is None else dict(model_files(modelled))
     content = json.loads(model["model.json"]) if "model.json" in model else None
