@@ -24,6 +24,7 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING
 
+from .axes import Kind
 from .errors import DataError
 from .unit.atoms import NONE, PREFIXES, Factor, Powers, by_symbol, kind_of, merged, product, quotient, raised
 from .unit.parse import read_quantity, read_unit
@@ -317,3 +318,9 @@ def _require_same_dimension(source: Powers, target: Powers, from_unit: str, to_u
 def _in_words(unit: str) -> str:
     known = kind(unit)
     return f"measured in {si_unit(unit)}" if known == "other" else f"of kind {known}"
+
+
+def kind_of_unit(unit: str) -> Kind | None:
+    """Return the kind of sensor that reads in a unit; None where it is neither gyro nor accelerometer."""
+    sensors: dict[str, Kind] = {"angular_rate": "gyro", "acceleration": "accelerometer"}
+    return sensors.get(kind(unit)) if unit else None

@@ -10,8 +10,7 @@ import numpy as np
 
 from ..core.curve import Column, Curve
 from ..core.results import Interval, Row
-from ..core.units import divide, factor, kind, normalise, power, same_dimension, si_unit
-from ..sensors.noise.terms import kind_of_unit
+from ..core.units import divide, factor, kind, kind_of_unit, normalise, power, same_dimension, si_unit
 from . import all_quantities
 
 PULSES = "count/s/(m/s^2)"  # scale factor of a pulse-rate converter

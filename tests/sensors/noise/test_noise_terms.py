@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
+from inertialcal.core.units import kind_of_unit
 from inertialcal.sensors.noise.expected import continuous_spectrum, expected_variance, sampled_spectrum
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import (
@@ -26,7 +27,6 @@ from inertialcal.sensors.noise.terms import (
     averaged_over,
     converted,
     flicker_covariance,
-    kind_of_unit,
     parameter_unit,
     total_phase,
 )

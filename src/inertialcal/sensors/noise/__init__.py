@@ -7,6 +7,7 @@ to a filter (``state_space``, ``to_kalibr``, ...). Values are SI inside; ``shown
 """
 
 from ...core.axes import Kind
+from ...core.units import kind_of_unit
 from .expected import continuous_spectrum, expected_variance, sampled_spectrum
 from .fitting.estimator import fit
 from .fitting.goodness import ChiSquare
@@ -26,7 +27,6 @@ from .terms import (
     Sinusoid,
     Term,
     converted,
-    kind_of_unit,
     parameter_unit,
     quantity_name,
     sample_unit,

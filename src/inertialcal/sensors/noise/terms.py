@@ -51,7 +51,7 @@ from scipy import special
 from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.units import factor, kind, multiply, power
+from ...core.units import factor, multiply, power
 from ...signals.allan.dead_time import check_averaging
 
 SHORT = 15.0  # averaging over correlation time from which samples two apart are independent (exp(-15))
@@ -86,7 +86,6 @@ SHOWN: dict[str, dict[str, tuple[str, ...]]] = {
         "amplitude": ("ug",),
     },
 }
-KINDS = {"angular_rate": "gyro", "acceleration": "accelerometer"}
 
 
 @dataclass(frozen=True)
@@ -433,12 +432,6 @@ def _heads(duty: float) -> tuple[float, Array, Array]:
     first[2:] = np.cumsum(difference[1:])
     second[2:] = np.cumsum((lags * difference)[1:])
     return float(difference[0]), first, second
-
-
-def kind_of_unit(unit: str) -> Kind | None:
-    """Return the kind of sensor whose samples have that unit; None where it is neither."""
-    found = KINDS.get(kind(unit)) if unit else None
-    return found if found is None else ("gyro" if found == "gyro" else "accelerometer")
 
 
 def sample_unit(kind: Kind | None, file_unit: str = "") -> str:
