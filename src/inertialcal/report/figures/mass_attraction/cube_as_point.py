@@ -1,8 +1,9 @@
-"""By how much a cube attracts more than a point of its mass, over its distance in edges (Reinel's Figure 3)."""
+"""Error of taking a cube as a point, over its distance in edges (Reinel's Figure 3)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, set_labels, set_legend, set_title, with_unit
 
 NAME = "cube_as_point"
-SHOWS = "Error of taking a cube as a point, over the distance of its middle in edges, both logarithmic, by direction"
+SHOWS = "Error of taking a cube as a point over the distance of its middle in edges, both logarithmic, by direction"
 LOOKS = {"face": ("blue", "-"), "edge": ("orange", "--"), "corner": ("green", "-.")}
 CLAIM = 0.1  # % that Reinel takes as small enough, at twice the edge
 AT = 2.0
@@ -22,14 +23,10 @@ AT = 2.0
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    return [_picture(one) for one in curves(results, NAME)]
-
-
-def _picture(curve: Curve) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, title)
-
-    return Picture(NAME, str(curve.get("test", "")), "", finding(curve), SHOWS, (2.6,), paint)
+    return [
+        Picture(NAME, str(one.get("test", "")), "", finding(one), SHOWS, (2.6,), partial(draw, one))
+        for one in curves(results, NAME)
+    ]
 
 
 def finding(curve: Curve) -> str:
@@ -37,21 +34,12 @@ def finding(curve: Curve) -> str:
     ratio, face = numbers(curve, "ratio"), np.abs(numbers(curve, "face"))
     at = float(np.exp(np.interp(np.log(AT), np.log(ratio), np.log(face))))
     enough = float(ratio[face > CLAIM].max(initial=0.0))
-    return f"a cube two edges away is no point: {at:.2g} % off its face; below 0.1 % from {enough:.2g} edges on"
+    return f"a cube differs from a point by {at:.2g} % two edges off its face, by less than 0.1 % from {enough:.2g} on"
 
 
-def draw(ax: Axes, curve: Curve, title: str = "") -> None:
-    """Draw the size of the error, a line a direction.
-
-    Parameters
-    ----------
-    ax : Axes
-        One.
-    curve : mapping
-        ``cube_as_point`` of ``results.json``.
-    title : str
-        Above; empty for none.
-    """
+def draw(curve: Curve, axes: Sequence[Axes], title: str) -> None:
+    """Draw the size of the error, a line a direction."""
+    (ax,) = axes
     ratio = numbers(curve, "ratio")
     every = []
     for name, (colour, line) in LOOKS.items():

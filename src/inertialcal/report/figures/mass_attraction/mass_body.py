@@ -6,6 +6,7 @@ Faces that look at the viewer are drawn from the back to the front. Only cells t
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,7 +21,7 @@ from ..drawing.style import COLOURS, plain, set_labels, set_title
 NAME = "mass_body"
 SHOWS = "The cells of the source mass in parallel projection; to the left the proof mass, at the stand-off"
 HEIGHT = 3.4  # [in]
-VIEW = np.array([0.15, -1.0, 0.4])  # from where it is looked at: the proof mass, at the origin, is left of the body
+VIEW = np.array([0.15, -1.0, 0.4])  # direction of view: the proof mass, at the origin, is left of the body
 TONES = ("purple", "blue", "sky")  # of a face across x, y, z
 ROOM = 0.06  # of the width left free
 CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
@@ -28,39 +29,26 @@ CORNERS = ((0, 0), (1, 0), (1, 1), (0, 1))
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    return [_picture(results, one) for one in curves(results, NAME)]
-
-
-def _picture(results: Mapping[str, Any], curve: Curve) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, title)
-
-    return Picture(NAME, str(curve.get("test", "")), "", finding(results, curve), SHOWS, (HEIGHT,), paint)
+    return [
+        Picture(NAME, str(one.get("test", "")), "", finding(results, one), SHOWS, (HEIGHT,), partial(draw, one))
+        for one in curves(results, NAME)
+    ]
 
 
 def finding(results: Mapping[str, Any], curve: Curve) -> str:
-    """Return the finding: what it weighs and attracts, and how near that is to the most that can be."""
+    """Return the finding: mass and attraction, and how close it is to the bound."""
     of = [row for row in results.get("results", []) if row.get("test", "") == curve.get("test", "")]
     rows = {row["quantity"]: row["value"] for row in reversed(of)}  # the first of a name counts
     if not {"cells", "mass", "attraction", "attraction_gap"} <= rows.keys():
         return "body of the source mass"
     edge = f"{numbers(curve, 'edge')[0]:.3g} {plain(unit(curve, 'edge'))}"
     what = f"{rows['cells']:.0f} cells of {edge}, {rows['mass']:.0f} kg"
-    return f"{what}, attract {rows['attraction']:.1f} ng: {rows['attraction_gap']:.2g} % below the most of any shape"
+    return f"{what}, attract {rows['attraction']:.1f} ng: {rows['attraction_gap']:.2g} % below the bound for any shape"
 
 
-def draw(ax: Axes, curve: Curve, title: str = "") -> None:
-    """Draw the cells.
-
-    Parameters
-    ----------
-    ax : Axes
-        One; it shows no frame.
-    curve : mapping
-        ``mass_body`` of ``results.json``.
-    title : str
-        Above; empty for none.
-    """
+def draw(curve: Curve, axes: Sequence[Axes], title: str) -> None:
+    """Draw the cells."""
+    (ax,) = axes
     centres = np.column_stack([numbers(curve, name) for name in "xyz"])
     edge = float(numbers(curve, "edge")[0])
     faces, tones = _faces(centres, edge)
@@ -75,7 +63,7 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
 
 
 def _frame(ax: Axes, points: Array, edge: float, of: str) -> None:
-    """Give axes equal scales and one axis of lengths, because the projection shows none as it is."""
+    """Give axes equal scales and one axis of lengths, because the projection keeps no axis."""
     low, high = points.min(axis=0), points.max(axis=0)
     room = ROOM * float(high[0] - low[0])
     ax.set_xlim(float(low[0]) - 5.0 * room, float(high[0]) + room)

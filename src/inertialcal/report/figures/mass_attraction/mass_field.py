@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -13,25 +14,21 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME, DRIVE = "mass_field", "mass_drive"
-SHOWS = "Attraction along the input axis over the position of the mass; points are its dwells, shaded is the stroke"
+SHOWS = "Attraction along the input axis over the position of the mass; points: dwells; shaded: stroke"
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    return [_picture(results, one) for one in curves(results, NAME)]
-
-
-def _picture(results: Mapping[str, Any], curve: Curve) -> Picture:
-    dwells = [one for one in curves(results, DRIVE) if one.get("test", "") == curve.get("test", "")]
-
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, dwells, title)
-
-    return Picture(NAME, str(curve.get("test", "")), "", finding(curve, dwells), SHOWS, (2.4,), paint)
+    found = []
+    for one in curves(results, NAME):
+        test = str(one.get("test", ""))
+        dwells = [drive for drive in curves(results, DRIVE) if drive.get("test", "") == test]
+        found.append(Picture(NAME, test, "", finding(one, dwells), SHOWS, (2.4,), partial(draw, one, dwells)))
+    return found
 
 
 def finding(curve: Curve, dwells: Sequence[Curve]) -> str:
-    """Return the finding: which amplitude the stroke gives."""
+    """Return the finding: the amplitude of the stroke."""
     if not dwells:
         return "attraction along the travel"
     place, field = (numbers(dwells[0], name) for name in ("position", "attraction"))
@@ -40,20 +37,9 @@ def finding(curve: Curve, dwells: Sequence[Curve]) -> str:
     return f"moving the mass from {stroke} applies an amplitude of {amplitude}"
 
 
-def draw(ax: Axes, curve: Curve, dwells: Sequence[Curve], title: str = "") -> None:
-    """Draw the field and the dwells.
-
-    Parameters
-    ----------
-    ax : Axes
-        One.
-    curve : mapping
-        ``mass_field`` of ``results.json``.
-    dwells : sequence of mapping
-        ``mass_drive``, or none.
-    title : str
-        Above; empty for none.
-    """
+def draw(curve: Curve, dwells: Sequence[Curve], axes: Sequence[Axes], title: str) -> None:
+    """Draw the field and the dwells."""
+    (ax,) = axes
     place, field = numbers(curve, "position"), numbers(curve, "attraction")
     ax.plot(place, field, color=COLOURS["blue"], linewidth=1.4, label="attraction", zorder=3)
     for one in dwells:

@@ -1,8 +1,9 @@
-"""What a mass-attraction test will give: uncertainty of the scale factor over hours, drive by drive."""
+"""Forecast of a mass-attraction test: uncertainty of the scale factor over hours, by drive."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "mass_forecast"
-SHOWS = "Standard uncertainty of the scale factor over the length of the test, both logarithmic, a line a drive"
+SHOWS = "Standard uncertainty of the scale factor over the length of the test, both logarithmic, a line for each drive"
 LOOKS = {"sine": ("vermilion", "-"), "square": ("orange", "--"), "abab": ("blue", "-.")}
 
 
@@ -22,39 +23,24 @@ def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
     every = curves(results, NAME)
     tests = dict.fromkeys(str(one.get("test", "")) for one in every)
-    return [_picture(test, [one for one in every if one.get("test", "") == test]) for test in tests]
-
-
-def _picture(test: str, mine: Sequence[Curve]) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], mine, title)
-
-    return Picture(NAME, test, "", finding(mine), SHOWS, (2.6,), paint)
+    by_test = {test: [one for one in every if one.get("test", "") == test] for test in tests}
+    return [
+        Picture(NAME, test, "", finding(mine), SHOWS, (2.6,), partial(draw, mine)) for test, mine in by_test.items()
+    ]
 
 
 def finding(mine: Sequence[Curve]) -> str:
-    """Return the finding: what the first drive gives at the end, and the best one."""
+    """Return the finding: the uncertainty at the end, with the first drive and the best one."""
     last = {plain(one.get("of", ""), 12): float(numbers(one, "u")[-1]) for one in mine}
     hours = float(numbers(mine[0], "time")[-1])
     best = min(last, key=lambda name: last[name])
     first = next(iter(last))
-    return (
-        f"after {hours:.3g} h the scale factor is known to {last[first]:.2g} % by {first}, {last[best]:.2g} % by {best}"
-    )
+    return f"after {hours:.3g} h the scale factor has an uncertainty of {last[first]:.2g} % with {first}, {last[best]:.2g} % with {best}"
 
 
-def draw(ax: Axes, mine: Sequence[Curve], title: str = "") -> None:
-    """Draw all drives.
-
-    Parameters
-    ----------
-    ax : Axes
-        One.
-    mine : sequence of mapping
-        ``mass_forecast`` of ``results.json``.
-    title : str
-        Above; empty for none.
-    """
+def draw(mine: Sequence[Curve], axes: Sequence[Axes], title: str) -> None:
+    """Draw all drives."""
+    (ax,) = axes
     for one in mine:
         name = plain(one.get("of", ""), 12)
         colour, line = LOOKS.get(name, ("green", "-"))
@@ -62,7 +48,7 @@ def draw(ax: Axes, mine: Sequence[Curve], title: str = "") -> None:
     applied = numbers(mine[0], "u_applied")
     there = bool(np.any(applied > 0.0))
     if there:
-        name = "what is applied is not known better"
+        name = "uncertainty of what is applied"
         ax.plot(numbers(mine[0], "time"), applied, ":", color=COLOURS["quiet"], label=name, zorder=2)
     every = [numbers(one, "u") for one in mine] + ([applied] if there else [])
     log_axis(ax, "x", np.concatenate([numbers(one, "time") for one in mine]))

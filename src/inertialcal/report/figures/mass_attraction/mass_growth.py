@@ -1,8 +1,9 @@
-"""How attraction grows with mass: the touching sphere, the best body of any shape, and the body (Reinel's Figure 4)."""
+"""Attraction over mass: touching sphere, best body of any shape, and this body (Reinel's Figure 4)."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,37 +20,26 @@ SHOWS = "Attraction over mass, both logarithmic: best body behind the plane at t
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    return [_picture(one) for one in curves(results, NAME)]
-
-
-def _picture(curve: Curve) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, title)
-
-    return Picture(NAME, str(curve.get("test", "")), "", finding(curve), SHOWS, (2.6,), paint)
+    return [
+        Picture(NAME, str(one.get("test", "")), "", finding(one), SHOWS, (2.6,), partial(draw, one))
+        for one in curves(results, NAME)
+    ]
 
 
 def finding(curve: Curve) -> str:
-    """Return the finding: what the best shape gains, and what ten times the mass would."""
+    """Return the finding: gain of the best shape, and of ten times the mass."""
     mass, best, sphere, own = (numbers(curve, name) for name in ("mass", "best", "sphere", "body"))
     at = int(np.flatnonzero(np.isfinite(own))[0]) if np.isfinite(own).any() else len(mass) - 1
     gain = 100.0 * (best[at] / sphere[at] - 1.0)
     more = float(np.interp(np.log(10.0 * mass[at]), np.log(mass), best)) / best[at]
-    return f"the best shape attracts {gain:.0f} % more than a sphere; ten times the mass {more:.1f} times as much"
+    return (
+        f"the best shape attracts {gain:.0f} % more than a sphere; ten times the mass attracts {more:.1f} times as much"
+    )
 
 
-def draw(ax: Axes, curve: Curve, title: str = "") -> None:
-    """Draw both, and the body.
-
-    Parameters
-    ----------
-    ax : Axes
-        One.
-    curve : mapping
-        ``mass_growth`` of ``results.json``.
-    title : str
-        Above; empty for none.
-    """
+def draw(curve: Curve, axes: Sequence[Axes], title: str) -> None:
+    """Draw both, and the body."""
+    (ax,) = axes
     mass, best, sphere, own = (numbers(curve, name) for name in ("mass", "best", "sphere", "body"))
     ax.plot(mass, best, color=COLOURS["blue"], label="best body of any shape", zorder=3)
     ax.plot(mass, sphere, "--", color=COLOURS["orange"], label="touching sphere", zorder=3)

@@ -1,12 +1,13 @@
-"""The line of a moved mass among its side bands, and the correlation of the readings that it is in.
+"""Line of a moved mass among its side bands, and autocorrelation of the readings.
 
-Above, the amplitude at each frequency of the reduced readings: the line of the drive, the lines beside it that its
-error is read from, the others. Below, the autocorrelation of the reduced readings and of what the line leaves of them.
+Above, the amplitude at each frequency of the reduced readings: the line of the drive, the lines next to it that give its
+noise, the others. Below, the autocorrelation of the reduced readings, with and without the line.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,12 +20,12 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 
 NAME = "mass_line"
 SHOWS = (
-    "Above, amplitude of the reduced readings over frequency: the drive, lines beside it that its error is read from,"
-    " the others; below, autocorrelation over lag of the reduced readings and of what the line leaves"
+    "Above, amplitude of the reduced readings over frequency: the drive, lines next to it that give its noise,"
+    " others; below, autocorrelation over lag of the reduced readings, with and without the line"
 )
 ROLES: dict[str, tuple[str, dict[str, Any]]] = {
     "": ("other lines", {"color": COLOURS["quiet"], "marker": ".", "markersize": 3.0}),
-    "beside": ("beside it: the noise", {"color": COLOURS["orange"], "marker": "s", "markersize": 3.4}),
+    "beside": ("next to it: noise", {"color": COLOURS["orange"], "marker": "s", "markersize": 3.4}),
     "drive": ("the drive", {"color": COLOURS["vermilion"], "marker": "o", "markersize": 4.6}),
 }
 
@@ -32,48 +33,32 @@ ROLES: dict[str, tuple[str, dict[str, Any]]] = {
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a run."""
     lags = {_key(one): one for one in curves(results, "mass_correlation")}
-    return [
-        _picture(one, lags[_key(one)])
-        for one in curves(results, "mass_spectrum")
-        if _key(one) in lags and len(finite(numbers(one, "amplitude"))) > 1
-    ]
+    found = []
+    for one in curves(results, "mass_spectrum"):
+        lag = lags.get(_key(one))
+        if lag is not None and len(finite(numbers(one, "amplitude"))) > 1:
+            test, axis = str(one.get("test", "")), str(one.get("axis", ""))
+            found.append(Picture(NAME, test, axis, finding(one), SHOWS, (1.8, 1.3), partial(draw, one, lag),
+                                 share_x=False, data=(lag, one)))  # fmt: skip
+    return found
 
 
 def _key(curve: Curve) -> tuple[str, str]:
     return str(curve.get("test", "")), str(curve.get("recording", ""))
 
 
-def _picture(spectrum: Curve, correlation: Curve) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes, spectrum, correlation, title)
-
-    test, axis = str(spectrum.get("test", "")), str(spectrum.get("axis", ""))
-    return Picture(NAME, test, axis, finding(spectrum), SHOWS, (1.8, 1.3), paint, share_x=False,
-                   data=(correlation, spectrum))  # fmt: skip
-
-
 def finding(spectrum: Curve) -> str:
-    """Return the finding: how far the line stands above those beside it."""
+    """Return the finding: the line over the mean of the lines next to it."""
     amplitude, role = numbers(spectrum, "amplitude"), np.array(words(spectrum, "role"))
     line, beside = finite(amplitude[role == "drive"]), finite(amplitude[role == "beside"])
     name = plain(spectrum.get("recording", ""))
     if not len(line) or not len(beside) or not beside.mean() > 0.0:
-        return f"{name}: no line beside that of the drive"
-    return f"{name}: the line of the drive is {number(float(line[0] / beside.mean()), 2)} times those beside it"
+        return f"{name}: no lines next to that of the drive"
+    return f"{name}: the line of the drive is {number(float(line[0] / beside.mean()), 2)} times those next to it"
 
 
-def draw(axes: Sequence[Axes], spectrum: Curve, correlation: Curve, title: str = "") -> None:
-    """Draw spectrum and correlation of a run.
-
-    Parameters
-    ----------
-    axes : sequence of Axes, length 2
-        Each with its own x axis.
-    spectrum, correlation : mapping
-        ``mass_spectrum`` and ``mass_correlation`` of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+def draw(spectrum: Curve, correlation: Curve, axes: Sequence[Axes], title: str) -> None:
+    """Draw spectrum and correlation of a run."""
     above, below = axes
     frequency = numbers(spectrum, "frequency")
     amplitude, role = numbers(spectrum, "amplitude"), np.array(words(spectrum, "role"))

@@ -1,12 +1,13 @@
-"""Scale factor of each run with a moved mass, what they give together, and what the published way makes of each.
+"""Scale factor of each run with a moved mass, of all runs, and in the published way.
 
-Whiskers are 95 % intervals from the noise beside the line of each run alone. A null run stands at the response that it
-has, over what would have been applied: zero is expected.
+Whiskers are 95 % intervals from the noise next to the line of each run alone. A null run is drawn at its response over
+the amplitude of a moved mass: zero is expected.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -20,21 +21,22 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "mass_runs"
-SHOWS = "Scale factor of each run with its 95 % interval; hollow: the mass was not moved; the band is that of all runs"
+SHOWS = "Scale factor of each run with its 95 % interval; hollow: mass at rest; band: all runs"
 ROOM, GAP = 280.0, 10.0  # for the names of all runs, and between two of them [pt]
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    return [
-        _picture(one, _row(results, one))
-        for one in curves(results, NAME)
-        if len(finite(numbers(one, "scale_factor")))
-    ]  # fmt: skip
+    found = []
+    for one in curves(results, NAME):
+        if len(finite(numbers(one, "scale_factor"))):
+            row, test, axis = _row(results, one), str(one.get("test", "")), str(one.get("axis", ""))
+            found.append(Picture(NAME, test, axis, finding(one, row), SHOWS, (2.3,), partial(draw, one, row)))
+    return found
 
 
 def _row(results: Mapping[str, Any], curve: Curve) -> Mapping[str, Any] | None:
-    """Return the row of the scale factor of all runs; None where there is none."""
+    """Return the row of the scale factor of all runs; None without one."""
     key = ("scale_factor", curve.get("test", ""), curve.get("axis", ""))
     rows = [
         row
@@ -45,37 +47,18 @@ def _row(results: Mapping[str, Any], curve: Curve) -> Mapping[str, Any] | None:
     return rows[0] if rows else None
 
 
-def _picture(curve: Curve, row: Mapping[str, Any] | None) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, row, title)
-
-    test, axis = str(curve.get("test", "")), str(curve.get("axis", ""))
-    return Picture(NAME, test, axis, finding(curve, row), SHOWS, (2.3,), paint)
-
-
 def finding(curve: Curve, row: Mapping[str, Any] | None) -> str:
     """Return the finding: the scale factor of all runs."""
     moved = int(flags(curve, "moved").sum())
     if row is None:
-        return f"{moved} run{'s' * (moved != 1)}: no scale factor is told from noise"
+        return f"{moved} run{'s' * (moved != 1)}: scale factor cannot be told from noise"
     said = f"{with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}"
     return f"{moved} run{'s' * (moved != 1)} with the mass moved: {said}"
 
 
-def draw(ax: Axes, curve: Curve, row: Mapping[str, Any] | None, title: str = "") -> None:
-    """Draw the runs of a test.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    curve : mapping
-        ``mass_runs`` of ``results.json``.
-    row : mapping or None
-        Of the scale factor of all runs.
-    title : str
-        Above it; empty for none.
-    """
+def draw(curve: Curve, row: Mapping[str, Any] | None, axes: Sequence[Axes], title: str) -> None:
+    """Draw the runs of a test."""
+    (ax,) = axes
     value, lo, hi = (numbers(curve, name) for name in ("scale_factor", "lo", "hi"))
     moved, at = flags(curve, "moved"), np.arange(len(value))
     interval = None if row is None else row["interval"]
@@ -90,7 +73,12 @@ def draw(ax: Axes, curve: Curve, row: Mapping[str, Any] | None, title: str = "")
         if np.isfinite(value[mask]).any():
             ax.plot(at[mask], value[mask], linestyle="none", marker="o", markersize=5.0, markerfacecolor=face,
                     markeredgecolor=COLOURS["blue"], label=label, zorder=4)  # fmt: skip
-    _published(ax, curve, at)
+    less = numbers(curve, "published_fourier") - numbers(curve, "published_fourier_noise")
+    with np.errstate(invalid="ignore", divide="ignore"):
+        published = less * value / numbers(curve, "response")
+    if np.isfinite(published).any():
+        ax.plot(at + 0.18, published, linestyle="none", marker="x", markersize=5.0, color=COLOURS["vermilion"],
+                label="noise subtracted, as published", zorder=4)  # fmt: skip
     room = ROOM / max(len(value), 1) - GAP
     ax.set_xticks(at)
     ax.set_xticklabels([shortened(plain(name), TEXT, room) for name in words(curve, "run")], parse_math=False)
@@ -98,14 +86,3 @@ def draw(ax: Axes, curve: Curve, row: Mapping[str, Any] | None, title: str = "")
     set_title(ax, title)
     set_labels(ax, "run", with_unit("scale factor", unit(curve, "scale_factor")))
     set_legend(ax)
-
-
-def _published(ax: Axes, curve: Curve, at: Any) -> None:
-    """Draw what the published way makes of each run: the line less the mean amplitude beside it."""
-    value, response = numbers(curve, "scale_factor"), numbers(curve, "response")
-    less = numbers(curve, "published_fourier") - numbers(curve, "published_fourier_noise")
-    with np.errstate(invalid="ignore", divide="ignore"):
-        shown = less * value / response
-    if np.isfinite(shown).any():
-        ax.plot(at + 0.18, shown, linestyle="none", marker="x", markersize=5.0, color=COLOURS["vermilion"],
-                label="noise subtracted, as published", zorder=4)  # fmt: skip

@@ -1,12 +1,13 @@
-"""One run with a moved mass, before and after reduction: readings with their drift, and the line that is left.
+"""One run with a moved mass: readings with their drift, and the reduced readings with the line.
 
-Above, mean of each dwell and what is taken as drift. Below, without the drift (and the tilt), with the line of the
-drive: dots are dwells, filled where the mass attracts more than in the middle.
+Above, mean of each dwell and drift. Below, without drift and tilt, with the line of the drive; filled dots: dwells in
+which the mass attracts more than in the middle.
 """
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -19,26 +20,23 @@ from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, w
 
 NAME = "mass_series"
 SHOWS = (
-    "Above, mean of each dwell over time with the drift; below, what is left of it with the line of the drive; filled"
-    " where the mass attracts more than in the middle of its travel"
+    "Above, mean of each dwell over time with the drift; below, without drift, with the line of the drive; filled:"
+    " the mass attracts more than in the middle of its travel"
 )
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a run."""
-    return [_picture(one) for one in curves(results, NAME) if len(finite(numbers(one, "reduced"))) > 1]
-
-
-def _picture(curve: Curve) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes, curve, title)
-
-    test, axis = str(curve.get("test", "")), str(curve.get("axis", ""))
-    return Picture(NAME, test, axis, finding(curve), SHOWS, (1.7, 1.7), paint, data=(curve,))
+    return [
+        Picture(NAME, str(one.get("test", "")), str(one.get("axis", "")), finding(one), SHOWS, (1.7, 1.7),
+                partial(draw, one), data=(one,))
+        for one in curves(results, NAME)
+        if len(finite(numbers(one, "reduced"))) > 1
+    ]  # fmt: skip
 
 
 def finding(curve: Curve) -> str:
-    """Return the finding: how far the readings drift, and how large the line is."""
+    """Return the finding: amplitude of the line, and range of the readings."""
     reading, line = finite(numbers(curve, "reading")), finite(numbers(curve, "line"))
     of = plain(unit(curve, "reading"))
     swing = number(float(0.5 * np.ptp(line)), 2) if len(line) else "no"
@@ -46,18 +44,8 @@ def finding(curve: Curve) -> str:
     return f"{plain(curve.get('recording', ''))}: a line of {swing} {of} in readings that range over {spread} {of}"
 
 
-def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
-    """Draw a run.
-
-    Parameters
-    ----------
-    axes : sequence of Axes, length 2
-        With one x axis.
-    curve : mapping
-        ``mass_series`` of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+def draw(curve: Curve, axes: Sequence[Axes], title: str) -> None:
+    """Draw a run."""
     above, below = axes
     time = numbers(curve, "time")
     reading, drift, reduced, line = (numbers(curve, name) for name in ("reading", "drift", "reduced", "line"))

@@ -1,8 +1,9 @@
-"""What the length of a proof mass does to the amplitude, and where it acts as a point."""
+"""Effect of the length of a proof mass on the amplitude, and the length at which it acts as a point."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -18,39 +19,26 @@ SHOWS = "Effect of the proof mass on the amplitude over its length, at its radii
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
     """Return a picture a test."""
-    return [_picture(one) for one in curves(results, NAME)]
-
-
-def _picture(curve: Curve) -> Picture:
-    def paint(axes: Sequence[Axes], title: str) -> None:
-        draw(axes[0], curve, title)
-
-    return Picture(NAME, str(curve.get("test", "")), "", finding(curve), SHOWS, (2.6,), paint)
+    return [
+        Picture(NAME, str(one.get("test", "")), "", finding(one), SHOWS, (2.6,), partial(draw, one))
+        for one in curves(results, NAME)
+    ]
 
 
 def finding(curve: Curve) -> str:
-    """Return the finding: what the proof mass changes, and from which length on it would be a point."""
+    """Return the finding: effect of the proof mass, and the length at which it acts as a point."""
     length, second, own = (numbers(curve, name) for name in ("length", "second_order", "own"))
     order = np.argsort(second)
     zero = float(np.interp(0.0, second[order], length[order]))
     return (
         f"the proof mass changes the amplitude by {own[np.isfinite(own)][0]:.2g} %; "
-        f"{zero:.3g} {plain(unit(curve, 'length'))} long it would act as a point"
+        f"{zero:.3g} {plain(unit(curve, 'length'))} is the length at which it acts as a point"
     )
 
 
-def draw(ax: Axes, curve: Curve, title: str = "") -> None:
-    """Draw both, and the proof mass.
-
-    Parameters
-    ----------
-    ax : Axes
-        One.
-    curve : mapping
-        ``proof_mass`` of ``results.json``.
-    title : str
-        Above; empty for none.
-    """
+def draw(curve: Curve, axes: Sequence[Axes], title: str) -> None:
+    """Draw both, and the proof mass."""
+    (ax,) = axes
     length, effect, second, own = (numbers(curve, name) for name in ("length", "effect", "second_order", "own"))
     ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.8)
     ax.plot(length, effect, color=COLOURS["blue"], label="summed over the proof mass", zorder=3)
