@@ -15,7 +15,6 @@ from inertialcal.core.results import Interval
 from inertialcal.statistics.decision import (
     Status,
     Verdict,
-    conformance_probability,
     decide,
     decide_by,
     holm,
@@ -166,13 +165,6 @@ def test_holm_holds_its_level_for_correlated_true_hypotheses() -> None:
     assert binomial_interval(false, n)[0] <= 0.05
 
 
-def test_conformance_probability() -> None:
-    assert conformance_probability(-5.47, 0.05, math.inf, upper=-5.40) == pytest.approx(0.919, abs=5e-4)  # Phi(1.4)
-    two = conformance_probability(0.3, 0.5, 7.0, -1.0, 1.0)
-    assert two == pytest.approx(stats.t.cdf(1.4, 7) - stats.t.cdf(-2.6, 7), rel=1e-9)
-    assert conformance_probability(1.0, 0.2, 3.0, lower=1.0) == pytest.approx(0.5, rel=1e-12)
-
-
 @given(dof=st.floats(1.0, 200.0), u=st.floats(0.01, 10.0))
 def test_one_limit_has_a_false_pass_in_5_percent(dof: float, u: float) -> None:
     assert pass_probability(3.0, u, dof, upper=3.0) == pytest.approx(0.05, abs=STEPS)
@@ -215,15 +207,13 @@ def test_refusals_by_their_words() -> None:
     with pytest.raises(PlanError, match="limits 2 to 1"):
         decide(1.0, 1.0, 5.0, 2, 1)
     with pytest.raises(PlanError, match="limits nan to None"):
-        conformance_probability(1.0, 1.0, 5.0, lower=math.nan)
+        decide(1.0, 1.0, 5.0, lower=math.nan)
     with pytest.raises(PlanError, match="probability"):
         decide(1.0, 1.0, 5.0, 0.0, 2.0, p=1.5)
     with pytest.raises(PlanError, match="allowed change -1"):
         no_change(0.0, 1.0, 5.0, -1.0)
     with pytest.raises(DataError, match="the standard uncertainty is 0"):
         pass_probability(0.0, 0.0, 5.0, upper=1.0)
-    with pytest.raises(DataError, match="probability of conformance of 0: no degrees of freedom"):
-        conformance_probability(0.0, 1.0, 0.0, upper=1.0)
     with pytest.raises(DataError, match="p values"):
         holm([0.1, math.nan])
     with pytest.raises(PlanError, match="chance of a false rejection 0"):

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.statistics.least_squares import Fit, deletion_residuals, fit, fit_correlated
+from inertialcal.statistics.least_squares import Fit, fit, fit_correlated
 
 STRD = Path(__file__).parent / "strd"
 
@@ -190,24 +190,6 @@ def test_correlated_fit_without_residual_degrees_of_freedom_keeps_its_covariance
     assert found.u == pytest.approx([0.1, math.sqrt(0.05)], rel=1e-12)
 
 
-def test_deletion_residuals_against_fits_without_the_reading() -> None:
-    X, y = scattered()
-    w = np.linspace(0.5, 3.0, 12)
-    found = deletion_residuals(fit(X, y, weights=w))
-    for i in range(12):
-        keep = np.arange(12) != i
-        without = fit(X[keep], y[keep], weights=w[keep])
-        predicted = X[i] @ without.coefficients
-        variance = without.scatter**2 / w[i] + X[i] @ without.need_covariance() @ X[i]
-        assert found[i] == pytest.approx((y[i] - predicted) / math.sqrt(variance), rel=1e-8)
-
-
-def test_a_reading_that_decides_alone_cannot_be_checked() -> None:
-    X = np.column_stack([np.ones(6), [0.0, 0.0, 0.0, 0.0, 0.0, 1.0]])
-    found = deletion_residuals(fit(X, np.array([1.0, 2.0, 1.0, 2.0, 1.5, 9.0])))
-    assert np.isnan(found).tolist() == [False] * 5 + [True]
-
-
 def test_columns_that_the_data_cannot_tell_apart_are_named() -> None:
     x = np.array([1.0, 2.0, 3.0, 4.0])
     with pytest.raises(DataError) as caught:
@@ -258,7 +240,3 @@ def test_other_refusals_by_their_words() -> None:
         fit_correlated(X, y, np.ones((4, 4)))
     with pytest.raises(DataError, match=r"covariance of shape \(3, 3\)"):
         fit_correlated(X, y, np.eye(3))
-    with pytest.raises(DataError, match="deletion residuals of a fit with 1 degrees of freedom"):
-        deletion_residuals(fit(X, y))
-    with pytest.raises(DataError, match="deletion residuals of a fit with inf degrees of freedom"):
-        deletion_residuals(fit_correlated(X, y, np.eye(4)))

@@ -50,7 +50,7 @@ def test_a_mixed_up_form_that_does_better_fails_by_holm_over_all_of_them(p: floa
 
 def test_the_form_that_does_best_is_named() -> None:
     (found,) = judged([replace(ONE, rivals={"turned": 1e-5, "transposed": 1e-9, "exchanged": 1e-4})])
-    assert found.reason.startswith("transposed does better on readings held out")
+    assert found.reason.startswith("transposed does better on hold-out readings")
 
 
 def test_holm_holds_the_risk_over_the_axes() -> None:

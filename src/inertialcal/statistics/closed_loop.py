@@ -1,7 +1,7 @@
-"""Closed loop: the verdict on a model by readings that it has not seen, as they are and compensated.
+"""Closed loop: the verdict on a model by hold-out readings, raw and compensated.
 
-A procedure says for every axis (or other way to judge) how much the squares of errors gain by compensation, and how
-well that is known; the rule is the same for all. Tests are one-sided t tests; Holm's rule holds the risk over the axes
+A procedure states for every axis (or other way to judge) how much compensation reduces the mean square error, and the
+uncertainty of that; the rule is the same for all. Tests are one-sided t tests; Holm's rule holds the risk over the axes
 at 5 %.
 
 A model made from a finite test is off by its own (Type A) uncertainty even where it is right; that much is
@@ -32,47 +32,24 @@ Word = Literal["PASS", "FAIL", "INCONCLUSIVE"]
 
 @dataclass(frozen=True)
 class AxisLoop:
-    """One axis, before and after.
+    """One axis, before and after."""
 
-    Parameters
-    ----------
-    axis : str
-        Of the input, or the name of what judges.
-    dwells, runs : int
-        Judged.
-    raw, compensated : float
-        Root mean square error [unit].
-    gain : float
-        Mean of the squares before less after [unit^2]: positive where compensation helped.
-    u : float
-        Standard uncertainty of it [unit^2].
-    dof : float
-        Degrees of freedom.
-    allowed : float
-        Mean square uncertainty of the model itself [unit^2].
-    unit : str
-        Of the errors, SI.
-    rivals : mapping of str to float
-        Mixed-up forms of the model: probability that one does so much better if the model is right.
-    verdict : {"PASS", "FAIL", "INCONCLUSIVE"}
-        By the rule.
-    reason : str
-        Why neither.
-    """
-
-    axis: str
+    axis: str  # input axis, or the name of another quantity that is judged
+    # numbers judged
     dwells: int
     runs: int
+    # root mean square error [unit]
     raw: float
     compensated: float
-    gain: float
-    u: float
-    dof: float
-    allowed: float
-    unit: str = "rad/s"
+    gain: float  # reduction of the mean square error [unit^2]; positive = improved
+    u: float  # standard uncertainty of the gain [unit^2]
+    dof: float  # degrees of freedom
+    allowed: float  # mean square uncertainty of the model itself [unit^2]
+    unit: str = "rad/s"  # of the errors, SI
+    # mixed-up forms of the model: p value of doing better than the model
     rivals: Mapping[str, float] = field(default_factory=dict[str, float])
-    verdict: Word = "INCONCLUSIVE"
-    reason: str = ""
+    verdict: Word = "INCONCLUSIVE"  # by the rule
+    reason: str = ""  # reason for a FAIL or INCONCLUSIVE
 
 
 def judged(loops: Sequence[AxisLoop], share: float = 1.0) -> tuple[AxisLoop, ...]:
@@ -88,12 +65,22 @@ def judged(loops: Sequence[AxisLoop], share: float = 1.0) -> tuple[AxisLoop, ...
     if not loops:
         return ()
     of_worse = 0.5 * share if any(one.rivals for one in loops) else share
-    worse = holm([_p_worse(one) for one in loops], RISK * of_worse)
-    better = holm([_p_better(one) for one in loops], RISK * share)
-    rivals = _beaten(loops, share)
-    return tuple(
-        _judged(one, bool(w), bool(b), rivals.get(one.axis, "")) for one, w, b in zip(loops, worse, better, strict=True)
-    )
+    worse = holm([_p(one.gain + one.allowed, one) for one in loops], RISK * of_worse)
+    better = holm([_p(-one.gain, one) for one in loops], RISK * share)
+    rivals = _better_rivals(loops, share)
+    found = []
+    for one, is_worse, is_better in zip(loops, worse, better, strict=True):
+        if one.axis in rivals:
+            reason = f"{rivals[one.axis]} does better on hold-out readings: the model is mixed up"
+            found.append(replace(one, verdict="FAIL", reason=reason))
+        elif is_worse:
+            reason = "worse on hold-out readings, beyond the uncertainty of the model"
+            found.append(replace(one, verdict="FAIL", reason=reason))
+        elif is_better:
+            found.append(replace(one, verdict="PASS"))
+        else:
+            found.append(replace(one, reason="neither better nor worse on hold-out readings"))
+    return tuple(found)
 
 
 def overall(loops: Sequence[AxisLoop]) -> Word:
@@ -104,7 +91,7 @@ def overall(loops: Sequence[AxisLoop]) -> Word:
     return "PASS" if found == {"PASS"} else "INCONCLUSIVE"
 
 
-def _beaten(loops: Sequence[AxisLoop], share: float) -> dict[str, str]:
+def _better_rivals(loops: Sequence[AxisLoop], share: float) -> dict[str, str]:
     """Return the mixed-up form that does better than the model, by axis, where one is shown to."""
     tests = [(one.axis, name, p) for one in loops for name, p in one.rivals.items()]
     if not tests:
@@ -117,28 +104,8 @@ def _beaten(loops: Sequence[AxisLoop], share: float) -> dict[str, str]:
     return {axis: name for axis, (_, name) in best.items()}
 
 
-def _p_worse(one: AxisLoop) -> float:
-    return _p(one.gain + one.allowed, one)
-
-
-def _p_better(one: AxisLoop) -> float:
-    return _p(-one.gain, one)
-
-
 def _p(size: float, one: AxisLoop) -> float:
     """Probability of so negative a size or less, if its expectation were zero."""
     if not (np.isfinite(one.u) and one.u > 0.0):
         return 1.0
     return float(special.stdtr(one.dof, size / one.u))
-
-
-def _judged(one: AxisLoop, worse: bool, better: bool, rival: str) -> AxisLoop:
-    if rival:
-        reason = f"{rival} does better on readings held out: the model is mixed up"
-        return replace(one, verdict="FAIL", reason=reason)
-    if worse:
-        reason = "worse on readings held out, beyond the uncertainty of the model"
-        return replace(one, verdict="FAIL", reason=reason)
-    if better:
-        return replace(one, verdict="PASS")
-    return replace(one, reason="not shown better, nor worse, on readings held out")

@@ -41,34 +41,21 @@ NODES = 2000  # of the scatter's distribution, in steps of equal probability
 
 @dataclass(frozen=True)
 class Verdict:
-    """A decision with all that it was made from.
+    """A decision with all that it was made from."""
 
-    Parameters
-    ----------
-    status : {"PASS", "FAIL", "INCONCLUSIVE", "OPEN"}
-        OPEN where no test was made; it counts as INCONCLUSIVE.
-    value, u, dof : float or None
-        What was measured, in the unit of the limits; dof infinite where u is known.
-    interval : Interval or None
-        The one that was compared; with one limit both ends are one-sided bounds of the rule's
-        probability, so that its own ``p`` is 0.90 for a rule of 95 %.
-    limit_lower, limit_upper : float or None
-        The requirement.
-    rule : str
-        The decision rule in words.
-    reason : str
-        What decided.
-    """
-
-    status: Status
+    status: Status  # {"PASS", "FAIL", "INCONCLUSIVE", "OPEN"}: OPEN where no test was made; it counts as INCONCLUSIVE
+    # what was measured, in the unit of the limits; dof infinite where u is known
     value: float | None = None
     u: float | None = None
     dof: float | None = None
+    # the one that was compared; with one limit both ends are one-sided bounds of the rule's probability, so that its
+    # own ``p`` is 0.90 for a rule of 95 %
     interval: Interval | None = None
+    # the requirement
     limit_lower: float | None = None
     limit_upper: float | None = None
-    rule: str = ""
-    reason: str = ""
+    rule: str = ""  # the decision rule in words
+    reason: str = ""  # what decided
 
 
 def decide(
@@ -222,30 +209,6 @@ def holm(p_values: ArrayLike, alpha: float = 0.05) -> NDArray[np.bool_]:
     rejected = np.zeros(p.size, dtype=bool)
     rejected[order] = np.logical_and.accumulate(small)
     return rejected
-
-
-def conformance_probability(
-    value: float, u: float, dof: float, lower: float | None = None, upper: float | None = None
-) -> float:
-    """Return the probability that the true value lies within the limits (JCGM 106, 7.2 and 7.3).
-
-    One less it is the specific risk of accepting this item. The true value is ``value + u t`` with
-    Student's t, or normal for infinite dof: nothing was known of it before the measurement.
-
-    Raises
-    ------
-    DataError
-        If the value is not finite, ``u`` is not positive, or there are no degrees of freedom.
-    PlanError
-        If there is no limit, or the lower is above the upper.
-    """
-    _check_limits(lower, upper)
-    missing = _missing(value, u, dof)
-    if missing:
-        raise DataError(f"probability of conformance of {value:g}: {missing}", code="no_uncertainty")
-    below = 1.0 if upper is None else _probability_below((upper - value) / u, dof)
-    outside = 0.0 if lower is None else _probability_below((lower - value) / u, dof)
-    return below - outside
 
 
 def pass_probability(

@@ -95,18 +95,6 @@ def upper_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:
     return value + t_quantile(dof, p) * u
 
 
-def lower_bound(value: float, u: float, dof: float, p: float = 0.95) -> float:
-    """Return the bound that the true value stays above with probability ``p`` (one-sided).
-
-    Raises
-    ------
-    DataError, PlanError
-        As `t_interval`.
-    """
-    _check_value(value, u)
-    return value - t_quantile(dof, p) * u
-
-
 def ends(interval: Interval) -> tuple[float, float]:
     """Return both ends of an interval as numbers; an open side is infinite."""
     lo = -math.inf if interval.lo is None else interval.lo

@@ -30,52 +30,23 @@ NEGLIGIBLE = 1e-7  # share of a (unit length) column in a combination below whic
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Coefficients with what is needed to judge them.
+    """Coefficients with what is needed to judge them."""
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (p,)
-        In unit of reading over unit of column.
-    covariance : ndarray, shape (p, p), or None
-        Of the coefficients; None with no degrees of freedom.
-    dof : float
-        Degrees of freedom of the covariance.
-    residuals : ndarray, shape (n,)
-        Reading less fitted value [unit of the readings].
-    leverage : ndarray, shape (n,)
-        Change of the fitted value with its own reading; 1 where a reading alone decides.
-    mean_square : float or None
-        Weighted sum of squared residuals over n - p; None when n is p. Near 1 expected where the
-        covariance of the readings was given.
-    design : ndarray, shape (n, p)
-        As given.
-    weights : ndarray, shape (n,), or None
-        As given.
-    names : tuple of str
-        Of the coefficients.
-    condition : float
-        Largest over smallest singular value of the scaled design.
-    basis : ndarray, shape (n, p)
-        Orthonormal basis of the whitened design.
-    transform : ndarray, shape (p, p)
-        ``coefficients = transform @ basis.T @ whitened readings``.
-    given : bool
-        The covariance of the readings was given.
-    """
-
-    coefficients: Array
-    covariance: Array | None
-    dof: float
-    residuals: Array
-    leverage: Array
+    coefficients: Array  # in unit of reading over unit of column, (p,)
+    covariance: Array | None  # of the coefficients; None with no degrees of freedom, (p, p)
+    dof: float  # degrees of freedom of the covariance
+    residuals: Array  # reading less fitted value, (n,) [unit of the readings]
+    leverage: Array  # change of the fitted value with its own reading; 1 where a reading alone decides, (n,)
+    # weighted sum of squared residuals over n - p; None when n is p. Near 1 expected where the covariance of the
+    # readings was given.
     mean_square: float | None
-    design: Array
-    weights: Array | None
-    names: tuple[str, ...]
-    condition: float
-    basis: Array
-    transform: Array
-    given: bool = False
+    design: Array  # as given, (n, p)
+    weights: Array | None  # as given, (n,)
+    names: tuple[str, ...]  # of the coefficients
+    condition: float  # largest over smallest singular value of the scaled design
+    basis: Array  # orthonormal basis of the whitened design, (n, p)
+    transform: Array  # ``coefficients = transform @ basis.T @ whitened readings``, (p, p)
+    given: bool = False  # the covariance of the readings was given
 
     @property
     def u(self) -> Array:
@@ -216,40 +187,6 @@ def fit_correlated(design: Array, readings: Array, covariance: Array, names: Seq
         transform=transform,
         given=True,
     )
-
-
-def deletion_residuals(fit: Fit) -> Array:
-    """Return each residual over the standard deviation it would have by a fit without it.
-
-    Student's t with ``dof - 1`` degrees of freedom for a reading that is like the others (Belsley, Kuh and
-    Welsch [2]_, 2.1). NaN where a reading alone decides a coefficient (leverage 1): it cannot be checked.
-
-    Parameters
-    ----------
-    fit : Fit
-        Made by `fit`.
-
-    Returns
-    -------
-    ndarray, shape (n,)
-        Without unit.
-
-    Raises
-    ------
-    DataError
-        If the covariance of the readings was given, or there are fewer than two degrees of freedom.
-    """
-    if fit.given or fit.mean_square is None or fit.dof < 2.0:
-        raise DataError(
-            f"deletion residuals of a fit with {fit.dof:g} degrees of freedom",
-            do="Need two or more, and a scatter that comes from the residuals",
-        )
-    free = 1.0 - fit.leverage
-    free = np.where(free > fit.design.shape[0] * np.finfo(float).eps, free, np.nan)
-    square = fit.residuals**2 * (1.0 if fit.weights is None else fit.weights) / free
-    without = np.maximum(fit.dof * fit.mean_square - square, 0.0) / (fit.dof - 1.0)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray(np.sign(fit.residuals) * np.sqrt(square / without), dtype=float)
 
 
 def _checked(design: Array, readings: Array, names: Sequence[str] | None) -> tuple[Array, Array, tuple[str, ...]]:

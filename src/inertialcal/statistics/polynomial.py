@@ -28,24 +28,12 @@ EDGE = 1e-9  # share of the range by which rounding may carry a value outside it
 
 @dataclass(frozen=True, eq=False)
 class Polynomial:
-    """Chebyshev series over its validity range.
+    """Chebyshev series over its validity range."""
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (order + 1,)
-        Of T_0, T_1, ... [unit of the readings].
-    covariance : ndarray, shape (order + 1, order + 1), or None
-        Of the coefficients; None where it was not estimated.
-    dof : float
-        Degrees of freedom of the covariance; 0 where there is none.
-    domain : tuple of float
-        Lowest and highest x where it holds [unit of x].
-    """
-
-    coefficients: Array
-    covariance: Array | None
-    dof: float
-    domain: tuple[float, float]
+    coefficients: Array  # of T_0, T_1, ..., (order + 1,) [unit of the readings]
+    covariance: Array | None  # of the coefficients; None where it was not estimated, (order + 1, order + 1)
+    dof: float  # degrees of freedom of the covariance; 0 where there is none
+    domain: tuple[float, float]  # lowest and highest x where it holds [unit of x]
 
     @property
     def order(self) -> int:

@@ -39,24 +39,12 @@ TOLERANCE = 0.1  # of the logarithm, in powers of ten
 
 @dataclass(frozen=True, eq=False)
 class Grouped:
-    """Weighted moments of design and readings, whole and of each of g groups.
+    """Weighted moments of design and readings, whole and of each of g groups."""
 
-    Parameters
-    ----------
-    square : ndarray, shape (p + 1, p + 1)
-        Of design and readings side by side, about zero.
-    means : ndarray, shape (g, p + 1)
-        Weighted means of each group.
-    weights : ndarray, shape (g,)
-        Sum of the weights of each.
-    count : int
-        Readings.
-    """
-
-    square: Array
-    means: Array
-    weights: Array
-    count: int
+    square: Array  # of design and readings side by side, about zero, (p + 1, p + 1)
+    means: Array  # weighted means of each group, (g, p + 1)
+    weights: Array  # sum of the weights of each, (g,)
+    count: int  # readings
 
 
 def fit_with_offsets(

@@ -43,27 +43,14 @@ STARTS = np.linspace(-5.0, 14.0, 16)  # of the search, ln of the ratio's distanc
 
 @dataclass(frozen=True, eq=False)
 class Blocks:
-    """Blocks of a record, and the contrasts that their design leaves: all that does not depend on the readings.
+    """Blocks of a record, and the contrasts that their design leaves: all that does not depend on the readings."""
 
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        Middles of the blocks [s].
-    length : float
-        Of a block [s].
-    contrasts : ndarray, shape (n - p, n)
-        Orthonormal weights that the design does not see, along the axes of the flicker noise.
-    sizes : ndarray, shape (n - p,)
-        Variance of each for flicker noise of unit ``h``.
-    flicker : ndarray, shape (n, n)
-        Generalised covariance of the block means for flicker noise of unit ``h``.
-    """
-
-    times: Array
-    length: float
+    times: Array  # middles of the blocks, (n,) [s]
+    length: float  # of a block [s]
+    # orthonormal weights that the design does not see, along the axes of the flicker noise, (n - p, n)
     contrasts: Array
-    sizes: Array
-    flicker: Array
+    sizes: Array  # variance of each for flicker noise of unit ``h``, (n - p,)
+    flicker: Array  # generalised covariance of the block means for flicker noise of unit ``h``, (n, n)
 
 
 def blocks_of(times: Array, length: float, design: Array) -> Blocks:
@@ -96,24 +83,12 @@ def blocks_of(times: Array, length: float, design: Array) -> Blocks:
 
 @dataclass(frozen=True, eq=False)
 class SlowNoise:
-    """White and 1/f noise of a record, as its block means show them.
+    """White and 1/f noise of a record, as its block means show them."""
 
-    Parameters
-    ----------
-    white : float
-        One-sided spectral density of the white part [unit^2/Hz].
-    flicker : float
-        ``h`` of the 1/f part [unit^2]; may be a little negative where there is none.
-    covariance : ndarray, shape (2, 2)
-        Of (white, flicker).
-    blocks : Blocks
-        Of the record.
-    """
-
-    white: float
-    flicker: float
-    covariance: Array
-    blocks: Blocks
+    white: float  # one-sided spectral density of the white part [unit^2/Hz]
+    flicker: float  # ``h`` of the 1/f part [unit^2]; may be a little negative where there is none
+    covariance: Array  # of (white, flicker), (2, 2)
+    blocks: Blocks  # of the record
 
     @property
     def corner(self) -> float:

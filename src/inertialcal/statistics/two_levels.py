@@ -34,57 +34,25 @@ SETTLED = 1e-6  # relative change of tau^2
 
 @dataclass(frozen=True, eq=False)
 class TwoLevels:
-    """Coefficients with what is needed to judge them.
+    """Coefficients with what is needed to judge them."""
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (p,)
-        In unit of reading over unit of column.
-    covariance : ndarray, shape (p, p)
-        Sum of the parts.
-    parts : mapping of str to ndarray, shape (p, p)
-        What each known covariance contributes, by its name.
-    between_part : ndarray, shape (p, p)
-        What the scatter between readings contributes.
-    between_interval : tuple of float
-        Holds tau with a probability of 95 %, from zero where none is seen; the given tau twice where it was given.
-    information : float
-        Of tau^2, twice Fisher's: its variance is 2 over this [1/unit of the readings^4]; infinite where tau was given.
-    between : float
-        tau, standard deviation between readings [unit of the readings].
-    chi_square : float
-        Weighted by V; near ``free`` expected.
-    chi_square_known : float
-        Weighted by the known covariances alone; NaN where these do not reach every reading.
-    free : int
-        n - p.
-    deletion : ndarray, shape (n,)
-        Residual of each reading from the fit without it [unit of the readings].
-    deletion_u : ndarray, shape (n,)
-        Standard uncertainty of that.
-    residuals : ndarray, shape (n,)
-        Reading less fitted value.
-    gain : ndarray, shape (p, n)
-        Coefficients per reading.
-    projector : ndarray, shape (n, n)
-        P of [2]_: ``P y`` are the residuals weighted by the inverse of V.
-    """
-
-    coefficients: Array
-    covariance: Array
-    parts: Mapping[str, Array]
-    between_part: Array
+    coefficients: Array  # in unit of reading over unit of column, (p,)
+    covariance: Array  # sum of the parts, (p, p)
+    parts: Mapping[str, Array]  # what each known covariance contributes, by its name, (p, p)
+    between_part: Array  # what the scatter between readings contributes, (p, p)
+    # holds tau with a probability of 95 %, from zero where none is seen; the given tau twice where it was given
     between_interval: tuple[float, float]
+    # of tau^2, twice Fisher's: its variance is 2 over this [1/unit of the readings^4]; infinite where tau was given
     information: float
-    between: float
-    chi_square: float
-    chi_square_known: float
-    free: int
-    deletion: Array
-    deletion_u: Array
-    residuals: Array
-    gain: Array
-    projector: Array
+    between: float  # tau, standard deviation between readings [unit of the readings]
+    chi_square: float  # weighted by V; near ``free`` expected
+    chi_square_known: float  # weighted by the known covariances alone; NaN where these do not reach every reading
+    free: int  # n - p
+    deletion: Array  # residual of each reading from the fit without it, (n,) [unit of the readings]
+    deletion_u: Array  # standard uncertainty of that, (n,)
+    residuals: Array  # reading less fitted value, (n,)
+    gain: Array  # coefficients per reading, (p, n)
+    projector: Array  # p of [2]_: ``P y`` are the residuals weighted by the inverse of V, (n, n)
 
     @property
     def hidden(self) -> float:

@@ -123,7 +123,7 @@ def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:
     opposite = mixed_up(sensor.values, full=True)["the bias with its sign turned"]
     turned = judged(before_and_after(sensor, opposite, judges, named, 1))
     assert {one.reason for one in turned if one.verdict == "FAIL"} >= {
-        "the bias with its sign turned does better on readings held out: the model is mixed up"
+        "the bias with its sign turned does better on hold-out readings: the model is mixed up"
     }
     acc = result.acc.sensor
     judges, own = (judges_of(result, one, "accelerometer") for one in (held.readings, result.readings))
