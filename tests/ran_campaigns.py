@@ -6,8 +6,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from inertialcal.campaign.engine.engine import Prepared
-from inertialcal.campaign.engine.prepared import prepare
+from inertialcal.campaign.engine.engine import Prepared, prepare
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import csv_text

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.engine.prepared import prepare
+from inertialcal.campaign.engine.engine import prepare
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.outcome.results_file import find_results
@@ -18,7 +18,7 @@ from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.curve import Column, Curve
 from inertialcal.core.show.names import case_name
 from inertialcal.procedures.display import displayed_curve, ten_digits
-from inertialcal.procedures.rate_table.traces import BINS
+from inertialcal.procedures.rate_table.readings import BINS
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig
 from inertialcal.rigs.rate_table import rig as rate_table

@@ -13,7 +13,7 @@ from inertialcal.campaign.outcome.exclusions import SAMPLES
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError
 from inertialcal.procedures.rate_table import reduction as rate_table
-from inertialcal.procedures.rate_table.left_out import RULES
+from inertialcal.procedures.rate_table.exclusions import RULES
 from ran_campaigns import TEST_LOW, Ran, ran
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.campaign.engine.prepared import prepare
+from inertialcal.campaign.engine.engine import prepare
 from inertialcal.campaign.engine.run import Outcome, check, run
 from inertialcal.campaign.start.starter import start
 from inertialcal.campaign.twins.twin import csv_text

@@ -15,8 +15,7 @@ from inertialcal.core.influence import Influence
 from inertialcal.core.results import Row
 from inertialcal.physics.earth import OMEGA, earth_rate, level_to_table
 from inertialcal.procedures.thermal.against import offset_rows, quantity_of
-from inertialcal.procedures.thermal.fit.earth import earth_along
-from inertialcal.procedures.thermal.published import published_fit
+from inertialcal.procedures.thermal.fit.quantities import earth_along
 from inertialcal.procedures.thermal.reduction import (
     Attitude,
     Plan,
@@ -28,6 +27,7 @@ from inertialcal.procedures.thermal.reduction import (
     reduce,
     simulate,
 )
+from inertialcal.procedures.thermal.rows import published_fit
 
 CUBIC = (0.03, -3e-3, 1.6e-5, -2e-7)
 AT = [-20.0, 0.0, 20.0, 60.0]

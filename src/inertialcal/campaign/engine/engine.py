@@ -7,16 +7,18 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from ...core.curve import Curve
-from ...core.errors import PlanError
+from ...core.errors import InertialcalError, PlanError, Problem
 from ...core.influence import Standards
+from ...core.remarks import Remark
 from ...core.results import Row
 from ...procedures import procedure_of
 from ...procedures.protocol import Correction, Facts, P, Procedure, R, Result, S, Tested
+from ..file.load import Campaign
 from ..file.plans import plan_values
 from ..file.schema import CampaignFile, Test
+from ..file.sensors import Sensor
 from ..inputs.channels import chain_of
-from ..inputs.origins import Origin
-from ..inputs.sources import Ready, Store, facts_of
+from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -189,3 +191,80 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
         rows = procedure_of(one.test.procedure).rows(tested.result)
         found.append(ReducedTest(one.test, tested, [replace(row, test=one.test.id) for row in rows]))
     return found
+
+
+def prepare(
+    campaign: Campaign, number: int, found: Mapping[str, Any] | None = None, store: Store | None = None
+) -> Prepared:
+    """Return readings and plan of one test; problems get the place of the test where they have none.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    number : int
+        Of the test.
+    found : mapping of str to Result, optional
+        Of tests that were reduced before, by name: what a test comes after is taken off. Without them nothing is.
+    store : Store, optional
+        That holds its files; by default the folder of the campaign.
+    """
+    file, test = campaign.file, campaign.file.tests[number]
+    try:
+        corrections = [] if found is None else corrections_for(test, file.tests, found)
+        prepared = prepare_test(file, test, campaign.standards, store or Folder(campaign.folder), corrections)
+        inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
+        return replace(prepared, readings=replace(prepared.readings, remarks=inside))
+    except InertialcalError as error:
+        raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+
+
+def _inside(campaign: Campaign, remark: Remark) -> Remark:
+    """Name files as the campaign does: results must not depend on where the folder lies."""
+    prefix = f"{campaign.folder}/"
+    return replace(remark, where=remark.where.replace(prefix, ""), what=remark.what.replace(prefix, ""))
+
+
+def placed(problem: Problem, campaign: Campaign, number: int) -> Problem:
+    """Return a problem with its file as the campaign names it; what has no place gets that of its test."""
+    where = problem.where.removeprefix(f"{campaign.folder}/") or campaign.at("tests", number)
+    return replace(problem, where=where)
+
+
+def sensors_of(campaign: Campaign, test: Test) -> dict[str, Sensor]:
+    """Return the sensors of the recordings of a test, by name."""
+    names = (campaign.file.recordings[name].sensor for name in test.recordings)
+    return {name: campaign.file.sensors[name] for name in names}
+
+
+def sensor_of(campaign: Campaign, test: Test, kind: str = "") -> Sensor:
+    """Return the sensor of a test: of a kind, where the test has several, else the first."""
+    first, *others = sensors_of(campaign, test).values()
+    return next((one for one in others if one.kind == kind), first)
+
+
+def modelled_sensor(campaign: Campaign) -> Sensor:
+    """Return the sensor that the model of a campaign is of: that of the first test for a fit."""
+    fitted = (test for test in campaign.file.tests if test.use == "fit" and procedure_of(test.procedure).makes_model)
+    return sensor_of(campaign, next(fitted))
+
+
+def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[ReducedTest]:
+    """Return the tests, those ``against`` another with the rows of what the two differ by.
+
+    Raises
+    ------
+    PlanError
+        If the two cannot be set side by side.
+    """
+    return [one if one.tested.against is None else _beside(campaign, one, one.tested.against) for one in tested]
+
+
+def _beside(campaign: Campaign, one: ReducedTest, other: Tested[Any, Any, Any]) -> ReducedTest:
+    try:
+        rows = one.procedure.against(one.result, other, one.test.condition) or ()
+    except InertialcalError as error:
+        number = campaign.file.tests.index(one.test)
+        raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+    named = [replace(row, test=one.test.id) for row in rows]
+    return replace(one, rows=[*one.rows, *named], against=named)

@@ -26,9 +26,7 @@ from ..outcome.provenance import provenance
 from ..outcome.publish import changes, check_writable, csv_text, json_text, previous, swap_in
 from ..outcome.requirements import worst
 from ..outcome.tables import outcome_parts
-from .engine import Prepared, ReducedTest, order_of, reduce_test, reduced_tests
-from .prepared import placed, prepare
-from .side_by_side import beside_others
+from .engine import Prepared, ReducedTest, beside_others, order_of, placed, prepare, reduce_test, reduced_tests
 
 if TYPE_CHECKING:
     from pandas import DataFrame

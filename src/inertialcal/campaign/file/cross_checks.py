@@ -3,15 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from difflib import get_close_matches
 from pathlib import Path
 
-from ...core.errors import Problem
+from ...core.errors import DataError, InertialcalError, Problem
+from ...core.judging import parse_condition
 from ...core.schema.toml import At
-from ...procedures import procedure_names, procedure_of
-from .ground_checks import ground_checks
+from ...core.units import kind, normalise, parse_quantity, same_dimension
+from ...procedures import all_quantities, procedure_names, procedure_of
+from ...procedures.protocol import Quantity
+from ..inputs.ground import chain_model, has_model
 from .recording_checks import recording_checks, sensor_checks
-from .requirement_checks import requirement_checks
-from .schema import CampaignFile
+from .schema import CampaignFile, Requirement
+from .sensors import Sensor
 from .test_checks import after_checks, against_checks, overlap_checks, procedure_checks
 
 RESERVED = "model"  # test that the rows of the model of the sensor carry in results.json
@@ -80,3 +84,127 @@ def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
     if len({frozenset(names) for names in lists.values()}) > 1:
         what = f"model.terms: {', '.join(lists)} come from one reduction and need the same tests"
         yield Problem(what, at("model", "terms"), code="wrong_value")
+
+
+def requirement_checks(file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Find requirements on tests, quantities, limits or conditions that cannot be judged."""
+    ids = {test.id for test in file.tests}
+    for number, one in enumerate(file.requirements):
+        for name in one.tests or []:
+            if name not in ids:
+                do = f"There are: {', '.join(sorted(ids))}"
+                what = f"requirement {one.id!r}: no test {name!r}"
+                yield Problem(what, at("requirements", number, "tests"), do=do, code="unknown_name")
+        for key in ("limit", "lower", "upper"):
+            text = getattr(one, key)
+            if text is not None:
+                yield from _limit(one, text, at("requirements", number, key))
+        yield from _spelling(one, at("requirements", number, "quantity"))
+        yield from _where(one, at("requirements", number, "where"))
+
+
+def _where(one: Requirement, where: str) -> Iterator[Problem]:
+    """Find a condition that cannot be read, or that is about something else than the quantity is told over."""
+    try:
+        condition = parse_condition(one.where)
+    except DataError as error:
+        what = f"requirement {one.id!r}: {error.problems[0].what}"
+        yield Problem(what, where, do=error.problems[0].do, code="wrong_value")
+        return
+    over = _known(one).over
+    others = {part.name for every in condition.alternatives for part in every} - {over}
+    if over and others:
+        what = f"requirement {one.id!r}: where names {' and '.join(sorted(others))}, {one.quantity} is over {over}"
+        yield Problem(what, where, "it would have no effect", f"Write it in terms of {over}", "wrong_value")
+
+
+def _limit(one: Requirement, text: str, where: str) -> Iterator[Problem]:
+    try:
+        unit = normalise(parse_quantity(text).unit)
+    except DataError as error:
+        yield Problem(f"requirement {one.id!r}: {error.problems[0].what}", where, code="wrong_value")
+        return
+    if text == one.limit and parse_quantity(text).value <= 0.0:
+        what = f"requirement {one.id!r}: limit = {text!r} is the size of both limits, it must be above zero"
+        yield Problem(what, where, do="For one side give lower or upper", code="wrong_value")
+    what = f"requirement {one.id!r}: {one.quantity} cannot be compared with {text!r}"
+    needed, shown = _known(one).kinds, _known(one).shown_by_kind.values()
+    if needed and kind(unit) not in needed:
+        yield Problem(what, where, do=f"Give a limit of kind {' or '.join(needed)}", code="wrong_value")
+    if shown and not any(same_dimension(unit, other) for other in shown):
+        yield Problem(what, where, do=f"Give a limit in {' or '.join(shown)}", code="wrong_value")
+
+
+def _spelling(one: Requirement, where: str) -> Iterator[Problem]:
+    """Tell a misspelt quantity from one that no test here gives (which is OPEN)."""
+    known = all_quantities()
+    near = get_close_matches(one.quantity, known, n=1, cutoff=0.8)
+    if one.quantity not in known and near:
+        what = f"requirement {one.id!r}: no quantity {one.quantity!r}"
+        yield Problem(what, where, "it would stay OPEN for ever", f"Did you mean {near[0]}?", "unknown_name")
+    if one.where and not _known(one).over:
+        ranged = [name for name, quantity in known.items() if quantity.over]
+        what = f"requirement {one.id!r}: where is about {' or '.join(ranged)}, not {one.quantity}"
+        yield Problem(what, where, "it would have no effect", code="wrong_value")
+
+
+def _known(one: Requirement) -> Quantity:
+    return all_quantities().get(one.quantity, Quantity())
+
+
+def ground_checks(folder: Path | None, file: CampaignFile, at: At) -> Iterator[Problem]:
+    """Yield what is wrong with ground models, or with what is done with them.
+
+    Parameters
+    ----------
+    folder : Path or None
+        Of the campaign; None where files may lie anywhere.
+    file : CampaignFile
+        Valid by itself.
+    at : callable
+        Place of a key path, for messages.
+    """
+    for name, sensor in file.sensors.items():
+        if has_model(sensor):
+            yield from _model(folder, name, sensor, at)
+    for number, test in enumerate(file.tests):
+        sensors = {file.recordings[one].sensor for one in test.recordings if one in file.recordings}
+        modelled = [name for name in sorted(sensors) if name in file.sensors and has_model(file.sensors[name])]
+        if modelled and not _takes_model(test.procedure):
+            what = f"test {test.id!r}: sensor {modelled[0]!r} has a ground model in its chain"
+            why = f"a {test.procedure} is made of readings that no model has changed"
+            do = "Give the recordings another sensor without it"
+            yield Problem(what, at("tests", number, "recordings"), why, do, "wrong_value")
+
+
+def _takes_model(procedure: str) -> bool:
+    return procedure in procedure_names() and procedure_of(procedure).inputs.ground_model != "refused"
+
+
+def _model(folder: Path | None, name: str, sensor: Sensor, at: At) -> Iterator[Problem]:
+    key = "model" if sensor.chain.model is not None else "ground"
+    where = at("sensors", name, "chain", key)
+    if sensor.kind != "accelerometer":
+        what = f"sensors.{name}.chain.{key}: a ground model is of a head of accelerometers"
+        yield Problem(what, where, do="Leave it out; for a gyro: inertialcal compensate", code="wrong_value")
+        return
+    if folder is not None and sensor.chain.model is not None and not _is_inside(folder, sensor.chain.model):
+        what = f"sensors.{name}.chain.model: {sensor.chain.model!r} lies outside the campaign folder"
+        do = "Copy the file into the campaign folder"
+        yield Problem(what, where, "a campaign must be complete in its folder", do, "outside")
+        return
+    try:
+        chain_model(sensor, folder or Path())
+    except InertialcalError as error:
+        first = error.problems[0]
+        file = f" = {sensor.chain.model!r}" if sensor.chain.model is not None else ""
+        what = f"sensors.{name}.chain.{key}{file}: {first.what}"
+        yield Problem(what, where, first.why, first.do, first.code or "wrong_value")
+
+
+def _is_inside(folder: Path, given: str) -> bool:
+    try:
+        root = folder.resolve()
+        return (root / given).resolve().is_relative_to(root)
+    except (OSError, ValueError, RuntimeError):
+        return False

@@ -10,7 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Protocol, TypeVar
+from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
@@ -32,7 +32,6 @@ from ..file.sensors import Sensor
 from .chains import body_scale_factors, build_chain, scale_factors
 from .channels import TEMPERATURE, chain_of, in_body_axes, windowed
 from .ground import ChainModel, chain_model
-from .origins import Origin
 
 REFERENCES = {"reference": "reference_voltage", "temperature_reference": "temperature_reference_voltage"}
 MIXED = 1e-6  # of a direction cosine that is neither 0 nor 1
@@ -387,3 +386,40 @@ def _thermometers(sensor: Sensor) -> dict[str, tuple[float, float, float]] | Non
     columns = (np.broadcast_to(one, len(chain.axes)) for one in (given.slope, given.voltage, given.temperature))
     own = {axis: (float(a), float(b), float(c)) for axis, a, b, c in zip(chain.axes, *columns, strict=True)}
     return {body: own[sensed] for body, sensed in sensed_by.items() if sensed in own}
+
+
+@dataclass(frozen=True)
+class Origin:
+    """One recording of a test.
+
+    Parameters
+    ----------
+    name, file, sha256 : str
+        In the campaign; path in its folder; hash of the file.
+    kind : {"table", "recording"}
+        Rows are dwells, or samples.
+    rows : int
+        In the file.
+    chosen : int
+        Of them, inside the groups and windows of the test.
+    without_rate : int
+        Rows of a table without an applied rate: no dwells, whatever is chosen; not among ``chosen``.
+    """
+
+    name: str
+    file: str
+    sha256: str
+    kind: Literal["table", "recording"]
+    rows: int
+    chosen: int
+    without_rate: int = 0
+
+    @property
+    def not_chosen(self) -> int:
+        """Rows with a rate, or samples, outside the groups and windows of the test."""
+        return self.rows - self.chosen - self.without_rate
+
+    @property
+    def counts(self) -> str:
+        """What a row is: ``"row"`` or ``"sample"``."""
+        return "row" if self.kind == "table" else "sample"

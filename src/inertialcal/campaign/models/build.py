@@ -20,7 +20,7 @@ from ...procedures.protocol import Correction, Procedure, Tested
 from ...sensors.model.assemble import model_from
 from ...sensors.model.sensor_model import Item, SensorModel
 from ...statistics.closed_loop import judged, overall
-from ..engine.prepared import placed, sensors_of
+from ..engine.engine import placed, sensors_of
 from ..file.load import Campaign
 from ..file.schema import Test
 from ..file.sensors import Sensor

@@ -10,7 +10,7 @@ from ...core.units import factor, kind
 from ...procedures import procedure_of
 from ...statistics.closed_loop import AxisLoop
 from ...statistics.intervals import t_interval
-from ..engine.prepared import modelled_sensor
+from ..engine.engine import modelled_sensor
 from ..file.cross_checks import RESERVED
 from ..file.load import Campaign
 from .judged import NOT_RUN, JudgedModel, ResidualLoop

@@ -14,7 +14,7 @@ from ...procedures.model_terms import HeldOut
 from ...procedures.protocol import Tested
 from ...sensors.model.sensor_model import SensorModel
 from ...statistics.closed_loop import AxisLoop
-from ..engine.prepared import placed
+from ..engine.engine import placed
 from ..file.load import Campaign
 from ..file.schema import Test
 

@@ -15,8 +15,7 @@ from ...core.results import SCHEMA, Row, finite, key_fields
 from ...core.schema.standards import OUTLIVES
 from ...core.units import convert, factor
 from ...procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
-from ..engine.engine import Prepared, ReducedTest
-from ..engine.prepared import sensor_of
+from ..engine.engine import Prepared, ReducedTest, sensor_of
 from ..file.load import Campaign
 from ..models.content import closed_loop_content, named_models, parameter_rows
 from ..models.judged import NOT_RUN, JudgedModel

@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from ...procedures.display import displayed_curve
-from ..engine.engine import ReducedTest
-from ..engine.prepared import sensor_of
+from ..engine.engine import ReducedTest, sensor_of
 from ..file.load import Campaign
 from ..models.content import named_models
 from ..models.judged import JudgedModel

@@ -15,8 +15,7 @@ from ...core.remarks import Remark
 from ...core.units import convert
 from ...procedures.display import ten_digits
 from ...procedures.protocol import Exclusion
-from ..engine.engine import Prepared, ReducedTest
-from ..engine.prepared import sensor_of
+from ..engine.engine import Prepared, ReducedTest, sensor_of
 from ..file.load import Campaign
 from ..file.sensors import Chain
 

@@ -8,7 +8,7 @@ from typing import Any
 from ...core.times import instant_text
 from ...procedures import procedure_of
 from ..engine.engine import Prepared
-from ..inputs.origins import Origin
+from ..inputs.sources import Origin
 from .exclusions import LeftOut
 
 

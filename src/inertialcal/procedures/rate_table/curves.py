@@ -26,8 +26,7 @@ from .exclusions import exclusions
 from .fit.rate_error import Of, RateError, rate_errors
 from .fit.regression import reading_of_line
 from .plan import Plan
-from .readings import Readings
-from .traces import Trace
+from .readings import Readings, Trace
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -87,8 +87,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
         """Return the dwells of tables and of recordings, after what earlier tests found was taken off."""
-        from .recordings import readings_from, together
-        from .stepped import turned_recordings
+        from .recordings import readings_from, together, turned_recordings
         from .tables import readings_of_table
 
         parts = [readings_of_table(plan, one) for one in sources if one.is_table]
@@ -113,7 +112,7 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
         """Yield samples at edges and outliers, then each dwell that a rule left out, sensor by sensor."""
-        from .left_out import dwells_left_out, samples_left_out
+        from .exclusions import dwells_left_out, samples_left_out
 
         yield from samples_left_out(test.readings)
         yield from dwells_left_out(test.plan, test.readings)

@@ -31,8 +31,8 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from .curves import curves
 from .exclusions import exclusions
-from .fit.checks import check_agreement
 from .fit.earth_input import with_earth
+from .fit.linearity import check_agreement
 from .fit.quantities import estimate
 from .fit.rate_error import RateError, Resolution, rate_errors, resolution
 from .fit.regression import Line, can_tell_asymmetry, line

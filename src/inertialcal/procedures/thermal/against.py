@@ -29,9 +29,8 @@ from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
 from ...statistics.intervals import chi_square_interval
 from ...statistics.least_squares import fit
-from .fit.earth import earth_along
 from .fit.law import Law
-from .fit.quantities import SOURCES, at_degrees
+from .fit.quantities import SOURCES, at_degrees, earth_along
 from .fit.sensor import OfSensor
 from .plan import Plan
 from .rows import ONE_RUN, SAME, estimate_row

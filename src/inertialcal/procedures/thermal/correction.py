@@ -24,9 +24,8 @@ from ...core.remarks import Remark
 from ...core.unknowns import Unknowns
 from ...sensors.model.sensor_model import Provenance
 from ...sensors.thermal import powers_of
-from .fit.earth import earth_along
 from .fit.law import Law
-from .fit.quantities import Asked, estimate, power_unit
+from .fit.quantities import Asked, earth_along, estimate, power_unit
 from .recordings import TEMPERATURE
 
 if TYPE_CHECKING:

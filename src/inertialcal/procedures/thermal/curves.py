@@ -25,9 +25,8 @@ from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...core.influence import Influence
 from ...statistics.intervals import coverage_factor
-from .fit.earth import earth_along
 from .fit.law import Law
-from .fit.quantities import bias_at
+from .fit.quantities import bias_at, earth_along
 from .fit.sensor import OfSensor
 
 if TYPE_CHECKING:

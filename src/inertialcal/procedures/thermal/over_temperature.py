@@ -24,7 +24,7 @@ from ..protocol import Tested
 from .fit.law import Law
 from .fit.quantities import bias_at
 from .plan import Plan
-from .readings import Readings
+from .recordings import Readings
 from .reduction import Result
 
 PLACES = 13  # temperatures over a range

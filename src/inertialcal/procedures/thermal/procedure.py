@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from ..entries import SaidTest
     from ..model_terms import HeldOut
     from ..suggestions import Suggestion
-    from .readings import Readings
+    from .recordings import Readings
     from .reduction import Result
 
 RULES = ("warm_up", "turn_over", "one_path", "sparse")
@@ -112,8 +112,7 @@ class Thermal(Procedure[Plan, "Readings", "Result"]):
     ) -> HeldOut:
         """Return what the polynomial of one test leaves of the bias on power-ups of another of the same condition."""
         from ..model_terms import HeldOut
-        from .held_out.closed_loop import held_out, loops, residual_rows
-        from .held_out.overlay import overlays
+        from .held_out.closed_loop import held_out, loops, overlays, residual_rows
 
         (own,), (other,) = fitted, held
         residuals = held_out(result, other.result)

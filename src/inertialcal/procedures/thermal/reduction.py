@@ -32,13 +32,11 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from .curves import curves
-from .fit.earth import earth_along
 from .fit.law import Law
-from .fit.quantities import Asked, asked_of, bias_at, estimate
+from .fit.quantities import Asked, asked_of, bias_at, earth_along, estimate
 from .fit.sensor import OfSensor, reduce_sensor
 from .plan import INFLUENCES, LARGEST_ORDER, Attitude, Plan, Thermometer
-from .readings import Readings, Sweep
-from .recordings import ThermalRecording, readings_from
+from .recordings import Readings, Sweep, ThermalRecording, readings_from
 from .rows import needed, rows
 from .simulation import Truth, simulate
 

@@ -11,9 +11,9 @@ from numpy.polynomial import polynomial
 from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
-from .fit.earth import earth_along
+from .fit.quantities import earth_along
 from .plan import Plan
-from .readings import Readings, Sweep
+from .recordings import Readings, Sweep
 
 DEG = float(np.radians(1.0))
 

@@ -21,7 +21,7 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....signals.segmentation.ramps import COOLING, WARMING, find_ramps
 from ..plan import Plan
-from ..readings import Readings, span_of
+from ..recordings import Readings, span_of
 
 Indices = NDArray[np.int64]
 Mask = NDArray[np.bool_]

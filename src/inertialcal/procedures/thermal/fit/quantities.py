@@ -28,12 +28,13 @@ from numpy.polynomial import chebyshev
 
 from ....core.axes import AXES
 from ....core.estimate import Array, Component, Estimate
+from ....core.influence import Influence
 from ....core.key import At, Key, Origin
 from ....core.units import normalise
+from ....physics.earth import OMEGA, earth_rate, level_to_table
 from ....sensors.thermal import over_voltage, powers_of
 from ....statistics.polynomial import Polynomial
-from ..plan import Plan, Thermometer
-from .earth import earth_along
+from ..plan import Attitude, Plan, Thermometer
 from .law import Law
 
 SOURCES = {
@@ -251,3 +252,67 @@ def _type_b(plan: Plan, parts: list[_Part], unit: str) -> list[Component]:
             )
         )
     return found
+
+
+STEP = 1e-4  # [rad], of the differences
+
+
+@dataclass(frozen=True, eq=False)
+class Unknown:
+    """What is not known of the earth rate from one source.
+
+    Parameters
+    ----------
+    patterns : ndarray, shape (s, 3)
+        Along x, y, z, each one standard uncertainty [rad/s].
+    influence : Influence
+        What it rests on.
+    """
+
+    patterns: Array
+    influence: Influence
+
+
+def earth_along(plan: Plan) -> tuple[Array, Mapping[str, Unknown]]:
+    """Return earth rate along the body axes, shape (3,) [rad/s], and what is not known of it, by source."""
+    attitude, latitude = plan.attitude, plan.latitude
+    if attitude is None or latitude is None:
+        size = OMEGA / np.sqrt(3.0)
+        unknown = Unknown(size * np.eye(3), Influence(size, "rad/s", distribution="rectangular"))
+        return np.zeros(3), {"attitude unknown": unknown}
+    known = plan.standards.get("site.latitude", Influence(0.0, "rad"))
+    found = {}
+    for name, at, influence in (
+        ("latitude", 0, known),
+        ("tilt of the body", 1, Influence(attitude.u, "rad")),
+        ("azimuth of the body", 2, Influence(attitude.u_azimuth, "rad")),
+    ):
+        if influence.u > 0.0 and not (at == 2 and attitude.azimuth is None):
+            slope = _slope(latitude, attitude, at)
+            found[name] = Unknown((influence.u * slope)[None], influence)
+    if attitude.azimuth is None:
+        found["azimuth of the body unknown"] = _any_azimuth(latitude, attitude)
+    return _mean(latitude, attitude.tilt, attitude.azimuth), found
+
+
+def _slope(latitude: float, attitude: Attitude, at: int) -> Array:
+    """Change of earth rate along x, y, z with the latitude (0), the tilt (1) or the azimuth (2), shape (3,)."""
+    moved = STEP * np.eye(3)[at]
+    azimuth = None if attitude.azimuth is None else (attitude.azimuth - moved[2], attitude.azimuth + moved[2])
+    low = _mean(latitude - moved[0], attitude.tilt - moved[1], None if azimuth is None else azimuth[0])
+    high = _mean(latitude + moved[0], attitude.tilt + moved[1], None if azimuth is None else azimuth[1])
+    return np.asarray((high - low) / (2.0 * STEP))
+
+
+def _mean(latitude: float, tilt: float, azimuth: float | None) -> Array:
+    """Earth rate along x, y, z; mean over all azimuths where it is not known."""
+    if azimuth is None:
+        return np.asarray(0.5 * (_mean(latitude, tilt, 0.0) + _mean(latitude, tilt, np.pi)))
+    return np.asarray(level_to_table(tilt, azimuth) @ earth_rate(latitude))
+
+
+def _any_azimuth(latitude: float, attitude: Attitude) -> Unknown:
+    middle = _mean(latitude, attitude.tilt, None)
+    waves = np.stack([_mean(latitude, attitude.tilt, angle) - middle for angle in (0.0, 0.5 * np.pi)])
+    size = float(np.cos(latitude) * OMEGA * np.sqrt(0.5))
+    return Unknown(waves * np.sqrt(0.5), Influence(size, "rad/s", distribution="arcsine"))

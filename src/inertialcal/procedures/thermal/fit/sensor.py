@@ -11,10 +11,9 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.remarks import Remark
 from ..plan import Plan
-from ..readings import Readings
-from .agreement import odd_runs
+from ..recordings import Readings
 from .cells import Cells, Series, cells_of, series_of
-from .law import Law, law_of
+from .law import Law, law_of, odd_runs
 from .order import Choice, choose_order
 from .paths import Paths, paths_of
 from .start_up import StartUp, start_up_of
