@@ -80,7 +80,7 @@ def axes_of(name: str) -> list[Axes]:
     [
         ("mass_runs", "2 runs with the mass moved: 10.20 ± 0.50 count/s/ug"),
         ("mass_series", "run1: a line of 0.12 count/s in readings that range over 0.9 count/s"),
-        ("mass_line", "run1: the line of the drive is 8 times those beside it"),
+        ("mass_line", "run1: the line of the drive is 8 times those next to it"),
     ],
 )
 def test_titles_say_the_finding(name: str, finding: str) -> None:
@@ -89,7 +89,7 @@ def test_titles_say_the_finding(name: str, finding: str) -> None:
 
 def test_a_test_without_a_scale_factor_says_so() -> None:
     found = figures()["mass_runs"].pictures({"curves": [runs()], "results": []})
-    assert found[0].finding == "2 runs: no scale factor is told from noise"
+    assert found[0].finding == "2 runs: scale factor cannot be told from noise"
 
 
 def test_dwells_with_more_attraction_are_filled_and_gaps_have_no_dot() -> None:
@@ -103,7 +103,7 @@ def test_the_line_and_those_beside_it_are_told_apart() -> None:
     above, below = axes_of("mass_line")
     drawn = {str(one.get_label()): np.asarray(one.get_ydata()).tolist() for one in above.get_lines()}
     assert drawn["the drive"] == [0.24]
-    assert drawn["beside it: the noise"] == [0.02, 0.04]
+    assert drawn["next to it: noise"] == [0.02, 0.04]
     left = next(one for one in below.get_lines() if one.get_label() == "without the line")
     assert np.asarray(left.get_ydata()).tolist() == [30.0, 0.0, 1.0]
 

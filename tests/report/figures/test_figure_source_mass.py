@@ -49,7 +49,7 @@ def test_findings_say_what_the_rows_say(plan: MassPlan) -> None:
     assert f"{rows['mass']:.0f} kg" in said["mass_body"]
     assert f"amplitude of {rows['amplitude']:.3g} ng" in said["mass_field"]
     assert "from 10 to 40 cm" in said["mass_field"]
-    assert "by sine" in said["mass_forecast"]
+    assert "with sine" in said["mass_forecast"]
 
 
 def test_the_body_is_drawn_right_of_the_proof_mass_each_open_face_once(plan: MassPlan) -> None:
@@ -92,6 +92,6 @@ def test_of_a_body_alone_there_is_no_field_to_draw() -> None:
 
 def test_a_figure_says_where_what_is_applied_limits(plan: MassPlan) -> None:
     axes: Any = np.ravel(ic.plot(plan, figure="mass_forecast"))[0]
-    assert "what is applied is not known better" in [
+    assert "uncertainty of what is applied" in [
         text.get_text().replace("\n", " ") for text in axes.get_legend().get_texts()
     ]

@@ -35,7 +35,8 @@ def finding(mine: Sequence[Curve]) -> str:
     hours = float(numbers(mine[0], "time")[-1])
     best = min(last, key=lambda name: last[name])
     first = next(iter(last))
-    return f"after {hours:.3g} h the scale factor has an uncertainty of {last[first]:.2g} % with {first}, {last[best]:.2g} % with {best}"
+    reached = f"{last[first]:.2g} % with {first}, {last[best]:.2g} % with {best}"
+    return f"after {hours:.3g} h the uncertainty of the scale factor is {reached}"
 
 
 def draw(mine: Sequence[Curve], axes: Sequence[Axes], title: str) -> None:

@@ -1,7 +1,7 @@
 """Line of a moved mass among its side bands, and autocorrelation of the readings.
 
-Above, the amplitude at each frequency of the reduced readings: the line of the drive, the lines next to it that give its
-noise, the others. Below, the autocorrelation of the reduced readings, with and without the line.
+Above, the amplitude at each frequency of the reduced readings: the line of the drive, the lines next to it that give
+its noise, the others. Below, the autocorrelation of the reduced readings, with and without the line.
 """
 
 from __future__ import annotations
