@@ -116,6 +116,8 @@ class EntryKey:
         It says the columns of a reduced table; else it goes only with channels.
     apart : bool
         Other columns of one table are other readings.
+    alone : bool
+        It is of that recording alone: others like it do not have it.
     file : callable, optional
         The other file that its value names.
     grouped : callable, optional
@@ -128,6 +130,7 @@ class EntryKey:
     kind: object
     table: bool = False
     apart: bool = False
+    alone: bool = False
     file: Callable[[Any], str] | None = None
     grouped: Callable[[Any], bool] | None = None
     wrong: Callable[[Any], str] | None = None

@@ -77,6 +77,27 @@ def test_positions(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert (found.plan.gravity, found.plan.latitude) == (9.807, pytest.approx(np.radians(45.8)))
 
 
+def test_positions_like_a_campaign(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    files = laid_by_hand(tmp_path, "tumble", 2)
+    same_rows(capsys, "positions", files[:1], tmp_path / "campaign", **STATED)
+    settings = {"like": str(tmp_path / "campaign"), "g_sensitivity": False}
+    found = same_rows(capsys, "positions", files, tmp_path / "another", **settings)
+    assert found.plan.gravity == 9.807
+    assert {row.unit for row in found.rows if row.quantity == "bias"} == {"m/s^2", "rad/s"}
+    assert len(found.inputs) == 2
+
+
+def test_positions_like_a_rig_give_the_rows_of_its_campaign(tmp_path: Path) -> None:
+    inertialcal.simulate("hand_held", tmp_path / "twin", seed=1)
+    records = [tmp_path / "twin" / "recordings" / f"hand{number}.csv" for number in (1, 2)]
+    found = inertialcal.positions(records[0], hold_out=[records[1]], like=tmp_path / "twin")
+    outcome = run(tmp_path / "twin", write=False)
+    for test, own in (("imu", "positions"), ("imu_held_out", "positions_held_out")):
+        theirs = [figure(row) for row in outcome.results["results"] if row["test"] == test]
+        assert [figure(row.to_dict()) for row in found.rows if row.test == own] == theirs
+    assert found.results["closed_loop"]["axes"] == outcome.results["closed_loop"]["axes"]
+
+
 def test_positions_of_known_orientation_and_of_one_sensor(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     (file,) = laid_by_hand(tmp_path, "ferraris")
     settings = STATED | {"orientations": "faces", "sensor": "acc", "units": {"acc": "m/s2"}}

@@ -15,9 +15,10 @@ from typing import Any
 from ...core.campaign_text import FILE, SCHEMA
 from ...core.errors import UsageError
 from ...core.remarks import Remark
-from ...procedures.given import Described, GivenFile, Said
+from ...procedures.given import GROUP, Described, GivenFile, Said
 from ...procedures.protocol import Procedure
 from ..file.load import load
+from ..file.recordings import OWN_KEYS
 
 Document = dict[str, Any]
 INNER_FILES = ("file", "schedule")  # keys of tables in an entry that name another file
@@ -61,7 +62,7 @@ def document_of(
     uses: dict[tuple[str, str], dict[str, Any]] = {}
     remarks: list[Remark] = []
     for one in given:
-        found = [like.entry(one, procedure)] if like is not None else list(procedure.described(one))
+        found = like.entries(one, procedure) if like is not None else list(procedure.described(one))
         for each in found:
             remarks += each.remarks
             name = _named(one, each, document["recordings"], several=len(found) > 1)
@@ -150,13 +151,13 @@ class _Like:
         load(self.folder)  # refuses what is wrong with it
         self.document: Document = tomllib.loads((self.folder / FILE).read_text(encoding="utf-8-sig"))
 
-    def entry(self, one: GivenFile, procedure: Procedure[Any, Any, Any]) -> Described:
-        """Return the entry of a file: that of the same file name, else one of the procedure's with its columns.
+    def entries(self, one: GivenFile, procedure: Procedure[Any, Any, Any]) -> list[Described]:
+        """Return the entry of a file, one of each sensor: those of its file name, else of its columns.
 
         Raises
         ------
         UsageError
-            If none fits, or several that differ.
+            If none fits, or several of one sensor that differ.
         """
         entries: dict[str, dict[str, Any]] = self.document["recordings"]
         tests = [test for test in self.document["tests"] if test["procedure"] == procedure.name]
@@ -165,26 +166,44 @@ class _Like:
         fits = {name: entries[name] for name in read if PurePath(entries[name]["file"]).name == PurePath(one.name).name}
         named = bool(fits)
         fits = fits or {name: entries[name] for name in read if self._has_columns(one, entries[name])}
-        kept = {name: {key: value for key, value in entry.items() if key not in {"file", "run", "source"}}
-                for name, entry in fits.items()}  # fmt: skip
-        if not kept or len({repr(entry) for entry in kept.values()}) > 1:
-            found = ", ".join(kept)
-            what = (
-                f"{one.name}: {f'recordings {found} fit, and differ' if kept else 'no recording fits'} in {self.folder}"
-            )
+        alone = set() if named else {"run", *(key for key, own in OWN_KEYS.items() if own.alone)}
+        kept = {
+            name: {key: value for key, value in entry.items() if key not in {"file", *alone}}
+            for name, entry in fits.items()
+        }
+        by_sensor: dict[str, list[str]] = {}
+        for name, entry in kept.items():
+            by_sensor.setdefault(entry["sensor"] if procedure.inputs.several_sensors else "", []).append(name)
+        differ = [
+            names for names in by_sensor.values() if len({repr(kept[n] | {"run": "", "source": ""}) for n in names}) > 1
+        ]
+        if not kept or differ:
+            fit = f"recordings {', '.join(differ[0])} fit, and differ" if differ else "no recording fits"
             do = f"Tests of {procedure.name} read: {', '.join(read) or 'nothing'}. Give the file one of their names"
-            raise UsageError(what, do=do, code="unknown_name")
-        name = next(iter(fits))
-        entry = {key: value for key, value in fits[name].items() if key != "file" and (named or key != "run")}
+            raise UsageError(f"{one.name}: {fit} in {self.folder}", do=do, code="unknown_name")
+        several = len(by_sensor) > 1
+        return [
+            self._described(one, kept[n], read[n].get("plan", {}), procedure, several) for n, *_ in by_sensor.values()
+        ]
+
+    def _described(
+        self,
+        one: GivenFile,
+        entry: dict[str, Any],
+        plan: dict[str, Any],
+        procedure: Procedure[Any, Any, Any],
+        several: bool,
+    ) -> Described:
         for key, value in entry.items():  # other files lie in the folder of that campaign
             own = value if isinstance(value, Mapping) else {}
             inner = {what: str(self.folder / own[what]) for what in INNER_FILES if isinstance(own.get(what), str)}
             entry[key] = {**own, **inner} if inner else value
-        channels = entry.get("channels", {})
-        taken = {what: str(channel["column"]) for what, channel in channels.items()}
-        plan = read[name].get("plan", {})
+            if key in OWN_KEYS and isinstance(value, str) and (self.folder / value).is_file():
+                entry[key] = str(self.folder / value)
         sensor = self.document["sensors"][entry["sensor"]]
         self._check_own_model(sensor)
+        stem = f"{GROUP.get(sensor['kind'], sensor['kind'])}_" if several else ""
+        taken = {f"{stem}{what}": str(channel["column"]) for what, channel in entry.get("channels", {}).items()}
         entry, remarks = procedure.like(one, entry)
         return Described(entry, sensor, taken, plan, remarks=tuple(remarks))
 

@@ -65,8 +65,8 @@ def _alone(orientations: Sequence[str]) -> str:
 
 
 KEYS = (
-    EntryKey("orientations", Annotated[list[Orientation], Field(min_length=1)], wrong=_alone),
-    EntryKey("sections", Text),
+    EntryKey("orientations", Annotated[list[Orientation], Field(min_length=1)], alone=True, wrong=_alone),
+    EntryKey("sections", Text, alone=True),
     EntryKey("turn", Angle),
     EntryKey("rests", Rests, table=True, apart=True),
 )

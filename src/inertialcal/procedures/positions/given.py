@@ -57,29 +57,16 @@ def described(given: GivenFile) -> list[Described]:
     UsageError
         If it is not clear which channel is what, or in which unit.
     """
-    said, own, recording = given.said, given.own, given.recording
-    by_file: Mapping[str, str] = own.get("sections") or {}
-    sections = by_file.get(given.name) or by_file.get(Path(given.name).name) or bare(by_file)
+    said, recording = given.said, given.recording
     wrong = [role for role in said.columns if role not in (*ROLES, TEMPERATURE)]
     if wrong:
         do = f"There are: {', '.join((*ROLES, TEMPERATURE))}"
         raise UsageError(f"column {wrong[0]!r}", do=do, code="unknown_name")
-    if sections and (said.start is not None or said.stop is not None):
-        do = "Leave --from and --to out: the sections say which part is used"
-        raise UsageError("sections, and a part of the recording", why="samples are counted from its start", do=do)
+    entry = own_keys(given)
     is_table = recording.time_ns is None and recording.sample_interval is None and len(recording) <= LONGEST
-    is_table = is_table and given.has_rows and not sections and not given.label
+    is_table = is_table and given.has_rows and "sections" not in entry and not given.label
     sensors, remarks = _channels(given, is_table)
     units = _units(given, sensors)
-    entry: dict[str, Any] = {}
-    if given.label and given.label not in KINDS:
-        entry["sections"] = given.label
-    elif sections:
-        entry["sections"] = sections
-    if own.get("orientations"):
-        entry["orientations"] = words_of(own["orientations"])
-    if own.get("turn"):
-        entry["turn"] = str(own["turn"])
     found = []
     for sensor, by_axis in sensors.items():
         columns = {f"{sensor}_{axis}": channel.name for axis, channel in by_axis.items()}
@@ -94,6 +81,31 @@ def described(given: GivenFile) -> list[Described]:
         said_sensor = sensor_said(given, KINDS[sensor], AXES, units[sensor])
         found.append(Described({"channels": channels, **entry}, said_sensor, columns, remarks=tuple(remarks)))
     return found
+
+
+def own_keys(given: GivenFile) -> dict[str, Any]:
+    """Return sections, orientations and angle of the turns as the caller gives them for a file.
+
+    Raises
+    ------
+    UsageError
+        If sections are given for a part of the recording.
+    """
+    own, entry = given.own, dict[str, Any]()
+    by_file: Mapping[str, str] = own.get("sections") or {}
+    sections = by_file.get(given.name) or by_file.get(Path(given.name).name) or bare(by_file)
+    if sections and (given.said.start is not None or given.said.stop is not None):
+        do = "Leave --from and --to out: the sections say which part is used"
+        raise UsageError("sections, and a part of the recording", why="samples are counted from its start", do=do)
+    if given.label and given.label not in KINDS:
+        entry["sections"] = given.label
+    elif sections:
+        entry["sections"] = sections
+    if own.get("orientations"):
+        entry["orientations"] = words_of(own["orientations"])
+    if own.get("turn"):
+        entry["turn"] = str(own["turn"])
+    return entry
 
 
 def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Channel]], list[Remark]]:

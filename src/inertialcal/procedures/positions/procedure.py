@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from ...core.axes import Kind
     from ...core.errors import Problem
     from ...core.recording import Recording
+    from ...core.remarks import Remark
     from ...core.results import Row
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
@@ -80,6 +81,12 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         from .given import described
 
         return described(given)
+
+    def like(self, given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], Sequence[Remark]]:
+        """Return an entry of another campaign, with what is given of this file."""
+        from .given import own_keys
+
+        return {**entry, **own_keys(given)}, ()
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return gravity, latitude and height of the site, and the standards."""
