@@ -238,7 +238,7 @@ def test_what_can_be_told_is_told_with_what_is_wrong(
     ("head", "columns", "status", "words"),
     [
         (HEAD, (STAMPS, np.full(N, 0.25)), 3, "a constant channel has no noise"),
-        (HEAD, (STAMPS, np.full(N, np.nan)), 3, "no sample is there"),
+        (HEAD, (STAMPS, np.full(N, np.nan)), 3, "no valid sample"),
         (HEAD, (STAMPS[:5], rates()[:5]), 3, "no noise terms of x"),
         (HEAD, (STAMPS[SHUFFLED], rates()[SHUFFLED]), 3, "50 % of its steps go backward"),
         (HEAD, (np.zeros(N), rates()), 3, "it stands still"),

@@ -112,13 +112,14 @@ def test_terms_that_are_asked_for_are_fitted_and_no_others() -> None:
     assert [r.quantity for r in found.rows()] == ["angle_random_walk", "bias_instability"]
 
 
-def test_whole_numbers_are_reduced_as_they_are_and_scaled_after() -> None:
+def test_whole_numbers_in_the_unit_of_the_file_are_summed_exactly() -> None:
     codes_of = np.rint(white() / 1e-6).astype(np.int16)
-    at_rest = noise.AtRest(recording(codes_of), {"x": "gx"}, {"x": 1e-6}, name="r")
-    found = noise.reduce(GYRO, noise.readings_from(GYRO, [at_rest]))
+    plan = noise.Plan(kind=None, unit="count")
+    found = noise.reduce(plan, noise.readings_from(plan, [noise.AtRest(recording(codes_of), {"x": "gx"}, name="r")]))
     assert found.readings.records[0].values["x"].dtype == np.int16
     floats = reduced(codes_of * 1e-6)
-    assert row_of(found, "angle_random_walk").value == pytest.approx(row_of(floats, "angle_random_walk").value)
+    walk = row_of(found, "random_walk").value * 1e-6
+    assert walk == pytest.approx(row_of(floats, "angle_random_walk").value)
 
 
 @pytest.mark.parametrize("quantity", ["increment", "angle"])
@@ -134,10 +135,7 @@ def test_increments_and_angles_are_the_same_rate(quantity: Any) -> None:
 def test_unsigned_angles_may_step_back() -> None:
     angle = (100 + np.cumsum(np.rint(white() * 1e6))).astype(np.int64)
     angle -= angle.min()
-    at_rest = [
-        noise.AtRest(recording(angle.astype(kind)), {"x": "gx"}, {"x": 1e-8}, "angle", "r")
-        for kind in (np.int64, np.uint32)
-    ]
+    at_rest = [noise.AtRest(recording(angle.astype(kind)), {"x": "gx"}, "angle", "r") for kind in (np.int64, np.uint32)]
     one, other = (noise.reduce(GYRO, noise.readings_from(GYRO, [each])).rows() for each in at_rest)
     assert [r.value for r in one] == [r.value for r in other]
 
@@ -528,7 +526,7 @@ def test_the_order_of_axes_changes_nothing() -> None:
         (white(), {"interval": None}, "no_time", "sample interval not known"),
         (white(), {"time_ns": np.concatenate([stamps(10_000), stamps(10_000)])}, "time_backwards", "run backwards"),
         (white(), {"time_ns": np.maximum(stamps(20_000) - 20_000_000, 0)}, "time_repeated", "repeated"),
-        (np.full(20_000, np.nan), {}, "all_missing", "no noise terms of x: no sample is there"),
+        (np.full(20_000, np.nan), {}, "all_missing", "no noise terms of x: no valid sample"),
         (np.full(20_000, 3.0), {}, "constant", "no noise terms of x: the Allan deviation is zero"),
         (white(samples=8), {}, "too_short", "no noise terms of x"),
         (white() * 1e70, {}, "wrong_value", "no sensor reads so much"),

@@ -211,7 +211,7 @@ def _allan(
     deviation: Deviation,
     taus: str | Sequence[float],
 ) -> Allan:
-    """Return a deviation, from the samples in the type of the file: whole numbers are summed exactly."""
+    """Return a deviation; whole numbers, of a sensor in the unit of its file, are summed exactly."""
     return allan(
         run.values[axis],
         run.interval,
@@ -219,7 +219,6 @@ def _allan(
         deviation=deviation,
         taus=taus,
         averaging=run.averaging,
-        scale=run.scale[axis],
         present=None if there.all() else there,
         p=INTERVAL,
         names=(axis,),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal
 
 import numpy as np
@@ -32,10 +32,9 @@ class Fault:
 class Run:
     """One record of a sensor at rest, on the regular grid of its sample interval."""
 
-    # shape (n,): Of each axis, in the type of the file; NaN where a sample is missing
+    # shape (n,): Of each axis, SI, or in the unit of the file where the sensor is of no known kind; NaN: missing
     values: Mapping[str, NDArray[Any]]
     present: Mapping[str, NDArray[np.bool_]]  # shape (n,): Of an axis: where a sample is there; absent where all are
-    scale: Mapping[str, float]  # SI unit a unit of the values
     interval: float  # From sample to sample [s]
     averaging: float | None = None  # What each sample is the mean of [s]; None when nobody said
     quantity: Quantity = "rate"  # What a sample is: a rate, or what was added in it. Angles are differenced before
@@ -70,13 +69,11 @@ class Run:
         """Of the record [s]."""
         return len(self) * self.interval
 
-    def to_rate(self, axis: str) -> float:
-        """Return the rate [SI] that a value of 1 means."""
-        return self.scale[axis] if self.quantity == "rate" else self.scale[axis] / self.interval
-
     def rates(self, axis: str) -> Array:
-        """Return the samples of an axis as rates [SI], shape (n,); NaN where one is missing."""
-        found: Array = self.values[axis].astype(np.float64) * self.to_rate(axis)
+        """Return the samples of an axis as rates, shape (n,); NaN where one is missing."""
+        found: Array = self.values[axis].astype(np.float64)
+        if self.quantity != "rate":
+            found /= self.interval
         there = self.present.get(axis)
         if there is not None:
             found[~there] = np.nan
@@ -116,8 +113,6 @@ class AtRest:
 
     recording: Recording  # With its channels
     channels: Mapping[str, str]  # Which channel is which axis
-    # SI unit a unit of the channel; 1 where not said
-    scale: Mapping[str, float] = field(default_factory=dict[str, float])
     quantity: Quantity = "rate"  # What its samples are
     name: str = ""  # For messages; its file where not given
     shown: str = ""  # Unit that samples are told in; that of the channel where not given
@@ -142,12 +137,11 @@ class Truth:
 def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     """Return records of the terms, after the warm-up of the plan."""
     skipped = int(np.ceil(plan.warm_up / truth.interval - 1e-9))
-    scale = dict.fromkeys(truth.terms, 1.0)
     runs = []
     for number in range(truth.runs):
         drawn = {
             axis: samples_of(terms, truth.samples + skipped, truth.interval, rng, truth.averaging)[skipped:]
             for axis, terms in truth.terms.items()
         }
-        runs.append(Run(drawn, {}, scale, truth.interval, truth.averaging, "rate", f"run {number + 1}", skipped))
+        runs.append(Run(drawn, {}, truth.interval, truth.averaging, "rate", f"run {number + 1}", skipped))
     return Readings(tuple(runs))

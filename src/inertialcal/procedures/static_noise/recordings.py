@@ -93,7 +93,6 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
     run = Run(
         {axis: data[skipped:] for axis, data in values.items()},
         {axis: there[skipped:] for axis, there in present.items()},
-        {axis: one.scale.get(axis, 1.0) for axis in values},
         grid.interval,
         averaging,
         quantity,
