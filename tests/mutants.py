@@ -463,8 +463,8 @@ MUTANTS = (
         "test_mass_shape",
     ),
     Mutant("bound.py", "0.8 * w**-0.5 + 0.2 * w**2 - 1.0", "0.8 * w**-0.5 + 0.4 * w**2 - 1.2", "test_mass_shape"),
-    Mutant("gain.py", "((1.0, start), (-1.0, end))", "((1.0, start), (1.0, end))", "test_mass_shape"),
-    Mutant("drive.py", "return float(np.ptp(self.fields) / 2.0)", "return float(np.ptp(self.fields))", "test_motion"),
+    Mutant("cells.py", "((1.0, start), (-1.0, end))", "((1.0, start), (1.0, end))", "test_mass_shape"),
+    Mutant("travel.py", "return float(np.ptp(self.fields) / 2.0)", "return float(np.ptp(self.fields))", "test_motion"),
     Mutant(
         "travel.py",
         "points = np.ascontiguousarray(-positions[:, None] * way)",
@@ -472,12 +472,12 @@ MUTANTS = (
         "test_motion",
     ),
     Mutant(
-        "linear.py",
+        "amplitude.py",
         "np.cross(field, axis) + np.cross(shifts, rows)",
         "np.cross(field, axis) - np.cross(shifts, rows)",
         "test_source_budget",
     ),
-    Mutant("linear.py", "half = np.array([0.5, -0.5])", "half = np.array([0.5, 0.5])", "test_source_budget"),
+    Mutant("amplitude.py", "half = np.array([0.5, -0.5])", "half = np.array([0.5, 0.5])", "test_source_budget"),
     Mutant(
         "_kernels.py",
         "one = (0.5 - k) * mass[i] / (r_2 * math.sqrt(r_2))",

@@ -16,12 +16,10 @@ import numpy as np
 import pytest
 
 from inertialcal.physics.attraction.bodies import G, Lattice
-from inertialcal.physics.budget.linear import linear_budget
-from inertialcal.physics.budget.monte_carlo import monte_carlo_budget
+from inertialcal.physics.budget.amplitude import linear_budget, monte_carlo_budget
 from inertialcal.physics.budget.source import Doubts, Source
 from inertialcal.physics.mass_shape.bound import largest_field
-from inertialcal.physics.mass_shape.cells import Grid, best_cells
-from inertialcal.physics.mass_shape.gain import Gain
+from inertialcal.physics.mass_shape.cells import Gain, Grid, best_cells
 
 MGAL = 1e-5  # m/s^2
 ROUNDS = 7

@@ -69,7 +69,11 @@ def test_reinels_appendix_follows_to_a_hundredth_with_the_pools_where_they_fit_b
     [
         (((0.0, 0.0, 0.0),) * 2, [(1.0, 0.0, 0.0)], "pools 0 m apart"),
         (POOLS[:1], [(1.0, 0.0, 0.0)], "1 pools: need 2 for a tilt"),
-        (((0.0, 0.0, 0.0), (1.0, 0.0, 0.1)), [(1.0, 0.0, 0.0)], r"differ by 0.1 m in height \(connected pools are level"),
+        (
+            ((0.0, 0.0, 0.0), (1.0, 0.0, 0.1)),
+            [(1.0, 0.0, 0.0)],
+            r"differ by 0.1 m in height \(connected pools are level",
+        ),
         (POOLS, [(np.nan, 0.0, 0.0)], r"shifts of shape \(1, 3\) are not rows of three finite numbers"),
         (POOLS, [(1.0, 0.0)], r"shifts of shape \(1, 2\) are not rows of three"),
     ],

@@ -12,9 +12,8 @@ from scipy.spatial.transform import Rotation
 
 from closed_bodies import Placed
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.physics.budget import monte_carlo as drawing
-from inertialcal.physics.budget.linear import linear_budget, shares
-from inertialcal.physics.budget.monte_carlo import compared, monte_carlo_budget
+from inertialcal.physics.budget import amplitude as drawing
+from inertialcal.physics.budget.amplitude import compared, linear_budget, monte_carlo_budget, shares
 from inertialcal.physics.budget.source import Doubts, Source
 from inertialcal.physics.mass_shape.cells import Grid, best_cells
 

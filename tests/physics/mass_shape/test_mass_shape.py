@@ -15,12 +15,17 @@ from scipy import integrate, optimize
 from inertialcal.core.constants import REINEL_GRAVITATIONAL_CONSTANT, REINEL_GRAVITY
 from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction.extended import ProofMass
-from inertialcal.physics.mass_shape.bound import largest_field
-from inertialcal.physics.mass_shape.cells import Grid, best_cells, most_in_weight
-from inertialcal.physics.mass_shape.gain import Gain, change
-from inertialcal.physics.mass_shape.growth import growth
-from inertialcal.physics.mass_shape.inventory import Pieces, best_stack
-from inertialcal.physics.mass_shape.stated import checked
+from inertialcal.physics.mass_shape.bound import checked, largest_field
+from inertialcal.physics.mass_shape.cells import (
+    Gain,
+    Grid,
+    Pieces,
+    best_cells,
+    best_stack,
+    change,
+    growth,
+    most_in_weight,
+)
 
 G = REINEL_GRAVITATIONAL_CONSTANT.value * 1e-3  # m^3/s^2/kg
 NG = REINEL_GRAVITY.value * 1e-2 * 1e-9  # m/s^2

@@ -10,8 +10,15 @@ from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction.bodies import Lattice
 from inertialcal.physics.attraction.extended import ProofMass
 from inertialcal.physics.motion.clearance import least_distance, refuse_overlap
-from inertialcal.physics.motion.drive import drive, harmonics, sine_of_position
-from inertialcal.physics.motion.travel import Window, best_window, travel_of_body, travel_of_table
+from inertialcal.physics.motion.travel import (
+    Window,
+    best_window,
+    drive,
+    harmonics,
+    sine_of_position,
+    travel_of_body,
+    travel_of_table,
+)
 
 # Reinel, NASA TM X-53857, Table 3: vertical position [cm], attraction [ng]
 TABLE_3 = np.array([

@@ -2,24 +2,118 @@
 
 Cells of one size and density are taken in the order of their gain, which is exactly optimal. Cells of equal gain are
 taken in the order of the grid.
+
+What a cell of material is worth: its attraction along an axis, or the change of it over a stroke.
+
+Both are linear in the density of each cell, so that the best body of equal cells is that of the most valuable ones.
+
+A body that is moved by s away from a point attracts it as a body at rest attracts the point moved by -s.
+
+The best body from what there is: cubes of several sizes, each a whole number of cells long.
+
+Sizes are placed from the largest to the smallest, each on the grid of its own size, in the order of gain among the
+places that are free. That need not be optimal; how far it may be from it is told by the body of as many single cells,
+which no inventory of the same material can beat.
+
+How attraction grows with mass: the touching sphere and the best body side by side (Reinel, Figure 4).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, field
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ..attraction.bodies import Lattice, finite, positive, slipped
-from .gain import Gain
+from ..attraction.extended import ProofMass
+from .bound import Keep, largest_field
 
 DENSEST = 23000.0  # kg/m^3: no metal is denser than osmium, 22,590
 LARGEST_EDGE, LARGEST_STAND_OFF = 1.0, 5.0  # m: above, centimetres were given
 LIGHTEST = 100.0  # kg/m^3, of balsa: below it a density was given in g/cm^3
+Direction = tuple[float, float, float]
+HERE = (0.0, 0.0, 0.0)
+
+
+@dataclass(frozen=True)
+class Gain:
+    """What is to be as large as possible."""
+
+    axis: Direction = (1.0, 0.0, 0.0)  # input axis of the instrument
+    # weights of the positions, and how far the body is shifted there [m]: one of weight 1 for the attraction itself; 1
+    # and -1 for its change over a stroke
+    at: Sequence[tuple[float, Direction]] = field(default=((1.0, HERE),))
+    proof_mass: ProofMass | None = None  # what is attracted; default: a point
+
+    def of_cells(self, grid: Lattice) -> Array:
+        """Return what each cell adds if its density is one, shape (nx, ny, nz) [m].
+
+        Parameters
+        ----------
+        grid : Lattice
+            Where cells can be, with the point at the origin; its density is not looked at.
+
+        Raises
+        ------
+        DataError
+            If the cells would overlap the proof mass at one of the positions.
+        """
+        axis = self._unit()
+        self._refuse_overlap(grid)
+        return np.sum([w * (grid.each(place) @ axis) for w, place in self._places()], axis=0)  # type: ignore[no-any-return]
+
+    def of(self, body: Lattice) -> float:
+        """Return the gain of a body, for a gravitational constant of one [kg/m^2]."""
+        places = self._places()
+        fields = body.field(np.ascontiguousarray([place for _, place in places])) @ self._unit()
+        return float(np.sum(np.array([w for w, _ in places]) * fields))
+
+    def _refuse_overlap(self, grid: Lattice) -> None:
+        """Refuse cells around a part of the proof mass, at any position."""
+        low = np.array(grid.lower)
+        high = low + np.array(grid.density.shape) * np.array(grid.edges)
+        points = np.stack([place for _, place in self._places()])
+        inside = ((points > low) & (points < high)).all(axis=1)
+        if inside.any():
+            x, y, z = points[int(np.argmax(inside))]
+            raise DataError(
+                f"the mass would overlap the instrument: the place ({x:.4g}, {y:.4g}, {z:.4g}) m of its proof mass, "
+                f"as seen from the mass, is inside its cells",
+                why="material around the proof mass does not pull it to either side",
+                do="Raise the stand-off above half of the proof mass's extent, or shorten the shift toward it.",
+                code="overlap",
+            )
+
+    def _unit(self) -> Array:
+        """Axis of length one."""
+        axis = np.array(self.axis, dtype=float)
+        length = float(np.linalg.norm(axis))
+        if not length > 0.0:
+            raise DataError(f"axis {self.axis} has no direction", code="no_direction")
+        return axis / length
+
+    def _places(self) -> list[tuple[float, Array]]:
+        """Weights and places at which the field counts."""
+        points, shares = (np.zeros((1, 3)), np.ones(1)) if self.proof_mass is None else self.proof_mass.points()
+        return [
+            (w * share, point - np.array(shift))
+            for w, shift in self.at
+            for point, share in zip(points, shares, strict=True)
+        ]
+
+
 PLAIN = Gain()
+
+
+def change(stroke: Direction, axis: Direction = (1.0, 0.0, 0.0), start: Direction = HERE) -> Gain:
+    """Return the change of attraction when the body is shifted by ``stroke`` from ``start`` [m]."""
+    end = tuple(a + b for a, b in zip(start, stroke, strict=True))
+    return Gain(axis, ((1.0, start), (-1.0, end)))  # type: ignore[arg-type]
 
 
 @dataclass(frozen=True)
@@ -139,3 +233,127 @@ def _largest(worth: Array, count: int) -> Array:
     equal = np.flatnonzero(worth == least)
     taken[equal[: count - int(taken.sum())]] = True
     return taken
+
+
+@dataclass(frozen=True)
+class Pieces:
+    """Cubes of one size."""
+
+    cells: int  # length of an edge in cells of the grid
+    count: int  # how many there are
+
+
+@dataclass(frozen=True, eq=False)
+class Stack:
+    """A body from an inventory."""
+
+    body: Lattice  # what was built
+    places: tuple[Array, ...]  # for each size, first cells of its pieces, shape (count, 3)
+    # gain, bound: of the body, and of as many single cells, for a gravitational constant of one [kg/m^2]
+    gain: float
+    bound: float
+
+    @property
+    def gap(self) -> float:
+        """By how much a better use of the inventory could raise the gain at most, relative."""
+        return self.bound / self.gain - 1.0
+
+
+def best_stack(grid: Grid, inventory: tuple[Pieces, ...], gain: Gain = PLAIN) -> Stack:
+    """Return the body that an inventory allows.
+
+    Parameters
+    ----------
+    grid : Grid
+        Where material can be; its edge is that of the smallest cube, or a whole fraction of it.
+    inventory : tuple of Pieces
+        What there is.
+    gain : Gain
+        Default: attraction along x.
+
+    Raises
+    ------
+    DataError
+        If the pieces do not fit.
+    """
+    _refuse_nothing(inventory)
+    worth = gain.of_cells(grid.lattice())
+    taken = np.zeros(grid.shape, dtype=bool)
+    places = []
+    for pieces in sorted(inventory, key=lambda p: -p.cells):
+        first = _placed(worth, taken, pieces)
+        places.append(first)
+        for x, y, z in first:
+            taken[x : x + pieces.cells, y : y + pieces.cells, z : z + pieces.cells] = True
+    body = grid.lattice(taken)
+    return Stack(body, tuple(places), gain.of(body), gain.of(best_cells(grid, int(taken.sum()), gain)))
+
+
+def _refuse_nothing(inventory: tuple[Pieces, ...]) -> None:
+    """Refuse an inventory of nothing."""
+    for pieces in inventory:
+        if pieces.cells < 1 or pieces.count < 1:
+            raise DataError(
+                f"{pieces.count} cubes of {pieces.cells} cells: both numbers must be one or more",
+                do="Leave out sizes with no cubes.",
+                code="no_pieces",
+            )
+    if not inventory:
+        raise DataError("the inventory has no pieces", do="Give one size or more.", code="no_pieces")
+
+
+def _placed(worth: Array, taken: Array, pieces: Pieces) -> Array:
+    """First cells of the best free places of one size, shape (count, 3)."""
+    m = pieces.cells
+    offsets = [
+        0,
+        *((n % (2 * m)) // 2 for n in worth.shape[1:]),
+    ]  # the grid of large cubes is centred, as far as it can be
+    blocks = [(n - o) // m for n, o in zip(worth.shape, offsets, strict=True)]
+    inside = tuple(slice(o, o + b * m) for o, b in zip(offsets, blocks, strict=True))
+    shape = tuple(v for b in blocks for v in (b, m))
+    value = worth[inside].reshape(shape).sum(axis=(1, 3, 5))
+    free = ~taken[inside].reshape(shape).any(axis=(1, 3, 5))
+    if int(free.sum()) < pieces.count:
+        raise DataError(
+            f"{pieces.count} cubes of {m} cells do not fit: the grid has {int(free.sum())} free places for them",
+            do="Make the grid larger, or use fewer.",
+            code="does_not_fit",
+        )
+    order = np.argsort(np.where(free, -value, math.inf).ravel(), kind="stable")[: pieces.count]
+    first: Array = np.stack(np.unravel_index(order, value.shape), axis=1) * m + np.array(offsets)
+    return first
+
+
+@dataclass(frozen=True, eq=False)
+class Growth:
+    """Fields for a gravitational constant of one."""
+
+    mass: Array  # [kg], shape (n,)
+    # sphere, best: [kg/m^2], shape (n,)
+    sphere: Array
+    best: Array
+
+
+def growth(mass: ArrayLike, density: float, stand_off: float, keep: Keep = "plane") -> Growth:
+    """Return the field of the sphere that touches the stand-off and of the best body, for each mass.
+
+    Parameters
+    ----------
+    mass : array_like, shape (n,)
+        [kg].
+    density : float
+        [kg/m^3].
+    stand_off : float
+        [m].
+    keep : {"plane", "sphere"}
+        Where material may be.
+
+    Raises
+    ------
+    DataError
+        As `largest_field`.
+    """
+    masses = np.atleast_1d(np.asarray(mass, dtype=float))
+    bounds = [largest_field(float(m), density, stand_off, keep) for m in masses]
+    return Growth(masses, np.array([b.sphere for b in bounds]), np.array([b.field for b in bounds]))

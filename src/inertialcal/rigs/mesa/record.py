@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 
 from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
-from ...physics.motion.drive import ORDER, drive
-from ...physics.motion.travel import Travel, Window, travel_of_table
+from ...physics.motion.travel import ORDER, Travel, Window, drive, travel_of_table
 from ..parts.noise import flicker
 from .setup import GATE, MERCURY_AMPLITUDE, RANGES, STOPS, UG, WORK, Bench, Run
 

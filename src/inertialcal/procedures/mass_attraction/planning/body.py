@@ -12,9 +12,7 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....physics.attraction.bodies import Lattice
 from ....physics.mass_shape.bound import Bound, largest_field
-from ....physics.mass_shape.cells import Grid, best_cells, most_in_weight
-from ....physics.mass_shape.gain import Gain
-from ....physics.mass_shape.inventory import Pieces, best_stack
+from ....physics.mass_shape.cells import Gain, Grid, Pieces, best_cells, best_stack, most_in_weight
 from .settings import Body
 
 WHOLE = 0.01  # tolerance of a multiple of the smallest edge, in edges

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from ....core.errors import Problem
-from ....physics.motion.drive import ORDER
+from ....physics.motion.travel import ORDER
 from ...settings_file import GroupsRead
 from .drive import DRIVES
 from .noise import NAMED

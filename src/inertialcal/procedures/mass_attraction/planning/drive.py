@@ -12,12 +12,19 @@ import numpy as np
 from ....core.errors import DataError
 from ....core.estimate import Array
 from ....physics.attraction.extended import ProofMass
-from ....physics.budget.linear import Share, shares
-from ....physics.budget.monte_carlo import compared, monte_carlo_budget
+from ....physics.budget.amplitude import Share, compared, monte_carlo_budget, shares
 from ....physics.budget.source import Doubts, Source
 from ....physics.motion.clearance import refuse_overlap
-from ....physics.motion.drive import Drive, drive, harmonics, sine_of_position
-from ....physics.motion.travel import Travel, Window, best_window, travel_of_body
+from ....physics.motion.travel import (
+    Drive,
+    Travel,
+    Window,
+    best_window,
+    drive,
+    harmonics,
+    sine_of_position,
+    travel_of_body,
+)
 from ....sensors.noise import Term
 from .body import MassBody
 from .forecast import Cycle, Forecast, forecast, takeover, time_to

@@ -25,8 +25,7 @@ from ....core.units import parse_quantity
 from ....physics.attraction.extended import ProofMass
 from ....physics.attraction.tilt import surface_tilt
 from ....physics.budget.source import Doubts
-from ....physics.mass_shape.cells import Grid
-from ....physics.mass_shape.gain import Gain, change
+from ....physics.mass_shape.cells import Gain, Grid, change
 from ....physics.motion.clearance import refuse_overlap
 from ....physics.motion.schedule import Schedule, repeated
 from ...settings_file import Groups, GroupsRead, read_groups

@@ -15,8 +15,8 @@ from ....core.results import Row, not_estimated
 from ....core.show.rounding import with_uncertainty
 from ....core.show.tables import Block, Table
 from ....physics.attraction.bodies import Prism
-from ....physics.mass_shape.growth import growth
-from ....physics.mass_shape.stated import checked
+from ....physics.mass_shape.bound import checked
+from ....physics.mass_shape.cells import growth
 from .body import MassBody
 from .drive import DRIVES, POINTS, SCALING, MassBudget, MassDrive, MassForecast
 from .settings import Constants
