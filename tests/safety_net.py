@@ -13,6 +13,11 @@ after it::
     python tests/safety_net.py .venv/bin /tmp/after
     python tests/safety_net.py --compare /tmp/before /tmp/after
 
+``--figures A B`` prints a table of every figure that moved, of all outputs that hold rows, whatever the form of these
+(``results.json`` of schema 1 has names and conditions as text, schema 2 has fields)::
+
+    python tests/safety_net.py --figures /tmp/before /tmp/after
+
 ``--quick`` runs the campaigns of three rigs only; ``--only WORD`` compares or calls only what has the word in its name.
 The code that runs is what ``BIN/python`` imports (PYTHONPATH goes before what is installed). Commands are called in
 forks of one warm process, campaigns as the program itself. Outputs stand in OUT, so that two of them can be set side
@@ -34,7 +39,9 @@ import subprocess
 import sys
 import time
 from collections.abc import Iterator
+from itertools import zip_longest
 from pathlib import Path
+from typing import Any
 
 EXAMPLES = ("npsat2011", "reinel1969", "sams1996")
 RIGS = ("rate_table", "sams_tsh", "sams_tsh_model", "npsat1", "still_gyro", "mesa", "hand_held", "six_faces")
@@ -84,8 +91,9 @@ COUNT = 5.0 / 4095.0 / 0.5  # deg/s a count, of the rigs' converter
 def main() -> int:
     """Make a list, or compare two."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
-    parser.add_argument("paths", nargs=2, type=Path, metavar=("BIN", "OUT"), help="or, with --compare, two OUT")
+    parser.add_argument("paths", nargs=2, type=Path, metavar=("BIN", "OUT"), help="or, to compare, two OUT")
     parser.add_argument("--compare", action="store_true", help="compare two lists")
+    parser.add_argument("--figures", action="store_true", help="print the figures that moved between two lists")
     parser.add_argument("--quick", action="store_true", help="campaigns of three rigs only")
     parser.add_argument("--only", default="", help="only commands with this word")
     parser.add_argument("--serve", action="store_true", help=argparse.SUPPRESS)
@@ -96,6 +104,8 @@ def main() -> int:
         return 0
     if given.compare:
         return compare(one, two, given.only)
+    if given.figures:
+        return figures_moved(one, two, given.only)
     two.mkdir(parents=True, exist_ok=True)
     os.environ.update(SETTINGS)
     net(one.resolve(), two.resolve(), given.quick, given.only)
@@ -353,19 +363,101 @@ def listed(path: Path) -> dict[str, tuple[str, str]]:
     return {name: (digest, status) for digest, status, name in rows}
 
 
+def kept(name: str) -> str:
+    """Return the file in which the output of a line is kept."""
+    words, bracket, ending = name.rpartition(" [")
+    return place_of(words, ending.rstrip("]")) if bracket else name.partition(" < ")[0]
+
+
 def first_difference(folders: list[Path], name: str, lists: list[dict[str, tuple[str, str]]]) -> list[str]:
     """Return where two outputs part, if both are kept."""
     statuses = [one[name][1] for one in lists]
     said = [] if statuses[0] == statuses[1] else [f"exit {statuses[0]} -> {statuses[1]}"]
-    words, _, ending = name.rpartition(" [")
-    place = place_of(words, ending.rstrip("]")) if ending else name.partition(" < ")[0]
-    files = [folder / place for folder in folders]
+    files = [folder / kept(name) for folder in folders]
     if not all(file.is_file() for file in files):
         return said
     texts = [file.read_text(encoding="utf-8", errors="replace") for file in files]
     at = next((n for n, (a, b) in enumerate(zip(*texts, strict=False)) if a != b), min(map(len, texts)))
     begin = max(0, at - 60)
     return [*said, *(f"{sign} {text[begin : at + 100]!r}" for sign, text in zip("-+", texts, strict=True))]
+
+
+# Figures
+
+Figure = tuple[Any, ...]  # value, u, ends of the interval, degrees of freedom, unit
+SAME = 1e-9  # relative: below it a figure has moved by rounding
+
+
+def figures_moved(one: Path, two: Path, only: str) -> int:
+    """Print every figure that differs between two folders of outputs; return 1 if there is one."""
+    names = [listed(path / LIST) for path in (one, two)]
+    counted, rounding, lines = 0, 0, []
+    for name in sorted(names[0].keys() & names[1].keys()):
+        place = kept(name)
+        if only not in name or place.endswith(".err") or not (place.startswith(PRINTED) or "results.json" in place):
+            continue
+        before, after = (rows_of(path / place) for path in (one, two))
+        if before is None or after is None:
+            continue
+        counted += sum(map(len, after.values()))
+        for figure in [*before, *(figure for figure in after if figure not in before)]:
+            old, new = before.get(figure, []), after.get(figure, [])
+            for a, b in zip_longest([x for x in old if x not in new], [x for x in new if x not in old]):
+                if a and b and a[-1] == b[-1] and all(map(near, a[:-1], b[:-1])):
+                    rounding += 1
+                else:
+                    lines.append(f"| {name} | {' '.join(figure)} | {shown(a)} | {shown(b)} |")
+    print("| output | figure | before | after |\n|---|---|---|---|" if lines else "no figure moved")
+    print("\n".join(lines))
+    print(f"\n{counted} figures compared, {len(lines)} moved, {rounding} by less than {SAME:g} relative")
+    return 1 if lines else 0
+
+
+def rows_of(path: Path) -> dict[tuple[str, ...], list[Figure]] | None:
+    """Return the figures of an output by test, name, axis and case; None where it holds no rows."""
+    try:
+        rows = json.loads(path.read_text(encoding="utf-8"))["results"]
+    except (OSError, ValueError, KeyError, TypeError):
+        return None
+    found: dict[tuple[str, ...], list[Figure]] = {}
+    for row in rows:
+        if isinstance(row, dict) and "quantity" in row and "value" in row:
+            ends = row.get("interval") or {}
+            numbers = (row["value"], row.get("u"), ends.get("lo"), ends.get("hi"), row.get("dof"), row.get("unit"))
+            found.setdefault(name_of(row), []).append(numbers)
+    return found
+
+
+def name_of(row: dict[str, Any]) -> tuple[str, ...]:
+    """Return what a row is, in words that both forms have."""
+    name, case = row["quantity"], row.get("condition") or ""
+    if "method" in row:  # schema 2
+        at, member, power = row["at"], row["member"], row["power"]
+        line = at is not None and at["what"] == "line"
+        if (power or name == "bias_voltage") and not line:
+            name = f"{name}_{power}"
+        number = "" if at is None else f"{at['value']:.{4 if line else 6}g} {at['unit']}".rstrip()
+        place = f"line at {f'{power} x ' if power else ''}{number}" if line else number
+        labels = {"flip": "flip {}", "run": "run {} alone", "held_out": "held out, {}"}
+        part = "" if member is None else labels.get(member["kind"], "{}").format(member["label"]).removesuffix(", ")
+        method = "" if row["method"] == "result" else row["method"]
+        parts = [place, part] if line else [method, part, place]
+        case = ", ".join(one for one in parts if one) or row["sensor"] or case
+    return row.get("test") or "", name, row.get("axis") or "", case
+
+
+def near(a: Any, b: Any) -> bool:
+    """Whether two numbers are the same but for rounding."""
+    if a is None or b is None:
+        return a is b
+    return math.isclose(a, b, rel_tol=SAME, abs_tol=0.0)
+
+
+def shown(figure: Figure | None) -> str:
+    """Return a figure as the table has it."""
+    if figure is None:
+        return "-"
+    return f"{' ± '.join('-' if one is None else f'{one:.6g}' for one in figure[:2])} {figure[-1] or ''}".strip()
 
 
 if __name__ == "__main__":

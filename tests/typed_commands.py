@@ -8,6 +8,7 @@ from typing import Any
 import pytest
 
 from inertialcal.cli.__main__ import main
+from inertialcal.core.schema.results import Printed
 
 
 def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str]:
@@ -20,8 +21,9 @@ def call(capsys: pytest.CaptureFixture[str], *words: str) -> tuple[int, str, str
 
 
 def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
-    """Return the object that a command prints; it says the exit status too."""
+    """Return the object that a command prints; it says the exit status too, and keeps the published schema."""
     status, out, _ = call(capsys, *words, "--json")
+    Printed.model_validate_json(out)
     content: dict[str, Any] = json.loads(out)
     assert content["exit"] == status
     return content

@@ -1,0 +1,353 @@
+"""What ``results.json`` and ``--json`` hold, schema 2: models of which ``results.schema.json`` is made.
+
+``python -m inertialcal.core.schema.results`` writes the file again; a test holds it fresh.
+"""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any, Literal
+
+from pydantic import BaseModel, ConfigDict, Field
+
+from ..key import Method
+from ..results import Status
+
+FILE = Path(__file__).with_name("results.schema.json")
+DRAFT = "https://json-schema.org/draft/2020-12/schema"
+Words = Literal["PASS", "FAIL", "INCONCLUSIVE", "OPEN"]
+
+
+class Part(BaseModel):
+    """A JSON object of which every member is known."""
+
+    model_config = ConfigDict(extra="forbid", strict=True)
+
+
+class At(Part):
+    """Where a figure holds: temperature, -20, degC."""
+
+    what: str
+    value: float
+    unit: str
+
+
+class Member(Part):
+    """A part of the readings: one flip, one run."""
+
+    kind: str
+    label: str
+
+
+class Reason(Part):
+    """Why there is no figure, or what limits it: programs read the code, people the text."""
+
+    code: str
+    text: str
+
+
+class Interval(Part):
+    """Two-sided interval with probability p; an open side is null."""
+
+    lo: float | None
+    hi: float | None
+    p: float
+
+
+class Key(Part):
+    """What a figure is of."""
+
+    quantity: str
+    axis: str
+    sensor: str
+    power: int
+    at: At | None
+
+
+class Figure(Key):
+    """One published figure."""
+
+    test: str
+    condition: str
+    method: Method = Field(strict=False)
+    member: Member | None
+    value: float | None
+    u: float | None
+    unit: str
+    dof: float | None = Field(description="Degrees of freedom of u; null is infinite.")
+    interval: Interval | None
+    status: Status
+    reason: Reason | None
+    shared: dict[str, float] = Field(
+        description="Signed change of the value, in its unit, for one standard uncertainty of an influence that "
+        "outlives the test; several unknowns of one influence are numbered: site.latitude[0]."
+    )
+
+
+class Influence(Part):
+    """Uncertainty of one quantity of a standard, as stated."""
+
+    standard: str
+    quantity: str
+    u: float
+    unit: str
+    certificate: str
+    valid: str
+    redrawn_by: Literal["never", "certificate", "day", "mounting", "power_up", "dwell"]
+
+
+class Standard(Part):
+    """An influence that is stated, or that would change a result and is not stated."""
+
+    standard: str
+    influence: str
+    effect: str
+    u: float | None
+    unit: str
+    dof: float | None
+    distribution: str
+    certificate: str
+    stated: bool
+
+
+class Input(Part):
+    """A recording that a test drew on."""
+
+    name: str
+    file: str
+    sha256: str
+    kind: str
+    rows: int
+
+
+class Step(Part):
+    """A test, in the order run."""
+
+    test: str
+    procedure: str
+    use: Literal["fit", "hold_out", "report_only"]
+    condition: str
+    source: str
+    against: str | None
+    after: list[str]
+    groups: list[str] | None
+    windows: list[list[str]] | None
+    recordings: list[Input]
+    dwells: int | None
+    runs: int | None
+    left_out: int
+
+
+class Excluded(Part):
+    """What a test did not use, and who or which rule decided so."""
+
+    test: str
+    axis: str
+    place: str
+    applied: float | None
+    unit: str
+    rule: str
+    decided_by: str
+    reason: str
+    count: int
+    counts: str
+
+
+class Covariance(Part):
+    """Covariance of the values of a test, SI."""
+
+    test: str
+    keys: list[Key]
+    units: list[str]
+    matrix: list[list[float]]
+
+
+class Budget(Key):
+    """One source of the uncertainty of one figure."""
+
+    test: str
+    source: str
+    influence: str = Field(description="Name under [standards]; empty for other sources.")
+    kind: Literal["A", "B"]
+    distribution: str
+    stated_u: float | None
+    stated_unit: str
+    sensitivity: float | None
+    sensitivity_unit: str
+    u: float
+    unit: str
+    dof: float | None
+    share: float
+
+
+class Remark(Part):
+    """Something usable but suspicious in the data."""
+
+    code: str
+    severity: Literal["info", "warning", "error"]
+    what: str
+    where: str
+    count: int
+    do: str
+
+
+class Verdict(Part):
+    """A requirement judged at one place."""
+
+    requirement: str
+    test: str
+    axis: str
+    sensor: str
+    at: float | None
+    at_unit: str
+    of: str
+    value: float | None
+    u: float | None
+    unit: str
+    interval: Interval | None
+    lower: float | None
+    upper: float | None
+    margin: float | None
+    verdict: Words
+    reason: str
+
+
+class LoopAxis(Part):
+    """Closed loop of one axis: rms error of readings held out, raw and compensated."""
+
+    axis: str
+    dwells: int
+    runs: int
+    unit: str
+    raw_rms: float
+    compensated_rms: float
+    mean_square_gain: float
+    u: float
+    dof: float | None
+    allowed: float
+    verdict: str
+    reason: str
+
+
+class LoopOverTemperature(Part):
+    """Closed loop of the bias over temperature, on power-ups held out."""
+
+    test: str
+    against: str
+    axis: str
+    cells: int
+    runs: int
+    unit: str
+    raw_rms: float
+    compensated_rms: float
+    verdict: str
+    reason: str
+
+
+class ClosedLoop(Part):
+    """Whether compensation improves readings that the model has not seen."""
+
+    verdict: str
+    reason: str
+    axes: list[LoopAxis]
+    over_temperature: list[LoopOverTemperature]
+
+
+class Verified(Part):
+    """A row of the verification matrix."""
+
+    requirement: str
+    text: str
+    method: str
+    evidence: list[str]
+    verdict: Words
+
+
+class Results(Part):
+    """Content of results.json; its curves stand in curves.parquet."""
+
+    schema_version: Literal[2] = Field(alias="schema")
+    campaign: dict[str, Any]
+    item: dict[str, str]
+    site: dict[str, str | None]
+    sensors: dict[str, dict[str, Any]]
+    standards: list[Standard]
+    influences: dict[str, Influence]
+    sequence: list[Step]
+    exclusions: list[Excluded]
+    results: list[Figure]
+    covariances: list[Covariance]
+    budgets: list[Budget]
+    remarks: list[Remark]
+    decision_rule: str
+    verdicts: list[Verdict]
+    closed_loop: ClosedLoop
+    verification: list[Verified]
+    verdict: Words | None
+
+
+class Side(Part):
+    """A figure that was compared."""
+
+    value: float | None
+    u: float | None
+    dof: float | None
+    test: str
+
+
+class Compared(Figure):
+    """Difference of two figures, as ``compare`` prints it."""
+
+    first: Side
+    second: Side
+    p_value: float | None
+    verdict: str
+
+
+class Scored(Figure):
+    """A figure of a simulated campaign, as ``score`` prints it."""
+
+    truth: float
+    inside: bool | None
+
+
+class Covered(Key):
+    """How often intervals held the truth, as ``score --rig`` prints it."""
+
+    test: str
+    hits: int
+    n: int
+    missing: int
+    rate: float | None
+    interval: Interval | None
+    verdict: Words
+
+
+class Printed(BaseModel):
+    """What a command prints with --json: the same rows; a command adds members of its own."""
+
+    model_config = ConfigDict(extra="allow", strict=True)
+
+    command: str
+    version: str
+    schema_version: Literal[2] = Field(alias="schema")
+    inputs: list[dict[str, Any]]
+    results: list[Figure | Compared | Scored | Covered]
+    remarks: list[Remark]
+    verdicts: list[dict[str, Any]]
+    errors: list[dict[str, Any]]
+    exit: int
+
+
+def schema_text() -> str:
+    """Return the JSON Schema of ``results.json``, with that of ``--json`` under ``$defs/Printed``."""
+    content = Results.model_json_schema()
+    printed = Printed.model_json_schema()
+    inner = content.pop("$defs") | printed.pop("$defs") | {"Printed": printed}
+    whole = {"$schema": DRAFT, "title": content.pop("title"), **content, "$defs": dict(sorted(inner.items()))}
+    return json.dumps(whole, indent=1) + "\n"
+
+
+if __name__ == "__main__":
+    FILE.write_text(schema_text(), encoding="utf-8")
