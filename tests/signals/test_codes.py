@@ -109,7 +109,9 @@ def test_noise_far_below_the_step_is_not_stuck_though_one_code_lasts_long() -> N
         assert not is_stuck(np.rint(0.3 * rng.normal(size=20_000) + 0.2))
 
 
-@pytest.mark.parametrize(("scatter", "told"), [(0.48, "% too large"), (0.15, "cannot be estimated"), (0.6, ""), (5.0, "")])
+@pytest.mark.parametrize(
+    ("scatter", "told"), [(0.48, "% too large"), (0.15, "cannot be estimated"), (0.6, ""), (5.0, "")]
+)
 def test_coarse_steps_are_told_with_what_they_do_to_white_noise(scatter: float, told: str) -> None:
     """Scatter before rounding, in steps; the size that is read is compared with it."""
     x = 0.37 + scatter * np.random.default_rng(1).normal(size=50_000)

@@ -6,14 +6,14 @@ picks rows by a stated rule and says what they hold.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from markupsafe import Markup, escape
 
 from ..core.results import case_of
 from ..core.show.names import quantity_name
-from ..core.show.sentence import Cited, Quoted, error_sentence, estimated, largest
+from ..core.show.sentence import Quoted, error_sentence, estimated, largest
 from ..core.show.wording import VERDICTS, count, counted, listed, severities
 from ..core.units import factor
 from ..procedures import procedure_of
@@ -74,25 +74,17 @@ def of_test(procedure: str, rows: Sequence[Branch], verdicts: Sequence[Branch]) 
     """
     say = procedure_of(procedure).finding if procedure else error_sentence
     at = {id(unwrapped(row)): row for row in rows}
-    said = say([unwrapped(row) for row in rows])
-    return (*(_with_pointer(part, at) for part in said), *_made_of(verdicts))
-
-
-def _with_pointer(part: str | Cited, at: Mapping[int, Branch]) -> str | Figure:
-    """Return a part of a sentence as the page has it: a number knows its row, a name of the user's stands apart."""
-    if isinstance(part, str):
-        return Text(part) if isinstance(part, Quoted) else part
-    row = at[id(part.row)]
-    return Figure(row["value"], row["u"] if part.u else None, _unit(row["unit"]) if part.unit else "")
-
-
-def _made_of(verdicts: Sequence[Branch]) -> Finding:
-    """Say what each requirement made of a test."""
-    parts: Finding = ()
+    parts: list[str | Figure] = []
+    for part in say([unwrapped(row) for row in rows]):
+        if isinstance(part, str):
+            parts.append(Text(part) if isinstance(part, Quoted) else part)
+            continue
+        row = at[id(part.row)]
+        parts.append(Figure(row["value"], row["u"] if part.u else None, _unit(row["unit"]) if part.unit else ""))
     for requirement in dict.fromkeys(one["requirement"] for one in verdicts):
         mine = [one for one in verdicts if one["requirement"] == requirement]
-        parts = (*parts, "; ", requirement, " ", worst(mine))
-    return parts
+        parts += ["; ", requirement, " ", worst(mine)]
+    return tuple(parts)
 
 
 def worst(verdicts: Iterable[Branch]) -> str:
@@ -107,9 +99,9 @@ def of_closed_loop(loop: Branch) -> Finding:
     if axis is None:
         return ("Closed loop not run: ", loop["reason"])
     several = len({str(one["unit"]) for one in loop["axes"]}) > 1
-    worst = " (worst axis relative to raw) " if several else " (worst axis) "
+    which = " (worst axis relative to raw) " if several else " (worst axis) "
     return (
-        "Compensation takes the rms error of ", axis["axis"], worst, "from ",
+        "Compensation takes the rms error of ", axis["axis"], which, "from ",
         Figure(axis["raw_rms"]), " to ", Figure(axis["compensated_rms"], None, axis["unit"]), ": ", loop["verdict"],
     )  # fmt: skip
 
@@ -127,45 +119,26 @@ def of_verdict(verdict: str | None, verification: Sequence[Branch], loop: Branch
     if not verdict:
         return ("No requirements stated and no closed loop run, so this report gives no verdict.",)
     named = {word: [row["requirement"] for row in verification if row["verdict"] == word] for word in VERDICTS}
+    stated = {word: [name for name in names if name != LOOP] for word, names in named.items()}
+    found: list[Finding] = []
     if verdict in ("FAIL", "INCONCLUSIVE"):
-        reasons = (_failed(named["FAIL"]), _undecided(named["INCONCLUSIVE"]), _open(named["OPEN"]))
-        return _joined([one for one in reasons if one])
-    stated = any(row["requirement"] != LOOP for row in verification)
-    met = "All requirements are met, uncertainty included." if stated else ""
-    better = "Compensation improves hold-out readings." if loop["axes"] else ""
-    return (" ".join(one for one in (met, better) if one),)
-
-
-def _failed(names: Sequence[str]) -> Finding:
-    """Say what fails, requirements and closed loop each in their own words."""
-    stated = [name for name in names if name != LOOP]
-    parts: Finding = (*_names(stated), ": an interval lies entirely outside its limits.") if stated else ()
-    if len(stated) == len(names):
-        return parts
-    worse = "Compensation makes hold-out readings worse than raw, so no model is delivered."
-    return _joined([one for one in (parts, (worse,)) if one])
-
-
-def _undecided(names: Sequence[str]) -> Finding:
-    """Say what the data cannot decide, requirements and closed loop each in their own words."""
-    stated = [name for name in names if name != LOOP]
-    parts: Finding = ()
-    if stated:
-        parts = ("The data cannot decide ", *_names(stated), ": an interval straddles a limit, ")
-        parts = (*parts, "or a needed reading is missing.")
-    if len(stated) == len(names):
-        return parts
-    unknown = "The data cannot show whether compensation improves hold-out readings."
-    return _joined([one for one in (parts, (unknown,)) if one])
-
-
-def _open(names: Sequence[str]) -> Finding:
-    return ("No test covers ", *_names(names), ".") if names else ()
-
-
-def _joined(sentences: Sequence[Finding]) -> Finding:
-    """Sentences one after the other, a blank between."""
-    return tuple(part for i, one in enumerate(sentences) for part in ((" ", *one) if i else one))
+        if names := stated["FAIL"]:
+            found.append((*_names(names), ": an interval lies entirely outside its limits."))
+        if LOOP in named["FAIL"]:
+            found.append(("Compensation makes hold-out readings worse than raw, so no model is delivered.",))
+        if names := stated["INCONCLUSIVE"]:
+            why = ": an interval straddles a limit, or a needed reading is missing."
+            found.append(("The data cannot decide ", *_names(names), why))
+        if LOOP in named["INCONCLUSIVE"]:
+            found.append(("The data cannot show whether compensation improves hold-out readings.",))
+        if named["OPEN"]:
+            found.append(("No test covers ", *_names(named["OPEN"]), "."))
+    else:
+        if any(stated.values()):
+            found.append(("All requirements are met, uncertainty included.",))
+        if loop["axes"]:
+            found.append(("Compensation improves hold-out readings.",))
+    return tuple(part for i, one in enumerate(found) for part in ((" ", *one) if i else one))
 
 
 def _names(names: Sequence[str]) -> Finding:
@@ -201,21 +174,17 @@ def of_exclusions(rows: Sequence[Branch]) -> Finding:
     """
     if not rows:
         return ("Nothing was left out",)
-    by_kind = {kind: sum(str(row["counts"]) == kind for row in rows) for kind in ("dwell", "row", "sample", "window")}
-    told = [counted(by_kind["dwell"], "dwell")] if by_kind["dwell"] else []
-    told += [f"{kind}s at {counted(by_kind[kind], 'place')}" for kind in ("row", "sample") if by_kind[kind]]
-    told += [f"parts of {counted(sum(_whole(row) for row in rows), 'window')}"] if by_kind["window"] else []
+    kinds = ("dwell", "row", "sample", "window")
+    by_kind = {kind: [row for row in rows if str(row["counts"]) == kind] for kind in kinds}
+    parts = [counted(len(by_kind["dwell"]), "dwell")] if by_kind["dwell"] else []
+    parts += [f"{kind}s at {counted(len(by_kind[kind]), 'place')}" for kind in ("row", "sample") if by_kind[kind]]
+    windows = sum(int(getattr(row["count"], "raw", row["count"])) for row in by_kind["window"])
+    parts += [f"parts of {counted(windows, 'window')}"] if by_kind["window"] else []
     rules = counted(len({str(row["rule"]) for row in rows}), "stated rule")
-    several = (
-        "; items left out by several tests count once per test" if len({str(row["test"]) for row in rows}) > 1 else ""
-    )
-    text = f"{listed(told)} left out, by {rules}{several}"
+    several = len({str(row["test"]) for row in rows}) > 1
+    note = "; items left out by several tests count once per test" if several else ""
+    text = f"{listed(parts)} left out, by {rules}{note}"
     return (text[:1].upper() + text[1:],)
-
-
-def _whole(row: Branch) -> int:
-    """Return how many windows a row is about; 0 where it counts something else."""
-    return int(getattr(row["count"], "raw", row["count"])) if str(row["counts"]) == "window" else 0
 
 
 def of_remarks(remarks: Sequence[Branch]) -> Finding:
@@ -240,7 +209,7 @@ def _unit(unit: str) -> str:
 
 @dataclass(frozen=True)
 class Highlight:
-    """One of the three."""
+    """One of the three most important numbers of a report."""
 
     label: Finding  # name of the quantity
     figure: Finding  # number with uncertainty and unit
@@ -248,17 +217,11 @@ class Highlight:
 
 
 def highlights(results: Branch) -> list[Highlight]:
-    """Return up to three highlights, from what the campaign has.
-
-    Parameters
-    ----------
-    results : Branch
-        Content of results.json.
-    """
+    """Return up to three highlights of results.json."""
     rows = [row for row in results["results"] if not case_of(row).beside]
     tests = {str(step["test"]) for step in results["sequence"]}
     delivered = [row for row in rows if str(row["test"]) not in tests] or rows  # of the models
-    found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _least_margin(results["verdicts"])]
+    found = [_closed_loop(results["closed_loop"]), _largest_error(delivered), _smallest_margin(results["verdicts"])]
     chosen = [one for one in found if one is not None]
     others = () if chosen else dict.fromkeys(str(row["quantity"]) for row in delivered)  # of whatever was tested
     for quantity in dict.fromkeys([*FALLBACKS, *others]):
@@ -283,41 +246,35 @@ def _closed_loop(loop: Branch) -> Highlight | None:
 
 def _largest_error(rows: Sequence[Branch]) -> Highlight | None:
     """Return the largest relative error or angle: 1 % counts as much as 0.01 rad."""
+
+    def size(row: Branch) -> float:
+        unit = str(row["unit"])
+        return abs(float(row["value"].raw)) * (1.0 if unit == "rad" else factor(unit, "1"))
+
     known = [row for quantity in ERRORS for row in estimated(rows, quantity, any_case=True)]
-    row = max(known, key=_relative, default=None)
+    row = max(known, key=size, default=None)
     return None if row is None else _of_row(row, "largest of all scale factor errors and misalignments")
 
 
-def _relative(row: Branch) -> float:
-    unit = str(row["unit"])
-    return abs(float(row["value"].raw)) * (1.0 if unit == "rad" else factor(unit, "1"))
-
-
-def _least_margin(verdicts: Sequence[Branch]) -> Highlight | None:
+def _smallest_margin(verdicts: Sequence[Branch]) -> Highlight | None:
     """Return the verdict with the smallest margin relative to its limits; negative = outside."""
-    known = [one for one in verdicts if one["margin"] is not None]
-    one = min(known, key=_margin, default=None)
+
+    def relative(one: Branch) -> float:
+        limits = [abs(float(end.raw)) for end in (one["lower"], one["upper"]) if end is not None and end.raw]
+        return float(one["margin"].raw) / (min(limits) if limits else 1.0)
+
+    one = min((one for one in verdicts if one["margin"] is not None), key=relative, default=None)
     if one is None:
         return None
     at: Finding = () if one["at"] is None else (" at ", Figure(one["at"], None, one["at_unit"]))
-    label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"],
-             *_limits(one))  # fmt: skip
-    rule = "smallest margin to a limit; negative = outside"
-    return Highlight(label, (Figure(one["margin"], None, one["unit"]),), rule)
-
-
-def _limits(one: Branch) -> Finding:
-    """Return the limits that the margin is to."""
     lower, upper, unit = one["lower"], one["upper"], one["unit"]
-    if lower is not None and upper is not None:
-        return ("; limits ", Figure(lower), " to ", Figure(upper, None, unit))
     end = upper if lower is None else lower
-    return () if end is None else ("; limit ", Figure(end, None, unit))
-
-
-def _margin(one: Branch) -> float:
-    limits = [abs(float(end.raw)) for end in (one["lower"], one["upper"]) if end is not None and end.raw]
-    return float(one["margin"].raw) / (min(limits) if limits else 1.0)
+    limits: Finding = () if end is None else ("; limit ", Figure(end, None, unit))
+    if lower is not None and upper is not None:
+        limits = ("; limits ", Figure(lower), " to ", Figure(upper, None, unit))
+    label = ("margin of ", one["requirement"], ", ", one["test"], " ", one["axis"], *at, ": ", one["verdict"], *limits)
+    rule = "smallest margin to a limit; negative = outside"
+    return Highlight(label, (Figure(one["margin"], None, unit),), rule)
 
 
 def _of_row(row: Branch, rule: str) -> Highlight:
