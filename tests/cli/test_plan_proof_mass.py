@@ -42,9 +42,13 @@ def test_a_long_proof_mass_changes_the_amplitude_as_the_second_order_rule_has_it
     in_ng = rows["amplitude", "sine"] * 9.81 / 9.80665
     assert 100.0 * (in_ng / point - 1.0) == pytest.approx(summed, abs=2e-3)
     assert rows["pointlike_length", "of a proof mass of these radii"] == pytest.approx(2.0 * np.sqrt(3.0))
-    (curve,) = (one for one in content["curves"] if one["name"] == "proof_mass")
-    length, rule = (curve["columns"][name]["values"] for name in ("length", "second_order"))
-    assert (np.array(rule) > 0.0).tolist() == (np.array(length) > 2.0 * np.sqrt(3.0) * (1.0 + 1e-9)).tolist()
+    plan = ic.plan_mass_attraction(
+        body={"cube": "10 cm", "count": 50, "stand_off": "7.6 cm"}, motion={"stroke": ["10 cm", "40 cm"]},
+        proof_mass={"length": "8 cm", "radius": "2 cm"},
+    )  # fmt: skip
+    (curve,) = (one for one in plan.curves if one.name == "proof_mass")
+    length, rule = (np.array(curve.columns[name].values) for name in ("length", "second_order"))
+    assert (rule > 0.0).tolist() == (length > 2.0 * np.sqrt(3.0) * (1.0 + 1e-9)).tolist()
     lines = written.read_text().splitlines()
     assert "# gravitational constant: 6.6743e-11 m^3/s^2/kg" in lines
     assert "# gravity: 9.81 m/s^2" in lines

@@ -1,22 +1,21 @@
-"""What a mass-attraction test will give: uncertainty of the scale factor against hours, for a noise and a drive.
+"""Forecast of a mass-attraction test: uncertainty of the scale factor against hours, for a noise and a drive.
 
-Readings of the dwells are taken as::
+Means over the dwells are taken as::
 
     y = offset (+ line) + scale factor * applied + noise
 
-with all in the unit of the acceleration, and the scale factor is what generalised least squares finds: with an offset
-(and, where asked for, a line) free, of noise of which everything is known. Its relative variance is ``1 / (s' W s)``, s
-being what is applied and W the inverse covariance of the dwell means with the offset projected out. Random walk and
-flicker have no covariance of their own, but the differences of neighbouring dwells have one, and they are all that an
-offset leaves; it is exact for means over a dwell with the pauses between them (`sensors.noise`).
+all in the unit of the acceleration. The scale factor is that of generalised least squares with a free offset (and line,
+if the noise has a ramp), for a noise that is known. Its relative variance is ``1 / (s' W s)``; s is what is applied, W
+the inverse covariance of the dwell means with the offset projected out. Random walk and flicker have no covariance
+themselves, but the differences of neighbouring dwells have one, and an offset leaves only these; it is exact for means
+over a dwell with pauses between them (`sensors.noise`).
 
-Up to ``EXACT`` dwells that is solved as it stands. Beyond, each further cycle adds what the last half of them added on
+Up to ``EXACT`` dwells this is solved as it stands. Beyond, each further cycle adds what the last half of them added on
 average: a drive has a frequency, and noise there does not change with the length of the record.
 
-The doubt of what is applied is the same in every cycle, and does not shrink. Times are those of whole cycles.
-
-What it means: the standard deviation of scale factors from such tests. A real test does not know its noise beforehand,
-and finds it with some loss.
+The uncertainty of what is applied is the same in every cycle, and does not decrease. Times are those of whole cycles.
+The result is the standard deviation of scale factors from such tests; a real test has to estimate its noise too, and
+loses a little by that.
 """
 
 from __future__ import annotations
@@ -35,20 +34,12 @@ from ....core.estimate import Array
 from ....sensors.noise.terms import Phase, RateRamp, Term, total_phase
 
 EXACT = 1024  # dwells
-LONGEST = 2**40  # cycles that are still told
+LONGEST = 2**40  # cycles
 
 
 @dataclass(frozen=True)
 class Cycle:
-    """What one cycle applies, and how long it takes.
-
-    Parameters
-    ----------
-    applied : tuple of float
-        In each dwell [m/s^2].
-    dwell, move : float
-        [s].
-    """
+    """One cycle: what each dwell applies [m/s^2], length of a dwell and of a move [s]."""
 
     applied: tuple[float, ...]
     dwell: float
@@ -90,9 +81,7 @@ class Forecast:
         return np.hypot(self.u_noise, self.u_applied)
 
 
-def forecast(
-    cycle: Cycle, terms: Sequence[Term], times: ArrayLike, *, u_applied: float = 0.0, line: bool = False
-) -> Forecast:
+def forecast(cycle: Cycle, terms: Sequence[Term], times: ArrayLike, *, u_applied: float = 0.0) -> Forecast:
     """Return the relative standard uncertainty of the scale factor after each time.
 
     Parameters
@@ -102,64 +91,50 @@ def forecast(
     terms : sequence of Term
         Noise of the sensor [m/s^2].
     times : array_like, shape (n,)
-        Down to whole cycles, at least one [s].
+        Rounded down to whole cycles, at least one [s].
     u_applied : float
         Relative standard uncertainty of the amplitude [1].
-    line : bool
-        Whether a line in time is free, beside the offset; one is wherever the noise has a ramp.
 
     Raises
     ------
     PlanError
-        If there is no noise, or the cycle is none.
+        If there is no noise.
     """
     cycles = np.maximum(np.floor(np.atleast_1d(np.asarray(times, dtype=float)) / cycle.period + 1e-9), 1.0)
-    found = np.array([relative_noise(cycle, tuple(terms), int(count), line) for count in cycles])
+    found = np.array([relative_noise(cycle, tuple(terms), int(count)) for count in cycles])
     return Forecast(cycles * cycle.period, found, u_applied)
 
 
 def relative_noise(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool = False) -> float:
     """Return the relative standard uncertainty of the scale factor from the noise alone after so many cycles [1]."""
-    told = _information(cycle, terms, cycles, line)
-    return 1.0 / math.sqrt(told) if told > 0.0 else math.inf
+    information = _information(cycle, terms, cycles, line)
+    return 1.0 / math.sqrt(information) if information > 0.0 else math.inf
 
 
-def time_to(
-    cycle: Cycle, terms: Sequence[Term], target: float, *, u_applied: float = 0.0, line: bool = False
-) -> float | None:
-    """Return the time after which the uncertainty is at most the target [s].
+def time_to(cycle: Cycle, terms: Sequence[Term], target: float, *, u_applied: float = 0.0) -> float | None:
+    """Return the time of whole cycles after which the relative uncertainty is at most the target [s].
 
-    Parameters
-    ----------
-    cycle, terms, u_applied, line
-        As `forecast`.
-    target : float
-        Relative standard uncertainty of the scale factor [1].
-
-    Returns
-    -------
-    float or None
-        Of whole cycles; None where no time is enough, because what is applied is not known as well as that.
+    None if no time is enough, because the uncertainty of what is applied exceeds the target.
     """
     if not target > u_applied:
         return None
     wanted = math.sqrt(target**2 - u_applied**2)
     high = 1
-    while relative_noise(cycle, tuple(terms), high, line) > wanted:
+    while relative_noise(cycle, tuple(terms), high) > wanted:
         high *= 2
         if high > LONGEST:
             return None
     low = high // 2
     while high - low > 1:
         middle = (low + high) // 2
-        enough = relative_noise(cycle, tuple(terms), middle, line) <= wanted
+        enough = relative_noise(cycle, tuple(terms), middle) <= wanted
         low, high = (low, middle) if enough else (middle, high)
     return high * cycle.period
 
 
-def takeover(cycle: Cycle, terms: Sequence[Term], u_applied: float, *, line: bool = False) -> float | None:
-    """Return the time from which what is applied is the larger doubt [s]; None where it is known without one."""
-    return time_to(cycle, terms, math.sqrt(2.0) * u_applied, u_applied=u_applied, line=line) if u_applied else None
+def takeover(cycle: Cycle, terms: Sequence[Term], u_applied: float) -> float | None:
+    """Return the time after which the uncertainty of what is applied dominates [s]; None if it is zero."""
+    return time_to(cycle, terms, math.sqrt(2.0) * u_applied, u_applied=u_applied) if u_applied else None
 
 
 @lru_cache(512)
@@ -177,8 +152,8 @@ def _information(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool)
     most = max(EXACT // len(cycle.applied), 2)
     if cycles <= most:
         return _solved(cycle, terms, cycles, line)
-    half, all_of_them = (_information(cycle, terms, count, line) for count in (most // 2, most))
-    return all_of_them + (cycles - most) * (all_of_them - half) / (most - most // 2)
+    half, whole = (_information(cycle, terms, count, line) for count in (most // 2, most))
+    return whole + (cycles - most) * (whole - half) / (most - most // 2)
 
 
 def _solved(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool) -> float:
@@ -188,8 +163,7 @@ def _solved(cycle: Cycle, terms: tuple[Term, ...], cycles: int, line: bool) -> f
         tuple(term for term in terms if not isinstance(term, RateRamp)), cycle.dwell + cycle.move, cycle.dwell
     )
     covariance = difference_covariance(noise, len(applied))
-    beside = np.ones((len(applied), int(line)))
-    design = np.column_stack([applied, beside])
+    design = np.column_stack([applied, np.ones((len(applied), int(line)))])
     solved = np.atleast_2d(linalg.solve_toeplitz(covariance, design))
     normal = design.T @ solved
     if not line:
