@@ -22,7 +22,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import lru_cache
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from .axes import Kind
 from .errors import DataError
@@ -31,7 +31,8 @@ from .unit.parse import read_quantity, read_unit
 from .unit.spelling import spell
 
 if TYPE_CHECKING:
-    from numpy.typing import ArrayLike
+    import numpy as np
+    from numpy.typing import ArrayLike, NDArray
 
     from .estimate import Array
 
@@ -199,6 +200,24 @@ def convert(values: ArrayLike, from_unit: str, to_unit: str) -> Array:
         kelvins = numbers * _in_base_units(source)[0] + zero
         return np.asarray((kelvins - to_zero) / _in_base_units(target)[0], dtype=np.float64)
     return np.asarray(numbers * factor(from_unit, to_unit), dtype=np.float64)
+
+
+def convert_as_wide(values: NDArray[Any], from_unit: str, to_unit: str) -> NDArray[Any]:
+    """Return values in another unit, 32 bits wide where they were, so that a day of readings stays as large as it is.
+
+    Raises
+    ------
+    DataError
+        With code ``unit_mismatch``, if the dimensions differ.
+    """
+    import numpy as np  # noqa: PLC0415 - help of a command reads units, and needs no arrays
+
+    if values.dtype != np.float32:
+        return convert(values, from_unit, to_unit)
+    scaled: NDArray[np.float32] = np.empty_like(values)
+    with np.errstate(over="ignore"):  # beyond 32 bits it is no reading, and infinite
+        np.multiply(values, factor(from_unit, to_unit), out=scaled, dtype=np.float64, casting="same_kind")
+    return scaled
 
 
 @lru_cache(_REMEMBERED)

@@ -77,6 +77,8 @@ class InputSpec:
         Key of its reduced tables in an entry; empty where it reads recordings only.
     missing : bool
         A literal NaN is a missing sample; refused otherwise.
+    as_wide : bool
+        Readings of 32 bits stay 32 bits wide.
     bare : bool
         Sensors of no known kind, in the unit of the file, and samples that are increments or their sum are taken.
     ground_model : {"refused", "bias_kept", "applied"}
@@ -99,6 +101,7 @@ class InputSpec:
     roles: tuple[Role, ...] = ()
     table: str = ""
     missing: bool = False
+    as_wide: bool = False
     bare: bool = False
     ground_model: Literal["refused", "bias_kept", "applied"] = "refused"
     voltages: bool = False

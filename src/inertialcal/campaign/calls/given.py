@@ -50,6 +50,8 @@ class Files:
     def read(self, name: str, **reading: Any) -> Recording:
         """Return a recording, read as was said, but for what ``reading`` has else; those in memory as they are."""
         said = self.said
+        if name in self.held and not any(value is not None for value in reading.values()):
+            return self.held[name]
         wanted: dict[str, Any] = {
             "sample_rate": said.sample_rate, "time_column": said.time_column, "start": said.start, "stop": said.stop,
             "mission_start": said.mission_start, "frame": said.frame,

@@ -11,7 +11,7 @@ from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import SECOND, Channel, Recording
-from ...core.units import convert, kind, multiply, parse_quantity, si_unit
+from ...core.units import convert, convert_as_wide, kind, multiply, parse_quantity, si_unit
 from ...sensors.chain.converter import Chain
 from ...sensors.ground.correction import PREDICTED
 from ...sensors.model.on_recordings import apply_chain
@@ -40,6 +40,7 @@ def in_body_axes(
     chain: Chain | None,
     model: ChainModel | None = None,
     keep_bias: bool = False,
+    as_wide: bool = False,
 ) -> Recording:
     """Return the readings of a recording in body axes, SI, time in the middle of each average.
 
@@ -57,6 +58,8 @@ def in_body_axes(
         Of the ground, that applies.
     keep_bias : bool
         Whether the bias that a ground model predicts stays in.
+    as_wide : bool
+        Whether readings of 32 bits stay 32 bits wide.
 
     Returns
     -------
@@ -81,7 +84,7 @@ def in_body_axes(
     amplified = _gain_columns(columns, axes)
     recording = _in_si(recording, amplified, "1") if amplified else recording
     if chain is None:
-        recording = _readings(recording, {axis: channels[axis] for axis in axes}, sensor)
+        recording = _readings(recording, {axis: channels[axis] for axis in axes}, sensor, as_wide)
     else:
         used = {k: v for k, v in columns.items() if k not in NO_CHAIN and k not in warm and not k.startswith(GAIN)}
         recording = apply_chain(chain, recording, used, _gains(recording, chain))
@@ -147,18 +150,18 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
     return replace(recording, time_ns=recording.time_ns + round(shift * SECOND))
 
 
-def _in_si(recording: Recording, columns: dict[str, str], unit: str) -> Recording:
+def _in_si(recording: Recording, columns: dict[str, str], unit: str, as_wide: bool = False) -> Recording:
     """Rename the columns, in SI; the others stay as they are."""
     made = []
     for name, column in columns.items():
         channel = recording.channel(column)
-        values = convert(channel.data, channel.unit or unit, unit)
+        values = (convert_as_wide if as_wide else convert)(channel.data, channel.unit or unit, unit)
         made.append(Channel(name, values, unit, channel.unit_from, name if name in AXES else ""))
     others = [channel for channel in recording.channels if channel.name not in {*columns.values(), *columns}]
     return replace(recording, channels=(*made, *others))
 
 
-def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor: Sensor) -> Recording:
+def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor: Sensor, as_wide: bool) -> Recording:
     """Rename the columns of axes, in SI; increments and their sum stay so, other sensors in the unit of the file."""
     columns = {axis: one.column for axis, one in entries.items()}
     if sensor.kind == "other":
@@ -177,7 +180,7 @@ def _readings(recording: Recording, entries: Mapping[str, ChannelEntry], sensor:
         what = "channels x, y, z: some are rates, others increments or their sum"
         raise DataError(what, recording.source.path, do="Give each its own sensor", code="wrong_value")
     si = si_unit(sensor.unit)
-    return _in_si(recording, columns, multiply(si, "s") if added != {None} else si)
+    return _in_si(recording, columns, multiply(si, "s") if added != {None} else si, as_wide)
 
 
 def _in_body(recording: Recording, sensor: Sensor, axes: tuple[str, ...]) -> Recording:

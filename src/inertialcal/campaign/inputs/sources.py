@@ -245,7 +245,8 @@ class Ready:
             what, why = f"recordings.{self.name}: its axes are not those of the sensor", "the ground model is for those"
             raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
         chain = self.chain if self.chain is not None else chain_of(entry, sensor)
-        body = in_body_axes(self.raw, self.name, entry, sensor, chain, self.model, spec.ground_model == "bias_kept")
+        kept = spec.ground_model == "bias_kept"
+        body = in_body_axes(self.raw, self.name, entry, sensor, chain, self.model, kept, spec.as_wide)
         if spec.voltages:
             body = replace(body, channels=(*body.channels, *_reference_voltages(self.raw, entry, chain)))
         return in_body_names(body, entry, sensor) if spec.by_body else body

@@ -20,7 +20,7 @@ from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
 from ...core.times import elapsed_text, instant_text
-from ...core.units import convert, factor, kind, normalise, parse_quantity
+from ...core.units import convert_as_wide, factor, kind, normalise, parse_quantity
 from ...files.pad.frames import sensor_frame
 from ...files.text.table import Table
 from ...files.time.window import Window as Between
@@ -45,6 +45,7 @@ PATTERNS = {
 WIDTH = re.compile(r"(?:^|_)half_width_(\d\d)(?:_|$)")
 TABLES = {".csv", ".txt", ".tsv", ".gz"}
 HALF_TURN = "180 deg"
+ENOUGH = 10_000  # samples that show a level
 MICRO = 0.01  # [g], below which a head in g is shown in ug
 MOST = 8  # times in a message
 PART = 0.1  # of a record that a window may be: its noise is known from ten times as much
@@ -76,7 +77,8 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     head = head_recording(recording, channels)
     positions, remarks = positions_of(given, head)
     entry = {**base.entry, "channels": channels, "positions": positions} | ({"frame": frame} if frame else {})
-    levels = [head.channel(axis).data * factor("m/s^2", "g") for axis in base.sensor["axes"]]
+    thin = slice(None, None, 1 + len(head) // ENOUGH)
+    levels = [head.channel(axis).data[thin] * factor("m/s^2", "g") for axis in base.sensor["axes"]]
     sensor = {**base.sensor, "unit": _shown(base.sensor["unit"], levels)}
     return Described(entry, sensor, base.columns, remarks=remarks)
 
@@ -111,19 +113,10 @@ def head_recording(recording: Recording, channels: Mapping[str, Mapping[str, Any
     made = []
     for axis in (one for one in AXES if one in channels):
         channel, unit = recording.channel(channels[axis]["column"]), channels[axis]["unit"]
-        data = _in_si(channel.data, unit) if kind(unit) == "acceleration" else channel.data
+        sensed = kind(unit) == "acceleration"
+        data = convert_as_wide(channel.data, unit, "m/s^2") if sensed else channel.data
         made.append(Channel(axis, data, "m/s^2", channel.unit_from, axis))
     return readable(replace(recording, channels=tuple(made)))
-
-
-def _in_si(data: NDArray[Any], unit: str) -> NDArray[Any]:
-    """Return readings in m/s^2; 32 bits stay 32 bits wide, so that a day of three axes stays as large as it is."""
-    if data.dtype != np.float32:
-        return convert(data, unit, "m/s^2")
-    values: NDArray[np.float32] = np.empty_like(data)
-    with np.errstate(over="ignore"):  # beyond 32 bits is no reading, and is left out as such
-        np.multiply(data, factor(unit, "m/s^2"), out=values, dtype=np.float64, casting="same_kind")
-    return values
 
 
 def _other_channels(recording: Recording, taken: Mapping[str, Any]) -> dict[str, dict[str, str]]:

@@ -51,7 +51,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
     figures, compared = FIGURES, COMPARED
     set_against = True
     chosen_by = "Choose by positions"
-    inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused")
+    inputs = InputSpec(("accelerometer",), table="means", ground_model="bias_kept", windows="refused", as_wide=True)
 
     def described(self, given: GivenFile) -> Sequence[Described]:
         """Return the entry of a file: a table of means, or a recording with its windows."""

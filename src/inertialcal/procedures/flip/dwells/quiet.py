@@ -23,6 +23,7 @@ from ....core.recording import SECOND, Times
 from ..readings import Quiet
 
 MOST = 720  # blocks: time and memory of the noise model grow with their cube and square
+AT_ONCE = 16  # blocks that are summed at once, so that a day of samples is not copied
 PRESENT = 0.9  # of the samples that a block should have
 
 
@@ -142,8 +143,10 @@ def _means(
 def _sums(values: NDArray[np.generic], edges: NDArray[np.intp]) -> Array:
     """Sum between each pair of edges, in double precision."""
     pairs = edges.reshape(-1, 2)
-    if not len(pairs):
-        return np.zeros(0)
-    first, last = int(pairs[0, 0]), int(pairs[:, 1].max())
-    piece = np.append(np.asarray(values[first:last], dtype=np.float64), 0.0)
-    return np.asarray(np.add.reduceat(piece, edges - first)[::2], dtype=np.float64)
+    sums = np.zeros(len(pairs))
+    for at in range(0, len(pairs), AT_ONCE):
+        some = pairs[at : at + AT_ONCE]
+        first, last = int(some[0, 0]), int(some[:, 1].max())
+        piece = np.append(np.asarray(values[first:last], dtype=np.float64), 0.0)
+        sums[at : at + AT_ONCE] = np.add.reduceat(piece, some.ravel() - first)[::2]
+    return sums
