@@ -370,7 +370,7 @@ REFUSED = [
     ("results.json", "other.json", "schema", "neither a model nor results"),
     ("results.json", "rows.json", "schema", "neither a model nor results"),
     ("results.json", "apart.json", "no_shared_quantity", "no figure stands in both"),
-    ("model.json", "edited.json", "checksum", "the checksum does not fit the content"),
+    ("model.json", "edited.json", "checksum", "the checksum does not match the content"),
 ]
 
 

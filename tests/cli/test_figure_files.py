@@ -119,7 +119,7 @@ def test_an_input_is_not_overwritten(call: Call, campaign: Path) -> None:
     Path("x.csv").rename("x.png")
     status, _, err = call("rate-table", "x.png", "-o", "x.png")
     assert status == 3
-    assert "would replace its own input" in err
+    assert "would overwrite the input" in err
     assert Path("x.png").read_text() == TABLE
     results = campaign / "out" / "results.json"
     Path("r.svg").symlink_to(results)

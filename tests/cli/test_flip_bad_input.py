@@ -99,18 +99,18 @@ THIRD = "1996/051/12:21:00..1996/051/12:29:00=0 deg"
         (("--unit", "g", "--axis", "z"), 0, "The head may have been turned about x"),
         (("--unit", "g", "--angle", "half"), 2, "angle: 'half' Write"),
         (("--unit", "g", *windows(FIRST)), 0, "missing position: x, y, z were read at 0 deg only"),
-        (("--unit", "g", *windows("1996/051/12:09:00..1996/051/12:03:00=0 deg")), 2, "the end is not after the start"),
+        (("--unit", "g", *windows("1996/051/12:09:00..1996/051/12:03:00=0 deg")), 2, "the end must be after the start"),
         (("--unit", "g", *windows(FIRST, FIRST.replace("=0", "=180"))), 3, "overlap"),
         (("--unit", "g", *windows(FIRST, "1996/052/12:11:00..1996/052/12:19:00=180 deg")), 2, "from 1996-02-20T12"),
         (("--unit", "g", "--column", "x=x", "--column", "y=x"), 2, "column 'x' is given for x and y"),
         (("--unit", "g", *windows("000/12:03..000/12:09=0 deg")), 2, "Add: --mission-start 1996-03-22T08:13:04Z"),
         (("--unit", "g", *windows("12:03..12:09=0 deg")), 2, "'12:03' is no time"),
         (("--unit", "g", *windows("yesterday")), 2, "write START..STOP=ANGLE"),
-        (("--unit", "g", "--from", "1996/052/00:00"), 3, "The recording goes from 1996-02-20T12:00:00"),
+        (("--unit", "g", "--from", "1996/052/00:00"), 3, "The recording runs from 1996-02-20T12:00:00"),
         (("--unit", "g", "--to", "1996/051/12:05:00"), 2, "no turn of the head found"),
         (("--unit", "g", "--column", "w=x"), 2, "column 'w' There are: x, y, z"),
         (("--unit", "g", "--column", "x=nothing"), 3, "no column 'nothing'"),
-        (("--unit", "g", "--frame", "sensor"), 2, "a frame is asked for"),
+        (("--unit", "g", "--frame", "sensor"), 2, "--frame given"),
     ],
 )  # fmt: skip
 def test_a_record_asked_for_wrongly(
@@ -223,11 +223,11 @@ def archive(tmp_path_factory: pytest.TempPathFactory) -> Path:
     ("damage", "words"),
     [
         (cut, "9 bytes more: truncated"),
-        (cut_to_a_record, "records are missing a file that was cut short loses its end silently"),
+        (cut_to_a_record, "records are missing a truncated file loses its end silently"),
         (another_sensor, "sensors: 121f03, 121f05"),
         (another_start, "start of the record: the name says"),
         (another_rate, "Hz"),
-        (no_header, "no header beside it"),
+        (no_header, "its header is missing"),
     ],
 )
 def test_archive_records_that_are_damaged(

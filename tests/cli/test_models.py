@@ -154,7 +154,7 @@ def test_compensate_takes_units_columns_and_temperature(call: Call, tmp_path: Pa
     content = as_json(call, *words)
     assert content["errors"][0]["code"] == "no_temperature"
     assert "--temperature" in content["errors"][0]["do"]
-    assert as_json(call, *words, "--temperature", "k")["errors"][0]["do"] == "Say it: --unit k=degC"
+    assert as_json(call, *words, "--temperature", "k")["errors"][0]["do"] == "Add --unit k=degC"
     fixed = as_json(call, *words, "--temperature", "20 degC")
     assert fixed["columns"]["temperature"] == "20 degC"
     first = read(tmp_path / "out.csv").array()[0, :3]
@@ -163,7 +163,7 @@ def test_compensate_takes_units_columns_and_temperature(call: Call, tmp_path: Pa
 
 
 BAD_MODELS = [
-    ("edited", [], "checksum", "the checksum does not fit the content"),
+    ("edited", [], "checksum", "the checksum does not match the content"),
     ("model", ["--serial", "8"], "wrong_serial", "the model is for serial '7', the data are from serial '8'"),
     ("model", ["--unit", "x=g", "--column", "x=n"], "wrong_column", "no column"),
     ("model", ["--column", "x=acc"], "wrong_unit", "column 'acc [g]': the data are in 'g'"),

@@ -49,7 +49,7 @@ def test_convert_keeps_stamps_and_bits_of_a_part(record: Path, tmp_path: Path) -
     [
         (("--from", "006/00:56"), "when the mission started is not said"),
         (("--from", "2014/366/00:00"), "day 366 of 2014"),
-        (("--to", "2013/001/00:00"), "The recording goes from 2014-10-22T09:36:36Z"),
+        (("--to", "2013/001/00:00"), "The recording runs from 2014-10-22T09:36:36Z"),
         (("--frame", "station"), "Say one of: data, sensor"),
     ],
 )

@@ -241,13 +241,13 @@ class TestRefusals:
             ("rads", "Write rad or rad/s"),
             ("cps", "Write count/s or Hz"),
             ("mV/deg/s", r"Write mV/\(deg/s\)"),
-            ("mV/°/s", r"mV/\(deg/s\) or as mV/\(deg\*s\)"),
+            ("mV/°/s", r"mV/\(deg/s\) or mV/\(deg\*s\)"),
             ("1/deg/s", r"Write 1/\(deg/s\)"),
             ("V/m/s2", r"Write V/\(m/s\^2\)"),
             ("V/m/s^2", r"Write V/\(m/s\^2\)"),
-            ("ms-2", "milliseconds or as m and s"),
-            ("ms⁻²", "milliseconds or as m and s"),
-            ("m/s-2", "can be meant either way"),
+            ("ms-2", "milliseconds or m and s"),
+            ("ms⁻²", "milliseconds or m and s"),
+            ("m/s-2", "is ambiguous"),
             ("deg/s g", "'g' after a division"),
             ("kg/m·s", "'s' after a division"),
             ("V(deg/s)", "a bracket follows 'V'"),
@@ -257,23 +257,23 @@ class TestRefusals:
             ("m^13", "m to the power 13"),
             ("m^0.3", "m to the power 3/10"),
             ("(m^9)^9", "m to the power 81"),
-            ("m^999999999", "'999999999' is no exponent"),
-            ("m^1e999999999", "'1e999999999' is no exponent"),
-            ("m^x", "'x' is no exponent"),
+            ("m^999999999", "'999999999' is not an exponent"),
+            ("m^1e999999999", "'1e999999999' is not an exponent"),
+            ("m^x", "'x' is not an exponent"),
             ("m^(1/0)", "its exponent divides by zero"),
             ("m^(1/2", r"'\)' is missing"),
-            ("s2.5", "'2.5' is no exponent"),
-            ("s0", "'0' is no exponent"),
-            ("5 V", "there is a number in it, 5"),
+            ("s2.5", "'2.5' is not an exponent"),
+            ("s0", "'0' is not an exponent"),
+            ("5 V", "it contains the number 5"),
             ("V 5", "the number 5 follows 'V'"),
             ("V/(deg/s", r"'\)' is missing"),
-            ("deg/s)", r"'\)' does not belong there"),
+            ("deg/s)", r"'\)' does not belong here"),
             ("deg/", "a unit is missing at the end"),
             ("/s", "a unit is missing before '/'"),
             ("m//s", "a unit is missing before '/'"),
             ("()", r"a unit is missing before '\)'"),
             ("-deg", "a unit is missing before '-'"),
-            ("m;s", "the character ';' does not belong there"),
+            ("m;s", "the character ';' does not belong here"),
             ("m" * 81, "it has 81 characters, more than 80"),
             ("(" * 10 + "m" + ")" * 10, "more than 8 brackets"),
             ("√" * 12 + "m", "more than 8 brackets or roots"),
@@ -287,7 +287,7 @@ class TestRefusals:
 
     def test_product_too_long_to_print(self) -> None:
         unit = "*".join(known_units()[:30:3])
-        with pytest.raises(DataError, match="characters to write, more than 80"):
+        with pytest.raises(DataError, match="characters, more than 80"):
             multiply(unit, "mGal*uGal*arcsec*Eotvos*gauss*mTorr*mmHg*inHg*degF*degC")
 
     @settings(max_examples=300)
@@ -442,7 +442,7 @@ class TestFactors:
         assert convert(2.0, "V/degF", "V/degC") == pytest.approx(3.6)
 
     def test_factor_beyond_numbers(self) -> None:
-        with pytest.raises(DataError, match="beyond what a number can hold"):
+        with pytest.raises(DataError, match="too large or too small"):
             factor("ps^12*prad^12*pg^12", "s^12*rad^12*g^12")
 
     def test_values_keep_shape_and_are_not_touched(self) -> None:
@@ -524,12 +524,12 @@ class TestAlgebra:
         assert power("V", 0) == "1"
 
     def test_si_unit_beyond_the_exponents(self) -> None:
-        with pytest.raises(DataError, match=r"the SI unit of 'g\^7' is no unit: s to the power -14"):
+        with pytest.raises(DataError, match=r"the SI unit of 'g\^7' is not a unit: s to the power -14"):
             si_unit("g^7")
 
     @pytest.mark.parametrize("exponent", [math.nan, math.inf, 0.123456, 1e300, Fraction(1, 7), 13])
     def test_powers_that_are_no_unit(self, exponent: float) -> None:
-        with pytest.raises(DataError, match=r"'V' to the power .* is no unit"):
+        with pytest.raises(DataError, match=r"'V' to the power .* is not a unit"):
             power("V", exponent)
 
     @given(units(), units())
@@ -590,11 +590,11 @@ class TestQuantities:
     @pytest.mark.parametrize(
         ("text", "words"),
         [
-            ("", "does not begin with a number"),
-            ("V", "does not begin with a number"),
-            ("nan V", "does not begin with a number"),
-            ("inf", "does not begin with a number"),
-            ("- V", "does not begin with a number"),
+            ("", "must begin with a number"),
+            ("V", "must begin with a number"),
+            ("nan V", "must begin with a number"),
+            ("inf", "must begin with a number"),
+            ("- V", "must begin with a number"),
             ("5 furlong", "quantity '5 furlong': 'furlong' is not known"),
             ("5 G", "Write g for the acceleration"),
             ("1e999 V", "not finite"),
@@ -603,16 +603,16 @@ class TestQuantities:
             ("5e300^9 V", "not finite"),
             ("5 V/0", "divides by zero"),
             ("0^-1 V", "not finite"),
-            ("1,5 V", "Write the decimal sign as a point"),
+            ("1,5 V", "Use a decimal point"),
             ("1 000 V", "the number 000 follows '1' without a sign between"),
             ("5 V / 4096 count", "'count' after a division"),
             ("1/3 deg", "'deg' after a division"),
             ("5 mV/deg/s", "Write 5mV/\\(deg/s\\)"),
-            ("5 V ± 1 V", "the character '±' does not belong there"),
-            ("5 V + 1 V", "'\\+' does not belong there"),
-            ("--5 V", "does not begin with a number"),
+            ("5 V ± 1 V", "the character '±' does not belong here"),
+            ("5 V + 1 V", "'\\+' does not belong here"),
+            ("--5 V", "must begin with a number"),
             ("5 " + "m" * 80, "it has 82 characters"),
-            ("__import__('os')", "does not belong there"),
+            ("__import__('os')", "does not belong here"),
         ],
     )
     def test_refusals(self, text: str, words: str) -> None:

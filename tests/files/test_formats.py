@@ -48,7 +48,7 @@ def test_formats_that_are_not(magic: bytes, what: str) -> None:
     with pytest.raises(DataError) as caught:
         recognise(magic + b"...", "a.bin")
     (problem,) = caught.value.problems
-    assert problem.what == f"this is {what}, which is not read yet"
+    assert problem.what == f"this is {what}, which is not supported"
     assert problem.code == "unsupported_format"
     assert "Formats read: CSV and other text, Parquet, MATLAB" in problem.do
 
@@ -63,7 +63,7 @@ def test_formats_that_are_not(magic: bytes, what: str) -> None:
     ],
 )
 def test_other_formats_that_are_not(data: bytes, what: str) -> None:
-    with pytest.raises(DataError, match=f"this is {what}, which is not read yet"):
+    with pytest.raises(DataError, match=f"this is {what}, which is not supported"):
         recognise(data, "a")
 
 

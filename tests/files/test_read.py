@@ -42,7 +42,7 @@ def test_missing_values_are_nan_counted_and_placed(file: Path) -> None:
     np.testing.assert_array_equal(recording.channel("gyro_y").data, [2.0, np.nan, 3.0])
     assert [str(remark) for remark in recording.remarks] == [
         f"info: {file}:3: empty cell in 'gyro_y': missing",
-        f"warning: {file}:4: no finite number (NaN, inf) in 'acc_x': taken as missing",
+        f"warning: {file}:4: NaN or inf in 'acc_x': treated as missing",
     ]
 
 
@@ -70,7 +70,7 @@ def test_units_by_group_and_by_column(file: Path) -> None:
 
 def test_a_flag_against_the_header_is_remarked(file: Path) -> None:
     (remark, *_) = read(file, units={"gyro": "rad/s"}).remarks
-    assert remark.what == "'gyro_x [deg/s]' is deg/s by its header, rad/s by the flag: the flag is taken"
+    assert remark.what == "'gyro_x [deg/s]' is deg/s by its header, rad/s by the option: the option wins"
 
 
 @pytest.mark.parametrize(
@@ -110,7 +110,7 @@ def test_a_column_of_text_is_no_channel_and_remarked(file: Path) -> None:
 
 def test_a_file_of_text_alone(file: Path) -> None:
     file.write_text("a,b\nx,y\nz,w\n")
-    with pytest.raises(DataError, match=r"no column of numbers besides time\. The file has: a, b") as caught:
+    with pytest.raises(DataError, match=r"no column of numbers, apart from time\. The file has: a, b") as caught:
         read(file)
     assert caught.value.problems[0].code == "no_channel"
 

@@ -159,7 +159,7 @@ def test_a_broken_reader_is_named(text: str, why: str, install: Install, tmp_pat
         ('return Content(columns, "Toy, little endian")', "return columns", "gives a tuple, need a Content"),
         ("table[:, 0], None", "table[:9, 0], None", "columns of different length"),
         ('"gyro_x"', '"time [s]"', "two columns of one name"),
-        ('number_column("gyro_x", table[:, 1], "deg/s")', "3", "neither numbers, instants nor text"),
+        ('number_column("gyro_x", table[:, 1], "deg/s")', "3", "neither numbers, times nor text"),
     ],
 )
 def test_a_reader_that_fails_gives_an_error_to_act_on(

@@ -172,7 +172,7 @@ def test_a_column_that_counts_is_an_index(data: Path) -> None:
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("vibration/endaq_ide/test4.IDE", r"an EBML recorder file \(enDAQ \.IDE\), which is not read yet"),
+        ("vibration/endaq_ide/test4.IDE", r"an EBML recorder file \(enDAQ \.IDE\), which is not supported"),
         ("vibration/hrshm_dataset7/amplitude_6_Impact_1_vibration.lvm", r"a LabVIEW measurement file \(\.lvm\)"),
         ("noise/nist_sp1065_1000pt.json", "JSON"),
     ],

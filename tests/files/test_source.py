@@ -45,7 +45,7 @@ def test_a_folder(tmp_path: Path) -> None:
 
 
 def test_a_device() -> None:
-    assert refused("/dev/zero") == ("this is no ordinary file", "missing_file")
+    assert refused("/dev/zero") == ("not a regular file", "missing_file")
 
 
 def test_a_name_that_cannot_be() -> None:

@@ -163,7 +163,7 @@ def factor(from_unit: str, to_unit: str, difference: bool = False) -> float:
     number = _in_base_units(quotient(source, target))[0]
     if not (math.isfinite(number) and number > 0.0):
         raise DataError(
-            f"the factor from {from_unit!r} to {to_unit!r} is beyond what a number can hold",
+            f"the factor from {from_unit!r} to {to_unit!r} is too large or too small for a number",
             code="unit_mismatch",
         )
     return number
@@ -273,7 +273,7 @@ def _simple(exponent: float | Fraction) -> Fraction:
         raise ValueError("the exponent is not finite")
     simple = Fraction(exponent).limit_denominator(12)
     if abs(float(simple - Fraction(exponent))) > 1e-12:
-        raise ValueError("the exponent is no simple fraction")
+        raise ValueError("the exponent is not a simple fraction")
     return simple
 
 
@@ -281,7 +281,7 @@ def _algebra(operation: Callable[[], Powers], what: str) -> str:
     try:
         return spell(operation())
     except ValueError as error:
-        raise DataError(f"{what} is no unit: {error}", code="unknown_unit") from None
+        raise DataError(f"{what} is not a unit: {error}", code="unknown_unit") from None
 
 
 def _inside(unit: Powers) -> Powers:

@@ -90,7 +90,7 @@ def _channels(described: Sequence[Described], clock: Clock, path: str) -> tuple[
     if not chosen:
         names = ", ".join(d.name for d in described) or "none"
         raise DataError(
-            "no column of numbers besides time",
+            "no column of numbers, apart from time",
             where=path,
             do=f"The file has: {names}. Check separator and decimal sign",
             code="no_channel",

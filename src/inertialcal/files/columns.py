@@ -86,7 +86,7 @@ def missing_remarks(name: str, empty: Rows, nan: Rows, where: Callable[[int], st
         what = f"empty cell in {name!r}: missing"
         remarks.append(Remark("missing_cells", "info", what, where(int(empty[0])), len(empty), subject=name))
     if len(nan):
-        what = f"no finite number (NaN, inf) in {name!r}: taken as missing"
+        what = f"NaN or inf in {name!r}: treated as missing"
         remarks.append(Remark("nan_literal", "warning", what, where(int(nan[0])), len(nan), subject=name))
     return tuple(remarks)
 
@@ -97,7 +97,7 @@ def nan_in_required(name: str, cell: str, count: int, where: str) -> DataError:
     return DataError(
         f"literal {cell!r} in required column {name!r}{more}",
         where=where,
-        why="some program wrote it in place of a number: missing, or a computation that failed?",
+        why="a missing value, or a failed computation?",
         do="Leave the cell empty if the value is missing",
         code="nan_in_required",
     )
@@ -112,7 +112,7 @@ def without_unfilled_end(content: Content, path: str) -> Content:
     if not count:
         return content
     kept = len(content) - count
-    what = "row of zeros only, time included, at the end (the unfilled end of a buffer): left out"
+    what = "rows of zeros at the end, time included (an unfilled buffer): left out"
     remark = Remark("unfilled_end", "warning", what, where=content.place(path, kept), count=count)
     return replace(
         content,

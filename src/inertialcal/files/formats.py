@@ -28,7 +28,7 @@ UNREAD = (
     (b"\xfd7zXZ\x00", "an xz file"),
     (b"\x28\xb5\x2f\xfd", "a zstd file"),
     (b"7z\xbc\xaf\x27\x1c", "a 7-zip archive"),
-    (b"version https://git-lfs", "a pointer of Git LFS, not the file itself (git lfs pull)"),
+    (b"version https://git-lfs", "a Git LFS pointer, not the file itself (run git lfs pull)"),
 )
 UNREAD_TEXT = ((b"<", "XML or HTML"), (b"{", "JSON"))  # after blanks
 
@@ -51,7 +51,7 @@ def refusal(data: bytes, path: str, readable: str) -> DataError | None:
     if not what:
         return DataError("damaged zip archive", where=path, do="Copy it again from its source", code="damaged_file")
     return DataError(
-        f"this is {what}, which is not read yet",
+        f"this is {what}, which is not supported",
         where=path,
         do=f"Export it as text or Parquet. Formats read: {readable}",
         code="unsupported_format",

@@ -51,8 +51,8 @@ def read_recording(path: str | Path, request: Request) -> Recording:
             return recording
     if request.frame is not None:
         raise UsageError(
-            f"{path}: a frame is asked for",
-            why="only records of the acceleration archive say their coordinate systems",
+            f"{path}: --frame given",
+            why="only records of the acceleration archive give their coordinate systems",
             do="Leave --frame out",
             code="wrong_frame",
         )
@@ -132,7 +132,7 @@ def _guarded(reader: Reader) -> Reader:
             content = reader.read(loaded, variables)
         wrong = _fault(content)
         if wrong:
-            what, do = f"the {_called(reader.name)} gives {wrong}", "Tell those who made it"
+            what, do = f"the {_called(reader.name)} gives {wrong}", "Report it to its authors"
             raise DataError(what, where=loaded.path, do=do, code="broken_plugin")
         return content
 
@@ -146,7 +146,7 @@ def _fault(content: object) -> str:
     for column in content.columns:
         values = column.values if isinstance(column, Column) else None
         if not isinstance(values, np.ndarray) or values.ndim != 1 or values.dtype.kind not in KINDS:
-            return "a column that holds neither numbers, instants nor text"
+            return "a column that is neither numbers, times nor text"
     if len({len(column.values) for column in content.columns}) > 1:
         return "columns of different length"
     names = [column.name for column in content.columns]

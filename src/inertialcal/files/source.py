@@ -59,7 +59,7 @@ def _bytes(path: Path, name: str) -> bytes:
         if path.is_dir():
             raise _folder(Path(path), name)
         if path.exists() and not path.is_file():
-            raise DataError("this is no ordinary file", where=name, code="missing_file")
+            raise DataError("not a regular file", where=name, code="missing_file")
         size = path.stat().st_size
         if size > LARGEST:
             raise too_large(name, size)
@@ -96,7 +96,7 @@ def _unpack(raw: bytes, name: str) -> bytes:
         raise DataError(
             f"damaged gzip file: {error}",
             where=name,
-            why=f"{out.tell()} bytes could be unpacked",
+            why=f"{out.tell()} bytes could be decompressed",
             do="Copy it again from its source",
             code="damaged_file",
         ) from None
@@ -117,8 +117,8 @@ def check_size(name: str, unpacked: int, packed: int) -> None:
         raise DataError(
             f"unpacks to more than {LARGEST_RATIO} times its size",
             where=name,
-            why="no recording packs that well; this would fill the memory",
-            do="Unpack and look at it by hand",
+            why="no recording compresses that well; it would fill the memory",
+            do="Unpack it and check by hand",
             code="too_large",
         )
 

@@ -140,7 +140,7 @@ def test_counts_and_temperatures_give_their_unit_away(file: Path) -> None:
         )
     )
     assert [str(hint) for hint in found.hints] == [
-        "gyro has no unit, and its numbers do not tell: say deg/s or rad/s",
+        "gyro has no unit, and its values do not give it away: add deg/s or rad/s",
         f"whole numbers up to {max(abs(found.channels[0].minimum or 0), found.channels[0].maximum or 0):g}: "
         "--unit acc=count?",
         f"temperature from {found.channels[1].minimum:.4g} to {found.channels[1].maximum:.4g}: "
@@ -188,7 +188,7 @@ def test_rows_with_comments_between_them_are_named_by_sample(file: Path) -> None
 def test_the_end_of_a_converter(file: Path) -> None:
     counts = RNG.normal(0, 12000, N).round().clip(-32768, 32767).astype(int)
     (remark,) = [r for r in survey(write(file, acc_x=counts)).remarks if "32767" in r.what]
-    assert remark.what == "'acc_x' piles up at 32767, the end of a converter: clipped?"
+    assert remark.what == "'acc_x' piles up at 32767, the limit of a converter: clipped?"
 
 
 def test_a_disturbance_is_placed_in_time(file: Path) -> None:
@@ -220,7 +220,7 @@ def test_a_temperature_that_swings_faster_than_anything_can(file: Path) -> None:
     micro = write(file, timestamp=np.arange(N) * 500_000 + 10**14, temp=temperature, gyro_x=rest()["gyro_x"])
     found = survey(micro)
     (remark,) = [r for r in found.remarks if r.code == "time_axis_implausible"]
-    assert " if 'timestamp' is in ns: nothing changes its temperature faster than 1 K/s" in remark.what
+    assert " if 'timestamp' is in ns: no sensor changes faster than 1 K/s" in remark.what
     assert found.next is not None
     assert found.next.endswith("--unit timestamp=UNIT")
     told = survey(file, units={"timestamp": "ns"})

@@ -79,7 +79,7 @@ def test_number_changed_by_hand_is_refused(tmp_path: Path) -> None:
     text = path.read_text()
     assert text.count("-0.005") >= 1
     path.write_text(text.replace("-0.005", "-0.006"))
-    with pytest.raises(DataError, match="checksum does not fit the content") as caught:
+    with pytest.raises(DataError, match="checksum does not match the content") as caught:
         read_model(path)
     assert caught.value.problems[0].code == "checksum"
     assert caught.value.problems[0].where == str(path)

@@ -203,7 +203,7 @@ def test_what_a_format_cannot_hold_is_told_thing_by_thing() -> None:
 
     assert without("cannot hold: g-sensitivity") == ["imu-tk", "realsense"]
     assert without("cannot hold: bias") == ["kalibr-model"]
-    assert without("and an ideal one is written") == ["imucal", "kalibr-model", "realsense"]
+    assert without("so an ideal one is written") == ["imucal", "kalibr-model", "realsense"]
 
 
 @pytest.mark.parametrize("name", ["imucal", "kalibr-model", "realsense"])
@@ -287,7 +287,7 @@ SNAP = imucal.dump({"accelerometer": sensor("accelerometer"), "gyro": sensor("gy
             "not_invertible",
             "no inverse",
         ),
-        (" ".join(["1"] * 21), "schema", "K diagonal"),
+        (" ".join(["1"] * 21), "schema", "diagonal K"),
         (KALIBR.replace("- [1.01, 0.0, 0.0]", "- [1.01, 0.1, 0.0]"), "schema", "not lower triangular"),
         (KALIBR.replace("- [0.0, 1.0, 0.0]\n", "- [0.0, 1.1, 0.0]\n"), "not_a_rotation", "C_gyro_i"),
         (KALIBR.replace("[1.01, 0.0, 0.0]", "[1.01, .nan, 0.0]"), "schema", "3 x 3 finite"),
@@ -326,7 +326,7 @@ def test_export_from_their_format_to_another(tmp_path: Path) -> None:
     with pytest.raises(DataError, match="holds models of: accelerometer, gyro") as caught:
         load_model_file(tmp_path / "cal.json")
     assert caught.value.problems[0].code == "which_sensor"
-    with pytest.raises(DataError, match="not judged"):
+    with pytest.raises(DataError, match="not checked"):
         export(both[0], "imucal", tmp_path / "x.json")
     with pytest.raises(UsageError, match="two models of a gyro"):
         export(both[0], "imucal", tmp_path / "x.json", unjudged=True, others=both[:1])
@@ -343,7 +343,7 @@ def test_imu_tk_needs_to_be_told_its_sensor(tmp_path: Path) -> None:
         (tmp_path / name).write_text(imu_tk.dump({"accelerometer": model}))
     same_sensor(model, load_model_file(tmp_path / "test_acc.calib").model)
     same_sensor(model, load_model_file(f"{tmp_path / 'cal.txt'}#accelerometer").model)
-    with pytest.raises(DataError, match="does not tell its sensor"):
+    with pytest.raises(DataError, match="does not name its sensor"):
         load_model_file(tmp_path / "cal.txt")
 
 
@@ -383,8 +383,8 @@ def test_numbers_without_a_point_are_numbers() -> None:
         ("a: 1\n  b: 2", "line 2: not YAML"),
         ("a: \x00", "not YAML"),
         ("a: 2001-99-99", "not YAML"),
-        ("a: &x 1", "line 1: anchors, aliases and tags"),
-        ("a: 1\nb: *x", "line 2: anchors, aliases and tags"),
+        ("a: &x 1", "line 1: YAML anchors, aliases and tags"),
+        ("a: 1\nb: *x", "line 2: YAML anchors, aliases and tags"),
         ("a: !!python/object:os.system x", "anchors, aliases and tags"),
         ("a: 1\n---\nb: 2", "not YAML"),
         ("a: " + "[" * 40 + "]" * 40, "more than 12"),

@@ -78,7 +78,7 @@ def test_radiation_records_have_columns_without_names_and_units(tmp_path: Path) 
     found = ic.read(path, frame="sensor")
     assert found.names == tuple(f"column_{i}" for i in range(2, 15))
     assert np.array_equal(found.channel("column_14").data, table[:, 13])
-    assert "column_2 to column_14, without unit" in remark(found, "columns_unnamed").what
+    assert "without names or units: column_2 to column_14" in remark(found, "columns_unnamed").what
 
 
 def test_a_pair_under_other_names_is_known_by_its_header(tmp_path: Path) -> None:
@@ -221,7 +221,9 @@ def test_a_gap_between_files_is_remarked(tmp_path: Path) -> None:
     assert "contiguity_differs" not in codes(found)
 
 
-@pytest.mark.parametrize(("sign", "seconds", "words"), [("+", 0.5, "it goes on; by the times 30"), ("-", 0.2, "a gap")])
+@pytest.mark.parametrize(
+    ("sign", "seconds", "words"), [("+", 0.5, "continues; by the time stamps 30"), ("-", 0.2, "a gap")]
+)
 def test_a_sign_that_does_not_fit_the_times(tmp_path: Path, sign: str, seconds: float, words: str) -> None:
     assert words in remark(ic.read(joined(tmp_path, sign, seconds)), "contiguity_differs").what
 
@@ -248,7 +250,7 @@ def test_only_files_in_the_window_are_opened(tmp_path: Path) -> None:
     found = ic.read(tmp_path, start="2014/295/09:36:36.05", stop="2014-10-22T09:36:36.100Z")
     assert len(found) == 5
     assert remark(found, "cut_to_times").what == (
-        "5 of 20 samples lie between the times asked for; 1 file(s) outside them not opened"
+        "5 of 20 samples are in the requested time window; 1 file(s) outside not opened"
     )
 
 

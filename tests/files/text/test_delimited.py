@@ -93,7 +93,7 @@ def test_text_in_a_number_column(text: str) -> None:
     (problem,) = caught.value.problems
     assert str(problem) == (
         "a.csv:3: text 'abc' in number column 'x' (2 such cells). "
-        "Mend the cell, or leave it empty if the value is missing"
+        "Correct the cell, or leave it empty if the value is missing"
     )
     assert problem.code == "text_in_numbers"
 

@@ -16,7 +16,7 @@ def test_marks_are_understood(codec: str) -> None:
 def test_latin_1_is_remarked() -> None:
     text, (remark,) = decode("t,x\n1,°\n".encode("latin-1"), "a.csv")
     assert text == "t,x\n1,°\n"
-    assert str(remark) == "info: a.csv:2: byte 0xb0 is no UTF-8: read as Latin-1"
+    assert str(remark) == "info: a.csv:2: byte 0xb0 is not UTF-8: read as Latin-1"
 
 
 def test_line_ends_and_the_end_of_a_dos_text() -> None:
@@ -24,7 +24,7 @@ def test_line_ends_and_the_end_of_a_dos_text() -> None:
 
 
 def test_a_nul_byte_is_refused_with_its_row() -> None:
-    with pytest.raises(DataError, match=r"a\.csv:3: a nul byte at byte 9 \(this is binary data"):
+    with pytest.raises(DataError, match=r"a\.csv:3: a nul byte at byte 9 \(binary data"):
         decode(b"1,2\n3,4\n5\x00,6\n", "a.csv")
 
 
@@ -35,5 +35,5 @@ def test_control_characters_are_refused() -> None:
 
 
 def test_broken_utf_16() -> None:
-    with pytest.raises(DataError, match="marked as UTF-16 but broken at byte"):
+    with pytest.raises(DataError, match="marked as UTF-16, but invalid at byte"):
         decode(b"\xff\xfea", "a.csv")

@@ -79,7 +79,7 @@ def test_a_row_of_units() -> None:
 def test_a_preamble_is_left_out_and_counted() -> None:
     found = look("Device: X\nSampling rate: 2 kHz\nt,x\n1,2\n3,4\n5,6\n7,8\n")
     assert (found.names, found.row, found.sample_rate) == (("t", "x"), 4, 2000.0)
-    assert str(found.remarks[0]) == "info: a.csv:1: 2 line(s) before the table left out: 'Device: X' ..."
+    assert str(found.remarks[0]) == "info: a.csv:1: 2 line(s) before the table ignored: 'Device: X' ..."
 
 
 @pytest.mark.parametrize(
@@ -108,12 +108,12 @@ def test_a_header_that_does_not_fit() -> None:
 
 @pytest.mark.parametrize("text", ["", "\n\n", "# only\n# comments\n"])
 def test_nothing_to_read(text: str) -> None:
-    with pytest.raises(DataError, match="holds no row of data"):
+    with pytest.raises(DataError, match="no rows of data"):
         look(text)
 
 
 def test_a_header_alone() -> None:
-    with pytest.raises(DataError, match="holds a header and no row of data"):
+    with pytest.raises(DataError, match="a header, but no rows of data"):
         look("a,b\n")
 
 

@@ -91,7 +91,7 @@ def test_an_eleven_digit_epoch(file: Path, header: str) -> None:
     assert problem.code == "epoch_digits"
     assert problem.where == f"{file}:2"
     assert problem.what == f"stamp 12833581390 in {header!r} has 11 digits (30 such stamps)"
-    assert problem.why == "seconds since 1970 have 10 digits, milliseconds 13: a surplus digit?"
+    assert problem.why == "seconds since 1970 have 10 digits, milliseconds 13: one digit too many?"
 
 
 def test_one_stamp_with_a_surplus_digit(file: Path) -> None:
@@ -114,10 +114,10 @@ def test_whole_numbers_without_unit_are_not_taken(file: Path) -> None:
     assert recording.time_ns is None
     (remark,) = recording.remarks
     assert remark.what == (
-        "'time' has no unit and whole numbers, so it is not taken as time: in s 0.1 Hz over 290 s; "
+        "'time' has whole numbers without a unit, so it is not used as time: in s 0.1 Hz over 290 s; "
         "in ms 100 Hz over 0.29 s"
     )
-    assert remark.do == "Say it: --unit time=UNIT"
+    assert remark.do == "Add --unit time=UNIT"
     for units in ({"time": "ms"}, {"1": "ms"}):
         assert read(file, units=units).sample_rate == 100.0
 
@@ -140,7 +140,9 @@ def test_a_column_of_dates(file: Path) -> None:
 def test_a_date_that_is_none(file: Path) -> None:
     days = [f"2010-09-01T16:22:{i:02d}Z" for i in range(30)]
     days[4] = "2010-09-31T16:22:04Z"
-    with pytest.raises(DataError, match=r"a\.csv:6: '2010-09-31T16:22:04Z' in time column 'when' is no instant"):
+    with pytest.raises(
+        DataError, match=r"a\.csv:6: '2010-09-31T16:22:04Z' in time column 'when' is not a date and time"
+    ):
         read(table(file, "when,x", lambda i: days[i], noise))
 
 
@@ -149,7 +151,7 @@ def test_without_a_header_fractions_that_increase_are_time(file: Path) -> None:
     assert recording.sample_rate == 128.0
     assert recording.names == ("column_2", "column_3")
     (remark,) = recording.remarks
-    assert remark.what == "'column_1' has no name; it always increases: taken as time in seconds"
+    assert remark.what == "'column_1' has no name; it always increases: used as time in seconds"
 
 
 def test_without_a_header_whole_numbers_are_pointed_out_only(file: Path) -> None:
@@ -178,12 +180,12 @@ def test_the_column_that_is_named_is_taken(file: Path) -> None:
 @pytest.mark.parametrize(
     ("column", "code", "words"),
     [
-        ("x", "not_time", "'x' is no time: .* of its steps go backward"),
-        ("still", "not_time", "'still' is no time: it stands still"),
-        ("gone", "time_missing", "time column 'gone' has cells without a time"),
-        ("whole", "time_unit_unknown", "'whole' has no unit and whole numbers"),
+        ("x", "not_time", "'x' is not time: .* of its steps go backward"),
+        ("still", "not_time", "'still' is not time: it stands still"),
+        ("gone", "time_missing", "time column 'gone' has empty cells"),
+        ("whole", "time_unit_unknown", "'whole' has whole numbers without a unit"),
         ("volt_V", "not_time", "'volt_V' is in V"),
-        ("label", "text_in_numbers", "'a' in time column 'label' is no instant"),
+        ("label", "text_in_numbers", "'a' in time column 'label' is not a date and time"),
         ("none", "wrong_column", "no column 'none'. The file has: x, still"),
         ("9", "wrong_column", "no column '9'"),
     ],
@@ -203,7 +205,7 @@ def test_time_that_runs_backward_is_remarked_and_not_taken(file: Path) -> None:
 
 
 def test_stamps_beyond_int64(file: Path) -> None:
-    with pytest.raises(DataError, match="reach beyond 292 years"):
+    with pytest.raises(DataError, match="span more than 292 years"):
         read(table(file, "clock,x", lambda i: (i + 1) * 1e9, noise), time_column="clock", units={"clock": "h"})
 
 
@@ -217,7 +219,7 @@ def test_a_rate_from_elsewhere_goes_before_the_stamps(file: Path) -> None:
     assert recording.interval_from == "flag"
     assert recording.sample_rate == pytest.approx(102.4)
     assert str(recording.remarks[0]) == (
-        f"warning: {file}: 102.4 Hz was said, the stamps say 100 Hz. Check the rate and the unit of time"
+        f"warning: {file}: 102.4 Hz was given, the time stamps say 100 Hz. Check the rate and the unit of time"
     )
 
 

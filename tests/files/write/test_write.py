@@ -286,12 +286,12 @@ def test_time_that_cannot_be_told_is_refused(tmp_path: Path) -> None:
     elapsed = recording(Channel("a", np.zeros(2)), time_ns=np.array([UTC, UTC + 1]), epoch="elapsed")
     early = recording(Channel("a", np.zeros(2)), time_ns=np.array([-(2**63) + 1, 0]), epoch="utc")
     for one in (elapsed, early):
-        with pytest.raises(DataError, match="cannot be written so that they read back"):
+        with pytest.raises(DataError, match="cannot be written in a form that reads back"):
             write(tmp_path / "out.csv", one)
     np.testing.assert_array_equal(there_and_back(tmp_path, ".parquet", early).time_ns, early.time_ns)
     for ending in FORMATS:
         flight = recording(Channel("time_of_flight", np.array([0.5, 0.7]), "s"))
-        with pytest.raises(DataError, match=r"time_of_flight.* would be read as the time"):
+        with pytest.raises(DataError, match=r"time_of_flight.* would be mistaken for the time"):
             write(tmp_path / f"out{ending}", flight)
         backward = recording(Channel("a", np.zeros(3)), time_ns=np.array([3, 2, 1]) * SECOND)
         with pytest.raises(DataError, match="there would be no time"):
@@ -307,7 +307,7 @@ def test_the_input_is_never_replaced(tmp_path: Path) -> None:
     (tmp_path / "link.csv").symlink_to(source)
     os.link(source, tmp_path / "hard.csv")
     for name in ("in.csv", "link.csv", "hard.csv"):
-        with pytest.raises(DataError, match="would replace its own input") as caught:
+        with pytest.raises(DataError, match="would overwrite the input") as caught:
             write(tmp_path / name, read(source))
         assert caught.value.problems[0].code == "overwrites_input"
     assert source.read_text() == "t_s,a\n0,1\n1,2\n2,3\n"
@@ -338,7 +338,7 @@ def test_places_that_cannot_be_written(tmp_path: Path, name: str, words: str) ->
 
 @pytest.mark.parametrize("name", ["out", "out.xlsx", "out.csv.gz"])
 def test_other_endings_are_wrong_usage(tmp_path: Path, name: str) -> None:
-    with pytest.raises(UsageError, match="tells no format that is written") as caught:
+    with pytest.raises(UsageError, match="is not a format that can be written") as caught:
         write(tmp_path / name, recording(Channel("a", np.array([1.0, 2.0]))))
     assert ".csv, .parquet, .npz" in caught.value.problems[0].do
 
@@ -353,7 +353,7 @@ def test_what_is_no_number_is_refused(tmp_path: Path, data: NDArray[Any]) -> Non
 def test_names_that_csv_cannot_hold_are_refused(tmp_path: Path) -> None:
     for names in (("1", "2"), ("# a", "b")):
         one = recording(*(Channel(name, np.array([1.5, 2.5])) for name in names))
-        with pytest.raises(DataError, match="would not be read as the header") as caught:
+        with pytest.raises(DataError, match="would not be recognised") as caught:
             write(tmp_path / "out.csv", one)
         assert "Parquet" in caught.value.problems[0].do
         assert there_and_back(tmp_path, ".parquet", one).names == names

@@ -177,7 +177,7 @@ def test_a_frame_is_for_archive_records_alone(tmp_path: Path) -> None:
     assert next(r["value"] for r in data if r["quantity"] == "bias") != found.rows[0].value
     (tmp_path / "means.csv").write_text(MEANS, encoding="utf-8")
     path.write_text(text.replace('file = "."', 'file = "means.csv"'), encoding="utf-8")
-    with pytest.raises((DataError, UsageError), match="a frame is asked for"):
+    with pytest.raises((DataError, UsageError), match="--frame given"):
         run(folder, write=False)
 
 

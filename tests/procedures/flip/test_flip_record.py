@@ -143,7 +143,7 @@ def test_given_windows_are_on_the_clock_of_the_record() -> None:
     assert (own.start - UTC, own.stop - UTC) == (60 * SECOND, 300 * SECOND)
     with pytest.raises(UsageError, match="mission elapsed time, but when the mission started is not said"):
         windows(head((), start=UTC), windows=["006/00:14:40..006/00:20:00=0 deg"])
-    with pytest.raises(UsageError, match=r"window 300\.\.60: from 300 to 60: the end is not after the start"):
+    with pytest.raises(UsageError, match=r"window 300\.\.60: from 300 to 60: the end must be after the start"):
         windows(head(()), windows=["300..60=0 deg"])
 
 

@@ -110,7 +110,7 @@ def _check_units(model: SensorModel, recording: Recording, axes: Mapping[str, st
                 f"nothing says the unit of column {name!r}",
                 where=recording.source.path,
                 why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
-                do=f"Say it: --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
+                do=f"Add --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
                 code="no_unit",
             )
         try:
@@ -157,7 +157,7 @@ def _in_unit(recording: Recording, name: str, unit: str) -> Array:
         raise DataError(
             f"nothing says the unit of column {name!r}",
             where=recording.source.path,
-            do=f"Say it: --unit {shlex.quote(f'{name}={unit}')}",
+            do=f"Add --unit {shlex.quote(f'{name}={unit}')}",
             code="no_unit",
         )
     values = recording.array([name])[:, 0]

@@ -29,7 +29,7 @@ from .spelling import LONGEST, spell
 Code = Literal["unknown_unit", "unknown_quantity"]
 
 EXAMPLES: dict[Code, str] = {
-    "unknown_unit": "Units are written like deg/s, m/s^2, ug/sqrt(Hz), V/(deg/s), count, degC, %",
+    "unknown_unit": "Examples of units: deg/s, m/s^2, ug/sqrt(Hz), V/(deg/s), count, degC, %",
     "unknown_quantity": "Write a number and a unit, like '0.5 V/(deg/s)', '5 V / 4095', '0.05 %'",
 }
 
@@ -131,8 +131,8 @@ def cursor(text: str, code: Code) -> Cursor:
     for found in _TOKEN.finditer(_plain(text)):
         kind, written = str(found.lastgroup), found[0]
         if kind == "other":
-            advice = "Write the decimal sign as a point" if written == "," else ""
-            at.refuse(f"the character {written!r} does not belong there", advice)
+            advice = "Use a decimal point" if written == "," else ""
+            at.refuse(f"the character {written!r} does not belong here", advice)
         if kind != "blank":
             at.tokens.append(Token(kind, _ONE_SIGN.get(written.lower(), written), touches))
         touches = kind != "blank"
@@ -184,18 +184,18 @@ def read_quantity(text: str) -> tuple[float, Powers]:
     Raises
     ------
     DataError
-        With code ``unknown_quantity``, if it does not begin with a number, its unit is not known, it has
-        two readings, or its value is not finite.
+        With code ``unknown_quantity``, if it must begin with a number, its unit is not known, it has
+        two readings, or the value is not finite.
     """
     at = cursor(text, "unknown_quantity")
     sign = -1.0 if at.peek().text == "-" else 1.0
     if at.peek().text in {"+", "-"}:
         at.tokens.pop(0)
     if at.peek().kind != "number":
-        at.refuse("it does not begin with a number")
+        at.refuse("it must begin with a number")
     factor = _read(at)
     if not math.isfinite(factor.value):
-        at.refuse("its value is not finite")
+        at.refuse("the value is not finite")
     return sign * factor.value, factor.unit
 
 
@@ -206,7 +206,7 @@ def _read(at: Cursor) -> _Factor:
     except ValueError as error:  # an exponent, or the length
         at.refuse(str(error))
     if at.peek().text:
-        at.refuse(f"{at.peek().text!r} does not belong there")
+        at.refuse(f"{at.peek().text!r} does not belong here")
     return factor
 
 
@@ -233,7 +233,7 @@ def _chain(at: Cursor, depth: int) -> _Factor:
 def _check_divisors(at: Cursor, last: _Factor, divisor: _Factor) -> None:
     """Refuse ``x/deg/s``, ``x/m/s^2`` and ``x/s-2``."""
     if divisor.inverse:
-        at.refuse("division by a negative exponent can be meant either way", "Write m/s^2 or m s-2")
+        at.refuse("division by a negative exponent is ambiguous", "Write m/s^2 or m s-2")
     if not (last.name and divisor.name):
         return
     first, second = (kind_of(factor.unit[0][0]) for factor in (last, divisor))
@@ -241,7 +241,7 @@ def _check_divisors(at: Cursor, last: _Factor, divisor: _Factor) -> None:
         head = "".join(token.text for token in at.tokens).split("/")[0].lstrip("(")
         a, b = last.name, divisor.name
         at.refuse(
-            f"it can be meant as {head}/({a}/{b}) or as {head}/({a}*{b})",
+            f"it can mean {head}/({a}/{b}) or {head}/({a}*{b})",
             f"Write {head}/({a}/{b}), if that is meant",
         )
 
@@ -272,7 +272,7 @@ def _check_juxtaposed(at: Cursor, follows: Token, divided: bool) -> None:
         at.refuse(f"a bracket follows {last.text!r} without a sign between", "Write * or / before the bracket")
     if divided:
         at.refuse(
-            f"{follows.text!r} after a division can be meant as a factor or as a divisor",
+            f"{follows.text!r} after a division may be a factor or a divisor",
             "Put brackets around what is divided by, or write * or / before it",
         )
 
@@ -282,7 +282,7 @@ def _operand(at: Cursor, depth: int) -> _Factor:
     token = at.take()
     if token.kind == "number":
         if not at.with_number and token.text != "1":
-            at.refuse(f"there is a number in it, {token.text}")
+            at.refuse(f"it contains the number {token.text}")
         return _raise(at, _Factor(float(token.text)))
     if token.text == "(":
         inner = _chain(at, depth + 1)
@@ -325,11 +325,11 @@ def _raise(at: Cursor, factor: _Factor, name: str = "") -> _Factor:
     if exponent is None:
         return factor
     if name == "ms" and exponent < 0:
-        at.refuse("ms can be meant as milliseconds or as m and s", "Write m/s, m/s^2, or 1/ms, 1/ms^2")
+        at.refuse("ms may mean milliseconds or m and s", "Write m/s, m/s^2, or 1/ms, 1/ms^2")
     try:
         return _Factor(factor.value ** float(exponent), raised(factor.unit, exponent))
     except ArithmeticError:
-        at.refuse("its value is not finite")
+        at.refuse("the value is not finite")
 
 
 def read_exponent(cursor: Cursor, named: bool) -> Fraction | None:
@@ -376,5 +376,5 @@ def _signed(cursor: Cursor, allowed: re.Pattern[str]) -> Fraction:
     if token.text in {"+", "-"}:
         token = cursor.take()
     if not allowed.fullmatch(token.text):
-        cursor.refuse(f"{token.text!r} is no exponent", "Exponents are written like ^2, ^-0.5 or ^(1/2)")
+        cursor.refuse(f"{token.text!r} is not an exponent", "Examples of exponents: ^2, ^-0.5, ^(1/2)")
     return sign * Fraction(token.text)

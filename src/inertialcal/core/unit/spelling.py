@@ -89,7 +89,7 @@ def spell(unit: Powers) -> str:
     below += [text for whole in wholes if whole.exponent < 0 for text in whole.written()]
     text = "/".join(["*".join(above) or "1", *below])
     if len(text) > LONGEST:
-        raise ValueError(f"it takes {len(text)} characters to write, more than {LONGEST}")
+        raise ValueError(f"it takes {len(text)} characters, more than {LONGEST}")
     return text
 
 

@@ -78,7 +78,7 @@ def columns_of(
     chosen = _wanted(laid, variables, path) if variables else _largest(laid)
     if not chosen:
         raise DataError(
-            "holds no array of numbers with two values or more", where=path, code="no_channel",
+            "no array of two or more numbers", where=path, code="no_channel",
             do=f"It holds: {', '.join([a.name for a in arrays] + list(skipped)) or 'nothing'}",
         )  # fmt: skip
     others = [v for v in laid if v not in chosen] if not variables else []
@@ -117,10 +117,10 @@ def _wanted(laid: Sequence[_Variable], variables: Sequence[str], path: str) -> l
     if len(set(lengths.values())) > 1:
         said = ", ".join(f"{name} has {n}" for name, n in lengths.items())
         raise DataError(
-            f"variables of different length: {said}",
+            f"variables differ in length: {said}",
             where=path,
-            why="they are not on one clock",
-            do="Read each length by itself",
+            why="they cannot share a clock",
+            do="Read the variables of one length at a time",
             code="several_clocks",
         )
     return chosen
@@ -188,7 +188,7 @@ def _skipped_remark(names: Sequence[str], path: str) -> tuple[Remark, ...]:
     if not names:
         return ()
     some = ", ".join(names[:5]) + (", ..." if len(names) > 5 else "")
-    what = f"no array of numbers, left out: {some[:120]}"
+    what = f"not arrays of numbers, left out: {some[:120]}"
     return (Remark("variables_left_out", "info", what, where=path, count=len(names)),)
 
 
@@ -196,6 +196,6 @@ def _other_remark(others: Sequence[_Variable], path: str) -> tuple[Remark, ...]:
     if not others:
         return ()
     said = ", ".join(f"{v.source.name} ({len(v.values)} samples)" for v in others[:5])
-    what = f"of another length, so on another clock, not read: {said[:160]}"
+    what = f"different length, so a different clock; not read: {said[:160]}"
     do = "Read them by name (variables=[...])"
     return (Remark("other_clock", "warning", what, where=path, count=len(others), do=do),)

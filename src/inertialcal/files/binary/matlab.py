@@ -123,13 +123,13 @@ class _Checker:
             elif kind == MATRIX:
                 self.matrix(data, start, start + size, depth)
             elif kind not in SIZES:
-                raise self.damaged(f"type {kind}, which there is not, at byte {at}")
+                raise self.damaged(f"type {kind}, which does not exist, at byte {at}")
             at = following
 
     def tag(self, data: bytes, at: int, end: int) -> tuple[int, int, int, int]:
         """Type, offset and size of an element's data, and the offset behind it."""
         if at + 8 > end:
-            raise self.damaged(f"an element that is cut off at byte {at}")
+            raise self.damaged(f"an element cut off at byte {at}")
         first = int.from_bytes(data[at : at + 4], self.order)
         if first >> 16:  # small element: size, type and up to four bytes of data in one tag
             kind, start, size, following = first & 0xFFFF, at + 4, first >> 16, at + 8
@@ -138,13 +138,13 @@ class _Checker:
             kind, start, size = first, at + 8, int.from_bytes(data[at + 4 : at + 8], self.order)
             following = start + size + (0 if kind == COMPRESSED else -size % 8)
         if start + size > end:
-            raise self.damaged(f"an element of {size} bytes at byte {at}, where {end - start} are left")
+            raise self.damaged(f"an element of {size} bytes at byte {at}, only {end - start} left")
         return kind, start, size, following
 
     def matrix(self, data: bytes, at: int, end: int, depth: int) -> None:
         """Check the elements of a matrix."""
         if depth > MATRICES_DEEPEST:
-            raise self.damaged(f"more than {MATRICES_DEEPEST} matrices within each other")
+            raise self.damaged(f"more than {MATRICES_DEEPEST} nested matrices")
         if at == end:
             return  # an empty cell
         _, start, size, following = self.expected(data, at, end, FLAGS)
@@ -154,13 +154,13 @@ class _Checker:
         kind = flags & 0xFF
         if kind == SPARSE:
             raise DataError(
-                "holds a sparse matrix, which is not read",
+                "sparse matrices are not supported",
                 where=self.path,
-                do="Save it from MATLAB as a full one: x = full(x)",
+                do="Save it as a full matrix: x = full(x)",
                 code="sparse_matrix",
             )
         if not CELL <= kind <= OPAQUE:
-            raise self.damaged(f"a matrix of class {kind}, which there is not, at byte {at}")
+            raise self.damaged(f"a matrix of class {kind}, which does not exist, at byte {at}")
         if kind != OPAQUE:
             following = self.shape(data, following, end, flags)
         self.walk(data, following, end, depth + 1)
@@ -176,7 +176,7 @@ class _Checker:
             raise self.damaged(f"a matrix of {values} values at byte {at}")
         least = {CELL: 8, STRUCTURE: 8, OBJECT: 8, TEXT: 1}.get(flags & 0xFF, 0)  # bytes that a value takes
         if least * (values - 1) > end - following:  # scipy would make them all first
-            raise self.damaged(f"a matrix of {values} values, for which it is too short, at byte {at}")
+            raise self.damaged(f"a matrix of {values} values, but the file is too short, at byte {at}")
         if flags & 0xFF == TEXT:
             self.expected(data, following, end, tuple(SIZES))
         parts = 2 if flags & 0x0800 else 1  # real and imaginary
@@ -185,7 +185,7 @@ class _Checker:
                 at = following
                 kind, _, size, following = self.expected(data, at, end, tuple(SIZES))
                 if size != values * SIZES[kind]:
-                    raise self.damaged(f"{size} bytes of numbers where {values} values are announced, at byte {at}")
+                    raise self.damaged(f"{size} bytes of numbers for {values} values, at byte {at}")
         return following
 
     def expected(self, data: bytes, at: int, end: int, kinds: tuple[int, ...]) -> tuple[int, int, int, int]:
@@ -201,9 +201,9 @@ class _Checker:
         try:
             content = unpacker.decompress(packed, LARGEST + 1 - self.unpacked)
         except zlib.error as error:
-            raise self.damaged(f"a compressed element that cannot be unpacked ({error})") from None
+            raise self.damaged(f"a compressed element that cannot be decompressed ({error})") from None
         if not unpacker.eof and len(content) + self.unpacked <= LARGEST:
-            raise self.damaged("a compressed element that is cut off")
+            raise self.damaged("a truncated compressed element")
         self.unpacked += len(content)
         if self.unpacked > LARGEST:
             raise too_large(self.path, self.unpacked)

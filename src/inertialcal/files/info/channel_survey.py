@@ -126,10 +126,10 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple
         remarks.append(Remark("constant_channel", severity, what, place(0), subject=survey.name))
     elif survey.stuck and run is not None:
         what = f"{survey.name!r} stays at {run.value:g} for {run.length} samples: stuck?"
-        do = "Leave that stretch out, or record again"
+        do = "Leave that section out, or record again"
         remarks.append(Remark("stuck", "warning", what, place(run.start), do=do, subject=survey.name))
     for rail, first in zip(survey.rails, survey.rails_at, strict=True):
-        code = ", the end of a converter" if rail.is_code else ""
+        code = ", the limit of a converter" if rail.is_code else ""
         what = f"{survey.name!r} piles up at {rail.value:g}{code}: clipped?"
         do = "Record with a larger range"
         remarks.append(Remark("clipped", "warning", what, place(first), rail.count, do, subject=survey.name))
@@ -139,7 +139,7 @@ def channel_remarks(survey: ChannelSurvey, place: Callable[[int], str]) -> tuple
 GYRO_STEPS = (  # [deg/s]
     *((step, "InvenSense MPU") for step in (1 / 131, 1 / 65.5, 1 / 32.8, 1 / 16.4)),
     *((step, "ST") for step in (0.00875, 0.0175, 0.07)),
-    *((scale / 2**15, f"{scale} deg/s over 2^15 codes") for scale in (125, 250, 500, 1000, 2000)),
+    *((scale / 2**15, f"{scale} deg/s full scale over 2^15 codes") for scale in (125, 250, 500, 1000, 2000)),
 )
 ACC_STEPS = tuple((1 / codes, f"{codes} LSB/g") for codes in (16384, 8192, 4096, 2048))  # [g]
 UNNAMED = re.compile(r"(?:.*_)?[0-9]+")  # column_3, data_2
@@ -190,7 +190,7 @@ def _group_hint(group: str, channels: Sequence[Channel], surveys: Sequence[Chann
     if group == "temperature":
         known = _temperature(surveys)
     other = {"gyro": "deg/s or rad/s", "acc": "m/s2 or g", "temperature": "degC"}[group]
-    return known or Hint(group, "", f"{group} has no unit, and its numbers do not tell: say {other}")
+    return known or Hint(group, "", f"{group} has no unit, and its values do not give it away: add {other}")
 
 
 def _norm(channels: Sequence[Channel]) -> Hint | None:

@@ -103,7 +103,7 @@ def _from_header(column: Column, path: str, remarks: list[Remark]) -> Described:
     title = column.name if column.named else column.matrix
     said = heading(title, column.unit) if title or column.unit else Heading()
     if said.unknown:
-        what = f"{said.unknown!r} in the header of {column.name!r} is no unit that fits: none taken"
+        what = f"{said.unknown!r} in the header of {column.name!r} is not a suitable unit: ignored"
         remarks.append(Remark("unknown_unit", "info", what, where=path, subject=column.name))
     quantity = "index" if _counts_rows(column, said.quantity) else said.quantity
     unit = None if quantity in ("index", "status") else said.unit
@@ -140,7 +140,7 @@ def _chosen(described: Sequence[Described], key: str) -> list[int]:
         names = ", ".join(d.name for d in described)
         groups = sorted({d.quantity for d in described if d.quantity in KINDS})
         raise UsageError(
-            f"no column or group {key!r} to give a unit to",
+            f"no column or group {key!r} to apply the unit to",
             do=f"Columns: {names}." + (f" Groups: {', '.join(groups)}" if groups else ""),
             code="wrong_column",
         )
@@ -166,7 +166,7 @@ def _with_flag(described: Described, text: str, path: str, remarks: list[Remark]
             code="unit_mismatch",
         )
     if described.unit not in (None, unit):
-        what = f"{described.name!r} is {described.unit} by its header, {unit} by the flag: the flag is taken"
+        what = f"{described.name!r} is {described.unit} by its header, {unit} by the option: the option wins"
         remarks.append(Remark("unit_overridden", "warning", what, where=path, subject=described.name))
     return replace(described, unit=unit, unit_from="flag")
 
@@ -186,15 +186,15 @@ def axis_remarks(axis: TimeAxis, row: Callable[[int], str]) -> tuple[Remark, ...
     """
     remarks = []
     if len(axis.repeated):
-        remarks.append(_counted("repeated_stamps", "stamp equal to the one before it", axis.repeated, row))
+        remarks.append(_counted("repeated_stamps", "repeated time stamp", axis.repeated, row))
     if len(axis.backward):
-        remarks.append(_counted("unsorted_stamps", "stamp earlier than the one before it", axis.backward, row))
+        remarks.append(_counted("unsorted_stamps", "time stamp earlier than the previous one", axis.backward, row))
     if axis.pattern == "bursts" and axis.interval is not None:
         what = (
-            f"stamps come in bursts: steps of {_si(axis.median_step)} (median) up to "
-            f"{_si(axis.longest_step)}, {_si(axis.interval)} on average, which is taken as sample interval"
+            f"time stamps come in bursts: steps of {_si(axis.median_step)} (median) up to "
+            f"{_si(axis.longest_step)}, {_si(axis.interval)} on average, used as the sample interval"
         )
-        do = "If the sensor samples evenly, say its rate: --sample-rate"
+        do = "If the sensor samples evenly, give its rate: --sample-rate"
         remarks.append(Remark("stamps_in_bursts", "warning", what, where=row(0), do=do))
     if len(axis.gaps) and axis.interval is not None:
         longest = float(axis.gaps.length.max())
@@ -212,7 +212,7 @@ def rate_remark(axis: TimeAxis, interval: float, path: str) -> tuple[Remark, ...
     """Remark where the stamps disagree with a sample interval [s] that was said."""
     if axis.interval is None or abs(axis.interval - interval) <= RATES_AGREE * interval:
         return ()
-    what = f"{1.0 / interval:.6g} Hz was said, the stamps say {1.0 / axis.interval:.6g} Hz"
+    what = f"{1.0 / interval:.6g} Hz was given, the time stamps say {1.0 / axis.interval:.6g} Hz"
     return (Remark("rate_disagrees", "warning", what, where=path, do="Check the rate and the unit of time"),)
 
 

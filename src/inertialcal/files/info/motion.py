@@ -118,7 +118,7 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     stretches = _merged([(d.first, d.last) for s in found.values() for d in s.disturbances])
     path = recording.source.path
     if not all(s.at_rest for s in found.values()) or len(stretches) > MOST:
-        what = "the sensor moves, or its level steps: no recording at rest"
+        what = "the sensor moves, or its level steps: not a recording at rest"
         return (Remark("not_at_rest", "info", what, where=path),)
     if not stretches:
         return ()
@@ -126,7 +126,7 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     when = "; ".join(_when(recording, first, last) for first, last in stretches)
     peak = max(d.peak for s in found.values() for d in s.disturbances)
     what = f"not stationary: a disturbance or step {when} in {names}, up to {peak:.0f} times the noise"
-    do = "Leave that stretch out"
+    do = "Leave that section out"
     return (Remark("disturbance", "warning", what, where=path, count=len(stretches), do=do),)
 
 

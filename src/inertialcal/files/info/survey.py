@@ -40,7 +40,7 @@ class TimeSurvey:
     def __str__(self) -> str:
         """One line: rate, span, jitter, gaps."""
         if self.sample_interval is None:
-            return "time: none; give --sample-rate, or --time-column"
+            return "time: none; add --sample-rate or --time-column"
         parts = [f"time: {number(self.sample_rate)} Hz ({self.interval_from})"]
         axis = self.axis
         if axis is not None:

@@ -61,7 +61,7 @@ def read(given: ModelText) -> ImportedModels | None:
     fits = np.all(np.isfinite(values)) and np.all(np.abs(np.diag(t) - 1.0) <= ONE) and not np.any(k[off])
     if not fits:
         raise DataError(
-            "not T with a diagonal of ones, K diagonal, and B",
+            "needs T with ones on its diagonal, a diagonal K, and B",
             where=where,
             do="Copy it again from imu_tk",
             code="schema",
@@ -76,9 +76,9 @@ def _by_name(where: str) -> Kind:
     named = [kind for kind, hint in HINTS.items() if hint in name]
     if len(named) != 1:
         raise DataError(
-            "a model of imu_tk, which does not tell its sensor",
+            "a model of imu_tk, which does not name its sensor",
             where=where,
-            do=f"Say which it is: {where}#accelerometer or {where}#gyro",
+            do=f"Name the sensor: {where}#accelerometer or {where}#gyro",
             code="which_sensor",
         )
     return named[0]

@@ -53,7 +53,7 @@ def read(given: ModelText) -> ImportedModels | None:
         raise DataError(
             f"imucal file of version {version or 'before 2'}",
             where=where,
-            why="its units are not told in the file",
+            why="the file does not give its units",
             do="Read it with imucal's own loader for old files, and save it again",
             code="schema_version",
         )
@@ -100,8 +100,8 @@ def _unit(content: Mapping[str, object], key: str, remarks: list[Remark]) -> str
             return normalise(str(stated))
         except InertialcalError:
             pass
-    what = f"from_{key} is {stated!r}: outputs are taken as counts"
-    remarks.append(Remark("unknown_unit", "info", what, do="Feed the model what imucal was fed"))
+    what = f"from_{key} is {stated!r}: outputs are assumed to be counts"
+    remarks.append(Remark("unknown_unit", "info", what, do="Apply the model to the same data that imucal used"))
     return "count"
 
 

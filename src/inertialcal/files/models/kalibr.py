@@ -35,7 +35,7 @@ NAME = "Kalibr"
 KEYS = ("accelerometers:", "gyroscopes:", "accelerometer_noise_density:")  # one of them stands in every file
 DEEPEST = 12  # maps and lists within each other
 LARGEST_SKEW = 1e-6  # off which a matrix is no rotation
-NO_BIAS = "Kalibr's file holds no bias: taken as 0"
+NO_BIAS = "Kalibr's file has no bias: 0 is used"
 HEAD = "# Written by inertialcal. Readings in m/s^2 and rad/s; noise: inertialcal allan FILE --for kalibr\n"
 HOLDS = {"accelerometer": frozenset({"scale_factor"}), "gyro": frozenset({"g_sensitivity", "scale_factor"})}
 
@@ -55,10 +55,10 @@ def parse_yaml(text: str, where: str = "") -> object:
     try:
         for event in yaml.parse(text, Loader=yaml.SafeLoader):
             if getattr(event, "anchor", None) or getattr(event, "tag", None):
-                raise _not_yaml("anchors, aliases and tags of YAML are not read", event.start_mark, where)
+                raise _not_yaml("YAML anchors, aliases and tags are not supported", event.start_mark, where)
             depth += isinstance(event, yaml.CollectionStartEvent) - isinstance(event, yaml.CollectionEndEvent)
             if depth > DEEPEST:
-                raise _not_yaml(f"more than {DEEPEST} maps or lists within each other", event.start_mark, where)
+                raise _not_yaml(f"more than {DEEPEST} nested maps or lists", event.start_mark, where)
         document = yaml.compose(text, Loader=yaml.SafeLoader)
         _check_node(document, where)
         return yaml.constructor.SafeConstructor().construct_document(document)
@@ -105,7 +105,7 @@ def read(given: ModelText) -> ImportedModels | None:
         raise DataError(
             "no accelerometers and gyroscopes in it",
             where=where,
-            why=f"model is {own.get('model')!r}: such a file holds noise, and no scale factor",
+            why=f"model is {own.get('model')!r}: such a file holds noise only, no scale factor",
             do="Run Kalibr with --imu-models scale-misalignment",
             code="no_model",
         )
@@ -135,19 +135,19 @@ def _lower(own: object, where: str) -> Array:
 
 def _rotation(c: Array, what: str, where: str) -> Array:
     if not (np.max(np.abs(c @ c.T - np.eye(3))) < LARGEST_SKEW and np.linalg.det(c) > 0.0):
-        raise DataError(f"{what} is no rotation", where=where, code="not_a_rotation")
+        raise DataError(f"{what} is not a rotation", where=where, code="not_a_rotation")
     return c
 
 
 def _remarks(own: Mapping[str, object], units: int) -> tuple[Remark, ...]:
-    found = [Remark("no_bias", "warning", f"bias: {NO_BIAS}", do="Take the bias off before, or measure it at rest")]
+    found = [Remark("no_bias", "warning", f"bias: {NO_BIAS}", do="Subtract the bias first, or measure it at rest")]
     accelerometers = own["accelerometers"]
     if isinstance(accelerometers, Mapping) and any(f"r{axis}_i" in accelerometers for axis in "xyz"):
-        found.append(Remark("left_out", "warning", "places of the accelerometers (size effect) are left out"))
+        found.append(Remark("left_out", "warning", "positions of the accelerometers (size effect) are ignored"))
     if own.get("time_offset"):
-        found.append(Remark("left_out", "info", f"time_offset {own['time_offset']:g} s is left out"))
+        found.append(Remark("left_out", "info", f"time_offset {own['time_offset']:g} s is ignored"))
     if units > 1:
-        found.append(Remark("left_out", "warning", f"the file holds {units} units: the first is read"))
+        found.append(Remark("left_out", "warning", f"the file holds {units} units: only the first is read"))
     return tuple(found)
 
 
@@ -189,8 +189,8 @@ def _parted(matrix: Array) -> tuple[Array, Array]:
     if np.linalg.det(turn) < 0.0:
         raise DataError(
             "Kalibr cannot hold this matrix: its axes are left-handed",
-            why="one sensor reads against its axis, and C is a rotation",
-            do="Turn the sign of that sensor's readings first",
+            why="one sensor reads against its axis, but C must be a rotation",
+            do="Change the sign of that sensor's readings first",
             code="not_held",
         )
     return np.tril(lower), turn
@@ -215,7 +215,7 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     gone = [remark for kind, model in models.items() for remark in lost(model, NAME, HOLDS[kind])]
     for kind, model in models.items():
         if model.output_unit != INPUT_UNIT[kind]:
-            what = f"{kind}: {NAME} takes readings in {INPUT_UNIT[kind]}, not outputs in {model.output_unit}"
+            what = f"{kind}: {NAME} expects readings in {INPUT_UNIT[kind]}, not outputs in {model.output_unit}"
             scale = ", ".join(f"{s:.17g}" for s in model.scale_factor)
             alike = same_dimension(model.output_unit, model.unit)
             do = "Convert them" if alike else f"Divide the outputs by scale_factor: {scale}"

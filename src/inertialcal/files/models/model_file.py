@@ -130,10 +130,10 @@ def export(
     for one in sources:
         if not (one.model.judged or unjudged):
             raise DataError(
-                "the model was not judged on recordings held out",
+                "the model was not checked on hold-out recordings",
                 where=one.path,
-                why="how well it does on data that it was not fitted to is not known",
-                do='Mark tests with use = "hold_out" and run again, or say --unjudged',
+                why="its error on data that it was not fitted to is unknown",
+                do='Mark tests with use = "hold_out" and run again, or add --unjudged',
                 code="unjudged",
             )
     chosen = FORMATS[to]

@@ -66,14 +66,14 @@ def parse_model(text: str, where: str = "") -> SensorModel:
     except (ValueError, RecursionError) as error:
         raise DataError(f"no JSON: {error}", where=where, code="not_json") from None
     if not isinstance(content, dict):
-        raise DataError("no model: the file holds no object", where=where, code="schema")
+        raise DataError("no model: the file does not hold a JSON object", where=where, code="schema")
     given = content.pop(CHECKSUM, None)
     try:
         if content.get("schema_version") == SCHEMA_VERSION and given != checksum(content):
             raise DataError(
-                "the checksum does not fit the content",
-                why="the file was changed after it was written, so its numbers have no source",
-                do="Take the model as `run` wrote it, or run the campaign again",
+                "the checksum does not match the content",
+                why="the file was edited after it was written: its figures cannot be traced",
+                do="Use the model as written by `run`, or run the campaign again",
                 code=CHECKSUM,
             )
         return from_dict(content)
@@ -89,7 +89,7 @@ def checksum(content: Mapping[str, object]) -> str:
 
 
 def _refuse_constant(name: str) -> NoReturn:
-    raise ValueError(f"{name} is no number of a model")
+    raise ValueError(f"{name} is not a number")
 
 
 def read(given: ModelText) -> ImportedModels:

@@ -46,7 +46,9 @@ def read(given: ModelText) -> ImportedModels | None:
     units = content["imus"]
     if not units or not isinstance(units[0], Mapping):
         raise DataError("imus is empty", where=where, code="missing_key")
-    remarks = [Remark("left_out", "warning", f"imus holds {len(units)} units: the first is read")] if units[1:] else []
+    remarks = (
+        [Remark("left_out", "warning", f"imus holds {len(units)} units: only the first is read")] if units[1:] else []
+    )
     models = {kind: _parsed(units[0], kind, where) for kind in KEYS}
     return ImportedModels(models, tuple(remarks))
 
@@ -82,8 +84,8 @@ def cannot_hold(models: Mapping[Kind, SensorModel]) -> tuple[Remark, ...]:
     gone = [remark for model in models.values() for remark in lost(model, NAME, HOLDS)]
     for kind, model in models.items():
         if model.output_unit != INPUT_UNIT[kind]:
-            what = f"{kind}: {NAME} takes raw values in {INPUT_UNIT[kind]}; these are for {model.output_unit}"
-            gone.append(Remark("other_raw_unit", "warning", what, do="Feed it what this model is fed"))
+            what = f"{kind}: {NAME} expects raw values in {INPUT_UNIT[kind]}; these are for {model.output_unit}"
+            gone.append(Remark("other_raw_unit", "warning", what, do="Apply it to the same raw values as this model"))
     return (*gone, *filled(models, NAME))
 
 

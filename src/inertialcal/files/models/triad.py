@@ -58,7 +58,7 @@ def triad(model: SensorModel) -> Triad:
     if model.axes != AXES:
         raise DataError(
             f"the model has the axes {', '.join(model.axes)}",
-            why="the formats of others hold the three axes x, y, z",
+            why="other formats need the three axes x, y, z",
             do="Export it as json, or as code",
             code="not_three_axes",
         )
@@ -132,7 +132,7 @@ def filled(models: Mapping[Kind, SensorModel], name: str) -> tuple[Remark, ...]:
         Remark(
             "filled_in",
             "warning",
-            f"no {kind} given: {name} wants one, and an ideal one is written",
+            f"no {kind} given: {name} needs one, so an ideal one is written",
             do=f"Give the model of the {kind} too: --with MODEL",
         )
         for kind in KINDS
@@ -177,6 +177,6 @@ def invertible(matrix: Array, what: str, where: str) -> Array:
     """
     if not np.linalg.cond(matrix) < 1e8:
         raise DataError(
-            f"{what} has no inverse", where=where, why="no reading can be turned back", code="not_invertible"
+            f"{what} has no inverse", where=where, why="readings cannot be corrected", code="not_invertible"
         )
     return matrix

@@ -63,7 +63,7 @@ def turned(
     C = C_sensor_data(header)
     if C is None and frame == "sensor":
         raise DataError(
-            "the axes of the sensor are asked for, but the header has no coordinate systems of sensor and data",
+            "sensor axes requested, but the header gives no coordinate systems",
             where=where,
             do="Read it without --frame",
             code="no_frames",
@@ -72,7 +72,7 @@ def turned(
         return values, ()
     if frame != "sensor":
         what = f"x, y, z are the axes of {header.data_system}, not those of the sensor {header.sensor_system}"
-        do = "For those of the sensor, in which its bias and scale factor lie: --frame sensor"
+        do = "For sensor axes, in which its bias and scale factor are defined, add --frame sensor"
         return values, (Remark("not_sensor_axes", "info", what, where, do=do),)
     for first in range(0, len(values[0]), BLOCK):
         part = slice(first, first + BLOCK)

@@ -86,7 +86,7 @@ def read_header(path: Path) -> PadHeader:
     # Type of a number, and the name of the data file
     found = root.find("GData")
     if found is None:
-        raise bad_header(where, "the header has no GData, which says how the bytes of the data are laid out")
+        raise bad_header(where, "the header has no GData, which gives the layout of the data")
     said = found.get("format", "")
     known = FORMATS.get(" ".join(said.lower().split()))
     if known is None:
@@ -128,7 +128,7 @@ def _float(text: str, what: str, where: str) -> float:
     except ValueError:
         value = math.nan
     if not math.isfinite(value):
-        raise bad_header(where, f"{what} {text!r} is no number")
+        raise bad_header(where, f"{what} {text!r} is not a number")
     return value
 
 
@@ -183,12 +183,12 @@ def read_xml(path: Path) -> ET.Element:
     except OSError as error:
         raise DataError(f"cannot be read: {error.strerror or error}", where=where, code="missing_file") from None
     if len(data) > LARGEST:
-        raise bad_header(where, f"the header has more than {LARGEST} bytes, those of the archive about 1000")
+        raise bad_header(where, f"the header has more than {LARGEST} bytes; headers of the archive have about 1000")
     try:
         _refuse_document_type(data, where)
         return ET.fromstring(data)  # noqa: S314 - declares no document type
     except (expat.ExpatError, ET.ParseError, ValueError, LookupError) as error:  # the last two: encodings
-        raise bad_header(where, f"the header is no XML: {error}") from None
+        raise bad_header(where, f"the header is not XML: {error}") from None
 
 
 def bad_header(where: str, what: str) -> DataError:
@@ -201,7 +201,7 @@ def _refuse_document_type(data: bytes, where: str) -> None:
         raise DataError(
             "the header declares a document type",
             where=where,
-            why="entities could fill the memory or fetch other files; no header of the archive has one",
+            why="entities could fill the memory or fetch other files; headers of the archive have none",
             do="Fetch it again from the archive",
             code="bad_header",
         )
@@ -241,11 +241,11 @@ def header_remarks(header: PadHeader, where: str) -> tuple[Remark, ...]:
     said += [f"ScaleFactor {_triple(header.scale_factor)}"] if header.scale_factor else []
     remarks = []
     if said:
-        do = "What was done to the data is in them: it is not done again here"
+        do = "These steps are not applied again"
         remarks.append(Remark("as_archived", "info", f"the header says: {', '.join(said)}", where, do=do))
     if header.bias is not None and any(header.bias):
         digits = " (placeholder digits, which several heads have)" if header.bias == PLACEHOLDER else ""
-        what = f"BiasCoeff {_triple(header.bias)}{digits} in the header is not applied"
+        what = f"BiasCoeff {_triple(header.bias)}{digits} in the header was not applied"
         remarks.append(Remark("bias_not_applied", "warning" if digits else "info", what, where))
     return tuple(remarks)
 
@@ -256,13 +256,13 @@ def time_remarks(stamps: Stamps, sample_rate: float, where: str) -> tuple[Remark
     if stamps.drifts:
         off = 1e6 * (stamps.interval * sample_rate - 1.0)
         what = (
-            f"the file's own time runs away from TimeZero + n/({sample_rate:.9g} Hz) by up to "
-            f"{stamps.deviation:.4g} s ({off:+.3g} ppm): its stamps say {1.0 / stamps.interval:.9g} Hz"
+            f"the file's own time drifts from TimeZero + n/({sample_rate:.9g} Hz) by up to "
+            f"{stamps.deviation:.4g} s ({off:+.3g} ppm): its time stamps say {1.0 / stamps.interval:.9g} Hz"
         )
         do = f"If the stamps are right: --sample-rate {1.0 / stamps.interval:.9g}"
         return (Remark("stamps_drift", "warning", what, where, do=do),)
     what = (
-        f"stamps made as TimeZero + n/({sample_rate:.9g} Hz); the file's own time, 32 bits wide, agrees within "
+        f"time stamps computed as TimeZero + n/({sample_rate:.9g} Hz); the file's own 32-bit time agrees within "
         f"{1e6 * stamps.deviation:.3g} us over {n} samples"
     )
     return (Remark("stamps_made", "info", what, where),)

@@ -87,15 +87,15 @@ def _whole(pair: Pair, given: str) -> Pair:
         raise DataError("no such file", where=given, do="Check the name and the folder", code="missing_file")
     if not pair.header.is_file():
         raise DataError(
-            f"no header beside it: {pair.header.name} is missing",
+            f"its header is missing: {pair.header.name}",
             where=str(pair.data),
-            why="it says when the record starts, how fast it was sampled, and how its bytes are laid out",
+            why="the header gives start, sample rate and layout of the data",
             do="Fetch both files of the pair from the archive",
             code="missing_header",
         )
     if not pair.data.is_file():
         raise DataError(
-            f"no data beside this header: {pair.data.name} is missing",
+            f"the data file of this header is missing: {pair.data.name}",
             where=str(pair.header),
             do="Fetch both files of the pair from the archive",
             code="missing_data",
@@ -193,7 +193,7 @@ def check_pair(pair: Pair, header: PadHeader, stamps: Stamps, said_rate: float |
     remarks = _rate(header, stamps, said_rate, where)
     name = pair.name
     if name is None:
-        what = "the name is not that of the archive, START-STOP.SENSOR: it was not compared with header and data"
+        what = "the name is not START-STOP.SENSOR, as in the archive: not compared with header and data"
         return (*remarks, Remark("name_not_archived", "info", what, where))
     if name.sensor.lower() != header.sensor.lower():
         raise _disagrees(f"the name says sensor {name.sensor}, the header {header.sensor}", where)
@@ -224,7 +224,7 @@ def _check_records(stop: int, header: PadHeader, stamps: Stamps, where: str) -> 
         f"{found} records end {instant_text(_to_microsecond(stamps.end))}, the name says {instant_text(stop)}: "
         f"{abs(off):.0f} records {'too many' if off > 0 else 'are missing'}",
         where=where,
-        why="a file that was cut short loses its end silently",
+        why="a truncated file loses its end silently",
         do="Fetch it again from the archive",
         code="header_disagrees",
     )
@@ -239,7 +239,7 @@ def _stops(stop: int, header: PadHeader, stamps: Stamps, where: str) -> tuple[Re
     if max(ends.values()) - min(ends.values()) <= MILLISECOND + stamps.resolution * SECOND:
         return ()
     said = ", ".join(f"{what} {instant_text(_to_microsecond(end))}" for what, end in ends.items())
-    return (Remark("stop_differs", "warning", f"end of the record: {said}", where, do="The data were taken"),)
+    return (Remark("stop_differs", "warning", f"end of the record: {said}", where, do="The data were used"),)
 
 
 def _to_microsecond(instant: int) -> int:

@@ -177,7 +177,7 @@ def _one_rate(files: Sequence[_File], path: str) -> None:
         raise DataError(
             f"files of {len(rates)} sample rates: {', '.join(f'{rate:g}' for rate in rates)[:120]} Hz",
             where=path,
-            do="Name files of one sample rate, or bound the times (--from, --to)",
+            do="Name files of one sample rate, or limit the time (--from, --to)",
             code="several_clocks",
         )
 
@@ -232,14 +232,14 @@ def _joints(parts: Sequence[_Part], rate: float) -> list[Remark]:
             raise DataError(
                 f"begins {instant_text(after.first)}, before {before.file.pair.data.name} ends",
                 where=where,
-                why="the same time twice: a copy, or a record and its filtered version in one folder",
-                do="Take one of them away",
+                why="the time appears twice: a copy, or a filtered version, in the same folder",
+                do="Remove one of them",
                 code="overlapping_files",
             )
         name = after.file.pair.name
         if name is not None and name.contiguous != (gap < JOINED):
-            said = "+ in the name: it goes on" if name.contiguous else "- in the name: a gap"
-            what = f"{said}; by the times {gap:.3g} sample(s) are missing before it"
+            said = "+ in the name: continues" if name.contiguous else "- in the name: a gap"
+            what = f"{said}; by the time stamps {gap:.3g} sample(s) are missing before it"
             remarks.append(Remark("contiguity_differs", "warning", what, where))
     return remarks
 
@@ -270,7 +270,7 @@ def _joined(parts: list[_Part], header: PadHeader, frame: str | None, rate: floa
     )
     remarks = [*gap_remark(time_ns, rate, path)]
     if not layout.named:
-        what = f"{len(layout.names)} columns behind the time, which nothing names: column_2 to column_14, without unit"
+        what = f"{len(layout.names)} columns after the time, without names or units: column_2 to column_14"
         remarks.append(Remark("columns_unnamed", "warning", what, path))
     said = f"PAD, {header.sensor}, {WORDS[header.number_type]}" + (f", {len(parts)} files" if len(parts) > 1 else "")
     return Content(columns, said, None, header.sample_rate, tuple(remarks), time_ns)

@@ -60,7 +60,7 @@ def regenerate(time: Numbers, zero: int, sample_rate: float, where: str) -> Stam
     """
     if not np.all(np.isfinite(time)):
         first = int(np.argmin(np.isfinite(time)))
-        raise bad_stamps(f"record {first + 1}: the time is no number", where)
+        raise bad_stamps(f"record {first + 1}: the time is not a number", where)
     resolution = float(np.spacing(np.float32(np.abs(time).max())))
     jumps = _jumps(time, median_step(time) if len(time) > 1 else 1.0 / sample_rate, resolution, where)
     interval, uncertain = _longest_run(time, jumps, resolution) if len(time) > 1 else (1.0 / sample_rate, 0.0)
@@ -112,7 +112,7 @@ def _jumps(time: Numbers, interval: float, resolution: float, where: str) -> NDA
         steps = np.diff(time[first : first + BLOCK + 1].astype(np.float64))
         back = np.flatnonzero(steps < -resolution)
         if len(back):
-            what = f"record {first + int(back[0]) + 2}: the time is earlier than in the record before it"
+            what = f"record {first + int(back[0]) + 2}: the time is earlier than in the previous record"
             raise bad_stamps(what, where)
         found.append(first + np.flatnonzero(steps - interval > JUMP * max(interval, 0.0) + resolution))
     return np.concatenate(found).astype(np.int64) if found else np.empty(0, dtype=np.int64)

@@ -38,7 +38,7 @@ def read_card_images(loaded: Loaded, variables: Sequence[str] | None = None) -> 
     x, tilt = series_with_gaps(case)
     wrong = int(np.count_nonzero(np.isnan(x)))
     if wrong and isinstance(case, MeasuredCase):
-        what = f"{wrong} values that the deck declares wrong are missing samples"
+        what = f"{wrong} values marked as wrong in the deck: treated as missing"
         remarks += (Remark("wrong_values", "info", what, loaded.path, count=wrong),)
     columns = (Column("accelerometer", x, "count"), Column("tilt", tilt))
     return Content(columns, "card images", sample_rate=1.0 / case.NH if case.NH > 0 else None, remarks=remarks)

@@ -54,11 +54,11 @@ def _whole_rows(text: str, layout: Layout, where: str) -> tuple[str, tuple[Remar
     if cells >= layout.width:
         return text, ()
     what = (
-        f"the last row has no end, and {cells} of {layout.width} cells: it is left out. The file is still being "
-        "written, or the recording broke off"
+        f"the last row is incomplete ({cells} of {layout.width} cells): left out. The file is still being "
+        "written, or the recording was interrupted"
     )
     where = f"{where}:{text.count(chr(10)) + 1}"
-    return text[: begin - 1], (Remark("row_cut_off", "warning", what, where, do="Read it again when it is whole"),)
+    return text[: begin - 1], (Remark("row_cut_off", "warning", what, where, do="Read it again when it is complete"),)
 
 
 def column_names(layout: Layout, where: str) -> tuple[str, ...]:
@@ -75,7 +75,7 @@ def column_names(layout: Layout, where: str) -> tuple[str, ...]:
         raise DataError(
             f"column name {', '.join(map(repr, twice))} appears twice",
             where=where,
-            why="which column is meant would be a guess",
+            why="it is not clear which one is meant",
             do="Rename one",
             code="duplicate_column",
         )
@@ -145,8 +145,8 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
             f"{width} cell(s) in this row, {layout.width} in the others"
             + (f" ({len(ragged)} such rows)" if len(ragged) > 1 else ""),
             where=f"{where}:{row}",
-            why="which number belongs to which column is not known",
-            do="Mend or delete the row",
+            why="it is not clear which number belongs to which column",
+            do="Correct or delete the row",
             code="ragged_row",
         )
     return np.array(rows, dtype=np.int64), [flat[i :: layout.width] for i in range(layout.width)]
@@ -160,7 +160,7 @@ def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where
     return Problem(
         f"text {shown!r} in number column {name!r}{more}",
         where=f"{where}:{rows[int(at[0])]}",
-        do="Mend the cell, or leave it empty if the value is missing",
+        do="Correct the cell, or leave it empty if the value is missing",
         code="text_in_numbers",
     )
 
@@ -267,7 +267,7 @@ def _content(columns: list[Column], rows: Rows, layout: Layout) -> Content:
     kept = [column for column in columns if column.named or len(column.empty) < len(rows)]
     remarks = layout.remarks
     if len(kept) < len(columns):
-        what = f"{len(columns) - len(kept)} column(s) without name and value left out"
+        what = f"{len(columns) - len(kept)} empty column(s) without a name left out"
         remarks = (*remarks, Remark("empty_column", "info", what))
     return Content(tuple(kept), layout.words, rows, layout.sample_rate, remarks)
 

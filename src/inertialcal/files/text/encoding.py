@@ -45,7 +45,7 @@ def _utf16(data: bytes, where: str) -> str:
     try:
         return data.decode("utf-16").replace("\x00", "\ufffd")
     except UnicodeDecodeError as error:
-        raise DataError(f"marked as UTF-16 but broken at byte {error.start}", where=where, code="not_text") from None
+        raise DataError(f"marked as UTF-16, but invalid at byte {error.start}", where=where, code="not_text") from None
 
 
 def _refuse_binary(data: bytes, where: str) -> None:
@@ -56,8 +56,8 @@ def _refuse_binary(data: bytes, where: str) -> None:
         raise DataError(
             f"a nul byte at byte {at}",
             where=f"{where}:{row}",
-            why="this is binary data in no known format, or a text file that was cut off while written",
-            do="Export it as text or Parquet, or cut off the damaged end",
+            why="binary data in an unknown format, or a text file truncated while it was written",
+            do="Export it as text or Parquet, or delete the damaged end",
             code="not_text",
         )
     controls = len(data) - len(data.translate(None, CONTROL))
@@ -65,7 +65,7 @@ def _refuse_binary(data: bytes, where: str) -> None:
         raise DataError(
             f"{controls} control characters in {len(data)} bytes",
             where=where,
-            why="this is binary data in no known format",
+            why="binary data in an unknown format",
             do="Export it as text or Parquet",
             code="not_text",
         )
@@ -73,4 +73,4 @@ def _refuse_binary(data: bytes, where: str) -> None:
 
 def _not_utf8(data: bytes, at: int, where: str) -> Remark:
     row = data.count(b"\n", 0, at) + 1
-    return Remark("not_utf8", "info", f"byte {data[at]:#04x} is no UTF-8: read as Latin-1", where=f"{where}:{row}")
+    return Remark("not_utf8", "info", f"byte {data[at]:#04x} is not UTF-8: read as Latin-1", where=f"{where}:{row}")

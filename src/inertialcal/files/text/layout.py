@@ -118,7 +118,7 @@ def _lines(text: str) -> Iterator[Line]:
 def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
     comments, lines = _head(text, comment)
     if not lines:
-        raise DataError("holds no row of data", where=where, do="Record again", code="empty_file")
+        raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
     separator, decimal, table = _separator(lines)
     width = _width(table)
     header, first = _first_data(table, decimal, width)
@@ -129,7 +129,7 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
     units_row = _units(table, header, decimal, width)
     first += bool(units_row)
     if first >= len(lines):
-        raise DataError("holds a header and no row of data", where=where, code="empty_file")
+        raise DataError("a header, but no rows of data", where=where, code="empty_file")
     start = lines[first]
     return Layout(
         separator=separator,
@@ -237,8 +237,8 @@ def _header_width(names: int, width: int, where: str) -> DataError:
     return DataError(
         f"the header names {names} column(s), the rows have {width}",
         where=where,
-        why="which number belongs to which name is not known",
-        do="Give each column one name, separated as the numbers are",
+        why="it is not clear which number belongs to which name",
+        do="Name each column, with the same separator as the numbers",
         code="ragged_row",
     )
 
@@ -288,10 +288,10 @@ def _remarks(notes: list[str], lines: list[Line], from_comment: tuple[str, ...],
     """Remarks on a preamble and on names from a comment."""
     remarks = []
     if notes:
-        what = f"{len(notes)} line(s) before the table left out: {notes[0].strip()[:60]!r} ..."
+        what = f"{len(notes)} line(s) before the table ignored: {notes[0].strip()[:60]!r} ..."
         remarks.append(Remark("preamble", "info", what, where=f"{where}:{lines[0].row}"))
     if from_comment:
-        what = f"columns named by the last comment: {', '.join(from_comment)[:120]}"
+        what = f"column names taken from the last comment: {', '.join(from_comment)[:120]}"
         remarks.append(Remark("header_from_comment", "info", what, where=where))
     return tuple(remarks)
 
@@ -303,8 +303,8 @@ def _ambiguous(table: Table, separator: str | None, header: int | None, where: s
         return ()
     if any(cells[1].startswith("-") for cells in table):
         return ()
-    what = "read as two columns of whole numbers: or is it one column with decimal commas?"
-    return (Remark("decimal_comma", "warning", what, where=where, do="A header line settles it"),)
+    what = "read as two columns of whole numbers; or is it one column with decimal commas?"
+    return (Remark("decimal_comma", "warning", what, where=where, do="Add a header line to make it clear"),)
 
 
 def _sample_rate(comments: list[str]) -> float | None:

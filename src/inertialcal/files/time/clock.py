@@ -1,4 +1,4 @@
-"""Clock: which column is time, in which unit, and what its stamps say.
+"""Clock: which column is time, in which unit, and what its time stamps say.
 
 A column is time because it is named so (``t``, ``time``, ``timestamp``, ``unix``, ``epoch``, ...), holds dates,
 or is told to be. Without any header the first column is time only if it is strictly increasing and not in
@@ -132,10 +132,10 @@ def _require_complete(described: Described, place: _Place) -> None:
             Remark(
                 "time_missing",
                 "error",
-                f"time column {described.name!r} has cells without a time: not taken as time",
+                f"time column {described.name!r} has empty cells: not used as time",
                 where=place.row(int(gone.min())),
                 count=len(gone),
-                do="Fill in the stamps, or delete these rows",
+                do="Fill in the times, or delete these rows",
             )
         )
 
@@ -150,7 +150,7 @@ def _require_forward(described: Described, time_ns: Times, place: _Place) -> Non
             Remark(
                 "not_time",
                 "warning",
-                f"{described.name!r} is no time: {share}",
+                f"{described.name!r} is not time: {share}",
                 where=place.path,
                 do="Name the time column (--time-column), or sort the rows",
             )
@@ -164,14 +164,14 @@ def _from_text(described: Described, place: _Place) -> tuple[Times, tuple[Remark
         cell = str(described.column.values[bad[0]])[:60]
         more = f" ({len(bad)} such cells)" if len(bad) > 1 else ""
         raise DataError(
-            f"{cell!r} in time column {described.name!r} is no instant{more}",
+            f"{cell!r} in time column {described.name!r} is not a date and time{more}",
             where=place.row(int(bad[0])),
             do="Write it like 2010-04-28T15:10:00Z",
             code="text_in_numbers",
         )
     if not naive:
         return time_ns, ()
-    what = f"stamps of {described.name!r} have no zone: taken as UTC"
+    what = f"stamps of {described.name!r} have no time zone: UTC is assumed"
     return time_ns, (Remark("naive_time", "warning", what, where=place.path, do="Add Z, or the offset"),)
 
 
@@ -191,7 +191,7 @@ def _from_numbers(described: Described, place: _Place) -> tuple[Times, tuple[Rem
         _refuse_digits(described, place, beyond_epoch(values))
     time_ns = to_ns(values, unit)
     if time_ns is None:
-        what = f"stamps of {described.name!r} in {unit} reach beyond 292 years"
+        what = f"stamps of {described.name!r} in {unit} span more than 292 years"
         raise _NotTimeError(Remark("not_time", "warning", what, where=place.path, do="Check the unit"))
     return time_ns, remarks
 
@@ -208,8 +208,8 @@ def _unit(described: Described, place: _Place) -> tuple[str, tuple[Remark, ...]]
     _refuse_surplus(described, place)
     if np.all(values == np.rint(values)):
         raise _NotTimeError(_unit_unknown(name, values, place.path))
-    what = f"{name!r} has no unit: taken as seconds"
-    do = f"Else say it: --unit {name}=ms"
+    what = f"{name!r} has no unit: seconds are assumed"
+    do = f"Otherwise add --unit {name}=ms"
     return "s", (Remark("time_unit_assumed", "warning", what, where=place.path, do=do),)
 
 
@@ -226,9 +226,9 @@ def _unit_unknown(name: str, values: NDArray[Any], path: str) -> Remark:
     return Remark(
         "time_unit_unknown",
         "warning",
-        f"{name!r} has no unit and whole numbers, so it is not taken as time: {'; '.join(meant) or 'no unit fits'}",
+        f"{name!r} has whole numbers without a unit, so it is not used as time: {'; '.join(meant) or 'no unit fits'}",
         where=path,
-        do=f"Say it: --unit {name}=UNIT",
+        do=f"Add --unit {name}=UNIT",
     )
 
 
@@ -253,8 +253,8 @@ def _refuse_digits(described: Described, place: _Place, at: NDArray[np.int64]) -
     raise DataError(
         f"stamp {value:.0f} in {described.name!r} has {digits(value)} digits{more}",
         where=place.row(int(at[0])),
-        why="seconds since 1970 have 10 digits, milliseconds 13: a surplus digit?",
-        do=f"Mend the stamp, or say its unit: --unit {described.name}=ns",
+        why="seconds since 1970 have 10 digits, milliseconds 13: one digit too many?",
+        do=f"Correct the stamp, or give its unit: --unit {described.name}=ns",
         code="epoch_digits",
     )
 
@@ -270,13 +270,13 @@ def _unnamed(described: Sequence[Described], place: _Place) -> Clock | None:
     if not np.all(np.diff(values) > 0.0):
         return None
     if np.all(values == np.rint(values)):
-        what = f"{column.name!r} looks like time, in whole numbers: not taken"
-        do = "If it is: --time-column 1 --unit 1=UNIT"
+        what = f"{column.name!r} looks like time in whole numbers: not used"
+        do = "If it is time: --time-column 1 --unit 1=UNIT"
         return Clock(remarks=(Remark("time_not_taken", "warning", what, where=place.path, do=do),))
     given = described[0].unit
     time_ns = to_ns(values, given or "s") if given is None or units.kind(given) == "time" else None
     if time_ns is None:
         return None
-    what = f"{column.name!r} has no name; it always increases: taken as time in {given or 'seconds'}"
-    remark = Remark("time_unnamed", "warning", what, where=place.path, do="Else name the columns in a header")
+    what = f"{column.name!r} has no name; it always increases: used as time in {given or 'seconds'}"
+    remark = Remark("time_unnamed", "warning", what, where=place.path, do="Otherwise name the columns in a header")
     return Clock(0, time_ns, "utc" if is_utc(time_ns) else "elapsed", (remark,))

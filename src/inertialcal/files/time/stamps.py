@@ -185,7 +185,7 @@ def _remark(temperature: Channel, seconds: Array, recording: Recording, conditio
         return ()
     what = (
         f"{temperature.name!r} changes by {swing:.3g} within {between:.3g} s{condition}: "
-        f"nothing changes its temperature faster than {FASTEST:g} K/s, so the stamps are wrong"
+        f"no sensor changes faster than {FASTEST:g} K/s, so the time stamps are wrong"
     )
-    do = "Find out the true sample rate (--sample-rate), or the unit of time"
+    do = "Check the sample rate (--sample-rate) and the unit of time"
     return (Remark("time_axis_implausible", "warning", what, where=recording.source.path, do=do),)

@@ -45,11 +45,11 @@ class Window:
             origin = None if self.mission_start is None else read_instant(_plain(self.mission_start))
             start, stop = (_read(given, epoch, origin) for given in (self.start, self.stop))
         except ValueError as error:
-            own = "" if epoch == "utc" else "The recording counts from its own time zero, not in UTC"
+            own = "" if epoch == "utc" else "The recording has elapsed time, not UTC"
             code = "no_mission_start" if isinstance(error, NoMissionStartError) else "wrong_time"
             raise UsageError(str(error), do=own, code=code) from None
         if start is not None and stop is not None and stop <= start:
-            raise UsageError(f"from {self.start} to {self.stop}: the end is not after the start", code="wrong_time")
+            raise UsageError(f"from {self.start} to {self.stop}: the end must be after the start", code="wrong_time")
         return start, stop
 
 
@@ -66,7 +66,7 @@ def cut(recording: Recording, window: Window) -> Recording:
     if window.is_all:
         return recording
     if recording.time_ns is None:
-        what = "from and to were given, but the recording has no time"
+        what = "--from and --to need a time column"
         raise DataError(what, where=recording.source.path, do="Name its time column", code="no_time")
     time = recording.time_ns
     start, stop = window.bounds(recording.epoch)
@@ -91,8 +91,8 @@ def cut(recording: Recording, window: Window) -> Recording:
 
 def cut_remark(path: str, kept: int, total: int, files: int = 0) -> Remark:
     """Return the remark that says how much was left out; ``files``: how many were not opened for it."""
-    more = f"; {files} file(s) outside them not opened" if files else ""
-    return Remark("cut_to_times", "info", f"{kept} of {total} samples lie between the times asked for{more}", path)
+    more = f"; {files} file(s) outside not opened" if files else ""
+    return Remark("cut_to_times", "info", f"{kept} of {total} samples are in the requested time window{more}", path)
 
 
 def nothing_left(path: str, time: Times, epoch: Literal["utc", "elapsed"]) -> DataError:
@@ -101,9 +101,9 @@ def nothing_left(path: str, time: Times, epoch: Literal["utc", "elapsed"]) -> Da
         instant_text(int(t)) if epoch == "utc" else f"{int(t) / SECOND:.9g} s" for t in (time.min(), time.max())
     )
     return DataError(
-        "no sample lies between the times asked for",
+        "no sample in the requested time window",
         where=path,
-        do=f"The recording goes from {first} to {last}",
+        do=f"The recording runs from {first} to {last}",
         code="nothing_left",
     )
 

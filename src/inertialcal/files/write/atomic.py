@@ -56,10 +56,10 @@ def _refuse_same(target: Path, given: Path) -> None:
         return
     if same:
         raise DataError(
-            "the output would replace its own input",
+            "the output would overwrite the input",
             where=str(target),
-            why="what was recorded cannot be recorded again",
-            do="Give another name to -o",
+            why="a recording cannot be replaced",
+            do="Choose another name for -o",
             code="overwrites_input",
         )
 

@@ -103,10 +103,10 @@ def _check_header(head: str, cells: Sequence[Any], columns: Sequence[Column], re
         found = [error.problems[0].what]
     if found != names:
         raise DataError(
-            f"the names {', '.join(names)[:120]} would not be read as the header of a CSV",
+            f"the names {', '.join(names)[:120]} would not be recognised as a CSV header",
             where=recording.source.path,
             why=f"they would read as {', '.join(found)[:120]}",
-            do="Write Parquet (end the name with .parquet), or rename the columns",
+            do="Write Parquet (name ending in .parquet), or rename the columns",
             code="names_not_writable",
         )
 

@@ -61,7 +61,9 @@ def _check_clock(columns: tuple[Column, ...], recording: Recording) -> None:
     expected = None if recording.time_ns is None else 0
     try:
         taken = find_clock(described, Content(columns, ""), "").column
-        reads = f"{columns[taken].name!r} would be read as the time" if taken is not None else "there would be no time"
+        reads = (
+            f"{columns[taken].name!r} would be mistaken for the time" if taken is not None else "there would be no time"
+        )
     except InertialcalError as error:
         taken, reads = -1, error.problems[0].what
     if taken != expected:
@@ -172,10 +174,10 @@ def _free(name: str, taken: set[str]) -> str:
 def _remarks(channel: Channel, title: Title) -> Iterator[Remark]:
     found = read_back(title, channel)
     if bare_name(title.name) not in {bare_name(channel.name), channel.name.strip()}:
-        what = f"column {channel.name!r} is written as {title.name!r}: its name cannot stand with its unit there"
+        what = f"column {channel.name!r} is written as {title.name!r}: its own name cannot be combined with its unit"
         yield Remark("column_renamed", "warning", what, subject=channel.name)
     if found.unit != channel.unit:
-        what = f"the unit of {channel.name!r}, {channel.unit or 'none'}, cannot be written so that it reads back"
+        what = f"the unit of {channel.name!r}, {channel.unit or 'none'}, cannot be written in a form that reads back"
         yield Remark("unit_not_kept", "warning", what, do="Write Parquet", subject=channel.name)
 
 
@@ -212,10 +214,10 @@ def time_column(recording: Recording, in_names: bool, instants: bool = True) -> 
         for title in _titles(recording, name, unit, values, in_names):
             return Column(title.name, values, title.unit)
     raise DataError(
-        f"the stamps ({recording.epoch}) cannot be written so that they read back as they are",
+        f"the stamps ({recording.epoch}) cannot be written in a form that reads back",
         where=recording.source.path,
         why="elapsed time beyond 31 years reads as UTC, and text holds instants of 1700 to 2199",
-        do="Say the time in another unit, or write Parquet",
+        do="Use another unit of time, or write Parquet",
         code="time_not_writable",
     )
 

@@ -78,7 +78,7 @@ def writer_for(path: str | os.PathLike[str]) -> Writer:
     ending = Path(path).suffix.lower()
     if ending not in WRITERS:
         raise UsageError(
-            f"{str(path)!r}: {f'the ending {ending!r}' if ending else 'no ending'} tells no format that is written",
+            f"{str(path)!r}: {f'the ending {ending!r}' if ending else 'no ending'} is not a format that can be written",
             do=f"End the name with {', '.join(WRITERS)}",
             code="unsupported_format",
         )
@@ -88,5 +88,5 @@ def writer_for(path: str | os.PathLike[str]) -> Writer:
 def _not_kept(recording: Recording) -> tuple[Remark, ...]:
     if recording.averaging_time is None:
         return ()
-    what = f"no format written here tells the averaging time ({recording.averaging_time:g} s)"
-    return (Remark("averaging_time_not_kept", "info", what, do="Say it again where the file is used"),)
+    what = f"the file does not store the averaging time ({recording.averaging_time:g} s)"
+    return (Remark("averaging_time_not_kept", "info", what, do="Give it again where the file is used"),)
