@@ -61,23 +61,19 @@ def report_html(results: Mapping[str, Any], model: Mapping[str, Any] | None, pro
     whole = environment().get_template("page.html")
     room = Room(LARGEST - _size(whole.render(page, blocks={})), {})
     for name, block in _blocks(page, room):
-        room.put(name, block)
+        size = _size(block)
+        if size <= room.left:
+            room.blocks[name] = block
+            room.left -= size
     return whole.render(page, blocks=room.blocks)
 
 
 @dataclass
 class Room:
-    """What is left of the page, and the blocks that found room."""
+    """Space that is left on the page, and the blocks that fitted."""
 
     left: int
     blocks: dict[str, Markup]
-
-    def put(self, name: str, block: Markup) -> None:
-        """Take a block if it fits."""
-        size = _size(block)
-        if size <= self.left:
-            self.blocks[name] = block
-            self.left -= size
 
 
 def _content(
@@ -123,7 +119,12 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     found = drawings.of_campaign(results)
     leading = [one for one in found if one.spec.top is not None]
     top = min(leading, key=lambda one: one.spec.top or 0, default=None)
-    partner = None if top is None else _partner(top, found)
+    partner = None  # of a pair at the top
+    if top is not None:
+        wanted_one = (top.spec.partner, top.picture.test, top.picture.axis)
+        partner = next(
+            (one for one in found if (one.spec.name, one.picture.test, one.picture.axis) == wanted_one), None
+        )
     matrix = next((one for one in found if one.spec.place == "model" and one.picture.test == sections.MODEL), None)
     of_tests: dict[str, list[Drawing]] = {}
     for one in found:
@@ -142,56 +143,41 @@ def _pictures(results: Mapping[str, Any]) -> dict[str, Any]:
     return {"top": top, "partner": partner, "tests": of_tests, "budgets": budgets, "matrix": matrix, "drawn": drawn}
 
 
-def _partner(top: Drawing, found: Iterable[Drawing]) -> Drawing | None:
-    """Return the figure that stands with the one at the top, if it is one of two."""
-    wanted = (top.spec.partner, top.picture.test, top.picture.axis)
-    return next((one for one in found if (one.spec.name, one.picture.test, one.picture.axis) == wanted), None)
-
-
 def _blocks(page: dict[str, Any], room: Room) -> Iterator[tuple[str, Markup]]:
     """Yield what may be left out, the most wanted first."""
     top, *others = page["pictures"]["drawn"] or [None]
     yield from _drawn([top] if top else [], room)
     for section in page["sections"]:
-        yield from _quantities(section, page)
-        if section.pairs:
-            names = {
-                "test": section.test,
-                "caption": section.pairs_caption,
-                "other": section.step["against"] if section.step else "",
-            }
-            pairs = _block("pairs", page, pairs=section.pairs, verdict_of=verdict_of, **names)
-            yield f"pairs-{section.anchor}", pairs
-    yield from _of_all_tests(page)
+        yield from _of_section(section, page)
+    if page["output"]:
+        yield "output", _block("output", output=page["output"], note=output_table.note)
+    if page["reaches"]:
+        yield "noise", _block("noise", tests=record_length.by_test(page["reaches"]))
     for name, _, rows in page["judged"]:
-        yield name, _block("verdicts", page, rows=rows)
+        yield name, _block("verdicts", rows=rows)
     for name, _, rows in page["budgets"]:
-        yield name, _block("budget", page, rows=rows, totals=page["totals"], by_key=sections.by_key, find=findings)
-    yield "exclusions", _block("exclusions", page, rows=page["lists"]["exclusions"])
+        yield name, _block("budget", rows=rows, totals=page["totals"], by_key=sections.by_key, find=findings)
+    yield "exclusions", _block("exclusions", rows=page["lists"]["exclusions"])
     for section in page["sections"]:
         if section.step is not None:
-            yield f"recordings-{section.anchor}", _block("recordings", page, step=section.step)
+            yield f"recordings-{section.anchor}", _block("recordings", step=section.step)
     yield from _drawn(others, room)
     for one in page["pictures"]["drawn"]:
         if room.left > NO_ROOM:
-            yield f"data-{one.key}", _block("data", page, key=one.key, tables=one.data())
+            yield f"data-{one.key}", _block("data", key=one.key, tables=one.data())
 
 
-def _of_all_tests(page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
-    """Yield the tables that are made from several tests."""
-    if page["output"]:
-        yield "output", _block("output", page, output=page["output"], note=output_table.note)
-    if page["reaches"]:
-        yield "noise", _block("noise", page, tests=record_length.by_test(page["reaches"]))
-
-
-def _quantities(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
-    """Yield the table of a test, and that of each of its records alone."""
-    own = {"lines": section.together, "ways": section.ways, "elsewhere": record_length.explained(page["reaches"])}
-    yield f"lines-{section.anchor}", _block("lines", page, **own)
+def _of_section(section: sections.Section, page: dict[str, Any]) -> Iterator[tuple[str, Markup]]:
+    """Yield the tables of a test: its quantities, those of single recordings, the comparison with another test."""
+    elsewhere = record_length.explained(page["reaches"])
+    yield f"lines-{section.anchor}", _block("lines", lines=section.together, ways=section.ways, elsewhere=elsewhere)
     if section.alone:
-        lines = [line for line in section.lines if any(way in line.alternatives for way, _ in section.alone)]
-        yield f"alone-{section.anchor}", _block("alone", page, lines=lines, names=section.alone)
+        own = [line for line in section.lines if any(way in line.alternatives for way, _ in section.alone)]
+        yield f"alone-{section.anchor}", _block("alone", lines=own, names=section.alone)
+    if section.pairs:
+        other = section.step["against"] if section.step else ""
+        names = {"test": section.test, "caption": section.pairs_caption, "other": other}
+        yield f"pairs-{section.anchor}", _block("pairs", pairs=section.pairs, verdict_of=verdict_of, **names)
 
 
 def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]]:
@@ -200,7 +186,7 @@ def _drawn(wanted: Iterable[Drawing], room: Room) -> Iterator[tuple[str, Markup]
             yield one.key, one.svg()
 
 
-def _block(name: str, page: dict[str, Any], **content: Any) -> Markup:
+def _block(name: str, **content: Any) -> Markup:
     return Markup(environment().get_template(f"{name}.html").render(content))  # noqa: S704 - a template escaped it
 
 
