@@ -90,7 +90,7 @@ BAD: list[tuple[tuple[str, ...], int, str]] = [
     (
         (*FACES, "--gravity-u", "1 mg", "--target", "scale_factor_error=10 ppm"),
         3,
-        "cannot be told better than 0.001: the uncertainty of gravity",
+        "cannot be known better than 0.001: the uncertainty of gravity",
     ),
 ]
 

@@ -117,13 +117,13 @@ def test_a_missing_position_counts_for_nothing(known: bool) -> None:
     made = triads(6, 24, noise=NOISE)
     f = made["f"][0] / GRAVITY
     readings = np.einsum("nij,pj->npi", made["matrix"], f * GRAVITY) + NOISE * np.sin(np.arange(24 * 3).reshape(24, 3))
-    told = {"directions": f} if known else {}
+    determined = {"directions": f} if known else {}
     whole = positions_batch(
         np.delete(readings, 4, axis=1), GRAVITY, **({"directions": np.delete(f, 4, 0)} if known else {})
     )
     holed = readings.copy()
     holed[2:, 4, 1] = np.nan
-    found = positions_batch(holed, GRAVITY, **told)
+    found = positions_batch(holed, GRAVITY, **determined)
     np.testing.assert_allclose(found.values[2:], whole.values[2:], atol=1e-11)
     np.testing.assert_allclose(found.covariance[2:], whole.covariance[2:], rtol=1e-7, atol=1e-18)
     assert found.positions.tolist() == [24, 24, 23, 23, 23, 23]

@@ -33,7 +33,7 @@ def judged(bench: Bench, seed: int) -> tuple[dict[str, bool], set[str]]:
         sections = [Section(p.start, p.stop, p.direction, p.axis, p.angle) for p in one.parts if p.angle or p.direction]
     plan = Plan(gravity=bench.gravity, latitude=bench.latitude, standards=standards)
     result = reduce(plan, readings_from(plan, [one.recording], [sections]))
-    true = {(v.condition, f"{v.quantity}_{v.axis}"): v.value for v in true_values(bench, unit)}
+    true = {(v.sensor, f"{v.quantity}_{v.axis}"): v.value for v in true_values(bench, unit)}
     held_by = {
         f"{kind} {name}": bool(abs(value - true[kind, name]) <= coverage_factor(float(dof)) * u)
         for kind, found in result.estimates.items()

@@ -39,11 +39,11 @@ def test_prediction_is_the_scatter_of_simulated_fits() -> None:
     rng = np.random.default_rng(1)
     r = G * cube() + rng.normal(0.0, SETUP.scatter, (4000, 26, 3))
     found = positions_batch(r, G)
-    told = predict_uncertainty(SETUP, cube())
-    assert told.names == found.names
-    np.testing.assert_allclose(np.std(found.values, axis=0) / told.u, 1.0, atol=0.05)
+    determined = predict_uncertainty(SETUP, cube())
+    assert determined.names == found.names
+    np.testing.assert_allclose(np.std(found.values, axis=0) / determined.u, 1.0, atol=0.05)
     own = positions_batch(r[:1], G, scatter=SETUP.scatter)
-    np.testing.assert_allclose(own.u[0] / told.u, 1.0, atol=0.01)
+    np.testing.assert_allclose(own.u[0] / determined.u, 1.0, atol=0.01)
 
 
 def test_prediction_with_known_positions_holds_the_error_of_each() -> None:
@@ -52,7 +52,7 @@ def test_prediction_with_known_positions_holds_the_error_of_each() -> None:
     away = rng.normal(0.0, KNOWN.pose, (n, 26, 3))
     f = G * (cube() + np.cross(away, np.broadcast_to(cube(), away.shape)))
     read = f + rng.normal(0.0, KNOWN.scatter, f.shape)
-    told = predict_uncertainty(KNOWN, cube())
+    determined = predict_uncertainty(KNOWN, cube())
     across = np.sqrt(KNOWN.scatter**2 + (G * KNOWN.pose) ** 2 * (1.0 - cube() ** 2))  # along gravity no error
     design = np.column_stack([np.ones(26), G * cube()])
     lines = []
@@ -61,7 +61,7 @@ def test_prediction_with_known_positions_holds_the_error_of_each() -> None:
         lines.append(np.linalg.pinv(heavy) @ (read[:, :, i] / across[:, i]).T)
     entries = np.array(lines)  # sensor, (b, M_i0, M_i1, M_i2), unit
     found = [*(entries[i, 1 + i] for i in range(3)), *(entries[i, 1 + j] for i, j in PAIRS), *entries[:, 0]]
-    np.testing.assert_allclose(np.std(found, axis=1) / told.u, 1.0, atol=0.05)
+    np.testing.assert_allclose(np.std(found, axis=1) / determined.u, 1.0, atol=0.05)
 
 
 def test_six_faces_and_the_size_of_gravity_tell_six_of_nine() -> None:
@@ -69,7 +69,7 @@ def test_six_faces_and_the_size_of_gravity_tell_six_of_nine() -> None:
     assert (found.rank, found.count) == (6, 9)
     lost = {name for name, u in zip(found.names, found.u, strict=True) if np.isinf(u)}
     assert lost == {"misalignment_yx", "misalignment_zx", "misalignment_zy"}
-    assert len(found.untold) == 3
+    assert len(found.undetermined) == 3
     assert np.isnan(found.covariance[3:6]).all()
     assert predict_uncertainty(KNOWN, FACES).rank == 12
     assert predict_uncertainty(SETUP, np.vstack([FACES, cube()[6:18]])).rank == 9
@@ -88,7 +88,7 @@ def test_error_of_gravity_is_common_and_stays() -> None:
     np.testing.assert_allclose(with_it.u[:3] ** 2 - without.u[:3] ** 2, (1e-3 / G) ** 2)
     np.testing.assert_allclose(with_it.u[3:], without.u[3:])
     assert with_it.covariance[0, 1] - without.covariance[0, 1] == pytest.approx((1e-3 / G) ** 2)
-    with pytest.raises(PlanError, match="cannot be told better than"):
+    with pytest.raises(PlanError, match="cannot be known better than"):
         course(free, {"scale_factor_error": 1e-4})
 
 
@@ -153,7 +153,7 @@ def test_a_target_out_of_reach_says_what_stands_in_the_way() -> None:
     with pytest.raises(PlanError, match="after 12 positions") as caught:
         course(SETUP, {"bias": 1e-5}, most=12)
     assert caught.value.problems[0].code == "target_not_reached"
-    with pytest.raises(PlanError, match="the candidates do not tell"):
+    with pytest.raises(PlanError, match="the candidates do not determine"):
         course(SETUP, {"misalignment": 1e-3}, candidates=FACES, most=12)
 
 

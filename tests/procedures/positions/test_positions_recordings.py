@@ -221,8 +221,8 @@ class TestFerraris:
 DISTURBED, CLEAN = "set-1__unmoved-x-pointing-up", "set-1__unmoved-x-pointing-forward"
 
 
-@pytest.mark.parametrize(("name", "told"), [(DISTURBED, True), (CLEAN, False)])
-def test_a_disturbance_while_the_unit_lay_is_told_and_left_out(shared: Path, name: str, told: bool) -> None:
+@pytest.mark.parametrize(("name", "disturbed"), [(DISTURBED, True), (CLEAN, False)])
+def test_a_disturbance_while_the_unit_lay_is_told_and_left_out(shared: Path, name: str, disturbed: bool) -> None:
     """An MPU-6050 that its owner calls unmoved, and that was turned at up to 8.9 deg/s within its first second."""
     folder = shared / "data" / "sunsided_mpu6050_static" / name
     acc = read(folder / "mpu6050_accelerometer.mat").array()
@@ -230,7 +230,7 @@ def test_a_disturbance_while_the_unit_lay_is_told_and_left_out(shared: Path, nam
     n = min(len(acc), len(gyro))
     one = recording(acc[:n] * STANDARD_GRAVITY.value, np.radians(gyro[:n]), ("m/s^2", "rad/s"), 100.0)
     readings = readings_from(Plan(), [one])
-    assert ("placement_parted" in {remark.code for remark in readings.remarks}) is told
+    assert ("placement_parted" in {remark.code for remark in readings.remarks}) is disturbed
     largest = np.abs(gyro[:n, 0] - np.median(gyro[:n, 0])).max()  # deg/s
-    assert bool(largest > 4.0) is told
+    assert bool(largest > 4.0) is disturbed
     assert len(readings) == 1

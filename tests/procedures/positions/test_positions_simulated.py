@@ -86,8 +86,8 @@ class TestTruth:
 class TestNotTold:
     def test_six_faces_with_gravity_alone_tell_six_of_nine(self) -> None:
         result = reduce(PLAN, simulated(replace(BY_HAND, directions=np.vstack([FACES, FACES]))))
-        assert (result.acc.seen.rank, result.acc.seen.count) == (6, 9)
-        assert set(result.acc.seen.combinations) == {"misalignment_yx", "misalignment_zx", "misalignment_zy"}
+        assert (result.acc.observed.rank, result.acc.observed.count) == (6, 9)
+        assert set(result.acc.observed.combinations) == {"misalignment_yx", "misalignment_zx", "misalignment_zy"}
         found = result.estimates["accelerometer"]
         assert set(found.names) == {f"{name}_{axis}" for name in ("scale_factor_error", "bias") for axis in "xyz"}
         rows = {(row.quantity, row.axis): row for row in result.rows() if row.key.sensor == "accelerometer"}
@@ -107,7 +107,7 @@ class TestNotTold:
 
     def test_known_positions_in_one_plane(self) -> None:
         result = reduce(PLAN, simulated(replace(CUBE, directions=RING)))
-        assert set(result.acc.seen.combinations) == {"scale_factor_error_z", "misalignment_xz", "misalignment_yz"}
+        assert set(result.acc.observed.combinations) == {"scale_factor_error_z", "misalignment_xz", "misalignment_yz"}
 
     def test_positions_that_are_not_named_take_no_part_among_named_ones(self) -> None:
         whole = simulated(CUBE)

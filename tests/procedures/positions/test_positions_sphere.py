@@ -11,11 +11,11 @@ from inertialcal.procedures.positions.fit.accelerometer import (
     NAMES,
     check_plane,
     converged,
+    determined_forward,
     forward,
     lengths,
     nominal,
     parts,
-    told_forward,
     variances,
 )
 from inertialcal.procedures.positions.fit.linear_sensor import BIAS, MATRIX
@@ -80,8 +80,10 @@ def test_the_sensor_equation_and_its_derivatives() -> None:
 
 @pytest.mark.parametrize("name", [*map(str, NAMES)])
 def test_what_is_told_of_the_triangle_is_told_of_the_matrix(name: str) -> None:
-    told = np.array([str(one) == name for one in NAMES])
-    assert [str(one) for one, known in zip((*MATRIX, *BIAS), told_forward(told), strict=True) if known] == [name]
+    determined = np.array([str(one) == name for one in NAMES])
+    assert [str(one) for one, known in zip((*MATRIX, *BIAS), determined_forward(determined), strict=True) if known] == [
+        name
+    ]
 
 
 def test_search_ends_at_the_truth_or_leaves_alone_what_is_not_told(readings: Array) -> None:

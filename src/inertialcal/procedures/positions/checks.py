@@ -22,7 +22,7 @@ from ...core.estimate import Array
 from ...core.remarks import Remark
 from .fit.attitudes import Packed, packed
 from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
-from .fit.linear_sensor import Observed
+from .fit.linear_sensor import Observability
 from .fit.rotations import Problem, angles, converged
 from .plan import INFLUENCES
 from .readings import Readings
@@ -41,7 +41,7 @@ STEPS = 60  # samples of a rotation that a search uses
 LIKELY = 3  # permutations that are fitted
 USED = 8  # transitions that a search uses
 DEGREE = float(np.pi / 180.0)
-HIDDEN = 0.5  # share of a variance that nothing shows, from which on it is told
+HIDDEN = 0.5  # share of a variance that nothing shows, from which on it is remarked
 ALONE = 0.8  # leverage of a position on which some combination rests
 
 
@@ -189,14 +189,14 @@ def _start_of_turns(problem: Problem, scale_known: bool) -> Array:
     return scale * np.eye(3)
 
 
-def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> list[Remark]:
+def judged_scale(W: Array, determined: NDArray[np.bool_], unit: str, stated: bool) -> list[Remark]:
     """Return the remark that rotations do not close, where readings in known units are off by a factor.
 
     Parameters
     ----------
     W : ndarray, shape (3, 3)
         Inverse of the matrix, over the ideal scale factor.
-    told : ndarray of bool, shape (3,)
+    determined : ndarray of bool, shape (3,)
         Whether the rotations tell the scale factors.
     unit : str
         Of the readings of the gyros.
@@ -208,7 +208,7 @@ def judged_scale(W: Array, told: NDArray[np.bool_], unit: str, stated: bool) -> 
     DataError
         ``unit_slip`` where the factor is that of degrees and radians.
     """
-    own = np.abs(np.diag(W))[told]
+    own = np.abs(np.diag(W))[determined]
     if not stated or not len(own):
         return []
     factor = float(np.median(own))  # true rate over the rate that was read
@@ -233,10 +233,10 @@ def remarks_of(result: Result) -> list[Remark]:
     """Return the remarks, the gravest first."""
     acc, readings = result.acc, result.readings
     found = []
-    if not acc.seen.whole:
-        found.append(_unobserved("positions", acc.seen, "accelerometers"))
+    if not acc.observed.whole:
+        found.append(_unobserved("positions", acc.observed, "accelerometers"))
     if acc.free == 0:
-        what = f"{len(readings)} positions for {acc.seen.rank} unknowns: nothing is left to judge the accelerometers by"
+        what = f"{len(readings)} positions for {acc.observed.rank} unknowns: no degrees of freedom for the accelerometers"
         found.append(Remark("no_dof", "warning", what, do="Lay the unit into more orientations"))
     for kind, one in result.estimates.items():
         unseen = sum(
@@ -250,7 +250,7 @@ def remarks_of(result: Result) -> list[Remark]:
     for k in np.flatnonzero(acc.outliers):
         what = "this position disagrees with the others: left out of the accelerometers"
         found.append(Remark("outlier_position", "warning", what, readings.place(int(k)), do="Check it"))
-    found += _of_gyros(result)
+    found += _gyro_remarks(result)
     if acc.free > 0 and not acc.known:
         with np.errstate(divide="ignore", invalid="ignore"):
             share = 1.0 - acc.residuals[:, 0] / acc.deletion[:, 0]
@@ -270,7 +270,7 @@ def remarks_of(result: Result) -> list[Remark]:
     return found
 
 
-def _of_gyros(result: Result) -> list[Remark]:
+def _gyro_remarks(result: Result) -> list[Remark]:
     gyro, readings = result.gyro, result.readings
     if gyro is None:
         return []
@@ -283,8 +283,8 @@ def _of_gyros(result: Result) -> list[Remark]:
         for k in np.flatnonzero(gyro.rotated.outliers):
             what = "this rotation disagrees with the others: left out"
             found.append(Remark("outlier_rotation", "warning", what, rotations[k].where, do="Check it"))
-        if not gyro.rotated.seen.whole:
-            found.append(_unobserved("rotations", gyro.rotated.seen, "gyros"))
+        if not gyro.rotated.observed.whole:
+            found.append(_unobserved("rotations", gyro.rotated.observed, "gyros"))
         elif np.all(np.diag(gyro.rotated.W) < 0.0):
             what = "all gyros read the known turns with the opposite sign: scale factors come out negative"
             do = "If the turns were clockwise, change the sign of the angles"
@@ -300,7 +300,9 @@ def _of_gyros(result: Result) -> list[Remark]:
     return found
 
 
-def _unobserved(what: str, seen: Observed, sensors: str) -> Remark:
-    combinations = "; ".join(seen.combinations)
-    said = f"the {what} determine {seen.rank} of {seen.count} {sensors} parameters; not determined: {combinations}"
+def _unobserved(what: str, observed: Observability, sensors: str) -> Remark:
+    combinations = "; ".join(observed.combinations)
+    said = (
+        f"the {what} determine {observed.rank} of {observed.count} {sensors} parameters; not determined: {combinations}"
+    )
     return Remark("not_observable", "warning", said, do="Add orientations between the faces, about all axes")

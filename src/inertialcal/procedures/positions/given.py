@@ -1,7 +1,7 @@
 """What a file of positions is taken for: accelerometers and gyros on one clock, or a table with a row a position.
 
-Told by the names and units of its channels. A file without a header is told by what the caller calls it
-(``acc=FILE``), else by its name, and its three columns are x, y, z. ``x+=FILE`` is one position, ``x_rot=FILE`` a turn.
+The names and units of its channels decide. For a file without a header it is what the caller calls it
+(``acc=FILE``), else its name, and its three columns are x, y, z. ``x+=FILE`` is one position, ``x_rot=FILE`` a turn.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
 from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, sensor_said
-from .orientations.text import LABELS, direction_of, turn_of, words_of
+from .orientations.text import LABELS, direction_of, orientation_list, turn_of
 
 KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
 ROLES = tuple(f"{sensor}_{axis}" for sensor in KINDS for axis in AXES)
@@ -102,7 +102,7 @@ def own_keys(given: GivenFile) -> dict[str, Any]:
     elif sections:
         entry["sections"] = sections
     if own.get("orientations"):
-        entry["orientations"] = words_of(own["orientations"])
+        entry["orientations"] = orientation_list(own["orientations"])
     if own.get("turn"):
         entry["turn"] = str(own["turn"])
     return entry
@@ -138,11 +138,11 @@ def _channels(given: GivenFile, is_table: bool) -> tuple[dict[str, dict[str, Cha
     if not found:
         bare = [c for c in every if c.quantity in ("", given.label) and c.data.dtype.kind in "iuf"]
         by_name = [one for one in wanted if IN_NAME[one] in Path(given.name).name.lower()]
-        told = wanted if len(wanted) == 1 else by_name
-        if len(bare) == len(AXES) and len(told) == 1:
-            found[told[0]] = dict(zip(AXES, bare, strict=True))
-            what = f"{', '.join(one.name for one in bare)} taken for x, y, z of the {KINDS[told[0]]}, in their order"
-            do = f"Else add: {given.add('column', f'{told[0]}_x=COLUMN')}"
+        chosen = wanted if len(wanted) == 1 else by_name
+        if len(bare) == len(AXES) and len(chosen) == 1:
+            found[chosen[0]] = dict(zip(AXES, bare, strict=True))
+            what = f"{', '.join(one.name for one in bare)} taken for x, y, z of the {KINDS[chosen[0]]}, in their order"
+            do = f"Else add: {given.add('column', f'{chosen[0]}_x=COLUMN')}"
             remarks.append(Remark("axes_in_order", "info", what, given.name, do=do))
     missing = [f"{one}_{axis}" for one, by_axis in found.items() for axis in AXES if axis not in by_axis]
     if missing or not found:

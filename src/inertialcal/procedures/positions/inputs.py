@@ -22,7 +22,7 @@ from ...core.units import kind
 from ..protocol import Source
 from .entry import PositionsEntry, Rests
 from .gravity import turn_problems
-from .orientations.text import FACES, direction_of, of_words, runs_of, sections_of, turn_of
+from .orientations.text import FACES, direction_of, parse_directions, runs_of, sections_of, turn_of
 from .plan import Plan
 from .readings import Readings, Triad
 from .recordings import Section, readings_from
@@ -58,12 +58,12 @@ def readings_of(plan: Plan, sources: Sequence[Source]) -> Readings:
         what = f"test {sources[0].test!r} reads tables of rests and recordings"
         raise DataError(what, do="Make a test for each", code="wrong_value")
     if tables:
-        return _of_tables(tables)
+        return _read_tables(tables)
     parts = [Part(one, recording) for one in sources for _, recording in one.recordings()]
     pairs = _paired(parts, sources[0].test)
     joined = [_joined(pair) for pair in pairs]
     sections = [_sections(pair, one) for pair, one in zip(pairs, joined, strict=True)]
-    faces = any(_said(one).orientations == [FACES] for one in sources)
+    faces = any(_entry(one).orientations == [FACES] for one in sources)
     return _oriented(readings_from(plan, joined, sections, faces), pairs)
 
 
@@ -111,7 +111,7 @@ def _joined(pair: Sequence[Part]) -> Recording:
     return replace(first, channels=tuple(made), remarks=remarks)
 
 
-def _said(source: Source) -> PositionsEntry:
+def _entry(source: Source) -> PositionsEntry:
     return cast("PositionsEntry", source.entry)
 
 
@@ -123,10 +123,10 @@ def _sections(pair: Sequence[Part], recording: Recording) -> tuple[Section, ...]
     DataError
         As `sections_of`; ``unknown_name`` if a column of labels names no position and no turn.
     """
-    source = next((one.source for one in pair if _said(one.source).sections is not None), None)
+    source = next((one.source for one in pair if _entry(one.source).sections is not None), None)
     if source is None:
         return ()
-    entry = _said(source)
+    entry = _entry(source)
     named, turn = str(entry.sections), 2.0 * np.pi if entry.turn is None else entry.turn
     if problems := turn_problems(turn):
         raise DataError(problems)
@@ -208,7 +208,7 @@ def _span(one: Recording) -> str:
     return f"{Path(one.source.path).name}: {len(one)} samples{ends}"
 
 
-def _of_tables(sources: Sequence[Source]) -> Readings:
+def _read_tables(sources: Sequence[Source]) -> Readings:
     """Return the rows of tables as positions; those of the gyros stand in the same rows.
 
     Raises
@@ -222,7 +222,7 @@ def _of_tables(sources: Sequence[Source]) -> Readings:
         what = f"test {sources[0].test!r}: need one table of accelerometers, and at most one of gyros"
         raise DataError(what, sources[0].file, code="no_accelerometers")
     source = by_kind["accelerometer"]
-    table, rests = source.table(), cast("Rests", _said(source).rests)
+    table, rests = source.table(), cast("Rests", _entry(source).rests)
     triads = {str(name): _triad(one) for name, one in by_kind.items()}
     for one in sources:
         one.chose(len(one.table()))
@@ -235,7 +235,7 @@ def _of_tables(sources: Sequence[Source]) -> Readings:
             raise DataError("0, 0, 0 is no direction", table.where(int(np.argmax(size == 0.0))), code="wrong_value")
         direction = np.asarray(vectors / size[:, None])
     elif rests.orientation is not None:
-        direction = of_words(table.text(rests.orientation), source.file)
+        direction = parse_directions(table.text(rests.orientation), source.file)
     what = f"each of the {len(table)} rows is a position: its mean readings"
     remarks = [Remark("table_of_positions", "info", what, source.file, do="For a recording, give the sample rate")]
     if not np.any(triads["accelerometer"].scatter):
@@ -247,7 +247,7 @@ def _of_tables(sources: Sequence[Source]) -> Readings:
 
 
 def _triad(source: Source) -> Triad:
-    table, rests = source.table(), cast("Rests", _said(source).rests)
+    table, rests = source.table(), cast("Rests", _entry(source).rests)
     raw = kind(source.facts.si) in ("count", "voltage")  # its scale factor is to be found
 
     def column(name: str | None, least: float, absent: float) -> Array:
@@ -285,7 +285,7 @@ def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:
     """
     words: list[str] = []
     for pair in pairs:
-        each = [list(said) for one in pair if (said := _said(one.source).orientations) is not None]
+        each = [list(said) for one in pair if (said := _entry(one.source).orientations) is not None]
         if any(one != each[0] for one in each):
             what = f"recordings {' and '.join(one.source.name for one in pair)} give different orientations"
             do = "Give them once"
@@ -294,7 +294,7 @@ def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:
     if not words:
         return readings
     where = pairs[0][0].source.file
-    found = of_words(words, where)
+    found = parse_directions(words, where)
     if len(found) != len(readings):
         listed = ", ".join(readings.where[:12]) + (", ..." if len(readings) > 12 else "")
         what = f"{len(found)} orientations for {len(readings)} positions"

@@ -19,8 +19,8 @@ INFLUENCES = {
 
 
 @dataclass(frozen=True)
-class SaidOfFile:
-    """What the noun ``positions`` is told of its files."""
+class FileSettings:
+    """Settings of the files of the noun ``positions``."""
 
     sections: Mapping[str, str] = setting(
         "Labelled parts of a recording: a JSON file or table of label, start and end; or the column of labels; of one "

@@ -19,7 +19,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, Plan, SaidOfFile
+from .plan import INFLUENCES, FileSettings, Plan
 from .planning.settings import Wanted
 
 if TYPE_CHECKING:
@@ -64,7 +64,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
     planner = Command(
         "positions", "Positions of accelerometers to take, one after another, and the uncertainty to expect of them."
     )
-    plan_type, said_type, planner_type, influences = Plan, SaidOfFile, Wanted, INFLUENCES
+    plan_type, said_type, planner_type, influences = Plan, FileSettings, Wanted, INFLUENCES
     figures = FIGURES
     uses = frozenset({"fit", "hold_out", "report_only"})
     makes_model = model_of_each = True
@@ -143,7 +143,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         return influence in missing(result)
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms | None:
-        """Return what is told of the sensor that the test is about."""
+        """Return the terms of one sensor."""
         from ...sensors.model.sensor_model import Provenance
         from ..model_terms import ModelTerms
 

@@ -1,7 +1,7 @@
 """Six faces and three turns in closed form, as Ferraris, Grimaldi and Parvis published it [1]_.
 
 Every reading counts alike, nothing is left out, the earth's rotation is ignored and there is no uncertainty. It stands
-beside the default with ``Method.TEXTBOOK``. In columns, one for each axis that points up, or is turned
+next to the default with ``Method.TEXTBOOK``. In columns, one for each axis that points up, or is turned
 about::
 
     b_a = diag(U_p + U_n) / 2     K_a R_a = (U_p - U_n) / (2 g)      K: scale factors, R: direction cosines (rows unit)
@@ -109,7 +109,7 @@ def six_faces(readings: Readings, gravity: float) -> tuple[Array, Array, Array]:
 
 
 def published_rows(readings: Readings, gravity: float) -> list[Row]:
-    """Return the closed form as rows beside the default, in the unit of the readings; none where it cannot be had.
+    """Return the closed form as rows, in the unit of the readings; none without the faces or turns.
 
     ``scale_factor`` is K, ``direction_cosine`` R, ``bias`` b and ``g_sensitivity`` K_ga; the key has the sensor.
     Six faces are enough for the accelerometers.
@@ -117,16 +117,16 @@ def published_rows(readings: Readings, gravity: float) -> list[Row]:
     found: list[Row] = []
     with suppress(DataError):  # other positions than its six faces
         K, R, b = six_faces(readings, gravity)
-        found += _of("accelerometer", readings.acc.unit, {"scale_factor": K, "direction_cosine": R, "bias": b})
+        found += _form_rows("accelerometer", readings.acc.unit, {"scale_factor": K, "direction_cosine": R, "bias": b})
     with suppress(DataError):  # no gyros, or other turns
         form = ferraris(readings, gravity)
         unit = "" if readings.gyro is None else readings.gyro.unit
-        found += _of("gyro", unit, {"scale_factor": form.K_g, "direction_cosine": form.R_g, "bias": form.b_g})
-        found += _of("gyro", normalise(f"({unit})/(m/s^2)"), {"g_sensitivity": form.K_ga})
+        found += _form_rows("gyro", unit, {"scale_factor": form.K_g, "direction_cosine": form.R_g, "bias": form.b_g})
+        found += _form_rows("gyro", normalise(f"({unit})/(m/s^2)"), {"g_sensitivity": form.K_ga})
     return found
 
 
-def _of(kind: str, unit: str, values: dict[str, Array]) -> list[Row]:
+def _form_rows(kind: str, unit: str, values: dict[str, Array]) -> list[Row]:
     """Return the rows of one sensor, row by row of each matrix."""
     ratio = "1" if unit == UNIT[kind] else normalise(f"({unit})/({UNIT[kind]})")
     units = {"scale_factor": ratio, "direction_cosine": "1"}

@@ -85,7 +85,7 @@ class Result:
     gyro : FittedGyro or None
         Gyros, and how each rotation agrees; None where there are none.
     estimates : mapping of str to Estimate
-        ``"accelerometer"``, ``"gyro"`` -> what is told, SI.
+        ``"accelerometer"``, ``"gyro"`` -> what is estimated, SI.
     models : mapping of str to SensorModel
         The same as models, for readings as they were recorded.
     remarks : tuple of Remark
@@ -223,4 +223,6 @@ def _gyros(plan: Plan, readings: Readings, acc: Fitted) -> tuple[FittedGyro, lis
     fitted = fit_gyro(plan, readings, acc, ideal, zero, start, north)
     if fitted.rotated is None:
         return fitted, []
-    return fitted, judged_scale(fitted.rotated.W, fitted.rotated.seen.told[[0, 4, 8]], readings.gyro.unit, known)
+    return fitted, judged_scale(
+        fitted.rotated.W, fitted.rotated.observed.determined[[0, 4, 8]], readings.gyro.unit, known
+    )

@@ -38,11 +38,11 @@ UNIT: dict[str, str] = {"accelerometer": "m/s^2", "gyro": "rad/s"}
 
 def rows(result: Result) -> list[Row]:
     """Return all rows, SI, accelerometers first."""
-    found = _of_sensor(result, "accelerometer", result.acc.sensor, result.readings.acc.unit)
+    found = _sensor_rows(result, "accelerometer", result.acc.sensor, result.readings.acc.unit)
     found.append(_between(Key("scatter_position", "", "accelerometer"), "m/s^2", result.acc))
     gyro = result.gyro
     if gyro is not None and result.readings.gyro is not None:
-        found += _of_sensor(result, "gyro", gyro.sensor, result.readings.gyro.unit)
+        found += _sensor_rows(result, "gyro", gyro.sensor, result.readings.gyro.unit)
         for axis, fit in zip(AXES, gyro.rest.fits or (None,) * 3, strict=True):
             found.append(_between(Key("scatter_position", axis, "gyro"), "rad/s", fit))
         fit = None if gyro.rotated is None or gyro.rotated.found is None else gyro.rotated.found
@@ -55,7 +55,7 @@ def rows(result: Result) -> list[Row]:
     return found + published_rows(result.readings, local_gravity(result.plan))
 
 
-def _of_sensor(result: Result, kind: Kind, sensor: LinearSensor, unit: str) -> list[Row]:
+def _sensor_rows(result: Result, kind: Kind, sensor: LinearSensor, unit: str) -> list[Row]:
     estimate, count = result.estimates.get(kind), len(sensor.values)
     wanted = list(zip((*MATRIX, *BIAS, *G_SENSITIVITY)[:count], units_of(kind, count), strict=True))
     if unit != UNIT[kind]:
@@ -135,7 +135,7 @@ def quantities(sensor: LinearSensor) -> tuple[Array, Array]:
 
 
 def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | None:
-    """Return what is told of a sensor; None where nothing is.
+    """Return the estimate of a sensor; None where nothing is determined.
 
     Parameters
     ----------
@@ -156,10 +156,10 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         derivative = np.vstack([rows, derivative])
         names, units = [*SCALE, *names], [f"{output_unit}/({UNIT[kind]})"] * 3 + units
     why = reasons(sensor)
-    told = [k for k, name in enumerate(names) if not why.get(name)]
-    if not told or not sensor.sources:
+    determined = [k for k, name in enumerate(names) if not why.get(name)]
+    if not determined or not sensor.sources:
         return None
-    by_numbers = derivative[told]
+    by_numbers = derivative[determined]
     components = []
     for one in sensor.sources:
         whole = by_numbers @ one.covariance @ by_numbers.T
@@ -173,8 +173,8 @@ def estimate(sensor: LinearSensor, kind: Kind, output_unit: str) -> Estimate | N
         kind_of: Literal["A", "B"] = "B" if one.kind == "B" else "A"
         changes = None if one.changes is None else one.changes @ by_numbers.T
         components.append(Component(one.origin, kind_of, covariance, least, distribution, stated, changes))
-    units_told = tuple(normalise(units[k]) for k in told)
-    return Estimate(tuple(names[k] for k in told), values[told], units_told, tuple(components))
+    known_units = tuple(normalise(units[k]) for k in determined)
+    return Estimate(tuple(names[k] for k in determined), values[determined], known_units, tuple(components))
 
 
 def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
@@ -192,7 +192,7 @@ def reasons(sensor: LinearSensor) -> Mapping[Key, Reason]:
 
 
 def model(sensor: LinearSensor, kind: Kind, output_unit: str, input_range: Array) -> SensorModel | None:
-    """Return the model for readings as they were recorded, their zero in the bias; None where nothing is told.
+    """Return the model for readings as they were recorded, their zero in the bias; None where nothing is determined.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Compiled loops over many triads: arrays in, preallocated arrays out, no checks.
 
 No unit looks at another, and the sums of a unit are taken in the order of its positions: threads may share the
-units, and the bits stay. All is told in units of gravity, so that parameters and condition have no unit.
+units, and the bits stay. Everything is in units of gravity, so that parameters and condition have no unit.
 
 M is lower triangular: its row i has ``1 + s_i`` times (m_i0, ..., 1). With ``y = M^-1 (r - b)`` the residual is
 ``e = |y| - 1``, and with ``w = M^-T y / |y|``::
@@ -59,7 +59,7 @@ def fit_norms(
     normal, tried = np.empty((SIZE + 1, SIZE + 1)), np.empty((SIZE + 1, SIZE + 1))
     factor, step, new = np.empty((SIZE, SIZE)), np.empty(SIZE), np.empty(SIZE)
     for unit in range(len(readings)):
-        count = _told(readings[unit], used[unit], r)
+        count = _determined(readings[unit], used[unit], r)
         p = found[unit]
         for a in range(SIZE):
             new[a] = start[unit, a]
@@ -98,7 +98,7 @@ def fit_norms(
 
 
 @compiled
-def _told(readings: Array, used: NDArray[np.bool_], r: Array) -> int:
+def _determined(readings: Array, used: NDArray[np.bool_], r: Array) -> int:
     """Fill ``r``, (3, positions), with the readings of the positions that are used; return their number."""
     count = 0
     for k in range(len(readings)):

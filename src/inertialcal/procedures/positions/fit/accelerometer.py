@@ -35,7 +35,7 @@ from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..gravity import local_gravity
 from ..plan import Plan
 from ..readings import Triad
-from .linear_sensor import BIAS, MATRIX, SMALLEST, USELESS, LinearSensor, Observed, Source, level_sources, observed
+from .linear_sensor import BIAS, MATRIX, SMALLEST, USELESS, LinearSensor, Observability, Source, level_sources, observe
 from .outliers import found_outliers, robust_scale, weights
 
 NOTHING_LEFT = Reason("nothing_left", "as many positions as unknowns: no degrees of freedom left")
@@ -44,13 +44,13 @@ OF_FRAME = Reason("of_frame", "0 by definition: the accelerometer axes define th
 INSIDE = "noise inside positions"
 ORIENTATION = "fixture.orientation"
 BETWEEN = "scatter between positions"
-FEWEST = 4  # positions without which nothing can be told
+FEWEST = 4  # positions without which nothing is determined
 
 Flags = NDArray[np.bool_]
 LOWER = ((0, 0), (1, 0), (1, 1), (2, 0), (2, 1), (2, 2))
 ROW, COLUMN = np.array(LOWER).T
 STEPS, HALVINGS = 60, 12
-NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, told in the words of A
+NAMES = tuple(MATRIX[3 * i + j] for i, j in LOWER) + BIAS  # of the parameters of T and b, named as those of A
 COARSE = 0.02  # singular value over the largest, below which the first steps leave a combination alone
 PLANE = 0.06  # spread of the positions across a plane [gravities], below which they lie in it
 SETTLED = 1e-9  # of gravity
@@ -64,7 +64,7 @@ class Fitted:
     ----------
     sensor : LinearSensor
         Matrix and offset.
-    seen : Observed
+    observed : Observed
         What the positions can tell.
     outliers : ndarray of bool, shape (m,)
         Positions left out.
@@ -83,7 +83,7 @@ class Fitted:
     """
 
     sensor: LinearSensor
-    seen: Observed
+    observed: Observability
     outliers: Flags
     residuals: Array
     deletion: Array
@@ -120,22 +120,22 @@ def fit_known(plan: Plan, triad: Triad, direction: Array, ideal: Array, zero: Ar
     r, inside = normalised(triad, ideal, zero)
     design, usual = _design(g * direction), np.concatenate([np.eye(3).ravel(), np.zeros(3)])
     scatter = float(np.sqrt(np.mean(inside)))
-    seen = observed(_design(direction), (*MATRIX, *BIAS), scatter / g)
+    observed = observe(_design(direction), (*MATRIX, *BIAS), scatter / g)
     known = {INSIDE: inside.ravel()}
     pose = plan.standards.get(ORIENTATION)
     if pose is not None:
         near = np.linalg.lstsq(design, r.ravel() - design @ usual, rcond=1e-6)[0] + usual
         known[ORIENTATION] = _pose_covariance(near[:9].reshape(3, 3), g * direction, pose.u)
     scale = np.concatenate([np.ones(9), np.full(3, g)])
-    reduced, y = design * scale @ seen.kept, r.ravel() - design @ usual
+    reduced, y = design * scale @ observed.kept, r.ravel() - design @ usual
     outliers = _outliers(plan, reduced, y, known, np.repeat(np.arange(m), 3))
     kept = np.repeat(~outliers, 3)
     found = _two_levels(reduced[kept], y[kept], known, kept)
-    back = scale[:, None] * seen.kept
+    back = scale[:, None] * observed.kept
     away = y - reduced @ (found.coefficients if found else np.linalg.lstsq(reduced[kept], y[kept], rcond=None)[0])
     values = usual + back @ (found.coefficients if found else np.linalg.lstsq(reduced, y, rcond=None)[0])
-    sensor = _sensor(plan, values, back, found, seen.told, ideal, zero)
-    return _fitted(sensor, seen, outliers, away.reshape(m, 3), found, known=True)
+    sensor = _sensor(plan, values, back, found, observed.determined, ideal, zero)
+    return _fitted(sensor, observed, outliers, away.reshape(m, 3), found, known=True)
 
 
 def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
@@ -164,17 +164,17 @@ def fit_unknown(plan: Plan, triad: Triad, ideal: Array, zero: Array) -> Fitted:
         theta = converged(r, g, np.sqrt(weights(lengths(theta, r, g)[0], free)), theta, cut)
     scatter = _scatter(theta, r, inside, g)
     e, jacobian, u = lengths(theta, r, g)
-    seen = observed(jacobian / g, NAMES, scatter / g)
+    observed = observe(jacobian / g, NAMES, scatter / g)
     known = {INSIDE: variances(theta, u, inside, g)}
-    outliers = _outliers(plan, jacobian @ seen.kept, -e, known, np.arange(m))
+    outliers = _outliers(plan, jacobian @ observed.kept, -e, known, np.arange(m))
     kept = ~outliers
     theta = converged(r[kept], g, everyone[kept], theta, cut)
-    found, seen, theta = _second_level(r[kept], inside[kept], g, theta, scatter)
+    found, observed, theta = _second_level(r[kept], inside[kept], g, theta, scatter)
     e = lengths(theta, r, g)[0]
     values, to_values = forward(theta, g)
-    told = told_forward(seen.told)
-    sensor = _sensor(plan, values, to_values @ seen.kept, found, told, ideal, zero, of_frame=True)
-    return _fitted(sensor, seen, outliers, e[:, None], found, known=False)
+    determined = determined_forward(observed.determined)
+    sensor = _sensor(plan, values, to_values @ observed.kept, found, determined, ideal, zero, of_frame=True)
+    return _fitted(sensor, observed, outliers, e[:, None], found, known=False)
 
 
 def among(fitted: Fitted, named: Flags) -> Fitted:
@@ -249,20 +249,20 @@ def _two_levels(design: Array, y: Array, known: Mapping[str, Array], kept: Flags
 
 def _second_level(
     r: Array, inside: Array, g: float, theta: Array, scatter: float
-) -> tuple[TwoLevels | None, Observed, Array]:
+) -> tuple[TwoLevels | None, Observability, Array]:
     """Fit again with both levels of variance until nothing moves."""
     everyone = np.ones(len(r), dtype=bool)
     for _ in range(10):
         e, jacobian, u = lengths(theta, r, g)
-        seen = observed(jacobian / g, NAMES, scatter / g)
-        found = _two_levels(jacobian @ seen.kept, -e, {INSIDE: variances(theta, u, inside, g)}, everyone)
+        observed = observe(jacobian / g, NAMES, scatter / g)
+        found = _two_levels(jacobian @ observed.kept, -e, {INSIDE: variances(theta, u, inside, g)}, everyone)
         if found is None:
             break
-        step = seen.kept @ found.coefficients
+        step = observed.kept @ found.coefficients
         theta = theta + step
         if np.max(np.abs(step)) <= SETTLED * g:
             break
-    return found, seen, theta
+    return found, observed, theta
 
 
 def _sensor(
@@ -270,14 +270,14 @@ def _sensor(
     values: Array,
     back: Array,
     found: TwoLevels | None,
-    told: Flags,
+    determined: Flags,
     ideal: Array,
     zero: Array,
     of_frame: bool = False,
 ) -> LinearSensor:
     """Gather values, sources and reasons."""
     names = (*MATRIX, *BIAS)
-    reasons = {k: NOT_TOLD for k in range(12) if not told[k]}
+    reasons = {k: NOT_TOLD for k in range(12) if not determined[k]}
     if of_frame:
         reasons |= {3 * i + j: OF_FRAME for i in range(3) for j in range(i + 1, 3)}
     if found is None:
@@ -308,16 +308,16 @@ def mounting_source(values: Array, u: float, plan: Plan) -> Source:
 
 
 def _fitted(
-    sensor: LinearSensor, seen: Observed, outliers: Flags, away: Array, found: TwoLevels | None, known: bool
+    sensor: LinearSensor, observed: Observability, outliers: Flags, away: Array, found: TwoLevels | None, known: bool
 ) -> Fitted:
     deletion = np.full(away.shape, np.nan)
     if found is None:
-        return Fitted(sensor, seen, outliers, away, deletion, None, 0.0, (0.0, np.inf), np.nan, np.nan, 0, known)
+        return Fitted(sensor, observed, outliers, away, deletion, None, 0.0, (0.0, np.inf), np.nan, np.nan, 0, known)
     sign = 1.0 if known else -1.0  # -e is the reading there
     deletion[~outliers] = sign * found.deletion.reshape(-1, away.shape[1])
     deletion[outliers] = away[outliers]
     levels = (found.between, found.between_dof, found.between_interval, found.chi_square, found.chi_square_known)
-    return Fitted(sensor, seen, outliers, away, deletion, *levels, found.free, known)
+    return Fitted(sensor, observed, outliers, away, deletion, *levels, found.free, known)
 
 
 def check_plane(r: Array, g: float) -> None:
@@ -362,7 +362,7 @@ def lengths(theta: Array, r: Array, g: float) -> tuple[Array, Array, Array]:
 
 
 def converged(r: Array, g: float, root: Array, theta: Array, cut: float) -> Array:
-    """Return where damped Gauss-Newton with weights root^2 ends; what is not told stays as it starts."""
+    """Return where damped Gauss-Newton with weights root^2 ends; what is not determined stays as it starts."""
     e, jacobian, _ = lengths(theta, r, g)
     cost = float(np.sum((root * e) ** 2))
     for _ in range(STEPS):
@@ -399,10 +399,10 @@ def forward(theta: Array, g: float) -> tuple[Array, Array]:
     return np.concatenate([A.ravel(), b]), derivative
 
 
-def told_forward(told: Flags) -> Flags:
-    """Return which of the twelve are told, where those of T and b are."""
+def determined_forward(determined: Flags) -> Flags:
+    """Return which of the twelve are determined, from those of T and b."""
     found = np.zeros(12, dtype=bool)
     for column, (i, j) in enumerate(LOWER):
-        found[3 * i + j] = told[column]
-    found[9:] = told[6:]
+        found[3 * i + j] = determined[column]
+    found[9:] = determined[6:]
     return found

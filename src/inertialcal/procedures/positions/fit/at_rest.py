@@ -25,7 +25,7 @@ from .linear_sensor import Source, level_sources, summed
 from .outliers import found_outliers
 from .rotations import Problem, across
 
-FEWEST = 6  # positions from which g-sensitivity is told from scatter
+FEWEST = 6  # positions from which g-sensitivity is separable from scatter
 LEAST_SPREAD = 0.05  # least singular value of the directions, one where they are spread evenly
 INSIDE = "noise inside positions"
 BETWEEN = "scatter between positions, gyros at rest"

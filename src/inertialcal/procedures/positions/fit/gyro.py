@@ -91,7 +91,7 @@ def fit_gyro(
     if not readings.transitions and not readings.turns:
         return FittedGyro(_sensor(plan, readings, acc, rest, None, force, ideal, zero), rest, None, None, np.empty(0))
     problem = problem_of(plan, readings, acc, rest, ideal, zero)
-    whole = acc.seen.whole or not readings.transitions  # else errors of the accelerometers make the ends disagree
+    whole = acc.observed.whole or not readings.transitions  # else errors of the accelerometers make the ends disagree
     rotated = solve(plan, problem, start, judge=whole)
     sensor = _sensor(plan, readings, acc, rest, rotated, force, ideal, zero)
     return FittedGyro(sensor, rest, rotated, problem, angles(problem, rotated.W))
@@ -144,8 +144,8 @@ def _sensor(
     forward: Array = np.asarray(-np.kron(A, A.T), dtype=np.float64)  # dA = -A dW A, row by row
     found: list[Source] = []
     if rotated is not None and rotated.found is not None:
-        by_rotations = np.zeros((21, rotated.seen.rank))
-        by_rotations[:9] = forward @ rotated.seen.kept
+        by_rotations = np.zeros((21, rotated.observed.rank))
+        by_rotations[:9] = forward @ rotated.observed.kept
         found += level_sources(rotated.found, by_rotations, plan.standards, BETWEEN)
     by_rest = np.zeros((21, 12))
     by_rest[9:] = np.eye(12)
@@ -157,7 +157,7 @@ def _sensor(
         covariance[9:, 9:] = unknown.covariance
         found.append(replace(unknown, covariance=covariance))
     if rotated is not None:
-        found.append(_of_accelerometers(acc, rotated, force, forward))
+        found.append(_accelerometer_source(acc, rotated, force, forward))
     clock, gravity = plan.standards.get("clock.rate"), plan.standards.get("gravity.value")
     if clock is not None and rotated is not None:
         change = np.concatenate([values[:9] * clock.u, np.zeros(12)])
@@ -171,7 +171,7 @@ def _sensor(
     return LinearSensor(values, tuple(found), reasons, ideal, zero, NAMES)
 
 
-def _of_accelerometers(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Source:
+def _accelerometer_source(acc: Fitted, rotated: Rotated, force: Array, forward: Array) -> Source:
     """Return what uncertain accelerometers do to the directions of gravity, and these to the matrix."""
     length = np.linalg.norm(force, axis=1)
     u = force / length[:, None]
@@ -190,8 +190,8 @@ def _reasons(rest: AtRest, rotated: Rotated | None, acc: Fitted, by_gravity: boo
     if rotated is None:
         found |= dict.fromkeys(range(9), NO_ROTATIONS)
     else:
-        found |= {k: NOT_TOLD for k in range(9) if not rotated.seen.told[k]}
-        if by_gravity and (not acc.seen.whole or acc.free == 0):
+        found |= {k: NOT_TOLD for k in range(9) if not rotated.observed.determined[k]}
+        if by_gravity and (not acc.observed.whole or acc.free == 0):
             found |= {k: NO_GRAVITY for k in range(9) if k not in found}
         if rotated.found is None:
             found |= {k: NOTHING_LEFT for k in range(9) if k not in found}

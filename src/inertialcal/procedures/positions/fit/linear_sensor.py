@@ -26,8 +26,8 @@ G_SENSITIVITY = tuple(Key("g_sensitivity", p) for p in PAIRS)
 FEWEST = 1.0  # degrees of freedom by which something is judged at all
 HIDDEN = "hidden"  # level of a bound on a scatter that nothing shows
 SMALLEST = 1e-4  # singular value over the largest one
-USELESS = 0.05  # standard uncertainty of a combination of size one, above which it is not told
-TAKES_PART = 0.03  # share of a parameter in a combination, below which it is told
+USELESS = 0.05  # standard uncertainty of a combination of size one, above which it is not determined
+TAKES_PART = 0.03  # share of a parameter in a combination, below which it is determined
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,9 +120,9 @@ def with_ideal(sensor: LinearSensor, ideal: Array, zero: Array) -> LinearSensor:
     return replace(sensor, values=values, sources=sources, ideal=ideal, zero=zero)
 
 
-def rounded_scale(sensor: LinearSensor, told: NDArray[np.bool_]) -> Array:
+def rounded_scale(sensor: LinearSensor, determined: NDArray[np.bool_]) -> Array:
     """Return the scale factors found, rounded to two digits: a definition to refer to, shape (3,)."""
-    found = np.abs(np.where(told, sensor.ideal * np.diag(sensor.matrix), sensor.ideal))
+    found = np.abs(np.where(determined, sensor.ideal * np.diag(sensor.matrix), sensor.ideal))
     power = 10.0 ** (np.floor(np.log10(found)) - 1.0)
     return np.asarray(np.round(found / power) * power)
 
@@ -152,14 +152,14 @@ def level_sources(
     whole = np.diag(back @ fit.covariance @ back.T)
     dof = _ratio(whole, judged) ** 2 * fit.dof_of(back)
     hidden = dof < FEWEST
-    seen = _scatter(per_square, np.where(hidden, 0.0, fit.between**2))
+    visible = _scatter(per_square, np.where(hidden, 0.0, fit.between**2))
     unseen = _scatter(per_square, np.where(hidden, max(fit.hidden, fit.between**2), 0.0))
-    squares = sum([(share * one) ** 2 for one in own], np.diag(seen) ** 2)
+    squares = sum([(share * one) ** 2 for one in own], np.diag(visible) ** 2)
     with np.errstate(invalid="ignore"):
         each = dof * _ratio(squares, (whole - judged + share * judged) ** 2)
     each[hidden | np.isnan(each)] = np.inf
     found = [
-        Source(between, "A", seen, each),
+        Source(between, "A", visible, each),
         Source(f"{between}, as much as may be hidden", "A", unseen, level=HIDDEN),
     ]
     for name, part in parts.items():
@@ -201,19 +201,19 @@ def propagated(back: Array, covariance: Array) -> Array:
 
 
 @dataclass(frozen=True, eq=False)
-class Observed:
-    """What is told.
+class Observability:
+    """What readings determine.
 
     Parameters
     ----------
     rank, count : int
-        Combinations that are told, of how many.
+        Combinations that are determined, of how many.
     condition : float
-        Largest over smallest singular value of those that are told.
-    told : ndarray of bool, shape (p,)
+        Largest over smallest singular value of these.
+    determined : ndarray of bool, shape (p,)
         Parameters that take no part in a combination that is not.
     kept : ndarray, shape (p, rank)
-        Directions that are told, in scaled parameters.
+        Directions that are determined, in scaled parameters.
     combinations : tuple of str
         Those that are not, in words.
     parts : tuple of frozenset of Key
@@ -223,18 +223,18 @@ class Observed:
     rank: int
     count: int
     condition: float
-    told: NDArray[np.bool_]
+    determined: NDArray[np.bool_]
     kept: Array
     combinations: tuple[str, ...]
     parts: tuple[frozenset[Key], ...]
 
     @property
     def whole(self) -> bool:
-        """Whether everything is told."""
+        """Whether everything is determined."""
         return self.rank == self.count
 
 
-def observed(scaled: Array, names: Sequence[Key], scatter: float) -> Observed:
+def observe(scaled: Array, names: Sequence[Key], scatter: float) -> Observability:
     """Return what a scaled Jacobian can tell.
 
     Parameters
@@ -251,12 +251,12 @@ def observed(scaled: Array, names: Sequence[Key], scatter: float) -> Observed:
     s, rows = np.linalg.svd(padded, full_matrices=False)[1:]
     good = (s > SMALLEST * s[0]) & (scatter < USELESS * s) if s[0] > 0.0 else np.zeros(p, dtype=bool)
     lost = rows[~good].T
-    told = np.sqrt(np.sum(lost**2, axis=1)) < TAKES_PART
+    determined = np.sqrt(np.sum(lost**2, axis=1)) < TAKES_PART
     rank = int(np.sum(good))
     condition = float(s[good].max() / s[good].min()) if rank else np.inf
     simple = _simple(lost, names)
     parts = tuple(frozenset(name for _, name in terms) for terms in simple)
-    return Observed(rank, p, condition, told, rows[good].T, tuple(map(_in_words, simple)), parts)
+    return Observability(rank, p, condition, determined, rows[good].T, tuple(map(_in_words, simple)), parts)
 
 
 def _simple(lost: Array, names: Sequence[Key]) -> list[list[tuple[float, Key]]]:

@@ -29,7 +29,7 @@ from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Rotation
 from .attitudes import Packed, carried
-from .linear_sensor import MATRIX, Observed, observed
+from .linear_sensor import MATRIX, Observability, observe
 from .outliers import found_outliers
 
 BETWEEN = "scatter between rotations"
@@ -53,8 +53,8 @@ class Rotated:
     W : ndarray, shape (3, 3)
         Inverse of the matrix.
     found : TwoLevels or None
-        Of the parameters of W that are told; None where nothing judges them.
-    seen : Observed
+        Of the parameters of W that are determined; None where nothing judges them.
+    observed : Observed
         What the rotations can tell.
     by_rest : ndarray, shape (9, 12)
         Derivatives of W by bias and g-sensitivity.
@@ -68,7 +68,7 @@ class Rotated:
 
     W: Array
     found: TwoLevels | None
-    seen: Observed
+    observed: Observability
     by_rest: Array
     by_positions: Array
     outliers: Flags
@@ -106,11 +106,11 @@ def solve(plan: Plan, problem: Problem, start: Array, judge: bool = True) -> Rot
     outliers = np.zeros(int(group.max()) + 1, dtype=bool)
     W, here = _searched(problem, start, errors(problem, start), ~outliers[group])
     for _ in range(ROUNDS if judge else 0):  # by errors linear in W: a W bent by a wrong rotation may accuse others
-        seen = _seen(problem, here.by_W, np.ones(len(group), dtype=bool))
-        if not seen.rank:
+        observed = _seen(problem, here.by_W, np.ones(len(group), dtype=bool))
+        if not observed.rank:
             break
         y, known = here.by_W @ (W - start).ravel() - here.e, known_errors(plan, problem, here.by_start)
-        found = found_outliers(here.by_W @ seen.kept, y, known, group, plan.outlier_risk)
+        found = found_outliers(here.by_W @ observed.kept, y, known, group, plan.outlier_risk)
         if np.array_equal(found, outliers):
             break
         outliers = found
@@ -124,7 +124,7 @@ def converged(problem: Problem, W: Array, kept: Flags) -> Array:
 
 
 def _searched(problem: Problem, W: Array, here: Errors, kept: Flags) -> tuple[Array, Errors]:
-    """Gauss-Newton with equal weights, damped, and the errors where it ends; what is not told stays as it starts."""
+    """Damped Gauss-Newton with equal weights, and the errors at its end; what is not determined stays as it starts."""
     cost = float(np.sum(here.e[kept] ** 2))
     for _ in range(STEPS):
         step = np.linalg.lstsq(here.by_W[kept], -here.e[kept], rcond=1e-4)[0].reshape(3, 3)
@@ -145,30 +145,30 @@ def _searched(problem: Problem, W: Array, here: Errors, kept: Flags) -> tuple[Ar
 def _refined(plan: Plan, problem: Problem, W: Array, here: Errors, kept: Flags, outliers: Flags) -> Rotated:
     """Fit with all that is known of the errors, whose covariance moves a little with W."""
     for _ in range(REFINEMENTS):
-        seen = _seen(problem, here.by_W, kept)
-        found = _two_levels(plan, problem, here, seen.kept, kept)
+        observed = _seen(problem, here.by_W, kept)
+        found = _two_levels(plan, problem, here, observed.kept, kept)
         if found is None:
             break
-        step = (seen.kept @ found.coefficients).reshape(3, 3)
+        step = (observed.kept @ found.coefficients).reshape(3, 3)
         W = W + step
         here = errors(problem, W)
         if np.max(np.abs(step)) <= REFINED:
             break
     deletion = here.e.copy()
     if found is None:
-        gain = np.asarray(seen.kept @ np.linalg.pinv(here.by_W[kept] @ seen.kept))  # of W by each row of errors
+        gain = np.asarray(observed.kept @ np.linalg.pinv(here.by_W[kept] @ observed.kept))  # of W by each row of errors
     else:
-        gain = np.asarray(seen.kept @ found.gain)
+        gain = np.asarray(observed.kept @ found.gain)
         deletion[kept] = -found.deletion
     by_ends = -np.tensordot(gain, by_positions(problem, here.by_start)[kept], axes=1)
-    return Rotated(W, found, seen, -gain @ by_rest(problem, W)[kept], by_ends, outliers, here.e, deletion)
+    return Rotated(W, found, observed, -gain @ by_rest(problem, W)[kept], by_ends, outliers, here.e, deletion)
 
 
-def _two_levels(plan: Plan, problem: Problem, here: Errors, told: Array, kept: Flags) -> TwoLevels | None:
+def _two_levels(plan: Plan, problem: Problem, here: Errors, determined: Array, kept: Flags) -> TwoLevels | None:
     """Fit with a scatter between rotations, or without where there is none to be seen but the turns are stated."""
     known = known_errors(plan, problem, here.by_start)
     some = {name: part[kept] if part.ndim == 1 else part[np.ix_(kept, kept)] for name, part in known.items()}
-    design, y = here.by_W[kept] @ told, -here.e[kept]
+    design, y = here.by_W[kept] @ determined, -here.e[kept]
     n, p = design.shape
     if n > p > 0:
         return fit_two_levels(design, y, some)
@@ -176,9 +176,9 @@ def _two_levels(plan: Plan, problem: Problem, here: Errors, told: Array, kept: F
     return fit_two_levels(design, y, some, between=0.0) if n == p and stated else None
 
 
-def _seen(problem: Problem, by_W: Array, kept: Flags) -> Observed:
+def _seen(problem: Problem, by_W: Array, kept: Flags) -> Observability:
     scatter = float(np.sqrt(np.mean(noise_variances(problem)[kept])))
-    return observed(by_W[kept], MATRIX, scatter)
+    return observe(by_W[kept], MATRIX, scatter)
 
 
 @dataclass(frozen=True, eq=False)

@@ -93,8 +93,8 @@ def loops_of(fitted: positions.Result, held: Sequence[positions.Readings], kind:
 def judges_of(fitted: positions.Result, held: positions.Readings, kind: Kind) -> tuple[Judge, ...]:
     """Return the ways in which readings judge one sensor."""
     if kind == "accelerometer":
-        return of_accelerometers(fitted, held)
-    return () if fitted.gyro is None else of_gyros(fitted, fitted.gyro, held)
+        return accelerometer_judges(fitted, held)
+    return () if fitted.gyro is None else gyro_judges(fitted, fitted.gyro, held)
 
 
 def before_and_after(
@@ -177,7 +177,7 @@ def _squares(errors: Array) -> Array:
     return np.asarray(np.sum(errors**2, axis=1))
 
 
-def of_accelerometers(fitted: positions.Result, held: positions.Readings) -> tuple[Judge, ...]:
+def accelerometer_judges(fitted: positions.Result, held: positions.Readings) -> tuple[Judge, ...]:
     """Return the length of gravity in each position; where its direction is known, each axis too [m/s^2]."""
     g, sensor = local_gravity(fitted.plan), fitted.acc.sensor
     reading = sensor.normalised(held.acc.mean)
@@ -195,7 +195,7 @@ def of_accelerometers(fitted: positions.Result, held: positions.Readings) -> tup
     return tuple(found)
 
 
-def of_gyros(fitted: positions.Result, gyro: FittedGyro, held: positions.Readings) -> tuple[Judge, ...]:
+def gyro_judges(fitted: positions.Result, gyro: FittedGyro, held: positions.Readings) -> tuple[Judge, ...]:
     """Return the rate of each axis at rest [rad/s], and of each rotation the angle that is missed [rad]."""
     if held.gyro is None:
         return ()

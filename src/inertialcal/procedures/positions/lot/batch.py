@@ -7,10 +7,10 @@ The forward equation is that of ``sensors.model`` without the terms that rest ca
 Where only the size of gravity is known, ``|f| = g``, nobody can tell M from M times a rotation: nine parameters remain.
 Here M is triangular. ``lower`` makes the x sensor the x axis, with the y sensor in the plane of x and y; ``upper``
 makes the z sensor the z axis, with the y sensor in the plane of y and z. What is made small is ``|M^-1 (r - b)| - g``.
-Where f is known in each position, all twelve are told, and the estimate is linear.
+Where f is known in each position, all twelve are determined, and the estimate is linear.
 
 Positions with a NaN are missing, in that unit alone. The uncertainty is that of the scatter between positions, or of a
-scatter that is given; what all positions share (gravity, the frame that known positions are told in) is not in it.
+scatter that is given; what all positions share (gravity, the frame of known positions) is not in it.
 No figure depends on the number of threads or on the other units.
 
 References
@@ -87,13 +87,13 @@ def positions_batch(
     gravity : float or array_like, shape (units,)
         Local gravity [m/s2].
     directions : array_like, shape (positions, 3), optional
-        Where the specific force points in each position, in body axes: up, at rest. Told, all twelve parameters are
+        Where the specific force points in each position, in body axes: up, at rest. With them all twelve parameters are
         estimated; otherwise nine, from ``|f| = g``.
     scatter : float, optional
         Standard uncertainty of one reading of one position, known beforehand [m/s2]. By default it is estimated in
         each unit from its residuals.
     form : {"lower", "upper"}
-        Shape of M where directions are not told.
+        Shape of M where directions are unknown.
 
     Returns
     -------
@@ -105,7 +105,7 @@ def positions_batch(
     UsageError
         ``bad_argument`` for shapes that do not fit, gravity or scatter that is not positive.
     DataError
-        ``ill_posed`` if told directions cannot tell the parameters apart, in any unit.
+        ``ill_posed`` if the directions cannot tell the parameters apart, in any unit.
     """
     r, g = _checked(readings, gravity, scatter)
     if form not in ("lower", "upper"):
@@ -260,7 +260,7 @@ def _result(
 
 
 def _known(r: Array, g: Array, directions: Array, scatter: float | None) -> PositionsBatch:
-    """Twelve parameters of each unit, in positions that are told: units with the same positions at once."""
+    """Twelve parameters of each unit, in known positions: units with the same positions at once."""
     n = len(r)
     used: NDArray[np.bool_] = np.asarray(np.isfinite(r).all(axis=2))
     positions = used.sum(axis=1)

@@ -73,7 +73,7 @@ def turn_of(text: str) -> Array | None:
     return np.asarray(np.eye(3)[AXES.index(match["axis"].lower())] * (-1.0 if match["sign"] else 1.0))
 
 
-def words_of(given: str | Sequence[str]) -> list[str]:
+def orientation_list(given: str | Sequence[str]) -> list[str]:
     """Return positions in words.
 
     Parameters
@@ -104,11 +104,11 @@ def words_of(given: str | Sequence[str]) -> list[str]:
         raise UsageError(f"orientations: no file {given!r}", do=f"Name a file, or words: {LIKE}", code="missing_file")
     words = [word.strip() or "?" for word in words]
     if words != [FACES]:
-        of_words(words, where)
+        parse_directions(words, where)
     return words
 
 
-def of_words(words: Sequence[str], where: str) -> Array:
+def parse_directions(words: Sequence[str], where: str) -> Array:
     """Return unit vectors of positions in words, shape (m, 3), NaN where not known; `directions` has the errors."""
     found = []
     for number, text in enumerate(words, 1):
@@ -129,7 +129,7 @@ def sections_of(path: Path) -> tuple[LabelledPart, ...]:
         ``no_column``, ``no_unit`` if the angles of a table have none.
     """
     if path.suffix.lower() == ".json":
-        return _of_json(path)
+        return _read_json(path)
     table = read_table(path)
     label, start, stop = (_named(table, names) for names in (LABELS, STARTS, STOPS))
     timed = table.unit(start) == "s"
@@ -157,7 +157,7 @@ def _named(table: Table, names: Sequence[str]) -> str:
     raise DataError(what, do="A table of sections has columns section, start, end", code="no_column")
 
 
-def _of_json(path: Path) -> tuple[LabelledPart, ...]:
+def _read_json(path: Path) -> tuple[LabelledPart, ...]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=tuple)  # a label may stand twice
     except OSError as error:

@@ -1,7 +1,7 @@
-"""Which positions tell an accelerometer triad well: uncertainty before the test, the next position, how many.
+"""Positions that determine an accelerometer triad: uncertainty before the test, the next position, how many.
 
 At rest a triad reads ``r = b + M f``. Where each position is known, a sensor has four unknowns and each position one
-equation for it, with the error of the position beside the scatter: ``g pose`` across what points up. Where only the
+equation for it, with the error of the position on top of the scatter: ``g pose`` across what points up. Where only the
 size of gravity is known, a position has one equation for all nine unknowns of a triangular M, and no error of the
 position matters::
 
@@ -30,7 +30,7 @@ from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import PlanError
 from ....core.estimate import Array
 from ....core.key import Key
-from ..fit.linear_sensor import observed
+from ..fit.linear_sensor import observe
 
 MOST = 200  # positions that a person lays
 FAINT = 1e-6  # information that a position is compared with, where no other tells yet; below, rounding decides
@@ -80,14 +80,14 @@ class Prediction:
     units : tuple of str
         SI.
     u : ndarray, shape (k,)
-        Standard uncertainties; infinite where the positions do not tell.
+        Standard uncertainties; infinite where not determined.
     covariance : ndarray, shape (k, k)
-        NaN in rows and columns of what is not told.
+        NaN in rows and columns of what is not determined.
     rank, count : int
-        Combinations that are told, of how many.
+        Combinations that are determined, of how many.
     condition : float
-        Of what is told.
-    untold : tuple of str
+        Of these.
+    undetermined : tuple of str
         Combinations that are not, in words.
     parts : tuple of frozenset of Key
         Parameters that take part in each of them.
@@ -100,7 +100,7 @@ class Prediction:
     rank: int
     count: int
     condition: float
-    untold: tuple[str, ...]
+    undetermined: tuple[str, ...]
     parts: tuple[frozenset[Key], ...]
 
     @property
@@ -142,7 +142,7 @@ def sphere(n: int) -> Array:
 
 
 def parameters(known: bool) -> tuple[tuple[Key, ...], tuple[str, ...]]:
-    """Return the parameters that a test tells, and their units."""
+    """Return the parameters that a test determines, and their units."""
     pairs = [(i, j) for i in range(3) for j in range(3) if i != j] if known else LOWER
     keys = (
         *(Key("scale_factor_error", a) for a in AXES),
@@ -153,7 +153,7 @@ def parameters(known: bool) -> tuple[tuple[Key, ...], tuple[str, ...]]:
 
 
 def parameter_names(known: bool) -> tuple[str, ...]:
-    """Return the names of the parameters that a test tells."""
+    """Return the names of the parameters that a test determines."""
     return tuple(map(str, parameters(known)[0]))
 
 
@@ -204,14 +204,24 @@ def predict_uncertainty(setup: Setup, directions: ArrayLike) -> Prediction:
     keys, units = parameters(setup.known)
     k = len(keys)
     flat, weights = rows.reshape(-1, k), 1.0 / deviations.reshape(-1, 1)
-    seen = observed(flat * (setup.scatter / setup.gravity) * weights, keys, setup.scatter / setup.gravity)
-    covariance = _covariance(setup, flat * weights, seen.kept, seen.told)
+    observed = observe(flat * (setup.scatter / setup.gravity) * weights, keys, setup.scatter / setup.gravity)
+    covariance = _covariance(setup, flat * weights, observed.kept, observed.determined)
     with np.errstate(invalid="ignore"):
-        u = np.where(seen.told, np.sqrt(np.diag(covariance)), np.inf)
-    return Prediction(keys, units, u, covariance, seen.rank, seen.count, seen.condition, seen.combinations, seen.parts)
+        u = np.where(observed.determined, np.sqrt(np.diag(covariance)), np.inf)
+    return Prediction(
+        keys,
+        units,
+        u,
+        covariance,
+        observed.rank,
+        observed.count,
+        observed.condition,
+        observed.combinations,
+        observed.parts,
+    )
 
 
-def _covariance(setup: Setup, weighted: Array, kept: Array, told: NDArray[np.bool_]) -> Array:
+def _covariance(setup: Setup, weighted: Array, kept: Array, determined: NDArray[np.bool_]) -> Array:
     """Return the covariance in the units of the parameters, the error of gravity in it."""
     k = weighted.shape[1]
     inner = kept.T @ (weighted.T @ weighted) @ kept
@@ -222,15 +232,15 @@ def _covariance(setup: Setup, weighted: Array, kept: Array, told: NDArray[np.boo
     lengths = np.ones(k)
     lengths[-3:] = setup.gravity
     total = total * np.outer(lengths, lengths)
-    total[~told] = np.nan
-    total[:, ~told] = np.nan
+    total[~determined] = np.nan
+    total[:, ~determined] = np.nan
     return np.asarray(total)
 
 
 def next_position(
     setup: Setup, directions: ArrayLike, candidates: ArrayLike | None = None, goal: str = DETERMINANT
 ) -> Array:
-    """Return the candidate that helps most beside the positions taken.
+    """Return the candidate that helps most after the positions taken.
 
     Parameters
     ----------
@@ -362,7 +372,7 @@ def _check_gravity(setup: Setup, limits: Array) -> None:
     relative = setup.gravity_u / setup.gravity
     if np.any(limits[:3] <= relative):
         raise PlanError(
-            f"scale_factor_error cannot be told better than {relative:.2g}: the uncertainty of gravity",
+            f"scale_factor_error cannot be known better than {relative:.2g}: the uncertainty of gravity",
             why="an error of gravity is the same in all positions",
             do="Give gravity with a smaller uncertainty, or another target",
             code="target_not_reached",
@@ -370,14 +380,14 @@ def _check_gravity(setup: Setup, limits: Array) -> None:
 
 
 def _not_reached(found: Prediction, limits: Array, most: int) -> PlanError:
-    asked = np.isfinite(limits)
-    worst = int(np.argmax(np.where(asked, found.u, 0.0) / np.where(asked, limits, 1.0)))
+    limited = np.isfinite(limits)
+    worst = int(np.argmax(np.where(limited, found.u, 0.0) / np.where(limited, limits, 1.0)))
     name, unit = found.names[worst], found.units[worst]
     blind = np.isinf(found.u[worst])
     slow = "the uncertainty falls with the root of their number"
     return PlanError(
         f"{name}: {found.u[worst]:.3g} {unit} after {most} positions, {limits[worst]:.3g} wanted",
-        why=f"the candidates do not tell {found.untold[0]}" if blind else slow,
+        why=f"the candidates do not determine {found.undetermined[0]}" if blind else slow,
         do="Average longer in each position, or allow other positions",
         code="target_not_reached",
     )

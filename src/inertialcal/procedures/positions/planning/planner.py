@@ -84,7 +84,12 @@ class PositionsPlan:
     def results(self) -> dict[str, Any]:
         """Positions, combinations that they do not determine, and rows as ``results.json`` has them."""
         rows = [row.to_dict() for row in self.rows]
-        return {"positions": self.steps(), "not_told": list(self.prediction.untold), "results": rows, "curves": []}
+        return {
+            "positions": self.steps(),
+            "not_told": list(self.prediction.undetermined),
+            "results": rows,
+            "curves": [],
+        }
 
     def steps(self) -> list[dict[str, Any]]:
         """Return the positions to take, in order: number, words, direction."""
@@ -105,7 +110,7 @@ class PositionsPlan:
         head = (Table(("position", "up"), steps, "positions to take"),) if steps else ()
         caption = f"after {len(self.directions)} positions: {found.rank} of {found.count} parameters determined"
         figures = [(row.quantity, row.axis, number(row.value, ROUGH), row.unit) for row in self.rows]
-        lost = (f"not determined: {', '.join(found.untold)}",) if found.untold else ()
+        lost = (f"not determined: {', '.join(found.undetermined)}",) if found.undetermined else ()
         return (*head, Table(("quantity", "axis", "value", "unit"), figures, caption, (2,)), *lost)
 
     def __str__(self) -> str:
@@ -244,7 +249,9 @@ def _rows(found: Prediction, target: Mapping[str, str], scatter: str) -> tuple[R
         named = Key(f"{key.quantity}_uncertainty", key.axis)
         row = Row(named, float(u) * factor(si, unit), None, unit, test=TEST)
         if not np.isfinite(u):
-            lost = [one for one, parts in zip(found.untold, found.parts, strict=True) if key in parts] or [str(key)]
+            lost = [one for one, parts in zip(found.undetermined, found.parts, strict=True) if key in parts] or [
+                str(key)
+            ]
             row = not_estimated(named, unit, Reason("not_told", f"these positions do not determine {', '.join(lost)}"))
         rows.append(row)
     return tuple(rows)
