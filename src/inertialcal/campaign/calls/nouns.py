@@ -1,6 +1,6 @@
 """Nouns as functions of Python: ``inertialcal.thermal`` and the like, made of the settings when first used.
 
-Their signatures for type checkers stand in ``nouns.pyi``, which ``docs/stubs.py`` writes.
+Their signatures for type checkers stand in ``nouns.pyi``, which ``docs/made.py`` writes.
 """
 
 from __future__ import annotations

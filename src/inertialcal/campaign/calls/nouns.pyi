@@ -1,4 +1,4 @@
-"""Made by docs/stubs.py of the settings of each procedure: do not edit."""
+"""Made by docs/made.py of the settings of each procedure: do not edit."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path

@@ -1,0 +1,140 @@
+"""Write `campaign/calls/nouns.pyi`: the calls of Python with their types, made of the settings of each procedure.
+
+python docs/made.py          # writes it
+python docs/made.py --check  # fails where it is not fresh
+"""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+
+import inertialcal
+from inertialcal.campaign.calls.call import settings_by_group
+from inertialcal.core.settings import Setting, settings_of
+from inertialcal.core.units import factor, parse_quantity
+from inertialcal.procedures import BUILT_IN, procedure_of
+
+FILE = Path(inertialcal.__file__).parent / "campaign" / "calls" / "nouns.pyi"
+PAGES = Path(__file__).parent / "procedures"
+OF_PLANNERS = ("positions_planning.md", "mass_attraction.md")  # their settings are of another list
+HEAD = '''"""Made by docs/made.py of the settings of each procedure: do not edit."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Literal
+
+from .call import Reduced
+from .given import Given
+
+__all__ = {names}
+'''
+
+
+def type_of(one: Setting) -> str:
+    """Return the type of an argument: a quantity is text with its unit."""
+    if one.pairs:
+        return "Mapping[str, str] | Sequence[str] | str"
+    inner = f"Literal[{', '.join(map(repr, one.choices))}]" if one.choices else "str"
+    inner = "bool" if one.flag else "Mapping[str, Any] | str" if one.table else inner
+    inner = one.number.__name__ if one.number is not None else inner
+    return f"Sequence[{inner}] | {inner}" if one.many else inner
+
+
+def text() -> str:
+    """Return the content of the file."""
+    parts = []
+    names = []
+    for name in BUILT_IN:
+        procedure = procedure_of(name)
+        settings = [one for group in settings_by_group(procedure).values() for one in group]
+        arguments = [f"    {one.name}: {type_of(one)} | None = None,\n" for one in settings]
+        if "hold_out" in procedure.uses:
+            arguments.append("    hold_out: Sequence[str | Path] = (),\n")
+        for declared in procedure.commands:
+            word = declared.word.replace("-", "_")
+            names.append(word)
+            lines = "".join(arguments)
+            first = "    recordings: Given | Sequence[Given],\n    /,\n    *,\n"
+            parts.append(f"def {word}(\n{first}{lines}) -> Reduced: ...\n")
+    listed = "[\n" + "".join(f'    "{name}",\n' for name in sorted(["Reduced", *names])) + "]"
+    return HEAD.format(names=listed) + "\n" + "".join(parts)
+
+
+def kind_of(one: Setting) -> str:
+    """Return how a setting is written, for the manual."""
+    limits = [f"> {one.above:g}"] if one.above is not None else []
+    limits += [f">= {one.least:g}"] if one.least is not None else []
+    limits += [f"<= {one.most:g}"] if one.most is not None else []
+    own = " or ".join(f'`"{word}"`' for word in one.choices) if one.choices else ""
+    own = own or ("true or false" if one.flag else "table" if one.table else "quantity" if one.unit else "")
+    own = own or {int: "integer", float: "number"}.get(one.number, "text")  # type: ignore[arg-type]
+    whole = " ".join([own, *limits])
+    return f"list, each {whole}" if one.many else whole
+
+
+def default_of(one: Setting) -> str:
+    """Return the default of a setting as a campaign file has it."""
+    if one.needed:
+        return "required"
+    if one.default is None or callable(one.default) or one.default == "":
+        return "none"
+    if one.flag:
+        return f"`{str(one.default).lower()}`"
+    if not one.unit:
+        return f"`{one.default}`" if one.number is not None else f'`"{one.default}"`'
+    unit = one.unit if one.difference or one.unit == "degC" else parse_quantity(one.example).unit
+    scale = 1.0 if unit == one.unit else factor(one.unit, unit)
+    return f'`"{float(str(one.default)) * scale:g} {unit}"`'
+
+
+def table(kind: type[object]) -> list[str]:
+    """Return the lines of a table of settings."""
+    lines = ["| key | kind | default | example | meaning |", "|---|---|---|---|---|"]
+    for one in settings_of(kind):
+        example = f"`{one.example}`" if one.example else ""
+        lines.append(f"| `{one.name}` | {kind_of(one)} | {default_of(one)} | {example} | {one.help} |")
+    return lines
+
+
+def page(text: str, tables: Mapping[str, type[object]]) -> str:
+    """Return a page whose tables, each the first after its mark at the start of a line, are made anew."""
+    lines = text.split("\n")
+    for mark, kind in tables.items():
+        at = next((i for i, line in enumerate(lines) if line.startswith(mark)), None)
+        if at is None:
+            continue
+        first = next(i for i in range(at, len(lines)) if lines[i].startswith("|"))
+        last = next(i for i in range(first, len(lines)) if not lines[i].startswith("|"))
+        lines[first:last] = table(kind)
+    return "\n".join(lines)
+
+
+def made() -> dict[Path, str]:
+    """Return the content of every file, by its path."""
+    found = {FILE: text()}
+    for name in BUILT_IN:
+        plan = procedure_of(name).plan_type
+        marks = {"## Settings": plan}
+        marks |= {f"`{one.name}`:": one.table for one in settings_of(plan) if one.table is not None}
+        for path in sorted(PAGES.glob(f"{name}*.md")):
+            found[path] = page(path.read_text(encoding="utf-8"), marks)
+    return {path: content for path, content in found.items() if path.name not in OF_PLANNERS}
+
+
+def main() -> int:
+    """Write the files, or name those that are not fresh."""
+    wrong = [path for path, content in made().items()
+             if not path.is_file() or path.read_text(encoding="utf-8") != content]  # fmt: skip
+    if "--check" not in sys.argv[1:]:
+        for path in wrong:
+            path.write_text(made()[path], encoding="utf-8")
+        return 0
+    for path in wrong:
+        print(f"{path.name} is not what the settings say: run python docs/made.py", file=sys.stderr)
+    return int(bool(wrong))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
