@@ -236,7 +236,7 @@ def remarks_of(result: Result) -> list[Remark]:
     if not acc.observed.whole:
         found.append(_unobserved("positions", acc.observed, "accelerometers"))
     if acc.free == 0:
-        what = f"{len(readings)} positions for {acc.observed.rank} unknowns: no degrees of freedom for the accelerometers"
+        what = f"{len(readings)} positions for {acc.observed.rank} unknowns: no degrees of freedom left"
         found.append(Remark("no_dof", "warning", what, do="Lay the unit into more orientations"))
     for kind, one in result.estimates.items():
         unseen = sum(

@@ -95,13 +95,17 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     g = local_gravity(plan) + _draw(plan, "gravity.value", rng)
     mounting = _small(np.array([_draw(plan, "fixture.mounting", rng) for _ in range(3)]))
     clock = 1.0 + _draw(plan, "clock.rate", rng)
-    lain = _laid(plan, truth, mounting, rng)
+    lain = truth.directions
+    away = [np.array([_draw(plan, "fixture.orientation", rng) for _ in range(3)]) for _ in lain]
+    if truth.known:
+        tilts = [_small(a - (a @ one) * one) for a, one in zip(away, lain, strict=True)]
+        lain = np.array([mounting @ tilt @ one for tilt, one in zip(tilts, lain, strict=True)])
     force = g * lain
     m = len(force)
     acc_mean = force @ truth.acc_matrix.T + truth.acc_bias + rng.normal(0.0, truth.acc_between, (m, 3))
     sine = rng.uniform(-1.0, 1.0) if truth.sine_of_latitude is None else truth.sine_of_latitude
-    G_seen = truth.g_sensitivity + truth.gyro_matrix * EARTH_ROTATION_RATE.value * sine / g
-    gyro_mean = force @ G_seen.T + truth.gyro_bias + rng.normal(0.0, truth.gyro_between, (m, 3))
+    G_at_rest = truth.g_sensitivity + truth.gyro_matrix * EARTH_ROTATION_RATE.value * sine / g
+    gyro_mean = force @ G_at_rest.T + truth.gyro_bias + rng.normal(0.0, truth.gyro_between, (m, 3))
     if truth.turns is None:
         vectors = [_between(lain[k], lain[k + 1]) for k in range(m - 1)]
         starts = lain[:-1]
@@ -112,7 +116,7 @@ def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:
     acc = _triad(acc_mean, truth.acc_noise, truth.samples, "m/s^2", rng)
     gyro = _triad(gyro_mean, truth.gyro_noise, truth.samples, "rad/s", rng)
     rotations = [
-        _rotation(truth, vector, start, g, clock, k, G_seen, rng)
+        _rotation(truth, vector, start, g, clock, k, G_at_rest, rng)
         for k, (vector, start) in enumerate(zip(vectors, starts, strict=True))
     ]
     where = tuple(f"simulated position {k + 1}" for k in range(m))
@@ -136,15 +140,6 @@ def _level_earth_rate(
     return np.asarray(EARTH_ROTATION_RATE.value * np.sqrt(1.0 - sine**2) * heading)
 
 
-def _laid(plan: Plan, truth: Truth, mounting: Array, rng: np.random.Generator) -> Array:
-    """Return the directions as they really are, shape (m, 3)."""
-    found = []
-    for one in truth.directions:
-        away = np.array([_draw(plan, "fixture.orientation", rng) for _ in range(3)])
-        found.append(mounting @ _small(away - (away @ one) * one) @ one if truth.known else one)
-    return np.array(found)
-
-
 def _turned(plan: Plan, vector: Array, mounting: Array, rng: np.random.Generator) -> Array:
     angle = float(np.linalg.norm(vector))
     axis = vector / angle
@@ -166,7 +161,14 @@ def _between(start: Array, stop: Array) -> Array:
 
 
 def _rotation(
-    truth: Truth, vector: Array, start: Array, g: float, clock: float, k: int, G_seen: Array, rng: np.random.Generator
+    truth: Truth,
+    vector: Array,
+    start: Array,
+    g: float,
+    clock: float,
+    k: int,
+    G_at_rest: Array,
+    rng: np.random.Generator,
 ) -> Rotation:
     """Sample a turn by a vector, its rate rising and falling as the square of a sine."""
     count = round(truth.duration / truth.sample_interval) + 1
@@ -179,7 +181,7 @@ def _rotation(
     axis = vector / angle if angle > 0.0 else np.array([0.0, 0.0, 1.0])
     force = g * _carried(start, axis, angle * share)
     f_read = force @ truth.acc_matrix.T + truth.acc_bias + rng.normal(0.0, truth.acc_noise, force.shape)
-    reading = rate @ truth.gyro_matrix.T + truth.gyro_bias + force @ G_seen.T
+    reading = rate @ truth.gyro_matrix.T + truth.gyro_bias + force @ G_at_rest.T
     reading = reading + rng.normal(0.0, truth.gyro_noise, reading.shape)
     reading = reading + shape[:, None] * (truth.gyro_matrix @ rng.normal(0.0, truth.angle_between, 3))
     turns = truth.turns

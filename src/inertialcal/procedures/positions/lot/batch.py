@@ -21,7 +21,7 @@ References
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Literal
@@ -111,7 +111,12 @@ def positions_batch(
     if form not in ("lower", "upper"):
         raise UsageError(f"form {form!r}: no such form", do="Use lower or upper", code="bad_argument")
     if directions is not None:
-        return _known(r, g, _unit_rows(directions, r.shape[1]), scatter)
+        rows, m = np.asarray(directions, dtype=np.float64), r.shape[1]
+        lengths = np.linalg.norm(rows, axis=-1, keepdims=True) if rows.ndim == 2 else np.zeros(1)
+        if rows.shape != (m, 3) or not np.all(lengths > 0.0):
+            what = f"directions of shape {rows.shape} for {m} positions: need ({m}, 3), none of length zero"
+            raise UsageError(what, code="bad_argument")
+        return _known(r, g, np.asarray(rows / lengths), scatter)
     return _norms(r, g, scatter, form)
 
 
@@ -135,29 +140,13 @@ def _checked(readings: ArrayLike, gravity: ArrayLike, scatter: float | None) -> 
     return r, np.broadcast_to(g, (len(r),))
 
 
-def _unit_rows(directions: ArrayLike, positions: int) -> Array:
-    rows = np.asarray(directions, dtype=np.float64)
-    lengths = np.linalg.norm(rows, axis=-1, keepdims=True) if rows.ndim == 2 else np.zeros(1)
-    if rows.shape != (positions, 3) or not np.all(lengths > 0.0):
-        raise UsageError(
-            f"directions of shape {rows.shape} for {positions} positions: need ({positions}, 3), none of length zero",
-            code="bad_argument",
-        )
-    return np.asarray(rows / lengths)
-
-
-def _lots(n: int) -> Iterator[slice]:
-    for start in range(0, n, CHUNK):
-        yield slice(start, min(start + CHUNK, n))
-
-
 def _shared(work: Callable[[slice], None], n: int) -> None:
     """Do the work on lots of units, shared by threads."""
     if n <= CHUNK:
         work(slice(0, n))
         return
     with ThreadPoolExecutor(WORKERS) as pool:
-        list(pool.map(work, _lots(n)))
+        list(pool.map(work, (slice(start, min(start + CHUNK, n)) for start in range(0, n, CHUNK))))
 
 
 def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBatch:
@@ -169,7 +158,10 @@ def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBa
     relative = np.ascontiguousarray(flipped / g[:, np.newaxis, np.newaxis])
     used: NDArray[np.bool_] = np.asarray(np.isfinite(relative).all(axis=2))
     positions = used.sum(axis=1)
-    start, slipped = _start(relative, used)
+    size = np.sqrt((np.where(used[:, :, np.newaxis], relative, 0.0) ** 2).sum(axis=(1, 2)) / np.maximum(positions, 1))
+    start = np.zeros((n, NORM))  # a common scale factor, so that a search that must fail for another unit still ends
+    start[:, :3] = np.where(size > 0.0, size, 1.0)[:, np.newaxis] - 1.0
+    slipped = ~((size < UNIT_SLIP) & (size > 1.0 / UNIT_SLIP))
     found, inverse = np.empty((n, NORM)), np.empty((n, NORM, NORM))
     squares, condition, steps = np.empty(n), np.empty(n), np.empty(n, dtype=np.int64)
 
@@ -183,7 +175,9 @@ def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBa
     status = _status(positions, NORM, slipped, ill, steps < 0, scatter)
     dof = np.maximum(positions - NORM, 0)
     back = np.array([2, 1, 0, 5, 4, 3, 8, 7, 6]) if turned else np.arange(NORM)
-    names = _norm_names(form)
+    pairs = ("yx", "zx", "zy") if form == "lower" else ("xy", "xz", "yz")
+    scale, bias = (f"scale_factor_error_{a}" for a in AXES), (f"bias_{a}" for a in AXES)
+    names = (*scale, *(f"misalignment_{pair}" for pair in pairs), *bias)
     lengths = np.ones((n, NORM))
     lengths[:, 6:] = g[:, np.newaxis]
     variance = _variance(squares, dof, None if scatter is None else (scatter / g) ** 2)
@@ -193,25 +187,6 @@ def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBa
         values, covariance = values[:, back], covariance[:, back][:, :, back]
     units = ("1",) * 3 + ("rad",) * 3 + ("m/s^2",) * 3
     return _result(names, units, values, covariance, squares * g**2, scatter, dof, positions, condition, status)
-
-
-def _start(relative: Array, used: NDArray[np.bool_]) -> tuple[Array, NDArray[np.bool_]]:
-    """Where each search starts, and which units read nothing near gravity.
-
-    A scale factor common to the sensors is taken from the size of the readings, so that a search that must fail for
-    another unit still ends.
-    """
-    squares = np.where(used[:, :, np.newaxis], relative, 0.0) ** 2
-    size = np.sqrt(squares.sum(axis=(1, 2)) / np.maximum(used.sum(axis=1), 1))
-    start = np.zeros((len(relative), NORM))
-    start[:, :3] = np.where(size > 0.0, size, 1.0)[:, np.newaxis] - 1.0
-    return start, ~((size < UNIT_SLIP) & (size > 1.0 / UNIT_SLIP))
-
-
-def _norm_names(form: Form) -> tuple[str, ...]:
-    pairs = ("yx", "zx", "zy") if form == "lower" else ("xy", "xz", "yz")
-    scale, bias = (f"scale_factor_error_{a}" for a in AXES), (f"bias_{a}" for a in AXES)
-    return (*scale, *(f"misalignment_{pair}" for pair in pairs), *bias)
 
 
 def _status(

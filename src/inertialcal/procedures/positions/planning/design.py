@@ -262,26 +262,15 @@ def next_position(
     PlanError
         ``unknown_parameter``.
     """
-    weights = _weights(setup, goal)
+    names, weights = parameter_names(setup.known), None
+    if goal not in (DETERMINANT, TRACE, *names):
+        do = f"Use {DETERMINANT}, {TRACE} or one of {', '.join(names)}"
+        raise PlanError(f"goal {goal!r}: no such parameter", do=do, code="unknown_parameter")
+    if goal != DETERMINANT:
+        weights = np.array([float(goal in (TRACE, name)) for name in names])
     options = cube() if candidates is None else np.asarray(candidates, dtype=np.float64).reshape(-1, 3)
     best = _best(setup, _information(setup, directions), options, weights)
     return np.asarray(options[best], dtype=np.float64)
-
-
-def _weights(setup: Setup, goal: str) -> Array | None:
-    """Return what each variance counts; None for the determinant."""
-    names = parameter_names(setup.known)
-    if goal == DETERMINANT:
-        return None
-    if goal == TRACE:
-        return np.ones(len(names))
-    if goal not in names:
-        raise PlanError(
-            f"goal {goal!r}: no such parameter",
-            do=f"Use {DETERMINANT}, {TRACE} or one of {', '.join(names)}",
-            code="unknown_parameter",
-        )
-    return np.array([float(name == goal) for name in names])
 
 
 def _information(setup: Setup, directions: ArrayLike) -> Array:
@@ -335,7 +324,14 @@ def course(
     limits = _limits(setup, target)
     options = cube() if candidates is None else np.asarray(candidates, dtype=np.float64).reshape(-1, 3)
     taken = [np.asarray(one, dtype=np.float64) for one in np.reshape(np.asarray(directions, dtype=np.float64), (-1, 3))]
-    _check_gravity(setup, limits)
+    relative = setup.gravity_u / setup.gravity
+    if np.any(limits[:3] <= relative):
+        raise PlanError(
+            f"scale_factor_error cannot be known better than {relative:.2g}: the uncertainty of gravity",
+            why="an error of gravity is the same in all positions",
+            do="Give gravity with a smaller uncertainty, or another target",
+            code="target_not_reached",
+        )
     scale = np.ones(len(limits))
     scale[-3:] = setup.gravity
     wanted = (scale / limits) ** 2
@@ -345,7 +341,16 @@ def course(
         if found is not None and np.all(found.u <= limits):
             return Course(np.array(taken), found)
         if found is not None and len(taken) >= most:
-            raise _not_reached(found, limits, most)
+            limited = np.isfinite(limits)
+            worst = int(np.argmax(np.where(limited, found.u, 0.0) / np.where(limited, limits, 1.0)))
+            blind = f"the candidates do not determine {found.undetermined[0]}" if np.isinf(found.u[worst]) else ""
+            u, unit = found.u[worst], found.units[worst]
+            raise PlanError(
+                f"{found.names[worst]}: {u:.3g} {unit} after {most} positions, {limits[worst]:.3g} wanted",
+                why=blind or "the uncertainty falls with the root of their number",
+                do="Average longer in each position, or allow other positions",
+                code="target_not_reached",
+            )
         best = options[_best(setup, information, options, wanted)]
         taken.append(best)
         information = information + _information(setup, best)
@@ -366,28 +371,3 @@ def _limits(setup: Setup, target: Mapping[str, float]) -> Array:
     if not target:
         raise PlanError("no target given", do="Give one: scale_factor_error = 1e-4", code="unknown_parameter")
     return limits
-
-
-def _check_gravity(setup: Setup, limits: Array) -> None:
-    relative = setup.gravity_u / setup.gravity
-    if np.any(limits[:3] <= relative):
-        raise PlanError(
-            f"scale_factor_error cannot be known better than {relative:.2g}: the uncertainty of gravity",
-            why="an error of gravity is the same in all positions",
-            do="Give gravity with a smaller uncertainty, or another target",
-            code="target_not_reached",
-        )
-
-
-def _not_reached(found: Prediction, limits: Array, most: int) -> PlanError:
-    limited = np.isfinite(limits)
-    worst = int(np.argmax(np.where(limited, found.u, 0.0) / np.where(limited, limits, 1.0)))
-    name, unit = found.names[worst], found.units[worst]
-    blind = np.isinf(found.u[worst])
-    slow = "the uncertainty falls with the root of their number"
-    return PlanError(
-        f"{name}: {found.u[worst]:.3g} {unit} after {most} positions, {limits[worst]:.3g} wanted",
-        why=f"the candidates do not determine {found.undetermined[0]}" if blind else slow,
-        do="Average longer in each position, or allow other positions",
-        code="target_not_reached",
-    )
