@@ -136,3 +136,13 @@ def test_degrees_of_freedom() -> None:
 def test_folded_lines_are_counted() -> None:
     assert folded("{n} {x}", ["a", "b"]) == (Details("2 {x}", ("a", "b")),)
     assert folded("{n}", []) == ()
+
+
+def test_columns_beyond_a_narrow_terminal_go_below_after_the_first(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("inertialcal.core.show.tables.terminal_width", lambda: 24)
+    heads, rows = ("channel", "axis", "mean", "std", "unit"), [("gyro", "x", "1.25", "0.5", "deg/s")] * 2
+    assert aligned(rows, heads, (2, 3)) == (
+        "channel  axis  mean  std\ngyro     x     1.25  0.5\ngyro     x     1.25  0.5\n\n"
+        "channel  axis  unit\ngyro     x     deg/s\ngyro     x     deg/s"
+    )
+    assert all(len(line) <= 24 for line in text(("word " * 20, Table(heads, rows, "caption " * 9))).split("\n"))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import os
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -13,7 +12,7 @@ from typing import Any
 from ...core.errors import Problem
 from ...core.results import SCHEMA
 from ...core.show.tables import aligned as table
-from ...core.show.tables import clean
+from ...core.show.tables import clean, terminal_width
 
 __all__ = ["clean", "errors_out", "found", "json_out", "package_version", "problem_text", "table", "width", "wrapped"]
 
@@ -85,10 +84,7 @@ def problem_text(problem: Problem) -> str:
 
 def width() -> int:
     """Return the width of the terminal, or a fixed one elsewhere."""
-    try:
-        return os.get_terminal_size(sys.stdout.fileno()).columns
-    except (OSError, ValueError):
-        return WIDTH
+    return terminal_width() or WIDTH
 
 
 def wrapped(text: str, indent: str = "  ") -> str:

@@ -7,12 +7,14 @@ so that it reads on light and dark, no script, and loads nothing.
 
 from __future__ import annotations
 
+import os
+import sys
 import textwrap
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from html import escape
 
-WIDTH = 100  # columns of a terminal that text is made for
+WIDTH = 100  # columns, at most; fewer in a narrower terminal
 NARROWEST = 12  # to which a column of words is cut, to meet it
 LONGEST = 40  # characters of a name in a caption
 _LEFT = "text-align:left"
@@ -60,13 +62,21 @@ def ending(path: str, longest: int = LONGEST) -> str:
     return path if len(path) <= longest else f"…{path[len(path) - longest + 1 :]}"
 
 
+def terminal_width() -> int:
+    """Return the columns of the terminal; 0 where there is none, or it does not say."""
+    try:
+        return os.get_terminal_size(sys.stdout.fileno()).columns
+    except (OSError, ValueError):
+        return 0
+
+
 def aligned(
     rows: Sequence[Sequence[str]],
     heads: Sequence[str] | None = None,
     right: Sequence[int] = (),
     width: int | None = None,
 ) -> str:
-    """Return rows as aligned columns.
+    """Return rows as aligned columns; those that do not fit go below, after the first column and the axis again.
 
     Parameters
     ----------
@@ -77,7 +87,7 @@ def aligned(
     right : sequence of int
         Columns set to the right.
     width : int, optional
-        To meet; columns of words are cut, those set to the right never.
+        To meet; columns of words are cut, those set to the right never. Without it, nothing is cut.
     """
     cells = [[one_line(cell) for cell in row] for row in ([heads] if heads else []) + list(rows)]
     if not cells:
@@ -85,14 +95,21 @@ def aligned(
     widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
     if width is not None:
         widths = _narrowed(widths, right, width)
-    lines = []
-    for row in cells:
-        cut = [
-            cell if i in right else short(cell, size) for i, (cell, size) in enumerate(zip(row, widths, strict=True))
-        ]
-        pairs = enumerate(zip(cut, widths, strict=True))
-        lines.append("  ".join(c.rjust(w) if i in right else c.ljust(w) for i, (c, w) in pairs).rstrip())
-    return "\n".join(lines)
+    limit = width or terminal_width()
+    first = [0, 1] if heads and list(heads[1:2]) == ["axis"] else [0]  # again in each group
+    groups: list[list[int]] = [[]]
+    for i in range(len(widths)):
+        if limit and len(groups[-1]) > len(first) and sum(widths[j] + 2 for j in groups[-1]) + widths[i] > limit:
+            groups.append([*first])
+        groups[-1].append(i)
+    blocks = []
+    for group in groups:
+        lines = []
+        for row in cells:
+            cut = [row[i].rjust(widths[i]) if i in right else short(row[i], widths[i]).ljust(widths[i]) for i in group]
+            lines.append("  ".join(cut).rstrip())
+        blocks.append("\n".join(lines))
+    return "\n\n".join(blocks)
 
 
 def _narrowed(widths: list[int], right: Sequence[int], width: int) -> list[int]:
@@ -108,22 +125,22 @@ def _narrowed(widths: list[int], right: Sequence[int], width: int) -> list[int]:
 
 
 def text(parts: Iterable[Block]) -> str:
-    """Return the parts as text, folded and cut to ``WIDTH`` columns."""
-    return "\n".join(_text(part) for part in parts)
+    """Return the parts as text, folded and cut to the terminal, and to 100 columns."""
+    columns = min(terminal_width() or WIDTH, WIDTH)
 
+    def folded(line: str) -> str:
+        return textwrap.fill(one_line(line), columns, subsequent_indent="    ", break_on_hyphens=False)
 
-def _text(part: Block) -> str:
-    if isinstance(part, Details):
-        return _folded(part.summary)
-    if isinstance(part, str):
-        return "\n".join(_folded(line) for line in part.split("\n"))
-    caption = f"{_folded(part.caption)}\n" if part.caption else ""
-    rows = aligned(part.rows, part.heads, part.right, WIDTH - 2)
-    return caption + textwrap.indent(rows, "  ")
-
-
-def _folded(line: str) -> str:
-    return textwrap.fill(one_line(line), WIDTH, subsequent_indent="    ", break_on_hyphens=False)
+    lines = []
+    for part in parts:
+        if isinstance(part, Details):
+            lines.append(folded(part.summary))
+        elif isinstance(part, str):
+            lines += [folded(line) for line in part.split("\n")]
+        else:
+            lines += [folded(part.caption)] if part.caption else []
+            lines.append(textwrap.indent(aligned(part.rows, part.heads, part.right, columns - 2), "  "))
+    return "\n".join(lines)
 
 
 def html(parts: Iterable[Block]) -> str:
