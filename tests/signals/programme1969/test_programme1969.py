@@ -223,7 +223,8 @@ def test_the_programme_and_the_same_reductions_done_right(tmp_path: Path) -> Non
         assert row.u < 10.0
     assert all(value is not None and value < 140.0 for value in [row.value for row in printed[:5]])
     assert right["case 2, line and drift"].value == pytest.approx(23.0, abs=1e-4)
-    assert len(found.curves()) == 4 * len(steps)
+    assert len(found.curves()) == 4
+    assert len(set(found.curves()[0].columns["step"].values)) == len(steps)
     assert [row.status for row in found.rows if row.quantity == "scale_factor"] == ["estimated"] * 5 + [
         "not_estimated"
     ] * 5
@@ -260,6 +261,13 @@ def test_the_command(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None
     status, printed, _ = typed("--json")
     assert (status, json.loads(printed)["results"]) == (0, [row.to_dict() for row in ic.programme_1969(path).rows])
     assert typed("--quiet") == (0, "", "")
+    status, printed, _ = typed("-o", str(tmp_path / "out"))
+    assert (status, printed.count("written: ")) == (0, 4)
+    head, first, *rest = (tmp_path / "out" / "programme_1969_correlation.csv").read_text().splitlines()
+    assert head == "step,lag [s],accelerometer [1],tilt [1],cross [1]"
+    assert first.startswith('"case 1, none",0.0,1.0,1.0,')
+    assert len(rest) == 60
+    assert typed("-o", str(path))[0] == 3
     path.write_text("  -1\n")
     status, _, refused = typed()
     assert status == 3

@@ -46,6 +46,7 @@ SAMPLES_PER_CYCLE = 4  # of the input, where the card has none
 AT_ONCE = "line and drift"
 PRINTED = {"amplitude": "count", "spectrum_amplitude": "count", "standard_deviation": "count",
            "scale_factor": "count/g", "scale_factor_error": "count/g"}  # fmt: skip
+CORRELATED = ("accelerometer", "tilt", "cross")
 FEWEST = 0.1  # of a line, that a reduction must leave
 HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "gaps kept, gain corrected")
 
@@ -72,32 +73,36 @@ class DeckStep:
     right: Row
     analysis: Analysis | None
 
-    def curves(self, interval: float) -> Iterator[Curve]:
-        """Yield the series, the normalised correlations, the spectrum and the Fourier lines."""
+    def columns(self, interval: float) -> dict[str, dict[str, Column]]:
+        """Return series, normalised correlations, spectrum and Fourier lines, by column; nothing without analysis."""
         if (found := self.analysis) is None:
-            return
+            return {}
         n, lines = len(found.x), len(found.density)
         with np.errstate(divide="ignore", invalid="ignore"):
             normal = (found.normalised_x, found.normalised_y, found.normalised_cross)
-        correlations = dict(zip(("accelerometer", "tilt", "cross"), normal, strict=True))
-        spectrum = {
-            "density": (found.density, "count^2/Hz"),
-            "smoothed": (found.smoothed, "count^2/Hz"),
-            "amplitude": (found.amplitude, "count"),
-            "smoothed_amplitude": (found.smoothed_amplitude, "count"),
-        }
-        fourier = {"cosine": found.cosine, "sine": found.sine, "amplitude": found.line}
-        for name, axis, step, columns in (
-            ("series", "time", interval, {"accelerometer": (found.x, "count"), "tilt": (found.y, "")}),
-            ("correlation", "lag", interval, {k: (v, "1") for k, v in correlations.items()}),
-            ("spectrum", "frequency", 0.5 / (lines * interval), spectrum),
-            ("lines", "frequency", 1.0 / (n * interval), {k: (v, "count") for k, v in fourier.items()}),
-        ):
+        shown: dict[str, tuple[str, float, dict[str, tuple[Array, str]]]] = {
+            "series": ("time", interval, {"accelerometer": (found.x, "count"), "tilt": (found.y, "")}),
+            "correlation": ("lag", interval, {k: (v, "1") for k, v in zip(CORRELATED, normal, strict=True)}),
+            "spectrum": (
+                "frequency", 0.5 / (lines * interval),
+                {"density": (found.density, "count^2/Hz"), "smoothed": (found.smoothed, "count^2/Hz"),
+                 "amplitude": (found.amplitude, "count"), "smoothed_amplitude": (found.smoothed_amplitude, "count")},
+            ),
+            "lines": (
+                "frequency", 1.0 / (n * interval),
+                {"cosine": (found.cosine, "count"), "sine": (found.sine, "count"), "amplitude": (found.line, "count")},
+            ),
+        }  # fmt: skip
+        made = {}
+        for name, (axis, step, columns) in shown.items():
             first, unit = (1, "Hz") if axis == "frequency" else (0, "s")
             size = len(next(iter(columns.values()))[0])
-            own = {axis: Column((first + np.arange(size)) * step, unit)}
-            own |= {label: Column(values, of) for label, (values, of) in columns.items()}
-            yield Curve(f"programme_1969_{name}", "", own, recording=f"{self.case}, {self.reduction}")
+            made[name] = {
+                "step": Column([f"{self.case}, {self.reduction}"] * size),
+                axis: Column((first + np.arange(size)) * step, unit),
+                **{label: Column(values, of) for label, (values, of) in columns.items()},
+            }
+        return made
 
 
 @dataclass(frozen=True, eq=False)
@@ -131,14 +136,22 @@ class Deck1969:
         return tuple(row for case in self.cases for step in case.steps for row in (*step.printed, step.right))
 
     def curves(self) -> list[Curve]:
-        """Return series, correlations, spectrum and Fourier lines of each step."""
-        return [curve for case in self.cases for step in case.steps for curve in step.curves(case.interval)]
+        """Return series, correlations, spectrum and Fourier lines, all steps in one, each row with its step."""
+        parts = [step.columns(case.interval) for case in self.cases for step in case.steps if step.analysis is not None]
+        made = []
+        for kind in parts[0] if parts else ():
+            every = [part[kind] for part in parts]
+            columns = {
+                name: Column([value for part in every for value in part[name].values], one.unit)
+                for name, one in every[0].items()
+            }
+            made.append(Curve(f"programme_1969_{kind}", "", columns))
+        return made
 
     def content(self) -> dict[str, Any]:
         """Return what ``--json`` gives."""
         inputs = [{"path": self.path, "sha256": self.sha256}]
-        curves = [curve.to_dict() for curve in self.curves()]
-        return {"inputs": inputs, "results": [row.to_dict() for row in self.rows], "curves": curves}
+        return {"inputs": inputs, "results": [row.to_dict() for row in self.rows]}
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure."""

@@ -7,10 +7,10 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
+from closed_bodies import Placed
 from scipy import stats
 from scipy.spatial.transform import Rotation
 
-from closed_bodies import Placed
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.physics.budget import amplitude as drawing
 from inertialcal.physics.budget.amplitude import compared, linear_budget, monte_carlo_budget, shares

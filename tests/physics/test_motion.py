@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
 from closed_bodies import Point
+
 from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction.bodies import Lattice
 from inertialcal.physics.attraction.extended import ProofMass

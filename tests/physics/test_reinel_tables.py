@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_bodies import Point
 from scipy import interpolate
 
-from closed_bodies import Point
 from inertialcal.core.constants import REINEL_GRAVITATIONAL_CONSTANT, REINEL_GRAVITY
 from inertialcal.physics.attraction.bodies import Lattice, Prism
 from inertialcal.physics.attraction.extended import ProofMass, mean_field

@@ -8,9 +8,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from closed_bodies import Point
 from scipy import optimize
 
-from closed_bodies import Point
 from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction.tilt import surface_tilt
 from inertialcal.physics.mass_shape.cells import Grid, best_cells

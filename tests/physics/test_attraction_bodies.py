@@ -6,11 +6,11 @@ from collections.abc import Iterable
 
 import numpy as np
 import pytest
+from closed_bodies import Point
 from cuboid_reference import cuboid_field
 from hypothesis import given
 from hypothesis import strategies as st
 
-from closed_bodies import Point
 from inertialcal.core.errors import DataError
 from inertialcal.physics.attraction.bodies import Lattice, Prism
 from inertialcal.physics.attraction.extended import ProofMass, mean_field
