@@ -1,7 +1,7 @@
 """Difference of two figures: what both share, such as the error of one certified standard, cancels.
 
-A figure with standard uncertainty u that changes by c_i for one standard uncertainty of the unknown i has u^2 - sum c_i^2
-left that is its own. Of the difference of two figures that share these unknowns::
+A figure with standard uncertainty u that changes by c_i for one standard uncertainty of the unknown i has a variance of
+its own of u^2 - sum c_i^2. Of the difference of two figures that share these unknowns::
 
     u(b - a)^2 = [u(a)^2 - sum a_i^2] + [u(b)^2 - sum b_i^2] + sum (b_i - a_i)^2
 

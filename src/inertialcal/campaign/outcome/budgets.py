@@ -63,7 +63,8 @@ def _row(figure: BudgetFigure, component: Component, sensor_unit: str) -> dict[s
     u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
     dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
     return {
-        "source": component.source, "influence": _influence(component), "kind": component.kind, "distribution": component.distribution,
+        "source": component.source, "influence": _influence(component), "kind": component.kind,
+        "distribution": component.distribution,
         **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
     }  # fmt: skip
 

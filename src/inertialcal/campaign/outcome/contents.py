@@ -108,8 +108,8 @@ def displayed_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Ro
             shared = dict(row.shared)
             if estimate is not None and row.u is not None and row.method is Method.RESULT and row.member is None:
                 shared = shared or (estimate.shared(keys[row.key]) if row.key in keys else {})
-            row = replace(row, condition=one.test.condition, shared=_outliving(campaign, shared))
-            found.append(displayed(row, sensor_of(campaign, one.test, row.key.sensor).unit))
+            whole = replace(row, condition=one.test.condition, shared=_outliving(campaign, shared))
+            found.append(displayed(whole, sensor_of(campaign, one.test, row.key.sensor).unit))
     return found
 
 

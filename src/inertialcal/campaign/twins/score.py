@@ -14,7 +14,7 @@ from typing import Any
 from ...core.errors import DataError, UsageError
 from ...core.key import PLAIN, At, Case, Key
 from ...core.results import Interval, case_of, key_fields, key_of
-from ...core.show.names import full_name
+from ...core.show.names import quantity_name
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
@@ -85,7 +85,9 @@ def truth_grid(rows: Sequence[Mapping[str, Any]], caption: str = "") -> Table:
 def _cells(row: Mapping[str, Any]) -> tuple[str, ...]:
     estimate = with_uncertainty(row["value"], row["u"]) if row["inside"] is not None else "not estimated"
     word = {True: "yes", False: "NO", None: "-"}[row["inside"]]
-    return row["test"], full_name(row), row["axis"], estimate, number(row["truth"]), row["unit"], word
+    case = str(case_of(row)._replace(condition=""))
+    quantity = f"{quantity_name(row)} ({case})" if case else quantity_name(row)
+    return row["test"], quantity, row["axis"], estimate, number(row["truth"]), row["unit"], word
 
 
 @dataclass(frozen=True)

@@ -172,7 +172,7 @@ def _type_b(plan: Plan, keys: tuple[Key, ...], values: Array, parts: list[Part],
                 shape,
                 reference.stated,
                 reference.u * gain[None],
-            )  # fmt: skip
+            )
         )
     return found
 
