@@ -40,7 +40,8 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
     shown, left = columns_of(lines)
     cells = [
         [f"  {f'{quantity} ({case})' if case else quantity}", axis, figure(ways.get(PLAIN)), unit,
-         interval(ways.get(PLAIN)), degrees(ways.get(PLAIN)), *(figure_beside(ways.get(way), ways.get(PLAIN)) for way in shown)]
+         interval(ways.get(PLAIN)), degrees(ways.get(PLAIN)),
+         *(figure_beside(ways.get(way), ways.get(PLAIN)) for way in shown)]
         for (quantity, case, axis, unit), ways in lines.items()
         if not ways.keys() <= set(left)
     ]  # fmt: skip
