@@ -91,7 +91,7 @@ def shown(tmp_path_factory: pytest.TempPathFactory) -> Mapping[str, Any]:
         "thermal": ic.thermal(over_temperature(tmp_path_factory.mktemp("thermal"))),
         "allan": ic.allan(still, sample_rate=100.0, units="rad/s"),
         "psd": ic.psd(still, sample_rate=100.0, units="rad/s"),
-        "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, unit="rad/s"),
+        "sine": ic.sine(still[:, 0] + 1e-3 * DRIVE, period="1 s", sample_rate=100.0, units="rad/s"),
         "mass_attraction": moved(tmp_path_factory.mktemp("moved")),
         "plan_mass_attraction": ic.plan_mass_attraction(body={"cube": "5 cm", "count": 40, "stand_off": "8 cm"}),
         "positions": ic.positions(laid(tmp_path_factory.mktemp("laid")), units={"acc": "m/s2"}, gravity="9.81 m/s2"),

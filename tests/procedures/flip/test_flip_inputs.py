@@ -204,7 +204,8 @@ def test_means_and_recordings_are_not_mixed_in_a_test(turned: Edit, published: E
 
 def test_a_recording_without_positions_is_refused(turned: Edit) -> None:
     text = (turned() / "campaign.toml").read_text(encoding="utf-8")
-    whole = text[text.index("positions = [") : text.index("]\n\n[[tests]]") + 2]
+    first = text.index("positions = [")
+    whole = text[first : text.index("\n]\n", first) + 3]
     (problem,) = refused(turned((whole, "")))
     assert "nothing says how the head was turned, and when" in problem
     assert "positions = [" in problem
