@@ -220,13 +220,3 @@ def data_sheet_units(kind: Kind) -> MappingProxyType[str, str]:
                 shown = shown_units(name, parameter, kind)
                 found[quantity] = normalise(shown[0]) if shown else inside[quantity]
     return MappingProxyType(found)
-
-
-def second_unit(quantity: str, kind: Kind) -> str:
-    """Return another unit that data sheets give a quantity in; empty where there is none."""
-    for name, term in TERMS.items():
-        for parameter in term.parameters:
-            if quantity_name(name, parameter, kind) == quantity:
-                shown = shown_units(name, parameter, kind)
-                return normalise(shown[1]) if len(shown) > 1 else ""
-    return ""

@@ -76,7 +76,7 @@ def to_kalibr(
     topic : str
         Of the messages.
     horizon : float, optional
-        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+        Averaging time at which a walk replaces all that wanders [s]; see the module head.
 
     Raises
     ------
@@ -103,12 +103,10 @@ def to_px4(gyro: Axes, accelerometer: Axes, step: float = PX4_STEP, *, horizon: 
 
     Parameters
     ----------
-    gyro, accelerometer : sequence of sequences of Term
-        Terms of each axis [SI]; one axis stands for all.
     step : float
         Prediction step of the filter (EKF2_PREDICT_US) [s].
-    horizon : float, optional
-        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+    gyro, accelerometer, horizon
+        As `to_kalibr`.
 
     Raises
     ------
@@ -148,14 +146,12 @@ def to_gtsam(
 
     Parameters
     ----------
-    gyro, accelerometer : sequence of sequences of Term
-        Terms of each axis [SI]; one axis stands for all.
     gravity : float
         Of the site, positive [m/s^2].
     up : bool
         Whether z of the navigation frame points up (``MakeSharedU``) or down (``MakeSharedD``).
-    horizon : float, optional
-        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+    gyro, accelerometer, horizon
+        As `to_kalibr`.
 
     Raises
     ------
@@ -189,13 +185,11 @@ def to_kf_gins(
 
     Parameters
     ----------
-    gyro, accelerometer : sequence of sequences of Term
-        Terms of each axis [SI]; one axis stands for all.
     correlation_time : float, optional
         Of all biases [s]; by default the geometric mean of the Gauss-Markov terms found. The driving noise of each
         bias is kept: ``sigma = q sqrt(t_c / 2)``.
-    horizon : float, optional
-        Averaging time at which a walk stands in for all that wanders [s]; see the module head.
+    gyro, accelerometer, horizon
+        As `to_kalibr`.
 
     Raises
     ------

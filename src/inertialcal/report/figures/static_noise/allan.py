@@ -51,19 +51,7 @@ def _picture(
 
 
 def draw(ax: Axes, mine: Sequence[Curve], lines: Sequence[Curve], title: str = "") -> None:
-    """Draw the deviations of all records of an axis, and the terms.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    mine : sequence of mapping
-        ``allan`` curves of ``results.json``, one a record.
-    lines : sequence of mapping
-        ``allan_terms``, one or none, and an ``allan_line`` for each line.
-    title : str
-        Above; empty for none.
-    """
+    """Draw the deviations of all records of an axis, and the terms."""
     for number, curve in enumerate(mine):
         tau, deviation = numbers(curve, "tau"), numbers(curve, "deviation")
         lo, hi = numbers(curve, "lo"), numbers(curve, "hi")

@@ -57,21 +57,7 @@ def draw_terms(
     lines: Sequence[Curve] = (),
     compared: tuple[Array, Array] | None = None,
 ) -> None:
-    """Draw each term, and all of them together.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    at : ndarray, shape (n,)
-        Averaging time or frequency.
-    curve : mapping
-        ``allan_terms`` or ``spectrum`` of ``results.json``.
-    lines : sequence of mapping
-        ``allan_line``, one a line.
-    compared : tuple of ndarray, shape (m,), optional
-        Averaging times of the data, and what all terms give there: drawn instead where there are lines.
-    """
+    """Draw each term, and all of them together."""
     names = terms_of(curve)
     whole = ALL in curve["columns"]
     for name in names:
@@ -80,7 +66,10 @@ def draw_terms(
         ax.plot(at, _positive(numbers(curve, name)), label=named(name), **{"linewidth": 1.1, "zorder": 3} | stroke)
     if lines:
         power = np.sum([peaks_joined(at, numbers(one, "deviation")) ** 2 for one in lines], axis=0)
-        ax.plot(at, _positive(np.sqrt(power)), linewidth=1.1, zorder=3, label=_of_lines(lines), **OTHER)
+        label = "peaks of the lines"
+        if len(lines) == 1:
+            label = f"peaks of the {numbers(lines[0], 'frequency')[0]:.4g} {unit(lines[0], 'frequency')} line"
+        ax.plot(at, _positive(np.sqrt(power)), linewidth=1.1, zorder=3, label=label, **OTHER)
     if whole and len(names) + len(lines) > 1:
         x, y = compared if lines and compared is not None else (at, numbers(curve, ALL))
         ax.plot(x, _positive(y), label="all terms", **{"zorder": 4} | WHOLE)
@@ -89,13 +78,6 @@ def draw_terms(
 def named(term: str) -> str:
     """Return the field's word of a term: ``"Gauss-Markov"``."""
     return plain(words(term))
-
-
-def _of_lines(lines: Sequence[Curve]) -> str:
-    """Return what the joined peaks of lines are called."""
-    if len(lines) > 1:
-        return "peaks of the lines"
-    return f"peaks of the {numbers(lines[0], 'frequency')[0]:.4g} {unit(lines[0], 'frequency')} line"
 
 
 def peaks_joined(at: Array, values: Array) -> Array:
@@ -119,17 +101,15 @@ def peaks_joined(at: Array, values: Array) -> Array:
     at_last = np.flatnonzero(known[first:] > 0.0) + first
     x, y = np.log(at[at_last]), np.log(known[at_last])
     hull: list[int] = []
-    for i in range(len(x)):
-        while len(hull) > 1 and _turns_up(x, y, hull[-2], hull[-1], i):
+    for c in range(len(x)):
+        while len(hull) > 1:  # the middle one of three points goes if it lies on or under the line between the others
+            a, b = hull[-2:]
+            if (y[b] - y[a]) * (x[c] - x[a]) > (y[c] - y[a]) * (x[b] - x[a]):
+                break
             hull.pop()
-        hull.append(i)
+        hull.append(c)
     joined = np.exp(np.interp(np.log(at), x[hull], y[hull]))
     return np.where(np.arange(len(known)) < first, known, joined)
-
-
-def _turns_up(x: Array, y: Array, a: int, b: int, c: int) -> bool:
-    """Whether the middle one of three points lies on or under the line between the others."""
-    return bool((y[b] - y[a]) * (x[c] - x[a]) <= (y[c] - y[a]) * (x[b] - x[a]))
 
 
 def terms_of(curve: Curve) -> list[str]:
@@ -150,17 +130,13 @@ def finding(results: Mapping[str, Any], test: str, axis: str, otherwise: str) ->
         (term, row)
         for row in results.get("results", [])
         if (row["test"], row["axis"], row["status"]) == (test, axis, "estimated") and case_of(row).member is None
-        if (term := _term(str(row["quantity"]))) in STROKES
+        if (term := ALIKE.get(str(row["quantity"]), str(row["quantity"]))) in STROKES
     ]
     doubt = next((reason for _, row in mine if (reason := reason_text(row))), "")
     sized = [f"{_size(row)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}" for _, row in mine]
     others = [_size(row) for _, row in mine[NAMED:]]
     said = doubt or ", ".join([*sized[:NAMED], *others]) or otherwise
     return f"{plain(axis)}: {plain(said, LONGEST)}"
-
-
-def _term(quantity: str) -> str:
-    return ALIKE.get(quantity, quantity)
 
 
 def _size(row: Mapping[str, Any]) -> str:

@@ -69,19 +69,7 @@ def _lines(results: Mapping[str, Any], test: str, axis: str) -> dict[str, float]
 
 
 def draw(ax: Axes, mine: Sequence[Curve], title: str = "", lines: Sequence[float] = ()) -> None:
-    """Draw the spectra of all records of an axis, and the terms.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    mine : sequence of mapping
-        ``spectrum`` curves of ``results.json``, one a record.
-    title : str
-        Above; empty for none.
-    lines : sequence of float
-        Their frequencies [Hz].
-    """
+    """Draw the spectra of all records of an axis, and the terms."""
     for number, curve in enumerate(mine):
         frequency, density = numbers(curve, "frequency"), numbers(curve, "density")
         lo, hi = numbers(curve, "lo"), numbers(curve, "hi")

@@ -131,9 +131,20 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
     candidates = separable(problem, AUTO if terms == "auto" else _names(terms))
 
     def solution(problem: Problem) -> Solution:
-        table = ranked(problem, candidates) if terms == "auto" else (_the_only(problem, candidates),)
+        if terms == "auto":
+            table = ranked(problem, candidates)
+        else:
+            alone = estimate(problem, candidates, looks=1)
+            if not np.isfinite(alone.cost):
+                what = f"{', '.join(candidates)} cannot give this Allan deviation"
+                do = 'Add "random_walk", or let the terms be chosen'
+                raise DataError(what, why="they are zero where it is not", do=do, code="wrong_terms")
+            table = (Choice(candidates, criterion(candidates, alone), alone),)
         fitted = estimate(problem, table[0].terms)
-        _check_noise(problem, fitted)
+        if all(isinstance(term, RateRamp | Sinusoid) for term in terms_of(problem, fitted)):
+            what, why = "the terms are a ramp or a line alone, without noise", "nothing would scatter"
+            do = 'Add "random_walk", or check whether the record is computed rather than measured'
+            raise DataError(what, why=why, do=do, code="no_noise")
         sigma = covariance_of_runs(problem, fitted)
         bread = sandwich(problem, fitted, sigma)
         return Solution(problem, candidates, table, fitted, sigma, bread, kind, unit, p)
@@ -144,16 +155,6 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
         return first
     misfit = misfit_of(problem, candidates)
     return solution(with_misfit(problem, misfit)) if misfit > 0.0 else first
-
-
-def _check_noise(problem: Problem, fitted: Fitted) -> None:
-    if not any(not isinstance(term, RateRamp | Sinusoid) for term in terms_of(problem, fitted)):
-        raise DataError(
-            "the terms are a ramp or a line alone, without noise",
-            why="nothing would scatter",
-            do='Add "random_walk", or look whether the record is computed rather than measured',
-            code="no_noise",
-        )
 
 
 def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
@@ -167,18 +168,6 @@ def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
             code="unknown_term",
         )
     return wanted
-
-
-def _the_only(problem: Problem, candidates: tuple[str, ...]) -> Choice:
-    fitted = estimate(problem, candidates, looks=1)
-    if not np.isfinite(fitted.cost):
-        raise DataError(
-            f"{', '.join(candidates)} cannot give this Allan deviation",
-            why="they are zero where it is not",
-            do='Add "random_walk", or let the terms be chosen',
-            code="wrong_terms",
-        )
-    return Choice(candidates, criterion(candidates, fitted), fitted)
 
 
 def remarks_of(solution: Solution, residual: ChiSquare | None, agreement: ChiSquare | None) -> tuple[Remark, ...]:
@@ -313,7 +302,9 @@ def not_identified(solution: Solution, name: str) -> TermEstimate:
         return replace(found, code="like_white")
     at, limit_at = problem.names.index(name) if name in NAMES else len(problem.names), None
     if name == GAUSS_MARKOV:
-        fitted = replace(fitted, position=_where_it_hides(problem, fitted))
+        best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))  # where it hides best, else the middle
+        middle = 0.5 * (len(problem.table) - 1.0)
+        fitted = replace(fitted, position=best.position if best.powers[-1] > 0.0 else middle)
         limit_at = time_at(problem, fitted.position)
     chosen = solution.table[0]
     other = _rival(solution.table, lambda choice: name in choice.terms and not set(chosen.terms) <= set(choice.terms))
@@ -345,12 +336,6 @@ def _rival(table: tuple[Choice, ...], wanted: Callable[[Choice], bool]) -> Choic
     return found if found is not None and found.criterion - table[0].criterion < PRICE else None
 
 
-def _where_it_hides(problem: Problem, fitted: Fitted) -> float:
-    """Position of the correlation time at which Gauss-Markov noise beside the others fits best; else the middle."""
-    best = estimate(problem, (*present(problem, fitted), GAUSS_MARKOV))
-    return best.position if best.powers[-1] > 0.0 else 0.5 * (len(problem.table) - 1.0)
-
-
 def _root(power: float | None) -> float | None:
     return None if power is None else float(np.sqrt(power))
 
@@ -363,17 +348,11 @@ def estimate_of(solution: Solution, found: tuple[TermEstimate, ...]) -> Estimate
     if fitted.powers[-1] > 0.0:
         slopes.append(time_at(solution.problem, fitted.position))
     covariance = solution.bread.covariance * np.outer(slopes, slopes)
+    names = [parameter.name for parameter in known]  # numbered where one appears more than once: several lines
+    counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
     return Estimate(
-        _distinct([parameter.name for parameter in known]),
+        tuple(Key(name, power=n if names.count(name) > 1 else 0) for name, n in zip(names, counts, strict=True)),
         np.array([parameter.value for parameter in known]),
         tuple(parameter.unit for parameter in known),
         (Component("scatter of the noise itself", "A", 0.5 * (covariance + covariance.T)),),
-    )
-
-
-def _distinct(names: list[str]) -> tuple[Key, ...]:
-    """Return keys, numbered where a name appears more than once: amplitudes of several lines."""
-    counts = [names[: i + 1].count(name) for i, name in enumerate(names)]
-    return tuple(
-        Key(name, power=count if names.count(name) > 1 else 0) for name, count in zip(names, counts, strict=True)
     )

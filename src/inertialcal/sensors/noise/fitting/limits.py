@@ -151,7 +151,10 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
     run = problem.runs[int(np.argmax([run.length for run in problem.runs]))]
     powers = fitted.powers.copy()
     powers[at] = power
-    longest = _extended(run, DOUBLINGS)
+    m = np.concatenate([run.m, run.m[-1] * 2.0 ** np.arange(1, DOUBLINGS + 1)])  # as many octaves more
+    ones = np.ones(len(m))
+    inflation = np.concatenate([run.inflation, ones[:DOUBLINGS]])
+    longest = Run(m, ones, ones, ones, run.interval, run.averaging, inflation)
     terms = terms_of(problem, replace(fitted, powers=powers))
     columns = np.column_stack([expected(term, longest) for term in terms])
     mu, column = columns.sum(axis=1), column_of(fitted, at)
@@ -163,13 +166,6 @@ def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stret
         if np.sqrt(variance) <= KNOWN:
             return run.length * 2.0**doublings
     return None
-
-
-def _extended(run: Run, doublings: int) -> Run:
-    """Return the run's averaging times, and as many octaves more."""
-    m = np.concatenate([run.m, run.m[-1] * 2.0 ** np.arange(1, doublings + 1)])
-    ones = np.ones(len(m))
-    return Run(m, ones, ones, ones, run.interval, run.averaging, np.concatenate([run.inflation, ones[:doublings]]))
 
 
 def _edf_of_longer(run: Run, doublings: int) -> Array:
@@ -211,9 +207,10 @@ def interval_of(problem: Problem, fitted: Fitted, at: int, bread: Sandwich, p: f
     if relative < NORMAL_BELOW:
         half = float(special.ndtri(0.5 * (1.0 + p))) * relative
         return Interval(best * np.exp(-half), best * np.exp(half), p)
-    held = _time_held(problem, fitted) if timed else _power_held(problem, fitted, at, best)
-    furthest = (-WIDEST, WIDEST)
+    names, within, furthest = present(problem, fitted), nearby(problem, fitted), (-WIDEST, WIDEST)
+    held: Held = lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), 1, within))
     if timed:
+        held = lru_cache(lambda x: estimate_at(problem, names, fitted.position + x * PER_E))
         furthest = (-fitted.position / PER_E, (len(problem.table) - 1.0 - fitted.position) / PER_E)
     target, step = float(special.chdtri(1.0, 1.0 - p)), min(2.0 * relative, 1.0)
     stretch = float(bread.stretch[column])
@@ -247,17 +244,6 @@ def end_of(
 def column_of(fitted: Fitted, at: int) -> int:
     """Return where an unknown stands among those of ``slopes_of``."""
     return int(np.count_nonzero(fitted.powers[:at] > 0.0))
-
-
-def _power_held(problem: Problem, fitted: Fitted, at: int, best: float) -> Held:
-    names = present(problem, fitted)
-    within = nearby(problem, fitted)
-    return lru_cache(lambda x: estimate(problem, names, at, best * float(np.exp(x)), 1, within))
-
-
-def _time_held(problem: Problem, fitted: Fitted) -> Held:
-    names = present(problem, fitted)
-    return lru_cache(lambda x: estimate_at(problem, names, fitted.position + x * PER_E))
 
 
 def nearby(problem: Problem, fitted: Fitted) -> tuple[float, float]:
