@@ -2,13 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import shlex
+from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from ...core.campaign_text import FILE
+from ...core.recording import Recording
+from ...core.remarks import Remark
 from ...files import read
+from ...files.info.channel_survey import Hint
 from ...files.info.survey import Survey, survey_recording
-from .next_command import next_command
+from ...procedures import procedure_names, procedure_of
+from ...procedures.suggestions import Strength, Suggestion
+
+PLACEHOLDER = "UNIT"  # for the user to fill in
 
 
 def info(
@@ -43,3 +51,42 @@ def info(
     )  # fmt: skip
     found = survey_recording(recording)
     return replace(found, next=next_command(recording, found, commands))
+
+
+def next_command(recording: Recording, survey: Survey, commands: Collection[str]) -> str | None:
+    """Return the next command to type, of those that the tool has; None where there is none."""
+    if all(channel.quantity == "index" for channel in recording.channels):
+        return None
+    source = Path(recording.source.path)
+    home = next((one for one in [source, *list(source.parents)[:2]] if (one / FILE).is_file()), None)
+    word = "init" if home is None else "run"
+    folder = f"inertialcal {word} {shlex.quote(str(home or source.parent))}" if word in commands else None
+    every = [one for name in procedure_names() if (one := procedure_of(name).suggests(recording, survey)) is not None]
+    found = sorted((one for one in every if home is None or one.in_campaign), key=lambda one: -one.strength)
+    path = shlex.quote(recording.source.path)
+    if (noun := _first([one for one in found if one.strength == Strength.SURE], commands)) is not None:
+        return f"inertialcal {noun} {path}"
+    options = _missing_options(recording, survey.hints, survey.remarks)
+    if any(one.complete for one in every):
+        return folder
+    if options and home is None:
+        return f"inertialcal info {path} {' '.join(options)}" if "info" in commands else None
+    noun = None if options else _first(found, commands)  # a campaign says its units itself
+    return folder if noun is None else f"inertialcal {noun} {path}"
+
+
+def _first(suggestions: Sequence[Suggestion], commands: Collection[str]) -> str | None:
+    """Return the first noun that the tool has."""
+    return next((word for one in suggestions for word in one.commands if word in commands), None)
+
+
+def _missing_options(recording: Recording, hints: Sequence[Hint], remarks: Sequence[Remark]) -> list[str]:
+    """Options of ``info`` that would say what the file does not."""
+    options = [f"--unit {shlex.quote(f'{hint.target}={hint.unit or PLACEHOLDER}')}" for hint in hints]
+    unknown = [remark for remark in remarks if remark.code == "time_unit_unknown"]
+    clocks = [c.name for c in recording.channels if c.quantity == "time" and c.unit is None]
+    if unknown and clocks:
+        options.append(f"--unit {shlex.quote(f'{clocks[0]}={PLACEHOLDER}')}")
+    elif recording.sample_interval is None:
+        options.append("--sample-rate HZ")
+    return options
