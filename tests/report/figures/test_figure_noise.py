@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from inertialcal.report.figures import figures, on_new_figure
-from inertialcal.report.figures.drawing.log_axes import label, log_axis
+from inertialcal.report.figures.drawing.scales import label, log_axis
 from inertialcal.report.figures.drawing.style import LINE
 from inertialcal.report.figures.static_noise.spectrum import OVER
 from written_rows import fields

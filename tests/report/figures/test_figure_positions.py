@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
+from inertialcal.report.figures.drawing.layout import ticks_of
 from inertialcal.report.figures.drawing.picture import on_new_figure
-from inertialcal.report.figures.drawing.ticks import ticks_of
 from inertialcal.report.figures.positions import positions_residuals, positions_sphere, transitions
 
 G = 9.80665

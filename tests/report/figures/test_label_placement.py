@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from inertialcal.report.figures.drawing.label_placement import Box, placed
+from inertialcal.report.figures.drawing.metrics import Box, placed
 
 MARK = Box(0.0, 0.0, 5.0, 5.0)
 

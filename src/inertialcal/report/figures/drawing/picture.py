@@ -18,41 +18,21 @@ GAP = 0.9  # height that title, labels and legend take [in]
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What one figure shows.
+    """What one figure shows."""
 
-    Parameters
-    ----------
-    name : str
-        Which figure: ``"rate_error"``.
-    test, axis : str
-        Of which test and axis; empty where it is about all of them.
-    finding : str
-        The finding, with rounded figures: the title.
-    shows : str
-        What the axes are, for a reader who does not see them.
-    heights : tuple of float
-        Of each panel [in].
-    draw : callable
-        Takes as many axes as there are panels, and a title (empty: none).
-    share_x : bool
-        Whether the panels have one x axis.
-    data : sequence of mapping
-        Curves or rows of the results that it is drawn from; by default the curves that its figure names, of its test
-        and axis.
-    note : tuple of str
-        What the caption of its figure says of these data; names of the user's are ``Quoted``.
-    """
-
-    name: str
+    name: str  # which figure: ``"rate_error"``
+    # of which test and axis; empty where it is about all of them
     test: str
     axis: str
-    finding: str
-    shows: str
-    heights: tuple[float, ...]
-    draw: Callable[[Sequence[Axes], str], None]
-    share_x: bool = True
+    finding: str  # the finding, with rounded figures: the title
+    shows: str  # what the axes are, for a reader who does not see them
+    heights: tuple[float, ...]  # of each panel [in]
+    draw: Callable[[Sequence[Axes], str], None]  # takes as many axes as there are panels, and a title (empty: none)
+    share_x: bool = True  # whether the panels have one x axis
+    # curves or rows of the results that it is drawn from; by default the curves that its figure names, of its test and
+    # axis
     data: Sequence[Mapping[str, Any]] = ()
-    note: tuple[str, ...] = ()
+    note: tuple[str, ...] = ()  # what the caption of its figure says of these data; names of the user's are ``Quoted``
 
     @property
     def label(self) -> str:

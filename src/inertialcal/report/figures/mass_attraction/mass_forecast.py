@@ -10,8 +10,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..drawing.data import Curve, curves, numbers, unit
-from ..drawing.log_axes import log_axis
 from ..drawing.picture import Picture
+from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "mass_forecast"

@@ -14,9 +14,9 @@ from matplotlib.axes import Axes
 from ....core.estimate import Array
 from ....core.show.rounding import number
 from ..drawing.data import Curve, curves, finite, flags, numbers, scale_to, unit
+from ..drawing.layout import count
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, set_labels, set_legend, set_title, with_unit
-from ..drawing.ticks import count
 
 NAME = "positions_residuals"
 SHOWS = (

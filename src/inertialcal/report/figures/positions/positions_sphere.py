@@ -21,7 +21,7 @@ from matplotlib.patches import Ellipse
 from ....core.estimate import Array
 from ....core.show.rounding import number
 from ..drawing.data import Curve, curves, finite, flags, numbers
-from ..drawing.label_placement import Box, placed
+from ..drawing.metrics import Box, placed
 from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, TEXT, plain, set_labels, set_legend, set_title
 from .positions_residuals import in_ug

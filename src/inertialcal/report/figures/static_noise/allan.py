@@ -9,8 +9,8 @@ import numpy as np
 from matplotlib.axes import Axes
 
 from ..drawing.data import Curve, curves, distinct, finite, numbers, thinned, unit
-from ..drawing.log_axes import log_axis
 from ..drawing.picture import Picture
+from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 from .noise_terms import DOTS, draw_terms, finding
 

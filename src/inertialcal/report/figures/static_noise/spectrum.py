@@ -16,8 +16,8 @@ from numpy.typing import NDArray
 from ....core.results import case_of
 from ....core.show.wording import listed
 from ..drawing.data import Curve, curves, finite, flags, numbers, unit
-from ..drawing.log_axes import log_axis
 from ..drawing.picture import Picture
+from ..drawing.scales import log_axis
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 from .noise_terms import draw_terms
 
