@@ -25,6 +25,7 @@ from inertialcal.procedures.positions.held_out.closed_loop import (
     loops_of,
     mixed_up,
 )
+from inertialcal.report.plot import plot
 from inertialcal.rigs.hand_held.rig import Bench, build
 from inertialcal.statistics.closed_loop import judged, overall
 
@@ -104,6 +105,15 @@ def test_report_shows_positions_and_transitions(folder: Path, outcome: Outcome) 
     assert outcome.inputs["hand1.csv"] in page
     assert "<bdi>accelerometer</bdi>" in page
     assert "model_gyro" in page
+
+
+def test_the_budget_figure_has_a_bar_a_quantity_of_each_sensor(outcome: Outcome) -> None:
+    rows = [row for row in outcome.results["budgets"] if row["test"] == "imu"]
+    bars = {(row["quantity"], row["axis"], row["sensor"]) for row in rows}
+    ax = plot(outcome.results, figure="budget", test="imu")
+    assert len(ax.get_yticks()) == len(bars) == 9 + 21
+    ends = {round(one.get_y(), 3): one.get_x() + one.get_width() for one in ax.patches}
+    assert list(ends.values()) == pytest.approx([100.0] * len(bars))
 
 
 def test_a_model_that_is_mixed_up_fails(folder: Path) -> None:

@@ -114,17 +114,18 @@ def _source(row: Mapping[str, Any], known: Sequence[Source]) -> Source:
     return next((one for one in known if (one.name, one.kind) == (name, kind)), known[-1])
 
 
-def _of(row: Mapping[str, Any]) -> tuple[str, str]:
-    return quantity_name(row), row["axis"]
+def _of(row: Mapping[str, Any]) -> tuple[str, str, str]:
+    return quantity_name(row), row["axis"], row["sensor"]
 
 
-def _quantities(rows: Rows) -> list[tuple[str, str]]:
+def _quantities(rows: Rows) -> list[tuple[str, str, str]]:
     return list(dict.fromkeys(_of(row) for row in rows))
 
 
-def _label(quantity: tuple[str, str]) -> str:
-    name, axis = quantity
-    return plain(f"{name.replace('_', ' ')} {axis}".strip(), 32)
+def _label(quantity: tuple[str, str, str]) -> str:
+    name, axis, sensor = quantity
+    short = {"accelerometer": "acc"}.get(sensor, sensor)
+    return plain(" ".join(filter(None, (short, name.replace("_", " "), axis))), 36)
 
 
 def _look(source: Source) -> dict[str, Any]:
