@@ -17,8 +17,7 @@ from scipy import stats
 
 from inertialcal.campaign.compare.allowed_change import allowed_for, is_named, parse_allowed
 from inertialcal.campaign.compare.compare import compare, judged
-from inertialcal.campaign.compare.differences import Difference, differences
-from inertialcal.campaign.compare.matched_rows import matched
+from inertialcal.campaign.compare.differences import Difference, differences, matched
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.key import Key, Method, Reason

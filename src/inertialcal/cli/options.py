@@ -2,10 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated
 
 import typer
+
+from ..core.errors import UsageError
+from ..rigs import RIGS, titles
 
 Json = Annotated[bool, typer.Option("--json", help="Print one JSON object, alone on standard output.")]
 Quiet = Annotated[bool, typer.Option("--quiet", "-q", help="Print nothing but what is asked for.")]
@@ -28,3 +32,34 @@ MissionStart = Annotated[
 Frame = Annotated[
     str | None, typer.Option("--frame", help="Axes of a PAD recording: data (as they are) or sensor (turned to them).")
 ]
+
+
+def pairs(given: Sequence[str], option: str, example: str) -> dict[str, str]:
+    """Return the pairs of an option that may be repeated.
+
+    Raises
+    ------
+    UsageError
+        If one is not of that form, or a name stands twice.
+    """
+    found: dict[str, str] = {}
+    for text in given:
+        name, equals, what = (part.strip() for part in text.partition("="))
+        if not equals or not name or not what:
+            raise UsageError(f"{option} {text!r}: need NAME=SOMETHING", do=f"Write it like {option} {example}")
+        if name in found:
+            raise UsageError(f"{option}: {name!r} stands twice", do="Give it once")
+        found[name] = what
+    return found
+
+
+def rigs_beginning(incomplete: str) -> list[tuple[str, str]]:
+    """Return the rigs whose name begins so, each with a line on it; none is loaded."""
+    return [(name, title) for name, title in titles().items() if name.startswith(incomplete)]
+
+
+def faults_beginning(ctx: typer.Context, incomplete: str) -> list[tuple[str, str]]:
+    """Return the mistakes of the rig that was typed whose name begins so, each with what is wrong in it."""
+    rig = str(ctx.params.get("rig", ""))
+    faults = RIGS[rig].faults if rig in RIGS else {}
+    return [(name, fault.what) for name, fault in faults.items() if name.startswith(incomplete)]

@@ -8,10 +8,9 @@ from typing import Any
 import numpy as np
 import pytest
 
-from inertialcal.campaign.models.compensation import compensate
+from inertialcal.campaign.models.compensation import compensate, model_rows
 from inertialcal.campaign.models.find import find_model, load_model
 from inertialcal.campaign.models.inputs import taken
-from inertialcal.campaign.models.rows import model_rows
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.recording import Channel, Recording, Source

@@ -14,7 +14,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.outcome.budgets import budget_rows
+from inertialcal.campaign.outcome.contents import budget_rows
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
 from inertialcal.core.show.names import case_name

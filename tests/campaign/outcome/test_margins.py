@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from inertialcal.campaign.engine.run import run
-from inertialcal.campaign.outcome.margins import margin
+from inertialcal.campaign.outcome.requirements import margin
 from inertialcal.core.results import Interval
 from inertialcal.statistics.decision import decide
 from ran_campaigns import Ran

@@ -11,7 +11,7 @@ import pytest
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.file.schema import Site
 from inertialcal.campaign.file.sensors import Sensor
-from inertialcal.campaign.outcome.set_up import sensors_content, site_content
+from inertialcal.campaign.outcome.contents import sensors_content, site_content
 from ran_campaigns import Ran
 
 

@@ -20,7 +20,7 @@ from inertialcal.core.recording import Channel, Recording
 from inertialcal.procedures.protocol import Facts
 from inertialcal.procedures.protocol import Tested as Done
 from inertialcal.procedures.rate_table import reduction as rate_table
-from inertialcal.procedures.rate_table.model.terms import model_terms
+from inertialcal.procedures.rate_table.model.held_out import model_terms
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.procedures.thermal.correction import ThermalCorrection, law_of
 from inertialcal.rigs.protocol import SEED, Twin

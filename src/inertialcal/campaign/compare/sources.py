@@ -17,8 +17,8 @@ from ...files.source import load
 from ...procedures.display import displayed
 from ...sensors.model.sensor_model import FIELD_UNIT
 from ...sensors.model.serial import FORMAT
+from ..models.compensation import model_rows
 from ..models.find import RESULTS, find_model
-from ..models.rows import model_rows
 from ..outcome.publish import OUT
 from ..outcome.results_file import check_schema
 

@@ -22,8 +22,7 @@ from ..inputs.sources import Store
 from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
-from ..outcome.provenance import provenance
-from ..outcome.publish import changes, check_writable, csv_text, json_text, previous, swap_in
+from ..outcome.publish import changes, check_writable, csv_text, json_text, previous, provenance, swap_in
 from ..outcome.requirements import worst
 from ..outcome.tables import outcome_parts
 from .engine import Prepared, ReducedTest, beside_others, order_of, placed, prepare, reduce_test, reduced_tests

@@ -13,13 +13,17 @@ import numpy as np
 
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Reason
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
+from ...core.results import Interval, Row, finite
 from ...core.units import convert, factor
 from ...sensors.model.equation import Conditions, needed
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
-from ...sensors.model.sensor_model import SensorModel, check_item
+from ...sensors.model.sensor_model import SensorModel, check_item, lines
+from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
+from ...statistics.intervals import t_interval
 from .inputs import CONDITIONS, FORCES, UNCERTAINTY, Taken, taken
 
 
@@ -229,3 +233,31 @@ def _with_uncertainty(
         what = f"parameters without uncertainty, which count as exact: {', '.join(exact)}"
         remarks.append(Remark("counted_as_exact", "warning", what, count=len(exact)))
     return replace(done, channels=(*done.channels, *made), remarks=(*done.remarks, *remarks))
+
+
+def model_rows(model: SensorModel) -> tuple[Row, ...]:
+    """Return a row a parameter, in SI and with full digits, in the order of the equation."""
+    dofs = {} if model.estimate is None else dict(zip(model.estimate.names, model.estimate.dof, strict=True))
+    numbers = values(model.parameters, model.terms)
+    rows = []
+    for one, value, line in zip(model.parameters, numbers, lines(model), strict=True):
+        dof = float(dofs.get(one.name, np.nan))
+        origin = model.provenance.get(one.name)
+        rows.append(
+            Row(
+                one.key,
+                float(value),
+                line.u,
+                one.unit,
+                finite(dof),
+                _interval(float(value), line.u, dof),
+                "not_estimated" if line.u is None else "estimated",
+                Reason("note", line.note),
+                test=origin.test if origin is not None else "",
+            )
+        )
+    return tuple(rows)
+
+
+def _interval(value: float, u: float | None, dof: float) -> Interval | None:
+    return t_interval(value, u, dof) if u is not None and dof > 0.0 else None

@@ -6,27 +6,35 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from ...core.estimate import Estimate
-from ...core.influence import Influence
+from ...core.estimate import Component, Estimate
+from ...core.influence import Influence, standard_of
 from ...core.judging import Verdict
 from ...core.key import Key, Method
 from ...core.remarks import Remark, condensed
 from ...core.results import SCHEMA, Row, finite, key_fields
-from ...core.schema.standards import OUTLIVES
-from ...core.units import convert, factor
-from ...procedures.display import display_unit, displayed, scaled, scaled_interval, ten_digits
+from ...core.schema.standards import OUTLIVES, STANDARDS
+from ...core.times import instant_text
+from ...core.units import Quantity, convert, divide, factor
+from ...procedures import loaded_procedures, procedure_of
+from ...procedures.display import (
+    display_unit,
+    displayed,
+    displayed_curve,
+    scaled,
+    scaled_interval,
+    stated_unit,
+    ten_digits,
+)
+from ...procedures.protocol import BudgetFigure, budget_figures
 from ..engine.engine import Prepared, ReducedTest, sensor_of
 from ..file.load import Campaign
+from ..file.schema import Site
+from ..file.sensors import Sensor
+from ..inputs.sources import Origin
 from ..models.content import closed_loop_content, named_models, parameter_rows
 from ..models.judged import NOT_RUN, JudgedModel
-from .budgets import budget_rows
-from .curves import curves_content
-from .exclusions import exclusion_rows, left_out
-from .margins import margin
-from .requirements import RULE, judge, worst
-from .sequence import sequence_rows
-from .set_up import sensors_content, site_content
-from .standards import standards_rows
+from .exclusions import LeftOut, exclusion_rows, left_out
+from .requirements import RULE, judge, margin, worst
 
 
 def results_content(
@@ -207,3 +215,203 @@ def _verification(
         }
         rows.append(row)
     return rows
+
+
+SITE = {"latitude": ("rad", "deg"), "height": ("m", "m"), "gravity": ("m/s^2", "m/s^2")}
+
+
+CHAIN = {"lsb": "V", "reference": "V", "validity_minimum": "V", "gate": "s"}
+
+
+def site_content(site: Site) -> dict[str, str | None]:
+    """Return latitude, height and gravity as text; null where the campaign does not say them."""
+    return {name: _text(getattr(site, name), *units) for name, units in SITE.items()}
+
+
+def sensors_content(sensors: dict[str, Sensor]) -> dict[str, Any]:
+    """Return kind, axes, unit, range, mounting and signal chain of each sensor."""
+    return {name: sensor.model_dump() | {"chain": _chain(sensor)} for name, sensor in sensors.items()}
+
+
+def _chain(sensor: Sensor) -> dict[str, Any]:
+    said = sensor.chain.model_dump()
+    pair = said["counts"]
+    given = {name: _text(said[name], unit, unit) for name, unit in CHAIN.items() if isinstance(said[name], float)}
+    return said | given | {"counts": None if pair is None else list(pair)}
+
+
+def _text(value: float | None, unit: str, shown: str) -> str | None:
+    if value is None or unit == shown:
+        return None if value is None else str(Quantity(value, unit))
+    return str(Quantity(ten_digits(float(convert(value, unit, shown))), shown))
+
+
+def curves_content(
+    campaign: Campaign, tested: Sequence[ReducedTest], modelled: JudgedModel | None
+) -> list[dict[str, Any]]:
+    """Return the curves of all tests, and those of the closed loop, as ``results.json`` holds them.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    tested : sequence of ReducedTest
+        Every test.
+    modelled : JudgedModel or None
+        Model and closed loop.
+    """
+    found = []
+    for one in tested:
+        for kind, part in one.parts.items():
+            unit = sensor_of(campaign, one.test, kind).unit
+            found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.procedure.curves(part)]
+    for one in tested:
+        unit = sensor_of(campaign, one.test).unit
+        found += [displayed_curve(curve, unit).to_dict(one.test.id) for curve in one.curves]
+    for name, (unit, made) in named_models(campaign, modelled).items():
+        found += [displayed_curve(curve, unit).to_dict(name) for curve in made.curves]
+    return found
+
+
+def sequence_rows(prepared: Sequence[Prepared], exclusions: Sequence[LeftOut]) -> list[dict[str, Any]]:
+    """Return one row a test, in the order run.
+
+    Parameters
+    ----------
+    prepared : sequence of Prepared
+        Every test.
+    exclusions : sequence of LeftOut
+        Of all tests; a dwell that several sensors leave out counts once.
+    """
+    return [_row(one, exclusions) for one in prepared]
+
+
+def _row(one: Prepared, exclusions: Sequence[LeftOut]) -> dict[str, Any]:
+    test = one.test
+    out = {left.what.place for left in exclusions if left.test == test.id and left.what.dwell}
+    windows = [[instant_text(start), instant_text(stop)] for start, stop in test.windows or []]
+    return {
+        "test": test.id, "procedure": test.procedure, "use": test.use, "condition": test.condition,
+        "source": test.source, "against": test.against, "after": list(test.after),
+        "groups": test.groups, "windows": windows or None,
+        "recordings": [_recording(origin) for origin in one.origins],
+        "dwells": len(one.readings) if procedure_of(test.procedure).counts_dwells else None,
+        "runs": getattr(one.readings, "runs", None), "left_out": len(out),
+    }  # fmt: skip
+
+
+def _recording(origin: Origin) -> dict[str, Any]:
+    return {
+        "name": origin.name, "file": origin.file, "sha256": origin.sha256, "kind": origin.kind, "rows": origin.rows,
+    }  # fmt: skip
+
+
+def standards_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[dict[str, Any]]:
+    """Return all influences that are stated, as stated, and those that are not and would change the result of a test.
+
+    Parameters
+    ----------
+    campaign : Campaign
+        As read.
+    tested : sequence of ReducedTest
+        Every test.
+    """
+    names = [f"{standard}.{influence}" for standard, inner in STANDARDS.items() for influence in inner]
+    stated = [(name, campaign.standards.get(name)) for name in names]
+    return [
+        _row(name, one, _effect(name, tested))
+        for name, one in stated
+        if one is not None or any(t.procedure.needs(name, t.result) for t in tested)
+    ]
+
+
+def _effect(name: str, tested: Sequence[ReducedTest]) -> str:
+    """Say what an influence changes in the tests that were run; of none of them, what it changes at all."""
+    found = [one.procedure.effects().get(name, "") for one in tested]
+    every = (one.effects()[name] for one in loaded_procedures() if name in one.effects())
+    return "; ".join(dict.fromkeys(effect for effect in found if effect)) or next(every, "")
+
+
+def _row(name: str, influence: Influence | None, effect: str) -> dict[str, Any]:
+    standard, quantity = standard_of(name)
+    head = {"standard": standard, "influence": quantity, "effect": effect}
+    if influence is None:
+        return head | {
+            "u": None, "unit": "", "dof": None, "distribution": "", "certificate": "", "stated": False,
+        }  # fmt: skip
+    u, unit = influence.stated
+    return head | {
+        "u": u, "unit": unit, "dof": finite(influence.dof),
+        "distribution": influence.distribution, "certificate": influence.certificate, "stated": True,
+    }  # fmt: skip
+
+
+ROUNDING = 1e-20  # share of a variance that cannot be told from none: 1e-10 of u
+
+
+def budget_rows(
+    test: str,
+    estimate: Estimate | None,
+    sensor_unit: str,
+    figures: Sequence[BudgetFigure] | None = None,
+    sensor: str = "",
+) -> list[dict[str, Any]]:
+    """Return the sources of uncertainty of each figure, in the units of the campaign.
+
+    Parameters
+    ----------
+    test : str
+        Name of the test, or ``"model"``.
+    estimate : Estimate or None
+        SI.
+    sensor_unit : str
+        As the campaign has it: ``"deg/s"``.
+    figures : sequence of BudgetFigure, optional
+        Those that have a budget; all values of the estimate by default.
+    sensor : str
+        Kind of sensor, where the test has several.
+    """
+    if estimate is None:
+        return []
+    found = []
+    for figure in budget_figures(estimate) if figures is None else figures:
+        total = float(estimate.covariance[figure.at, figure.at])
+        for component in estimate.components:
+            share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
+            if share > ROUNDING:
+                key = key_fields(figure.key) | ({"sensor": sensor} if sensor else {})
+                found.append({"test": test} | key | _row(figure, component, sensor_unit) | {"share": share})
+    return found
+
+
+def _row(figure: BudgetFigure, component: Component, sensor_unit: str) -> dict[str, Any]:
+    unit = display_unit(figure.key.name, figure.unit, sensor_unit)
+    u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
+    dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
+    return {
+        "source": component.source, "influence": _influence(component), "kind": component.kind,
+        "distribution": component.distribution,
+        **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
+    }  # fmt: skip
+
+
+def _influence(component: Component) -> str:
+    """Return the name of the influence under [standards] that a source is; empty for others."""
+    origin = component.origin
+    return f"{origin.standard}.{origin.quantity}" if origin.standard else ""
+
+
+def _sensitivity(component: Component, u: float, unit: str, sensor_unit: str) -> dict[str, Any]:
+    """Return what the source itself has, and how the figure follows it."""
+    if component.stated is not None:
+        own, own_unit = component.stated
+        shown = stated_unit(own_unit, sensor_unit)
+        if shown != own_unit:  # 3 deg went through radians and shall come out as 3
+            own = ten_digits(own * factor(own_unit, shown, difference=True))
+        return {
+            "stated_u": own, "stated_unit": shown,
+            "sensitivity": u / own, "sensitivity_unit": divide(unit, shown),
+        }  # fmt: skip
+    if component.kind == "A":
+        return {"stated_u": u, "stated_unit": unit, "sensitivity": 1.0, "sensitivity_unit": "1"}
+    return {"stated_u": None, "stated_unit": "", "sensitivity": None, "sensitivity_unit": ""}

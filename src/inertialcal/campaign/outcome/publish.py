@@ -11,9 +11,13 @@ import io
 import json
 import math
 import os
+import platform
+import shlex
 import shutil
 import tempfile
 from collections.abc import Mapping, Sequence
+from datetime import UTC, datetime
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
@@ -171,3 +175,40 @@ def _shown(row: Any, name: str) -> str:
     u = row.get("u") if name == "value" else None
     text = f"{value:.9g}" if isinstance(value, float) else str(value)
     return f"{text} ± {u:.2g} {row.get('unit', '')}".strip() if isinstance(u, float) else text
+
+
+PACKAGES = ("inertialcal", "numpy", "scipy", "numba", "pyarrow", "h5py", "pydantic")
+
+
+def versions() -> dict[str, str]:
+    """Return the versions of Python and of the packages that figures depend on."""
+    found = {"python": platform.python_version()}
+    for name in PACKAGES:
+        try:
+            found[name] = version(name)
+        except PackageNotFoundError:
+            found[name] = "unknown"
+    return found
+
+
+def provenance(inputs: Mapping[str, str], folder: str, options: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the content of ``provenance.json``.
+
+    Parameters
+    ----------
+    inputs : mapping of str to str
+        SHA-256 of each input, by its path in the campaign folder.
+    folder : str
+        Of the campaign, as the user gave it.
+    options : mapping
+        Of the run.
+    """
+    return {
+        "schema": 1,
+        "made": datetime.now(UTC).isoformat(timespec="seconds"),
+        "machine": {"system": platform.system(), "machine": platform.machine()},
+        "versions": versions(),
+        "inputs": [{"path": path, "sha256": digest} for path, digest in sorted(inputs.items())],
+        "options": dict(options),
+        "rerun": f"inertialcal run {shlex.quote(folder)}",
+    }

@@ -10,7 +10,7 @@ from ...core.errors import StoreError, UsageError
 from ...core.settings import Setting
 from ...procedures.protocol import Command, Procedure, Reduced
 from .. import figures
-from ..pairs import pairs
+from ..options import pairs
 from ..shown.output import clean, json_out
 
 

@@ -5,11 +5,14 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
+from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared
 from ...core.results import key_of
+from ...core.show.alternatives import names_of
 from ...core.show.names import reason_text
 from ...core.show.rounding import number
 from ...sensors.model.sensor_model import SensorModel, show
-from .output import clean, table
+from .output import clean, table, wrapped
+from .summary import remarks_text
 
 
 def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
@@ -36,3 +39,32 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
     ]
     words = "\n".join(clean(line) for line in show(model).split("\n"))
     return f"{words}\n\nCoefficients, all digits\n{table(cells, heads, right=(1, 2))}"
+
+
+def comparison_text(found: Comparison) -> str:
+    """Return what ``compare`` prints."""
+    reasons = [wrapped(f"  {reason}", "    ") for reason in not_compared(found.differences)]
+    blocks = [_figures(found), *reasons, *_beside(found)]
+    blocks += list(remarks_text([remark.to_dict() for remark in found.remarks]))
+    if found.verdict:
+        blocks.append(f"overall: {found.verdict}")
+    return "\n".join(block for block in blocks if block)
+
+
+def _figures(found: Comparison) -> str:
+    """One block a test."""
+    compared = [one for one in found.differences if is_shown(one)]
+    judged = any(one.no_change is not None for one in compared)
+    blocks = []
+    for test in dict.fromkeys(one.row.test for one in compared) if found.kind == "results" else [None]:
+        lines = [line(one, judged) for one in compared if test is None or one.row.test == test]
+        lines = [[f"  {name}", *cells] for name, *cells in lines]
+        heads = [f"  {HEADS[0]}", *HEADS[1:], *(JUDGED if judged else ())]
+        blocks.append((f"{test}\n" if test else "") + table(lines, heads))
+    return "\n\n".join(blocks) or "nothing could be compared"
+
+
+def _beside(found: Comparison) -> list[str]:
+    left_out = [one.row.case for one in found.differences if is_beside(one) and not is_shown(one)]
+    names = names_of(list(dict.fromkeys(left_out)))
+    return [f"  left out: {len(left_out)} figures beside the result ({names}); --json has them"] if left_out else []

@@ -10,8 +10,7 @@ import typer
 
 from ...core.results import case_of
 from ...rigs import DEMONSTRATED, RIGS
-from ..options import Json, Quiet
-from ..rig_names import rigs_beginning
+from ..options import Json, Quiet, rigs_beginning
 from ..shown.output import json_out
 from ..shown.progress import progress
 from .campaigns import outcome_content, print_outcome, where_text

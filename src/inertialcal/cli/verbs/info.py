@@ -8,9 +8,8 @@ from typing import Annotated, Any
 import typer
 
 from .. import figures
-from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
+from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
 from ..shown.output import json_out
-from ..units import units_of
 
 Files = Annotated[list[Path], typer.Argument(help="Recordings or tables.", show_default=False)]
 
@@ -42,7 +41,7 @@ def info(
     if output is not None and len(files) != 1:
         raise UsageError(f"-o {output}: a figure of one file, {len(files)} were named", do="Name one file")
     said: dict[str, Any] = {
-        "units": units_of(unit), "sample_rate": sample_rate, "time_column": time_column,
+        "units": pairs(unit, "--unit", "gyro=deg/s"), "sample_rate": sample_rate, "time_column": time_column,
         "start": start, "stop": stop, "mission_start": mission_start, "frame": frame,
     }  # fmt: skip
     found, errors = [], []

@@ -10,8 +10,7 @@ import typer
 
 from ...files.models.formats import BUILT_IN
 from .. import figures
-from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units
-from ..pairs import pairs
+from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
 from ..shown.output import clean, json_out, wrapped
 
 Model = Annotated[Path, typer.Argument(help="model.json, or the folder of a campaign.", show_default=False)]
@@ -38,7 +37,7 @@ def show(
 ) -> int:
     """Show a model in words, or results as a table; with -o, a figure of either."""
     from ...campaign.outcome.results_file import find_results
-    from ..shown.show_results import show_results
+    from ..shown.summary import show_results
 
     figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
     chosen = {"figure": figure, "test": test, "axis": axis}
@@ -49,8 +48,8 @@ def show(
 
 
 def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:
+    from ...campaign.models.compensation import model_rows
     from ...campaign.models.find import find_model
-    from ...campaign.models.rows import model_rows
     from ...sensors.model.sensor_model import equation, lines
     from ...sensors.model.serial import to_dict
     from ..shown.model_text import model_text
@@ -209,7 +208,7 @@ def compare(
 ) -> int:
     """Compare two models or two results, figure by figure, with the uncertainty of each difference."""
     from ...campaign.compare.compare import compare as compare_both
-    from ..shown.comparison_text import comparison_text
+    from ..shown.model_text import comparison_text
 
     found = compare_both(first, second, allowed)
     if as_json:

@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from ...rigs import RIGS
-from ..options import Json, Quiet
-from ..rig_names import faults_beginning, rigs_beginning
+from ..options import Json, Quiet, faults_beginning, rigs_beginning
 from ..shown.output import json_out, table
 from ..shown.progress import progress
 

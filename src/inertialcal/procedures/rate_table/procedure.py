@@ -154,19 +154,19 @@ class RateTable(Procedure[Plan, "Readings", "Result"]):
 
     def joined(self, tests: Sequence[Tested[Plan, Readings, Result]]) -> tuple[Plan, Readings] | None:
         """Return all dwells as one test; the axis alone may differ."""
-        from .model.terms import joined
+        from .model.held_out import joined
 
         return None if len(tests) == 1 and not tests[0].plan.axis else joined(tests)
 
     def terms(self, result: Result, tests: Sequence[Tested[Plan, Readings, Result]]) -> ModelTerms:
         """Return matrix, bias and asymmetry."""
-        from .model.terms import model_terms
+        from .model.held_out import model_terms
 
         return model_terms(result, tests)
 
     def check_alike(self, tests: Sequence[Tested[Plan, Readings, Result]]) -> None:
         """Refuse tests some of which have their bias against a reading at rest."""
-        from .model.terms import check_alike
+        from .model.held_out import check_alike
 
         check_alike(tests)
 
