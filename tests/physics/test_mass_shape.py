@@ -89,7 +89,7 @@ def test_the_best_cells_nearly_reach_the_bound(shape: tuple[int, int, int], coun
 def test_no_other_choice_of_cells_attracts_more() -> None:
     """All of them, on a small grid."""
     grid = Grid(0.05, (2, 3, 2), 0.03, LEAD)
-    worth = Gain().of_cells(grid.lattice()).ravel()
+    worth = Gain().worth_of_cells(grid.lattice()).ravel()
     best = max(sum(worth[list(chosen)]) for chosen in itertools.combinations(range(12), 5))
     assert Gain().of(best_cells(grid, 5)) == pytest.approx(LEAD * best, rel=1e-12)
 
@@ -163,7 +163,7 @@ def test_the_gain_of_a_body_is_that_of_its_cells() -> None:
     gain = Gain((1.0, 1.0, 0.0), ((1.0, (0.0, 0.0, 0.0)), (-0.5, (0.1, 0.0, 0.0))), ProofMass(0.029, 0.0064, 0.0064))
     grid = Grid(0.05, (2, 3, 3), 0.1, LEAD)
     body = best_cells(grid, 7, gain)
-    assert gain.of(body) == pytest.approx(float(np.sum(body.density * gain.of_cells(grid.lattice()))), rel=1e-11)
+    assert gain.of(body) == pytest.approx(float(np.sum(body.density * gain.worth_of_cells(grid.lattice()))), rel=1e-11)
 
 
 def test_growth_grows_from_a_point_to_the_touching_ratio() -> None:

@@ -115,9 +115,9 @@ def rails(found: Levels) -> tuple[Rail, ...]:
     steps = _goes_in_steps(counts)
     whole = bool(np.all(levels == np.rint(levels)))
     piles = []
-    for end, beside in ((0, 1), (-1, -2)):
+    for end, inner in ((0, 1), (-1, -2)):
         count, is_code = int(counts[end]), whole and int(levels[end]) in RAIL_CODES
-        piled = not steps and count >= PILE and count > PILE_RATIO * counts[beside]
+        piled = not steps and count >= PILE and count > PILE_RATIO * counts[inner]
         # Zero is the end of an unsigned converter only for channels that live far above it.
         at_code = is_code and count >= CONSTANT_IN_COUNTS and levels[end] != 0.0
         if piled or at_code:
@@ -128,8 +128,8 @@ def rails(found: Levels) -> tuple[Rail, ...]:
 def _goes_in_steps(counts: NDArray[np.int64]) -> bool:
     """Whether two levels or more between the extremes stand out from both their neighbours as a pile does."""
     inside = counts[1:-1]
-    beside = np.maximum(counts[:-2], counts[2:])
-    return int(np.count_nonzero((inside >= PILE) & (inside > PILE_RATIO * beside))) >= STEPS
+    inner = np.maximum(counts[:-2], counts[2:])
+    return int(np.count_nonzero((inside >= PILE) & (inside > PILE_RATIO * inner))) >= STEPS
 
 
 def coarse_steps(values: Array, name: str) -> tuple[Remark, ...]:

@@ -72,10 +72,10 @@ class RecordQuality:
         """One remark an axis and kind, codes among them: constant, stuck, at the end of the range."""
         found: list[Remark] = []
         for axis, name in enumerate(self.names):
-            found += [*_of_codes(self.values[:, axis], name), *self._of_motion(axis)]
+            found += [*_code_remarks(self.values[:, axis], name), *self._motion_remarks(axis)]
         return (*found, *(drift.remark(self.names[drift.axis]) for drift in self.drifts if drift.significant))
 
-    def _of_motion(self, axis: int) -> list[Remark]:
+    def _motion_remarks(self, axis: int) -> list[Remark]:
         found, name = [], self.names[axis]
         bad = [one for one in self.bad if one.axis == axis]
         if axis in self.moving:
@@ -99,7 +99,7 @@ class RecordQuality:
         return found
 
 
-def _of_codes(x: Array, name: str) -> tuple[Remark, ...]:
+def _code_remarks(x: Array, name: str) -> tuple[Remark, ...]:
     finite = x[np.isfinite(x)]
     if len(finite) > 1 and np.all(finite == finite[0]):
         do = "Check the wiring and the resolution"

@@ -77,13 +77,13 @@ class Prism:
 
     def field(self, points: Array) -> Array:
         """Return the field at points, shape (n, 3) [kg/m^2]."""
-        return self._found(points, 0)[0]
+        return self._field_and_slope(points, 0)[0]
 
     def gradient(self, points: Array) -> Array:
         """Return the gradient at points, shape (n, 3, 3) [kg/m^3]."""
-        return matrix(self._found(points, 6)[1])
+        return matrix(self._field_and_slope(points, 6)[1])
 
-    def _found(self, points: Array, slopes: int) -> tuple[Array, Array]:
+    def _field_and_slope(self, points: Array, slopes: int) -> tuple[Array, Array]:
         """Field and, unless ``slopes`` is zero, its gradient."""
         low, high = np.array([self.lower]), np.array([self.upper])
         field, slope = np.empty((len(points), 3)), np.empty((len(points), slopes))

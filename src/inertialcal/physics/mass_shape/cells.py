@@ -50,7 +50,7 @@ class Gain:
     at: Sequence[tuple[float, Direction]] = field(default=((1.0, HERE),))
     proof_mass: ProofMass | None = None  # what is attracted; default: a point
 
-    def of_cells(self, grid: Lattice) -> Array:
+    def worth_of_cells(self, grid: Lattice) -> Array:
         """Return what each cell adds if its density is one, shape (nx, ny, nz) [m].
 
         Parameters
@@ -222,7 +222,7 @@ def best_cells(grid: Grid, count: int, gain: Gain = PLAIN) -> Lattice:
             do="Make the grid larger.",
             code="does_not_fit",
         )
-    worth = gain.of_cells(grid.lattice()).ravel()
+    worth = gain.worth_of_cells(grid.lattice()).ravel()
     return grid.lattice(_largest(worth, count).reshape(grid.shape))
 
 
@@ -277,7 +277,7 @@ def best_stack(grid: Grid, inventory: tuple[Pieces, ...], gain: Gain = PLAIN) ->
         If the pieces do not fit.
     """
     _refuse_nothing(inventory)
-    worth = gain.of_cells(grid.lattice())
+    worth = gain.worth_of_cells(grid.lattice())
     taken = np.zeros(grid.shape, dtype=bool)
     places = []
     for pieces in sorted(inventory, key=lambda p: -p.cells):

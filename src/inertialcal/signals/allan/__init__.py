@@ -21,7 +21,15 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ..names import Deviation, Quantity
-from .channel import checked_kind, checked_names, checked_present, checked_samples, code_remarks, joined, of_channel
+from .channel import (
+    analyse_channel,
+    checked_kind,
+    checked_names,
+    checked_present,
+    checked_samples,
+    code_remarks,
+    joined,
+)
 from .curve import Allan
 from .dead_time import check_averaging
 from .gaps import on_grid
@@ -86,9 +94,11 @@ def allan(
     check_averaging(interval, averaging)
     n, axes = samples.shape
     there, names = checked_present(present, samples), checked_names(names, axes)
-    m, told = factors_of(kind, n + (quantity != "angle"), interval, taus, factors)
+    m, remarks = factors_of(kind, n + (quantity != "angle"), interval, taus, factors)
     columns = [
-        of_channel(samples[:, i], None if there is None else there[:, i], quantity, kind, m, noise, names[i])
+        analyse_channel(samples[:, i], None if there is None else there[:, i], quantity, kind, m, noise, names[i])
         for i in range(axes)
     ]
-    return joined(columns, m, n, interval, averaging, deviation, quantity, names, unit, scale=scale, p=p, remarks=told)
+    return joined(
+        columns, m, n, interval, averaging, deviation, quantity, names, unit, scale=scale, p=p, remarks=remarks
+    )

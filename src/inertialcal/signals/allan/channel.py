@@ -46,7 +46,7 @@ class Channel:
     remarks: tuple[Remark, ...]
 
 
-def of_channel(
+def analyse_channel(
     x: Numbers,
     present: NDArray[np.bool_] | None,
     quantity: Quantity,
@@ -64,31 +64,28 @@ def of_channel(
     """
     phase = phase_of(x, quantity, present)
     power = identified_powers(phase, kind, factors) if noise == "auto" else np.full(len(factors), float(noise))
-    told = int(np.count_nonzero(np.isfinite(power)))
+    identified = int(np.count_nonzero(np.isfinite(power)))
     found = variances(phase, kind, factors)  # uses the phase up
     give_back(phase)
     power, edf = carried_on(power, kind, factors, found.terms)
     variance = np.where(power >= WHITE, found.variance / found.inflation, found.variance)
-    flat = not np.any(variance > 0.0)
-    remarks = _remarks(flat, found.terms, told, len(factors), name)
+    remarks: list[Remark] = []
+    flat, k, empty = not np.any(variance > 0.0), len(factors), int(np.count_nonzero(found.terms == 0))
     if flat:
-        power, edf = np.full((2, len(factors)), np.nan)
-    return Channel(np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, phase.missing, remarks)
-
-
-def _remarks(flat: bool, terms: NDArray[np.int64], told: int, k: int, name: str) -> tuple[Remark, ...]:
-    if flat and terms.any():
+        power, edf = np.full((2, k), np.nan)
+    if flat and empty < k:
         do = "Check the wiring and the resolution"
-        return (Remark("constant", "warning", f"{name}: all samples are equal", do=do),)
-    found: tuple[Remark, ...] = ()
-    if told < min(TELLING, k):
-        what = f"{name}: noise type identified at {told} of {k} averaging times; the others are extrapolated"
-        found = (Remark("too_short", "warning", what, do="Record longer, or state the noise type"),)
-    empty = int(np.count_nonzero(terms == 0))
-    if empty:
-        what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
-        found = (*found, Remark("gaps_too_many", "warning", what, count=empty))
-    return found
+        remarks.append(Remark("constant", "warning", f"{name}: all samples are equal", do=do))
+    else:
+        if identified < min(TELLING, k):
+            what = f"{name}: noise type identified at {identified} of {k} averaging times; the others are extrapolated"
+            remarks.append(Remark("too_short", "warning", what, do="Record longer, or state the noise type"))
+        if empty:
+            what = f"{name}: {empty} averaging time(s) left out: no two windows are half full"
+            remarks.append(Remark("gaps_too_many", "warning", what, count=empty))
+    return Channel(
+        np.sqrt(variance), found.terms, found.inflation, edf, power, found.ends, phase.missing, tuple(remarks)
+    )
 
 
 def code_remarks(x: Numbers, name: str) -> tuple[Remark, ...]:

@@ -125,8 +125,8 @@ def carried_on(power: Array, kind: Kind, factors: NDArray[np.int64], terms: NDAr
 
     A power that is NaN is that of the last one known; white where none is.
     """
-    told = power[np.isfinite(power)]
-    last, before = (told[-1], told[-2:][0]) if len(told) else (WHITE, WHITE)
+    known = power[np.isfinite(power)]
+    last, before = (known[-1], known[-2:][0]) if len(known) else (WHITE, WHITE)
     one, other = (np.where(np.isnan(power), value, power) for value in (last, before))
     edf = all_degrees(kind, factors, terms, one)
     if last == before:

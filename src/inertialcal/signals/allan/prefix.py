@@ -62,7 +62,7 @@ def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None =
     whole = x.dtype.kind in "iub"
     there = None if present is None or present.all() else present
     if not whole and there is None:
-        found = _of_all(x, quantity)
+        found = _complete(x, quantity)
         if np.isfinite(found.values[-1]) and (quantity != "angle" or np.isfinite(found.values.sum())):
             return found
     if not whole:
@@ -70,10 +70,10 @@ def phase_of(x: Numbers, quantity: Quantity, present: NDArray[np.bool_] | None =
         there = finite if there is None else there & finite
     if there is not None and not there.any():
         raise DataError("no valid sample: all are missing or not finite", code="all_missing")
-    return _of_all(x, quantity) if there is None or there.all() else _of_present(x, quantity, there)
+    return _complete(x, quantity) if there is None or there.all() else _with_gaps(x, quantity, there)
 
 
-def _of_all(x: Numbers, quantity: Quantity) -> Phase:
+def _complete(x: Numbers, quantity: Quantity) -> Phase:
     level = _level(x)
     if quantity == "angle":
         return Phase(_less(x, level), NOTHING_MISSING, pointwise=True)
@@ -105,7 +105,7 @@ def give_back(phase: Phase) -> None:
         _spare[:] = [owner]
 
 
-def _of_present(x: Numbers, quantity: Quantity, there: NDArray[np.bool_]) -> Phase:
+def _with_gaps(x: Numbers, quantity: Quantity, there: NDArray[np.bool_]) -> Phase:
     missing = int(len(x) - np.count_nonzero(there))
     level = _level(x, there)
     if quantity == "angle":

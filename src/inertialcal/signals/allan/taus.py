@@ -60,13 +60,13 @@ def factors_of(
             raise PlanError("both averaging times and averaging factors given", do="Give one", code="wrong_taus")
         return _possible(kind, points, interval, np.asarray(factors), ())
     if isinstance(taus, str):
-        return _of_word(taus, max(1, (points - 1) // (kind.windows + 1))), ()
+        return _factors_of_word(taus, max(1, (points - 1) // (kind.windows + 1))), ()
     seconds = np.asarray(taus, dtype=np.float64)
     near = np.rint(seconds / interval)
     return _possible(kind, points, interval, near, _rounded(seconds, near, interval))
 
 
-def _of_word(word: str, longest: int) -> NDArray[np.int64]:
+def _factors_of_word(word: str, longest: int) -> NDArray[np.int64]:
     if word == "octave":
         return 2 ** np.arange(longest.bit_length())
     if word == "all":

@@ -57,12 +57,12 @@ def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
     """
     if stated is not None and len(stated) != y.shape[1]:
         raise PlanError(f"{len(stated)} value(s) of noise stated for {y.shape[1]} channel(s)")
-    columns = [_of_channel(y[:, k]) if stated is None else _stated(y[:, k], stated[k]) for k in range(y.shape[1])]
+    columns = [_channel_noise(y[:, k]) if stated is None else _stated(y[:, k], stated[k]) for k in range(y.shape[1])]
     scale, dof, step, live = (np.array(values) for values in zip(*columns, strict=True))
     return Noise(scale, dof, step, live, stated is not None)
 
 
-def _of_channel(y: Array) -> tuple[float, float, float, bool]:
+def _channel_noise(y: Array) -> tuple[float, float, float, bool]:
     variance, different, step = _blocks(y)
     alive = different >= LIVE
     variance = variance[alive]

@@ -91,17 +91,17 @@ def _turns(level: Array, reversal: float) -> tuple[list[int], list[int]]:
         if value > level[highest]:
             highest = i
         if way != WARMING and value - level[lowest] >= reversal:
-            turns.append(_left(level, lowest, i, reversal))
+            turns.append(_leaves_turn(level, lowest, i, reversal))
             ways.append(WARMING)
             highest = i
         elif way != COOLING and level[highest] - value >= reversal:
-            turns.append(_left(level, highest, i, reversal))
+            turns.append(_leaves_turn(level, highest, i, reversal))
             ways.append(COOLING)
             lowest = i
     return turns, ways
 
 
-def _left(level: Array, turn: int, stop: int, reversal: float) -> int:
+def _leaves_turn(level: Array, turn: int, stop: int, reversal: float) -> int:
     """Return where the temperature leaves a turn for good: it may stay there for long."""
     near = np.abs(level[turn:stop] - level[turn]) <= NEAR * reversal
     return turn + int(np.flatnonzero(near)[-1])

@@ -134,10 +134,10 @@ class Turns:
         for kind, group in groups.items():
             severity: Severity = "warning" if kind == "disturbed" else "info"
             found.append(Remark(kind, severity, SPIKES[kind], _clock(group[0], self), len(group), do))
-        unseen = [one for one in self.turns if one.given and one.first == one.stop]
-        if unseen:
+        missing = [one for one in self.turns if one.given and one.first == one.stop]
+        if missing:
             text, do = "no spike where the head was turned", "Check that the turn times are on the clock of the record"
-            found.append(Remark("turn_not_seen", "warning", text, _clock(unseen[0], self), len(unseen), do))
+            found.append(Remark("turn_not_seen", "warning", text, _clock(missing[0], self), len(missing), do))
         return tuple(found)
 
 
@@ -237,8 +237,8 @@ class _Look:
             return replace(self.measured(first, stop), start_ns=start_ns, stop_ns=stop_ns, given=True)
         if near:
             return replace(max(near, key=lambda one: one.peak), given=True)
-        seen = self.measured(first, first + 1)
-        return replace(seen, start_ns=when, stop_ns=when, stop=first, given=True)
+        spike = self.measured(first, first + 1)
+        return replace(spike, start_ns=when, stop_ns=when, stop=first, given=True)
 
     def _blocks(self, start_ns: int, stop_ns: int) -> tuple[int, int]:
         """Blocks [first, stop) that a time reaches into."""

@@ -211,7 +211,7 @@ def generalised_fit(drive: Drive, readings: Array) -> Generalised:
     parts = [rest.T @ part @ rest for part in _slow(drive)]
     line = [drive.in_phase] if drive.quadrature is None else [drive.in_phase, drive.quadrature]
     columns = rest.T @ np.column_stack([*line, readings])
-    logs = _found(parts, columns)
+    logs = _likeliest_parts(parts, columns)
     shape = np.eye(n - 2) + sum(np.exp(q) * part for q, part in zip(logs, parts, strict=True))
     _, level = _cost(shape, columns)
     return _estimate(drive, readings, rest, level * shape, columns[:, :-1])
@@ -228,7 +228,7 @@ def _slow(drive: Drive) -> list[Array]:
     return found
 
 
-def _found(parts: list[Array], columns: Array) -> NDArray[np.float64]:
+def _likeliest_parts(parts: list[Array], columns: Array) -> NDArray[np.float64]:
     """Logarithms of both slow parts over the white one, of greatest restricted likelihood."""
     from scipy import optimize  # noqa: PLC0415 - heavy import, which most commands need not wait for
 

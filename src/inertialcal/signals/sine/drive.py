@@ -76,7 +76,7 @@ def sine_drive(times: ArrayLike, frequency: float, phase: float | None = None) -
         raise DataError(f"a drive of {frequency} Hz", do="Its period must be positive", code="bad_period")
     angle = 2.0 * np.pi * np.fmod((t - t[0]) * frequency, 1.0) + (phase or 0.0)
     drive = Drive(t, np.sin(angle), np.cos(angle), frequency, phase is not None)
-    return _with_both_told(drive)
+    return _visible_components(drive)
 
 
 def applied_drive(times: ArrayLike, applied: ArrayLike, frequency: float) -> Drive:
@@ -145,7 +145,7 @@ def _ascending(times: ArrayLike) -> Array:
     return t
 
 
-def _with_both_told(drive: Drive) -> Drive:
+def _visible_components(drive: Drive) -> Drive:
     """Return the drive without the quadrature where no sample shows it; refuse what samples cannot tell."""
     turn = drive.frequency * drive.step
     even = np.ptp(np.diff(drive.times)) < 1e-3 * drive.step

@@ -115,7 +115,7 @@ def fit_line(design: Design, readings: Array) -> LineFit:
     ------
     DataError
         If shapes disagree or a reading is missing; ``rank_deficient`` if drive and drift cannot be separated at these
-        samples, ``no_scatter`` if nothing but the drive and drift is there (no noise can be told).
+        samples, ``no_scatter`` if nothing but the drive and drift is there (noise not estimated).
     """
     x = _checked(design, readings)
     offset = np.median(x, axis=0)
@@ -172,12 +172,12 @@ def _inverse(gram: Array) -> Array:
 def _side_bands(gram: Array, right: Array, mixed: Array, main: Array, m: int) -> tuple[Array, int]:
     """Variance that the side bands tell of each record, and how many tell it."""
     rest = gram[m:, m:] - gram[m:, :m] @ mixed
-    told = right[m:] - gram[m:, :m] @ main
+    explained = right[m:] - gram[m:, :m] @ main
     sizes, axes = np.linalg.eigh(rest)
     good = sizes > DISTINCT**0.5
     if good.sum() < 2:
         raise DataError("no side band can be separated from drive and drift", do="Record longer", code="side_bands")
-    parts = axes[:, good].T @ told
+    parts = axes[:, good].T @ explained
     return np.asarray(np.sum(parts**2 / sizes[good, None], axis=0) / good.sum()), int(good.sum())
 
 
@@ -307,14 +307,14 @@ def _rows(drift: Drift, rows: int | None, cycles: float) -> int:
     return rows
 
 
-def _sides(drive: Drive, asked: int | None, cycles: float, top: float) -> int:
+def _sides(drive: Drive, wanted: int | None, cycles: float, top: float) -> int:
     """Side bands on each side: their lowest stays half a line above the drift."""
     room = int(np.floor(cycles - top - 0.5 + 1e-9))
-    if asked is not None:
-        if not 1 <= asked <= room:
-            what = f"{asked} side bands on each side of line {cycles:.6g}, drift up to line {top:.6g}"
+    if wanted is not None:
+        if not 1 <= wanted <= room:
+            what = f"{wanted} side bands on each side of line {cycles:.6g}, drift up to line {top:.6g}"
             raise PlanError(what, do=f"There is room for 1 to {room}" if room else "Fit less drift", code="side_bands")
-        return asked
+        return wanted
     if room < 1:
         what = f"{cycles:.6g} cycles, drift up to line {top:.6g}: no side band lies between"
         raise DataError(what, why="the noise at the drive cannot be estimated", do="Record longer", code="side_bands")
