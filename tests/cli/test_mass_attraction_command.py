@@ -19,8 +19,7 @@ from inertialcal.rigs import RIGS
 from inertialcal.rigs.mesa import rig as mesa
 from inertialcal.rigs.mesa.rig import Bench, Run
 from inertialcal.rigs.protocol import Changes, Rig, Twin
-from one_way_in import same_rows
-from typed_commands import call
+from typed_commands import call, same_rows
 
 RUNS = (*(Run(f"run{i}") for i in range(1, 4)), Run("null1", moved=False))
 OPTIONS = ("--gate", "100 s", "--column", "x=pulses")

@@ -15,8 +15,8 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import Bench, build
-from one_way_in import same_rows
 from pad_pairs_made import flip_records
+from typed_commands import same_rows
 
 MEANS = """\
 axis,orientation,flip,mean [ug]

@@ -14,7 +14,7 @@ import inertialcal
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.rigs.hand_held.rig import Bench, build
-from one_way_in import same_rows
+from typed_commands import same_rows
 
 RATE = """rate [deg/s],x [deg/s],std [deg/s],run
 -4,-4.021,0.002,1

@@ -11,7 +11,7 @@ import inertialcal as ic
 from inertialcal.core.units import factor
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
-from one_way_in import same_rows
+from typed_commands import same_rows
 
 APPLIED = 2e-6  # [m/s^2]
 

@@ -11,7 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 import inertialcal as ic
-from one_way_in import same_rows
+from typed_commands import same_rows
 
 N, INTERVAL = 4_000, 0.01
 

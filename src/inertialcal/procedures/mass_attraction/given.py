@@ -2,37 +2,17 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from pathlib import PurePath
-from typing import Literal
 
 from ...core.axes import AXES
 from ...core.errors import UsageError
-from ...core.settings import setting
 from ...core.units import same_dimension
 from ..given import Described, GivenFile
 from ..given import described as described_by_unit
 from ..protocol import InputSpec
 
 UNIT = "ug"  # of readings, where no scale factor shows another one
-
-
-@dataclass(frozen=True)
-class SaidMass:
-    """Settings of the noun beyond plan and recording."""
-
-    schedule: str | None = setting(
-        "CSV file with the dwells of the mass: start, stop, position, applied.", None, example="schedule.csv"
-    )
-    gate: str | None = setting("Time over which pulses are counted.", None, example="100 s")
-    null: list[str] | None = setting(
-        "File among those given whose mass was at rest, by its path or name.", None, example="null1.csv"
-    )
-    begin: str | None = setting(
-        "Start of the schedule on the clock of the file: UTC, or elapsed time; the first sample by default.", None,
-        example="2010-04-28T20:00:00Z",
-    )  # fmt: skip
-    stamp: Literal["start", "middle", "end"] = setting("Part of its gate that a time stamp marks.", "middle")
 
 
 def described(given: GivenFile, spec: InputSpec) -> Described:

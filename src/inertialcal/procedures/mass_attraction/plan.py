@@ -76,3 +76,21 @@ class Plan:
         example='{ mass = "20 kg", density = "11340 kg/m^3", stand_off = "0.1 m" }',
     )  # fmt: skip
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
+
+
+@dataclass(frozen=True)
+class SaidMass:
+    """Settings of the noun beyond plan and recording."""
+
+    schedule: str | None = setting(
+        "CSV file with the dwells of the mass: start, stop, position, applied.", None, example="schedule.csv"
+    )
+    gate: str | None = setting("Time over which pulses are counted.", None, example="100 s")
+    null: list[str] | None = setting(
+        "File among those given whose mass was at rest, by its path or name.", None, example="null1.csv"
+    )
+    begin: str | None = setting(
+        "Start of the schedule on the clock of the file: UTC, or elapsed time; the first sample by default.", None,
+        example="2010-04-28T20:00:00Z",
+    )  # fmt: skip
+    stamp: Literal["start", "middle", "end"] = setting("Part of its gate that a time stamp marks.", "middle")

@@ -8,8 +8,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 from ..protocol import READING, RELATIVE, Command, Correction, Facts, InputSpec, Procedure, Quantity, Role, Source
 from .figures import FIGURES
-from .given import SaidMass
-from .plan import INFLUENCES, Plan
+from .plan import INFLUENCES, Plan, SaidMass
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
