@@ -225,14 +225,14 @@ def line(one: Difference, judged: bool) -> list[str]:
     """Return the cells of a figure under ``HEADS``, and ``JUDGED`` where changes are judged."""
     figures = [_figure(row) for row in (one.first, one.second, one.row)]
     cells = [_name(one.row), one.row.axis, *figures, one.row.unit, _interval(one.row, 5), one.word]
-    return [*cells, *_verdict(one)] if judged else cells
+    return [*cells, *_words(one)] if judged else cells
 
 
 def _narrow(one: Difference, judged: bool) -> list[str]:
     """Return the difference alone, to fit a notebook and a terminal."""
     row = one.row
     name = f"{_name(row)} {row.axis}".strip()
-    return [name, _figure(row), row.unit, _interval(row, 3), *(_verdict(one) if judged else (one.word,))]
+    return [name, _figure(row), row.unit, _interval(row, 3), *(_words(one) if judged else (one.word,))]
 
 
 def _name(row: Row) -> str:
@@ -244,7 +244,7 @@ def _interval(row: Row, digits: int) -> str:
     return "" if ends is None else f"{number(ends.lo, digits)} .. {number(ends.hi, digits)}"
 
 
-def _verdict(one: Difference) -> tuple[str, str]:
+def _words(one: Difference) -> tuple[str, str]:
     if one.no_change is None:
         return "", ""
     return f"± {number(one.no_change.limit_upper, 5)}", one.no_change.status

@@ -198,9 +198,9 @@ def matched(
         Whether the test is part of a figure's name. Figures that only differ in the name of their test are then
         still taken together where both sides have exactly one.
     """
-    keys: list[Any] = [_of]
+    keys: list[Any] = [_identity]
     if by_test:
-        keys.insert(0, lambda row: (_of(row), row.test))
+        keys.insert(0, lambda row: (_identity(row), row.test))
     left, right = list(range(len(first))), list(range(len(second)))
     pairs: dict[int, int] = {}
     for key in keys:
@@ -217,7 +217,7 @@ def matched(
     return [(first[i], _in_unit(second[fitting[i]], first[i].unit)) for i in sorted(fitting)], tuple(remarks)
 
 
-def _of(row: Row) -> Hashable:
+def _identity(row: Row) -> Hashable:
     """Return what a row is; a place as tables show it, for no two records find a line at the same frequency."""
     place = None if row.key.at is None else str(row.key.at)
     return row.key._replace(at=None), place, row.method, row.member, row.condition

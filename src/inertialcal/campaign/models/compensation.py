@@ -84,8 +84,8 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
     missing = np.isnan(raw.array(names))
     lost = np.isnan(done.array(names)) & ~missing
     unknown = np.zeros(len(raw), dtype=bool)
-    for values in conditions.values():
-        columns = np.asarray(values, dtype=float)
+    for given in conditions.values():
+        columns = np.asarray(given, dtype=float)
         if columns.ndim and len(columns) == len(raw):
             unknown |= np.isnan(columns.reshape(len(raw), -1)).any(axis=1)
     by_axis = lost.any(axis=1) & missing.any(axis=1) & ~unknown

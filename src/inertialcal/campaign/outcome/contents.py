@@ -283,10 +283,10 @@ def sequence_rows(prepared: Sequence[Prepared], exclusions: Sequence[LeftOut]) -
     exclusions : sequence of LeftOut
         Of all tests; a dwell that several sensors leave out counts once.
     """
-    return [_row(one, exclusions) for one in prepared]
+    return [_step(one, exclusions) for one in prepared]
 
 
-def _row(one: Prepared, exclusions: Sequence[LeftOut]) -> dict[str, Any]:
+def _step(one: Prepared, exclusions: Sequence[LeftOut]) -> dict[str, Any]:
     test = one.test
     out = {left.what.place for left in exclusions if left.test == test.id and left.what.dwell}
     windows = [[instant_text(start), instant_text(stop)] for start, stop in test.windows or []]
@@ -319,7 +319,7 @@ def standards_rows(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[di
     names = [f"{standard}.{influence}" for standard, inner in STANDARDS.items() for influence in inner]
     stated = [(name, campaign.standards.get(name)) for name in names]
     return [
-        _row(name, one, _effect(name, tested))
+        _standard(name, one, _effect(name, tested))
         for name, one in stated
         if one is not None or any(t.procedure.needs(name, t.result) for t in tested)
     ]
@@ -332,7 +332,7 @@ def _effect(name: str, tested: Sequence[ReducedTest]) -> str:
     return "; ".join(dict.fromkeys(effect for effect in found if effect)) or next(every, "")
 
 
-def _row(name: str, influence: Influence | None, effect: str) -> dict[str, Any]:
+def _standard(name: str, influence: Influence | None, effect: str) -> dict[str, Any]:
     standard, quantity = standard_of(name)
     head = {"standard": standard, "influence": quantity, "effect": effect}
     if influence is None:
@@ -380,22 +380,22 @@ def budget_rows(
             share = float(component.covariance[figure.at, figure.at]) / total if total > 0.0 else 0.0
             if share > ROUNDING:
                 key = key_fields(figure.key) | ({"sensor": sensor} if sensor else {})
-                found.append({"test": test} | key | _row(figure, component, sensor_unit) | {"share": share})
+                found.append({"test": test} | key | _contribution(figure, component, sensor_unit) | {"share": share})
     return found
 
 
-def _row(figure: BudgetFigure, component: Component, sensor_unit: str) -> dict[str, Any]:
+def _contribution(figure: BudgetFigure, component: Component, sensor_unit: str) -> dict[str, Any]:
     unit = display_unit(figure.key.name, figure.unit, sensor_unit)
     u = float(component.u[figure.at]) * figure.times * factor(figure.unit, unit, difference=True)
     dof = component.dof if isinstance(component.dof, float) else float(component.dof[figure.at])
     return {
-        "source": component.source, "influence": _influence(component), "kind": component.kind,
+        "source": component.source, "influence": _named(component), "kind": component.kind,
         "distribution": component.distribution,
         **_sensitivity(component, u, unit, sensor_unit), "u": u, "unit": unit, "dof": finite(dof),
     }  # fmt: skip
 
 
-def _influence(component: Component) -> str:
+def _named(component: Component) -> str:
     """Return the name of the influence under [standards] that a source is; empty for others."""
     origin = component.origin
     return f"{origin.standard}.{origin.quantity}" if origin.standard else ""

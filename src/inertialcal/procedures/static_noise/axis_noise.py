@@ -43,7 +43,7 @@ LONGEST = 2**17  # samples of a segment of Welch's method: lines are narrow enou
 PARTS = 8  # of a record, in the length of a segment
 MOST_LINES = 6  # taken into a fit
 TOLD = ("constant", "gaps")  # by the Allan deviation already
-LISTED = 4  # lines that a remark names
+LISTED_LINES = 4  # lines that a remark names
 SAME = 2.0  # spacings that a line may lie apart in two records
 NOISELESS = {"rate_ramp"}  # terms that scatter nothing
 
@@ -320,9 +320,9 @@ def spectral(plan: Plan, rates: Array, interval: float, curve: Allan, axis: str)
         found = sorted(lines.found, key=lambda line: -line.ratio)
         named = [
             f"{line.name}{'' if line.kind == 'line' else ' (broad)'}, {number(line.ratio, 3)} times the noise around it"
-            for line in found[:LISTED]
+            for line in found[:LISTED_LINES]
         ]
-        more = f"; {len(found) - LISTED} more" if len(found) > LISTED else ""
+        more = f"; {len(found) - LISTED_LINES} more" if len(found) > LISTED_LINES else ""
         what = f"{axis}: lines in the spectrum ({len(found)}): {'; '.join(named)}{more}"
         do = "Find the source: mains, fans, resonances; the fit includes lines, but not broad peaks"
         remarks.append(Remark("lines", "warning", what, do=do, axis=axis))
