@@ -53,6 +53,6 @@ def test_without_a_rate_table_after_a_thermal_test_there_is_none() -> None:
 
 def test_the_bias_is_told_to_be_what_is_left() -> None:
     assert [note(row("table", name, "x")) for name in ("bias", "scale_factor")] == [
-        "remaining after the rate table",
+        "residual, on the rate table",
         "",
     ]

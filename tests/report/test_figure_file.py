@@ -39,7 +39,7 @@ def test_other_endings_are_refused_with_those_there_are(name: str) -> None:
 def test_an_input_is_never_replaced(tmp_path: Path) -> None:
     data = tmp_path / "data.png"
     data.write_bytes(b"recorded")
-    with pytest.raises(DataError, match="would replace its own input"):
+    with pytest.raises(DataError, match="overwrite the input"):
         write_figure(data, [picture()], [data])
     assert data.read_bytes() == b"recorded"
     with pytest.raises(StoreError, match="there is no folder"):

@@ -20,7 +20,7 @@ from .sentence import R
 FIRST = "bias_voltage"  # in volts, volts per volt, ...: of the thermal test
 AFTER = ("bias", "scale_factor", "scale_factor_error", "misalignment")  # of the rate table
 OTHERS = ("vacuum_offset", "residual_bias", "angle_random_walk")
-NOTE = {"bias": "remaining after the rate table"}
+NOTE = {"bias": "residual, on the rate table"}
 
 
 def output_rows(rows: Sequence[R], steps: Sequence[Mapping[str, Any]]) -> list[R]:
