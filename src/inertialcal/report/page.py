@@ -98,7 +98,7 @@ def _content(
         "reaches": record_length.reaches(numbers.wrap(results["curves"], "curves:"), lists["results"]),
         "budgets": _named(sections.grouped(lists["budgets"], "test"), "budget"),
         "totals": sections.budgeted(lists["results"]),
-        "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "axis"), "verdicts"),
+        "judged": _named(sections.grouped(lists["verdicts"], "requirement", "test", "sensor", "axis"), "verdicts"),
         "lists": lists,
         "pictures": _pictures(results),
         "find": findings,

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
-    "requirement", "test", "axis", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower", "upper",
+    "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower", "upper",
     "margin", "verdict", "reason",
 )  # fmt: skip
 Progress = Callable[[int, int, str], None]

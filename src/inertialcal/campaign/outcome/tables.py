@@ -64,7 +64,8 @@ def _requirements(verdicts: Sequence[Mapping[str, Any]]) -> tuple[Block, ...]:
     """How many places of each requirement passed, failed and were left open, by test and axis."""
     groups: dict[tuple[str, ...], list[str]] = {}
     for one in verdicts:
-        groups.setdefault((one["requirement"], one["test"], one["axis"]), []).append(one["verdict"])
+        axis = f"{one['sensor']} {one['axis']}".strip()
+        groups.setdefault((one["requirement"], one["test"], axis), []).append(one["verdict"])
     rows = [(*key, *(str(found.count(word)) for word in VERDICTS)) for key, found in groups.items()]
     heads = ("requirement", "test", "axis", *VERDICTS)
     return (Table(heads, rows, "requirements: places judged", (3, 4, 5, 6)),) if rows else ()

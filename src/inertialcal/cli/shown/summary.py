@@ -89,7 +89,8 @@ def verdicts_text(results: Mapping[str, Any]) -> str:
     lines = []
     groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
     for verdict in results["verdicts"]:
-        groups.setdefault((verdict["requirement"], verdict["test"], verdict["axis"]), []).append(verdict)
+        axis = f"{verdict['sensor']} {verdict['axis']}".strip()
+        groups.setdefault((verdict["requirement"], verdict["test"], axis), []).append(verdict)
     for (requirement, test, axis), verdicts in groups.items():
         lines.append([f"  {requirement}", test, axis, *_counts(verdicts)])
     return table(lines, ["  requirement", "test", "axis", "verdict", "where"])
