@@ -12,8 +12,6 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.estimate import Array
-from ..time.samples import Indices
 from .block_statistics import Blocks
 from .noise_scale import BLOCK
 from .segments import detect
@@ -35,26 +33,22 @@ class GainChange:
 
 def gain_changes(blocks: Blocks) -> tuple[GainChange, ...]:
     """Return the changes of gain in a record, channel by channel, in order of time."""
-    rows = np.flatnonzero(blocks.full)
+    full = np.flatnonzero(blocks.full)
     found = []
     for channel in range(blocks.mean.shape[1]):
-        level, spread = np.abs(blocks.mean[rows, channel]), np.sqrt(blocks.variance[rows, channel])
+        level, spread = np.abs(blocks.mean[full, channel]), np.sqrt(blocks.variance[full, channel])
         judged = (level > spread) & (spread > 0.0)
-        if np.count_nonzero(judged) >= 2 * BLOCK:
-            logs = np.log(np.column_stack([level, spread])[judged])
-            found += _shifts(blocks, rows[judged], logs, channel)
+        if np.count_nonzero(judged) < 2 * BLOCK:
+            continue
+        rows = full[judged]
+        seg = detect(np.log(np.column_stack([level, spread])[judged]), blocks.time_ns[rows], blocks.length)
+        still = np.flatnonzero(seg.still)
+        shift = np.diff(seg.level[still], axis=0)
+        last, first = blocks.at[rows[seg.stop[still[:-1]] - 1]], blocks.at[rows[seg.start[still[1:]]]]
+        size = np.sort(np.abs(shift), axis=1)
+        both = (size[:, 0] > np.log(LEAST)) & (size[:, 0] > ALIKE * size[:, 1]) & (shift[:, 0] * shift[:, 1] > 0.0)
+        found += [
+            GainChange(channel, blocks.start_ns + int(last[i] + 1) * blocks.length_ns, *np.exp(shift[i]).tolist())
+            for i in np.flatnonzero(both & (first - last <= APART))
+        ]
     return tuple(found)
-
-
-def _shifts(blocks: Blocks, rows: Indices, logs: Array, channel: int) -> list[GainChange]:
-    """Shifts of both logarithms together, between neighbouring still stretches."""
-    seg = detect(logs, blocks.time_ns[rows], blocks.length)
-    still = np.flatnonzero(seg.still)
-    shift = np.diff(seg.level[still], axis=0)
-    last, first = blocks.at[rows[seg.stop[still[:-1]] - 1]], blocks.at[rows[seg.start[still[1:]]]]
-    size = np.sort(np.abs(shift), axis=1)
-    both = (size[:, 0] > np.log(LEAST)) & (size[:, 0] > ALIKE * size[:, 1]) & (shift[:, 0] * shift[:, 1] > 0.0)
-    return [
-        GainChange(channel, blocks.start_ns + int(last[i] + 1) * blocks.length_ns, *np.exp(shift[i]).tolist())
-        for i in np.flatnonzero(both & (first - last <= APART))
-    ]

@@ -32,7 +32,9 @@ class LevelScatter:
         ndarray, shape (channels,)
         """
         rows = np.flatnonzero(self.quiet)
-        total = np.vstack([np.zeros(self.blocks.mean.shape[1]), np.cumsum(self._centred()[rows], axis=0)])
+        mean = self.blocks.mean[rows]
+        mean = mean - np.median(mean, axis=0) if len(rows) else mean
+        total = np.vstack([np.zeros(mean.shape[1]), np.cumsum(mean, axis=0)])
         at = self.blocks.at[rows]
         while w >= 1:
             span = 2 * w + gap
@@ -45,10 +47,6 @@ class LevelScatter:
                 return np.where(scatter > 0.0, scatter, np.inf)
             w //= 2
         return np.full(self.blocks.mean.shape[1], np.inf)
-
-    def _centred(self) -> Array:
-        mean = self.blocks.mean
-        return np.asarray(mean - np.median(mean[self.quiet], axis=0)) if self.quiet.any() else mean
 
 
 def quiet_level(blocks: Blocks, quiet: Flags, at: int, way: int, w: int, walls: Flags) -> tuple[Array, int]:

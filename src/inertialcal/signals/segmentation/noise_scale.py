@@ -57,25 +57,19 @@ def noise_scale(y: Array, stated: tuple[float, ...] | None = None) -> Noise:
     """
     if stated is not None and len(stated) != y.shape[1]:
         raise PlanError(f"{len(stated)} value(s) of noise stated for {y.shape[1]} channel(s)")
-    columns = [_channel_noise(y[:, k]) if stated is None else _stated(y[:, k], stated[k]) for k in range(y.shape[1])]
-    scale, dof, step, live = (np.array(values) for values in zip(*columns, strict=True))
-    return Noise(scale, dof, step, live, stated is not None)
-
-
-def _channel_noise(y: Array) -> tuple[float, float, float, bool]:
-    variance, different, step = _blocks(y)
-    alive = different >= LIVE
-    variance = variance[alive]
-    if len(variance) < max(2.0, LIVE_BLOCKS * len(alive)):
-        return 0.5 * step, float((BLOCK - 1) * len(alive)), step, False
-    pooled, kept = _pool_quiet(variance)
-    scale = float(np.sqrt(pooled))
-    return max(scale, 0.5 * step), float(kept * (BLOCK - 1)), step, scale >= 0.5 * step
-
-
-def _stated(y: Array, scale: float) -> tuple[float, float, float, bool]:
-    step = _blocks(y)[2]
-    return max(scale, 0.5 * step), KNOWN, step, scale >= 0.5 * step
+    scale, step = np.empty((2, y.shape[1]))
+    dof, live = np.full(y.shape[1], KNOWN), np.ones(y.shape[1], dtype=bool)
+    for k in range(y.shape[1]):
+        variance, different, step[k] = _blocks(y[:, k])
+        alive = different >= LIVE
+        if stated is not None:
+            scale[k] = stated[k]
+        elif np.count_nonzero(alive) < max(2.0, LIVE_BLOCKS * len(alive)):
+            scale[k], dof[k], live[k] = 0.0, (BLOCK - 1) * len(alive), False
+        else:
+            pooled, kept = _pool_quiet(variance[alive])
+            scale[k], dof[k] = np.sqrt(pooled), kept * (BLOCK - 1)
+    return Noise(np.maximum(scale, 0.5 * step), dof, step, live & (scale >= 0.5 * step), stated is not None)
 
 
 def _blocks(y: Array) -> tuple[Array, NDArray[np.int64], float]:

@@ -91,37 +91,15 @@ def still_stretches(x: Array, ticks: Array, plan: Detection) -> Found:
     """
     y = np.asfortranarray(x - np.median(x.T[:, :: max(1, len(x) // 10_000)], axis=1))
     noise = noise_scale(y, plan.noise)
-    outlier = _set_outliers_aside(y, noise, plan)
-    start, stop, widening = _judged(y, noise, plan, _walls(ticks, plan))
-    return Found(start, stop, outlier & covered(start, stop, len(y)), noise, widening)
-
-
-def _tails(y: Array, plan: Detection) -> tuple[float, float]:
-    """Two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk."""
-    shared = 0.5 * plan.false_alarm / y.size
-    return shared / (2.0 * (len(plan.scales) + 1)), shared
-
-
-def _set_outliers_aside(y: Array, noise: Noise, plan: Detection) -> Flags:
-    """Put the mean of the neighbours in place of single outliers in ``y``; tell which."""
-    tail, _ = _tails(y, plan)
-    quantile = float(t_upper(tail, noise.dof).max())
-    outlier = single_outliers(y, noise, quantile, plan.shortest)
+    # two-sided tail of one comparison of levels, and tail of one variance; each kind has half the risk
+    variance_tail = 0.5 * plan.false_alarm / y.size
+    quantile = t_upper(variance_tail / (2.0 * (len(plan.scales) + 1)), noise.dof)
+    outlier = single_outliers(y, noise, float(quantile.max()), plan.shortest)
     at = np.flatnonzero(outlier)
     y[at] = 0.5 * (y[at - 1] + y[at + 1])
-    return outlier
-
-
-def _walls(ticks: Array, plan: Detection) -> Indices:
-    """First good sample after each long gap, with 0 and n."""
-    gaps = np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1
-    return np.concatenate(([0], gaps, [len(ticks)]))
-
-
-def _judged(y: Array, noise: Noise, plan: Detection, walls: Indices) -> tuple[Indices, Indices, Array]:
-    """Good samples [start, stop) of each still stretch, and the widening at the widest window."""
-    tail, variance_tail = _tails(y, plan)
-    total, quantile = running_sum(y), t_upper(tail, noise.dof)
+    # first good sample after each long gap, with 0 and n
+    walls = np.concatenate(([0], np.flatnonzero(np.diff(ticks) > plan.longest_gap) + 1, [len(ticks)]))
+    total = running_sum(y)
     start, stop, widening = _level_pieces(y, total, noise, plan, quantile, walls)
     start, stop = _long(*settled_ends(y, total, noise, start, stop, walls), plan.shortest)
     quantile = quantile * np.maximum(widening, 1.0)
@@ -132,7 +110,7 @@ def _judged(y: Array, noise: Noise, plan: Detection, walls: Indices) -> tuple[In
     start, stop = start[~slope], stop[~slope]
     noisy = loud(y, noise, plan.shortest, variance_tail, start, stop)
     start, stop = _long(*stretches(start, stop, ~noisy), plan.shortest)
-    return start, stop, widening
+    return Found(start, stop, outlier & covered(start, stop, len(y)), noise, widening)
 
 
 def _level_pieces(
@@ -140,7 +118,10 @@ def _level_pieces(
 ) -> tuple[Indices, Indices, Array]:
     """Pieces between changes of level, long enough to be still; wide windows skip what is cut to shreds."""
     first, widening = level_changes(total, noise, plan.scales[:1], quantile, walls)
-    kept, first = _without_short_pieces(first, plan.shortest)
+    size = np.diff(first)
+    enough = size >= plan.shortest
+    kept = np.flatnonzero(np.repeat(enough, size))
+    first = np.concatenate(([0], np.cumsum(size[enough])))  # the cuts, counted in the samples kept
     if not len(kept):
         return kept, kept, widening
     rest = total if len(kept) == len(y) else running_sum(y.T[:, kept].T)
@@ -148,14 +129,6 @@ def _level_pieces(
         first, widening = level_changes(rest, noise, plan.scales[1:], quantile, first)
     start, stop = _long(kept[first[:-1]], kept[first[1:] - 1] + 1, plan.shortest)
     return start, stop, widening
-
-
-def _without_short_pieces(cuts: Indices, shortest: int) -> tuple[Indices, Indices]:
-    """Find the samples of the pieces that can be still, and the cuts between those, counted in these samples."""
-    size = np.diff(cuts)
-    enough = size >= shortest
-    kept = np.flatnonzero(np.repeat(enough, size))
-    return kept, np.concatenate(([0], np.cumsum(size[enough])))
 
 
 def _long(start: Indices, stop: Indices, shortest: int) -> tuple[Indices, Indices]:
