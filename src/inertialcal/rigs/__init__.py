@@ -1,4 +1,4 @@
-"""Test rigs whose truth is known: name -> `Rig`, loaded when it is asked for.
+"""Simulated test rigs: name -> `Rig`, loaded on demand.
 
 A built-in rig is a folder with ``rig.py``, which holds one ``RIG``, and a name in `BUILT_IN`; its ``__init__.py`` holds
 the ``TITLE``, for lists. Installed packages add theirs by the entry point ``inertialcal.rigs``.

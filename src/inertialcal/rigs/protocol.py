@@ -1,7 +1,7 @@
-"""Rig and twin: a test bench that is simulated, and a campaign made on it, with the truth that its engineer ignores.
+"""Rig and twin: a simulated test bench, and a campaign made on it with the truth that its engineer does not know.
 
-A twin follows from its seed. The campaign file is the same for all seeds, but for two marks that are filled in when it
-is written: `SEED`, and `SEAL` for the SHA-256 of the truth, by which results made from that file can be recognised.
+A twin follows from its seed. Two marks in the campaign file are replaced when it is written: `SEED`, and `SEAL` by the
+SHA-256 of the truth, which identifies the results made from that file.
 
 A rig of your own is one object, named by an entry point of your package::
 
@@ -77,7 +77,7 @@ class Fault:
 
 @dataclass(frozen=True, eq=False)
 class Extra:
-    """A file beside the recordings, such as a schedule or a protocol.
+    """A file that is not a recording, such as a schedule or a protocol.
 
     Parameters
     ----------
@@ -102,17 +102,17 @@ class Twin:
     recordings : mapping of str to Recording
         By the file that the campaign names; channels named by their columns, stamps as the logger writes them.
     truth : tuple of TrueValue
-        What the results are measured by.
+        The values that results are scored against.
     drawn : mapping
-        Errors of the standards, and how the bench really stood, SI: what nobody told the reduction.
+        True errors of the standards and of the bench, SI; unknown to the reduction.
     extras : mapping of str to Extra
-        What else the campaign names, by file.
+        Other files that the campaign names.
     rig : str
         Name of the rig; filled in by it, as are the others below.
     seed : int
         Everything else follows from it.
     fault : str
-        Name of the mistake in it; empty where there is none.
+        Name of the mistake in it; empty for none.
     """
 
     campaign: str
@@ -138,9 +138,9 @@ class Rig:
     make : callable
         Seed of all draws, and settings of the bench that differ -> `Twin`.
     faults : mapping of str to Fault
-        Mistakes that it can put into a campaign, by name.
+        Mistakes that it can simulate, by name.
     demonstration_seed : int
-        Seed that it is demonstrated with.
+        Seed of its demonstration.
     """
 
     name: str
@@ -150,7 +150,7 @@ class Rig:
     demonstration_seed: int = DEMONSTRATION_SEED
 
     def twin(self, seed: int, fault: str = "") -> Twin:
-        """Return the campaign of a seed, with one mistake in it if asked.
+        """Return the campaign of a seed, with one mistake in it where a fault is named.
 
         Parameters
         ----------
@@ -171,13 +171,13 @@ class Rig:
 
 
 def on_bench(build: Callable[[Bench, int], Twin], bench: Bench) -> Callable[[int, Changes], Twin]:
-    """Return what makes the twins of a rig whose settings are a frozen dataclass.
+    """Return the function that makes the twins of a rig whose settings are a frozen dataclass.
 
     Parameters
     ----------
     build : callable
         Bench and seed -> twin.
     bench : dataclass
-        As it is without a mistake.
+        The bench without a mistake.
     """
     return lambda seed, changes: build(replace(bench, **changes), seed)

@@ -1,3 +1,3 @@
 """An IMU laid down and turned by hand."""
 
-TITLE = "an IMU laid by hand into many positions, without a turntable"
+TITLE = "an IMU placed by hand in many positions, without a turntable"

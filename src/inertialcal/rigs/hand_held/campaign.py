@@ -9,8 +9,8 @@ from .setup import Bench
 
 TITLES = {"hand_held": "Positions of a simulated IMU", "six_faces": "Six faces and three turns of a simulated IMU"}
 ABOUT = {
-    "hand_held": "an IMU laid by hand into many positions",
-    "six_faces": "an IMU laid by hand on its six faces, and turned about its axes",
+    "hand_held": "an IMU placed by hand in many positions",
+    "six_faces": "an IMU placed by hand on its six faces, and turned about its axes",
 }
 REQUIRED = {
     "hand_held": {

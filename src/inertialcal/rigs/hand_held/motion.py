@@ -126,7 +126,7 @@ def turn_between(up: Array, then: Array, spin: float) -> Array:
     up, then : ndarray, shape (3,)
         Up in the body, before and after.
     spin : float
-        Turn about the vertical besides, before the other [rad].
+        Turn about the vertical before the tilt [rad].
     """
     cross, cosine = np.cross(up, then), float(up @ then)
     side = cross if np.linalg.norm(cross) > 1e-9 else np.cross(up, np.eye(3)[np.argmin(np.abs(up))])

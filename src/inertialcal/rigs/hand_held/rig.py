@@ -35,15 +35,15 @@ CHANNELS = tuple(f"{sensor}_{axis}" for sensor, axis in SENSOR_AXES)
 
 
 FAULTS: dict[str, Fault] = {
-    "few_positions": Fault("three positions are too few", "too_few_positions", {"positions": 3}),
+    "few_positions": Fault("three positions only", "too_few_positions", {"positions": 3}),
     "one_plane": Fault("the z axis was level in all positions", "one_plane", {"flat": True, "spread": 0.0}),
     "knocked": Fault("the table was knocked in one position", "disturbed_position", {"knocked": True}),
-    "acc_in_g": Fault("the accelerometers read in g, and m/s2 is said", "unit_slip", {"said": {"acc": "g"}}),
-    "gyro_in_deg": Fault("the gyros read in deg/s, and rad/s is said", "unit_slip", {"said": {"gyro": "deg/s"}}),
-    "swapped_axes": Fault("gyros x and y have changed places", "axes_disagree", {"wiring": ("y", "x", "z")}),
+    "acc_in_g": Fault("accelerometers recorded in g, stated as m/s2", "unit_slip", {"said": {"acc": "g"}}),
+    "gyro_in_deg": Fault("gyros recorded in deg/s, stated as rad/s", "unit_slip", {"said": {"gyro": "deg/s"}}),
+    "swapped_axes": Fault("gyros x and y are exchanged", "axes_disagree", {"wiring": ("y", "x", "z")}),
     "inverted_axis": Fault("the z gyro has the wrong sign", "axes_disagree", {"sign": (1, 1, -1)}),
-    "compressed_time": Fault("the stamps run half as fast", "sample_rate_suspect", {"pace": 0.5}),
-    "identical": Fault("one record is handed over as two", "duplicate_recording", {"copies": 2}),
+    "compressed_time": Fault("time stamps run at half speed", "sample_rate_suspect", {"pace": 0.5}),
+    "identical": Fault("one recording is given twice", "duplicate_recording", {"copies": 2}),
 }
 
 

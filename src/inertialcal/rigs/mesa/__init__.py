@@ -1,3 +1,3 @@
 """An accelerometer calibrated by a moved mass."""
 
-TITLE = "a pulse-rate accelerometer before a moved mass of lead"
+TITLE = "a pulse-rate accelerometer and a moved mass of lead"

@@ -1,4 +1,4 @@
-"""What the accelerometer of the mesa rig counts in the dwells of a run, and what the tilt meter says beside it.
+"""Pulses that the accelerometer of the mesa rig counts in the dwells of a run, and readings of its tilt meter.
 
 Readings are whole pulses of a gate, the phase of the pulses running on through the moves::
 
@@ -38,7 +38,7 @@ TABLE_3 = (
 
 @dataclass(frozen=True)
 class Drawn:
-    """What nobody told the reduction."""
+    """True values, unknown to the reduction."""
 
     scale_factor: float  # of the accelerometer [pulses/s/(m/s^2)]
     applied_error: float  # relative error of the applied input of the schedule (1)

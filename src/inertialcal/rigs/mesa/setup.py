@@ -87,11 +87,13 @@ class Bench:
 
 
 FAULTS: dict[str, Fault] = {
-    "slipped": Fault("one move is missed: the mass comes a dwell late", "schedule_slip", {"slipped": ("run2", 40)}),
+    "slipped": Fault("one move is missed: the mass is a dwell late", "schedule_slip", {"slipped": ("run2", 40)}),
     "not_whole_cycles": Fault("the runs end within a cycle", "not_whole_cycles", {"dwells": 98}),
-    "no_tilt": Fault("the tilt meter of a run was not recorded", "missing_tilt", {"no_tilt": "run3"}),
+    "no_tilt": Fault("the tilt of one run is missing", "missing_tilt", {"no_tilt": "run3"}),
     "cut_off": Fault("a record ends before its schedule does", "length_differs", {"cut": ("run4", 60)}),
-    "wrong_gate": Fault("pulses were counted for 100 s, not 10 s", "gate_disagrees", {"gate_said": 10.0}),
+    "wrong_gate": Fault(
+        "pulses were counted for 100 s, but the campaign states 10 s", "gate_disagrees", {"gate_said": 10.0}
+    ),
     "wooden": Fault("the cubes are of wood", "below_floor", {"lighter": 0.05}),
     "overlap": Fault("the mass stands where the instrument is", "overlap", {"stand_off_said": -0.02}),
 }

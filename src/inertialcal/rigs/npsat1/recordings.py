@@ -31,7 +31,7 @@ from .setup import (
 from .unit import AIR_TORR, Climate, Unit, followed, knots, noise, powered_up, readings, reference_volts, side_of_path
 
 DIGITS = 6  # of the commanded rate [deg/s]
-WARMER_DEGC = (0.3, 0.0, -0.2)  # the three sensors beside each other
+WARMER_DEGC = (0.3, 0.0, -0.2)  # of the three sensors, relative to the unit
 SLOWER = (1.0, 1.05, 0.95)  # their time constants, over that of the unit
 FIRST_DAY = {AIR: 0, VACUUM: 10, "table": 20, "static": 30}
 GAUGE_STEPS = 60
@@ -45,7 +45,7 @@ STARTED = 0.6  # [s] after power-up; Table 14: less than 1 s
 def chamber_recording(
     bench: Bench, unit: Unit, world: World, condition: str, number: int, rng: np.random.Generator
 ) -> Recording:
-    """Return a run of the thermal chamber, its pressure [Torr] beside it."""
+    """Return a run of the thermal chamber, with its pressure [Torr]."""
     chamber = bench.chambers[condition]
     times, points = knots(bench, chamber, bench.ramps[(number - 1) % len(bench.ramps)])
     starts = save_starts(bench, float(times[-1]), rng)
@@ -117,7 +117,7 @@ def _turning(bench: Bench, rng: np.random.Generator) -> tuple[Motion, Array]:
 
 
 def _laboratory(bench: Bench, starts: Array, rng: np.random.Generator) -> Climate:
-    """Return the conditions beside the chamber: one temperature, but for a small wave."""
+    """Return the conditions in the laboratory: one temperature with a small wave."""
     wave = WANDER_DEGC * np.sin(2.0 * np.pi * (starts / WANDER_PERIOD + rng.random()))
     return _constant(rng.normal(bench.lab_degc, bench.u_lab_degc) + wave)
 
@@ -195,10 +195,10 @@ def _codes(bench: Bench, unit: Unit, world: World, sensed: Sensed, rng: np.rando
     along_sensors = sensed.readings * np.array(bench.inverted)
     rate, reference = averaged_codes(known, gain * along_sensors, references[0], AVERAGED)
     fine = replace(known, step=STEP / AVERAGED, codes=(CODES[0] * AVERAGED, CODES[1] * AVERAGED))
-    beside = np.clip(np.rint(references[1] / fine.step), CODES[0] * AVERAGED, CODES[1] * AVERAGED)
+    reference_codes = np.clip(np.rint(references[1] / fine.step), CODES[0] * AVERAGED, CODES[1] * AVERAGED)
     volts = gain * channel.volts(sensed.temperature + world.thermometer)
     volts += rng.normal(0.0, unit.temperature_std, volts.shape)
-    warm = to_temperature_counts(fine, channel.degrees(volts), reference=beside)
+    warm = to_temperature_counts(fine, channel.degrees(volts), reference=reference_codes)
     on = np.clip(sensed.powered + sensed.starts + AVERAGING - STARTED, 0.0, AVERAGING) / AVERAGING
     tested = np.rint(TESTED_VOLTS / STEP * on * AVERAGED) / AVERAGED
     return {
@@ -206,7 +206,7 @@ def _codes(bench: Bench, unit: Unit, world: World, sensed: Sensed, rng: np.rando
         "temp": warm / AVERAGED,
         "bit": np.repeat(tested[:, None], 3, axis=1),
         "ref": reference,
-        "temp_ref": beside / AVERAGED,
+        "temp_ref": reference_codes / AVERAGED,
     }
 
 

@@ -38,15 +38,15 @@ FAULTS: dict[str, Fault] = {
         "the chamber was never switched on", "no_temperature_change", {"set_points": (23.0, 23.0, 23.0, 23.0)}
     ),
     "missing_reference": Fault(
-        "the reference voltages of the rates were not saved", "missing_reference", {"reference_saved": False}
+        "the reference voltages of the rates are missing", "missing_reference", {"reference_saved": False}
     ),
     "swapped_axes": Fault("the connectors x and y are exchanged", "axes_mixed", {"wiring": ("y", "x", "z")}),
-    "inverted_sign": Fault("the z sensor is not mounted inverted, as is said", "inverted", {"inverted": (-1, 1, 1)}),
-    "overlapping_windows": Fault(
-        "the windows of a fit and of a hold-out test have hours in common", "overlap", {"overlapping": True}
+    "inverted_sign": Fault(
+        "the z sensor is not mounted inverted, though the campaign says so", "inverted", {"inverted": (-1, 1, 1)}
     ),
+    "overlapping_windows": Fault("the windows of a fit and a hold-out test overlap", "overlap", {"overlapping": True}),
     "saturated_end": Fault(
-        "the temperature channels reach the end of the converter before the ramp is at its cold end",
+        "the temperature channels saturate before the cold end of the ramp",
         "rail",
         {"nominal_shift": -0.9},
     ),
@@ -55,7 +55,7 @@ FAULTS: dict[str, Fault] = {
     ),
     "only_cooling": Fault("the chamber only cooled", "one_path", {"set_points": (67.0, -30.0)}),
     "wide_requirement": Fault(
-        "the bias is required over more than the ramps went through", "outside", {"required_degc": (-40.0, 85.0)}
+        "the bias requirement goes beyond the temperatures of the ramps", "outside", {"required_degc": (-40.0, 85.0)}
     ),
     "no_zero_reference": Fault(
         "the rate table was never still",

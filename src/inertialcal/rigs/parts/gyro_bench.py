@@ -214,14 +214,14 @@ def averaged_codes(chain: Chain, values: Array, reference: Array, averaged: int)
     values : ndarray, shape (n, k)
         Along the sensor axes [input unit].
     reference : ndarray, shape (n, k)
-        Voltage beside each signal [V].
+        Reference voltage of each signal [V].
     averaged : int
         Conversions that a saved code is the mean of.
     """
     lo, hi = chain.codes or (0, 0)
     fine = replace(chain, step=chain.step / averaged, codes=(lo * averaged, hi * averaged))
-    beside = np.clip(np.rint(reference / fine.step), lo * averaged, hi * averaged)
-    return to_counts(fine, values, reference=beside) / averaged, beside / averaged
+    reference_codes = np.clip(np.rint(reference / fine.step), lo * averaged, hi * averaged)
+    return to_counts(fine, values, reference=reference_codes) / averaged, reference_codes / averaged
 
 
 @dataclass(frozen=True, eq=False)

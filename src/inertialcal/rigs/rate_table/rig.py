@@ -47,19 +47,19 @@ RUN, SET_UP = 86_400, 7_200  # from run to run, and from axis to axis [s]
 DIGITS = 6  # of the commanded rate [deg/s]
 REFERENCE_WALK = 5e-5  # of a reference voltage [V/sqrt(s)]
 FAULTS: dict[str, Fault] = {
-    "swapped_axis": Fault("the columns x and y hold each other's sensor", "axes_mixed", {"wiring": ("y", "x", "z")}),
-    "wrong_sign": Fault("the z sensor is not mounted inverted, as is said", "inverted", {"inverted": (-1, 1, 1)}),
+    "swapped_axis": Fault("columns x and y are exchanged", "axes_mixed", {"wiring": ("y", "x", "z")}),
+    "wrong_sign": Fault(
+        "the z sensor is not mounted inverted, though the campaign says so", "inverted", {"inverted": (-1, 1, 1)}
+    ),
     "saturated_step": Fault(
-        "the highest rate lies beyond the converter",
+        "the highest rate saturates the converter",
         "rail",
         {"rates_deg_s": (0.0, 0.5, -0.5, 1.5, -1.5, 0.0, 3.0, -3.0, 6.0, -4.5, 0.0)},
     ),
-    "missing_reference": Fault(
-        "the reference voltages were not saved", "missing_reference", {"reference_saved": False}
-    ),
+    "missing_reference": Fault("the reference voltages are missing", "missing_reference", {"reference_saved": False}),
     "bit_low": Fault("the built-in test is low throughout", "never_valid", {"built_in_test": 0.4}),
     "only_positive": Fault(
-        "the table turned one way only",
+        "the table turned in one direction only",
         "few_rates",
         {"rates_deg_s": (0.0, 0.5, 1.0, 1.5, 2.0, 0.0, 3.0, 3.5, 4.0, 4.5, 0.0)},
     ),
@@ -69,7 +69,7 @@ FAULTS: dict[str, Fault] = {
         "never_still",
         {"rates_deg_s": (0.5, -0.5, 1.5, -1.5, 2.5, -2.5, 3.0, -3.0, 4.5, -4.5)},
     ),
-    "rate_off": Fault("the table turns 15 % slower than it says", "rate_disagrees", {"table_gain": 0.85}),
+    "rate_off": Fault("the table turns 15 % slower than commanded", "rate_disagrees", {"table_gain": 0.85}),
 }
 
 

@@ -31,7 +31,7 @@ Stated = tuple[float, float, float]  # start and stop [s], angle [deg]
 
 
 def windows(bench: Bench) -> tuple[Stated, ...]:
-    """Return the windows beside each turn with their positions, but for what is not recorded.
+    """Return the windows before and after each turn with their positions, without those that are not recorded.
 
     The window before a turn ends where the turn begins; that after it begins where it ends, with the settling to be
     left out. Between two turns that are too near for both there is one.
@@ -149,7 +149,7 @@ def _polynomial(coefficients: Array, unit: str) -> list[str]:
 
 
 def _entry(bench: Bench) -> Content:
-    """Return the entry of the recording, with the windows beside each turn."""
+    """Return the entry of the recording, with the windows before and after each turn."""
     warm = "count" if bench.saved == "count" else "degC"
     channels = channel_entries({axis: axis for axis in AXES}, bench.said)
     channels |= channel_entries({f"temperature_{axis}": f"temperature_{axis}" for axis in AXES}, warm)

@@ -48,7 +48,7 @@ SLOWEST = 2e-6  # slope at which hysteresis is seen [degC/s]
 
 @dataclass(frozen=True, eq=False)
 class Errors:
-    """What the standards are off, and nobody knows; zero where a standard is not given."""
+    """True errors of the standards; zero where a standard is not given."""
 
     angle: float  # error of every position except 0 [rad]
     axis: Array  # error of the turn axis towards the other two, (2,) [rad]

@@ -1,3 +1,3 @@
 """An IMU on its six faces."""
 
-TITLE = "an IMU laid on its six faces and turned about its axes, without a turntable"
+TITLE = "an IMU placed on its six faces and turned about its axes, without a turntable"

@@ -19,8 +19,8 @@ SHARED = ("acc_in_g", "gyro_in_deg", "swapped_axes", "inverted_axis", "compresse
 FAULTS: dict[str, Fault] = {
     "knocked": Fault("the table was knocked on one face", "disturbed_position", {"knocked": True}),
     "face_missing": Fault("the unit was never laid with y down", "face_missing", {"left_out": "y-"}),
-    "face_misnamed": Fault("two faces are written down for one another", "position_misnamed", {"misnamed": True}),
-    "wrong_sense": Fault("turns are written down in the other sense", "turn_sense", {"sense": -1}),
+    "face_misnamed": Fault("the protocol swaps two faces", "position_misnamed", {"misnamed": True}),
+    "wrong_sense": Fault("the protocol has the wrong sense of the turns", "turn_sense", {"sense": -1}),
     **{name: BY_HAND[name] for name in SHARED},
 }
 

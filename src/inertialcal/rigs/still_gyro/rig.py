@@ -39,11 +39,11 @@ STEP = 1e-5  # of what is saved [deg/s]
 KNOCK = 0.05  # amplitude of a disturbance [rad/s]
 WARMING = 2_000.0  # time constant of a warm-up [s]
 FAULTS: dict[str, Fault] = {
-    "knocked": Fault("somebody knocks against the bench", "disturbed", {"knocked": True}),
-    "warming": Fault("the unit still warms up", "warm_up", {"warming": 3e-4}),
-    "humming": Fault("a fan turns beside the bench", "lines", {"humming": 5e-5}),
-    "stuck": Fault("the channel of y hangs", "constant", {"stuck": "y"}),
-    "too_short": Fault("40 s are no record of noise", "too_short", {"samples": 20, "skipped": 0.0}),
+    "knocked": Fault("the bench is knocked", "disturbed", {"knocked": True}),
+    "warming": Fault("the unit is still warming up", "warm_up", {"warming": 3e-4}),
+    "humming": Fault("a fan runs next to the bench", "lines", {"humming": 5e-5}),
+    "stuck": Fault("the y channel is stuck", "constant", {"stuck": "y"}),
+    "too_short": Fault("40 s is too short for a noise test", "too_short", {"samples": 20, "skipped": 0.0}),
 }
 SCALE = Influence(0.002, "1", certificate="data sheet of the unit")
 
@@ -141,7 +141,7 @@ class Bench:
     flicker: float = 3e-5
     skipped: float = 0.001  # fraction of averages that are not saved (1)
     scale_factor: Influence = SCALE  # uncertainty of the scale factor
-    knocked: bool = False  # whether somebody knocks against the bench
+    knocked: bool = False  # whether the bench is knocked
     warming: float = 0.0  # bias change during warm-up [rad/s]
     humming: float = 0.0  # amplitude of a spectral line in x [rad/s]
     stuck: str = ""  # axis with a stuck channel; empty for none
