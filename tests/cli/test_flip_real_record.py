@@ -27,7 +27,7 @@ def test_info_tells_the_traps_and_what_to_type_next(capsys: pytest.CaptureFixtur
     for words in (
         "placeholder digits",
         "end of the record",
-        "made as TimeZero + n/(142 Hz)",
+        "computed as TimeZero + n/(142 Hz)",
         "not those of the sensor",
     ):
         assert words in told

@@ -108,7 +108,7 @@ def test_wrong_words_are_told(
     ("change", "text"),
     [
         ("empty", "the file is empty"),
-        ("header", "holds a header and no row"),
+        ("header", "a header, but no rows"),
         ("one", "one.csv: 1 sample(s)"),
         ("no_value", "literal 'NaN' in required column 'acc_z'"),
         ("back", "back.csv: sample 300: time runs backwards"),
