@@ -1,4 +1,4 @@
-"""What a flip is told (Plan) and what it works on (Readings)."""
+"""Settings of a flip."""
 
 from __future__ import annotations
 
@@ -14,12 +14,12 @@ from ...core.settings import fact, setting
 Axis = Literal["x", "y", "z"]
 
 
-# Influences that a flip is subject to, and what each would change.
+# Influences on a flip, and what each would change.
 INFLUENCES = {
     "turn.angle": "bias and ambient acceleration by half the other turned axis' ambient acceleration, times the angle",
     "turn.axis": "all results: ambient acceleration along the turn enters, and the control axis feels the others",
     "converter.zero": "bias in full: an offset of the electronics turns with the head as the bias does",
-    "sensor.scale_factor": "bias and ambient acceleration in proportion; bias by what was taken off before, too",
+    "sensor.scale_factor": "bias and ambient acceleration in proportion, and the bias that was subtracted before",
 }
 
 
@@ -41,13 +41,13 @@ class Turned:
 class Plan:
     """How the head was turned and how the readings are to be reduced."""
 
-    axis: Axis = setting("Head axis about which it was turned; its own readings are the control.", "x")
+    axis: Axis = setting("Head axis of the turn; its own readings are the control.", "x")
     noise: Literal["slow", "pairs"] = setting(
-        "Where the uncertainty comes from: a model of the record's white and 1/f noise, or the scatter of equally long "
+        "Source of the uncertainty: a model of the record's white and 1/f noise, or the scatter of equally long "
         "and equally spaced quiet stretches elsewhere in the record.", "slow",
     )  # fmt: skip
     drift: Literal["none", "ambient", "bias", "temperature"] = setting(
-        "What changes between the dwells of a flip and is fitted, in three dwells or more: ambient acceleration or "
+        "Drift between the dwells of a flip, fitted to three dwells or more: ambient acceleration or "
         "bias in proportion to time, or bias in proportion to temperature.", "none",
     )  # fmt: skip
     block: float = setting(
@@ -59,27 +59,27 @@ class Plan:
         0.0, unit="s", example="20 s",
     )  # fmt: skip
     low_pass: float = setting(
-        "Cut-off of the low-pass that stands beside the mean.", 0.01, unit="Hz", example="0.01 Hz"
+        "Cut-off of the low-pass that is listed next to the mean.", 0.01, unit="Hz", example="0.01 Hz"
     )
-    subset: float = setting("Length of the sub-means of the published way.", 6.0, unit="s", example="6 s")
-    subsets: int = setting("How many sub-means the published way takes.", 10, above=1, example="10")
+    subset: float = setting("Length of the sub-means of the textbook's accuracy.", 6.0, unit="s", example="6 s")
+    subsets: int = setting("Number of those sub-means.", 10, above=1, example="10")
     missing: float = setting(
-        "A window with a larger part of its samples missing, invalid or at the rail is not read.",
+        "A window is not read if a larger part of its samples is missing, invalid or at the rail.",
         0.1, above=0.0, example="0.1",
     )  # fmt: skip
     corrected: bool = setting(
-        "The bias of a model was taken off before: what is left of it is called model_bias_error.", False
+        "The bias of a ground model was subtracted before: the remaining bias is model_bias_error.", False
     )
     raw_bias: float = setting(
-        "Size of what was taken off before, on which the scale factor's uncertainty acts too; 0: what the ground model "
-        "predicts, where the readings come with it.", 0.0, unit="m/s^2", example="300 ug",
+        "Size of the bias that was subtracted before, on which the scale factor's uncertainty acts too; 0: the "
+        "prediction of the ground model, where the readings come with it.", 0.0, unit="m/s^2", example="300 ug",
     )  # fmt: skip
     largest_ambient: float = setting(
-        "Ambient acceleration beyond this is a mistake in units or positions, not orbit.",
+        "Limit of ambient acceleration: more is a mistake in units or positions, not orbit.",
         0.1 * STANDARD_GRAVITY.value, unit="m/s^2", example="0.1 g",
     )  # fmt: skip
     largest_bias: float = setting(
-        "Bias beyond this is a mistake in units or positions.",
+        "Limit of the bias: more is a mistake in units or positions.",
         0.1 * STANDARD_GRAVITY.value, unit="m/s^2", example="0.1 g",
     )  # fmt: skip
     standards: Standards = fact("Uncertainties of the standards.", "standards", dict[str, Influence])
