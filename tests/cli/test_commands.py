@@ -18,7 +18,7 @@ from typed_commands import call
 
 Write = Callable[..., Path]
 EXAMPLE = Path(__file__).resolve().parents[2] / "src/inertialcal/examples/npsat2011"
-ENVELOPE = {"command", "version", "inputs", "results", "curves", "remarks", "verdicts", "errors", "exit"}
+ENVELOPE = {"command", "version", "inputs", "results", "remarks", "verdicts", "errors", "exit"}
 
 
 def call_json(capsys: pytest.CaptureFixture[str], *words: str) -> dict[str, Any]:
@@ -172,7 +172,7 @@ def test_counts_go_through_the_chain(capsys: pytest.CaptureFixture[str], campaig
         (("rum", "x"), 2, "No such command"),
         (("info", "nothing.csv"), 3, "nothing.csv"),
         (("run", ".", "--nonsense"), 2, "--nonsense"),
-        (("info", "x", "--unit", "deg"), 2, "NAME=UNIT"),
+        (("info", "x", "--unit", "deg"), 2, "NAME=SOMETHING"),
         (("init", "nowhere"), 2, "No such folder"),
     ],
 )
