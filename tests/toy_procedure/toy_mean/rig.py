@@ -10,7 +10,7 @@ from inertialcal.core.recording import Channel, Recording
 from inertialcal.rigs.protocol import Rig, TrueValue, Twin, on_bench
 
 TEXT = """\
-schema = 1
+schema = 2
 [campaign]
 id = "toy-@SEED@"
 source = "simulated: @SEAL@"
