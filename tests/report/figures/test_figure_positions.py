@@ -29,17 +29,16 @@ def positions_curve(up: Any, residual_ug: Any, left_out: Any = ()) -> dict[str, 
     return {"name": "positions", "test": "acc", "axis": "", "columns": columns}
 
 
-def transitions_curve(error: Any, without: Any, held: Any) -> dict[str, Any]:
+def transitions_curve(error: Any, without: Any) -> dict[str, Any]:
     columns = {"rotation": column(range(1, len(error) + 1)), "left_out": column([False] * len(error))}
     columns |= {name: column(np.radians(one).tolist(), "rad") for name, one in
                 (("error", error), ("error_without", without))}  # fmt: skip
-    columns["held_out"] = column(held)
     return {"name": "transitions", "test": "gyro", "axis": "", "columns": columns}
 
 
 CURVES = (  # of all three figures
     positions_curve(FACES, [10.0, -20.0, 30.0, -40.0, 50.0, 20.0]),
-    transitions_curve([0.1, 0.1, 0.3], [0.5, 0.5, 0.6], [False, False, True]),
+    transitions_curve([0.1, 0.1, 0.3], [0.5, 0.5, 0.6]),
 )
 
 
@@ -72,17 +71,17 @@ def test_residuals_are_told_in_ug_and_a_position_left_out_is_none_of_them() -> N
     assert sphere.finding.startswith("6 positions, 1 left out; no direction is farther than 55 deg")
 
 
-def test_transitions_tell_the_rms_of_what_is_held_out() -> None:
-    curve = transitions_curve([0.1, 0.1, 0.3, 0.4], [0.5, 0.5, 0.6, 0.8], [False, False, True, True])
+def test_transitions_give_the_rms_with_and_without_g_sensitivity() -> None:
+    curve = transitions_curve([0.3, 0.4], [0.6, 0.8])
     (picture,) = transitions.pictures({"curves": [curve]})
-    assert picture.finding == ("2 rotations held out, rms error 0.35 deg, 0.71 deg if g-sensitivity is left out")
-    without = transitions_curve([0.3, 0.4], [np.nan, np.nan], [False, False])
+    assert picture.finding == "2 rotations, rms error 0.35 deg, 0.71 deg without g-sensitivity"
+    without = transitions_curve([0.3, 0.4], [np.nan, np.nan])
     assert transitions.pictures({"curves": [without]})[0].finding == "2 rotations, rms error 0.35 deg"
 
 
 def test_positions_and_rotations_are_counted_in_whole_numbers() -> None:
     twice = np.vstack([FACES, FACES])
-    results = {"curves": [positions_curve(twice, [10.0] * 12), transitions_curve([0.1] * 12, [0.3] * 12, [False] * 12)]}
+    results = {"curves": [positions_curve(twice, [10.0] * 12), transitions_curve([0.1] * 12, [0.3] * 12)]}
     for module in (positions_residuals, transitions):
         (ax,) = on_new_figure(module.pictures(results)[0], titled=False).axes
         places = ticks_of(ax.xaxis)[0]
@@ -94,7 +93,7 @@ def test_every_figure_is_drawn_and_none_without_data() -> None:
     results = {
         "curves": [
             positions_curve(FACES, [1e5] * 6),
-            transitions_curve([0.1, 0.2], [0.3, 0.4], [False, True]),
+            transitions_curve([0.1, 0.2], [0.3, 0.4]),
         ]
     }
     for module in (positions_sphere, positions_residuals, transitions):

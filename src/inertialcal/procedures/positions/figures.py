@@ -10,7 +10,7 @@ FIGURES = (
     FigureSpec(
         "positions_residuals",
         DRAWN + "positions_residuals",
-        "What each position leaves, with it in the fit and from the fit without it.",
+        "Residual of each position, with it in the fit and from a fit without it.",
         curves={"positions": "positions {axis} {of}"},
         order=600,
         top=80,
@@ -19,8 +19,8 @@ FIGURES = (
     FigureSpec(
         "positions_sphere",
         DRAWN + "positions_sphere",
-        "Where up was in each position, seen from the body, on the whole sphere of directions: equal areas, z at the"
-        " top, x in the middle; larger marks have larger residuals.",
+        "Direction of up in each position, in body axes, on an equal-area map: z at the top, x in the middle; larger"
+        " marks have larger residuals.",
         curves={"positions": "positions {axis} {of}"},
         order=610,
         rank=1,
@@ -28,7 +28,8 @@ FIGURES = (
     FigureSpec(
         "transitions",
         DRAWN + "transitions",
-        "Where the gyros carry gravity to in each rotation, against where the accelerometers then find it.",
+        "Angle between gravity carried by the gyros through each rotation and gravity found by the accelerometers after"
+        " it.",
         curves={"transitions": "transitions {axis} {of}"},
         order=620,
         top=70,

@@ -1,7 +1,6 @@
-"""Transitions: where the gyros carry gravity to in each rotation, against where the accelerometers then find it.
+"""Transitions: gravity as the gyros carry it through each rotation, against gravity as the accelerometers find it.
 
-Filled: with what the gyros read of specific force taken off; hollow: without. Rotations that were held out, or left
-out, have marks of their own.
+Filled: with what the gyros read of specific force taken off; hollow: without. Rotations left out have their own marks.
 """
 
 from __future__ import annotations
@@ -56,13 +55,9 @@ def finding(curve: Curve) -> str:
     """Return the finding: the error of all rotations, and what it would be without g-sensitivity."""
     used = ~flags(curve, "left_out")
     with_g, without = in_degrees(curve, "error")[used], in_degrees(curve, "error_without")[used]
-    held = flags(curve, "held_out")[used] if "held_out" in curve["columns"] else np.zeros(len(with_g), dtype=bool)
     said = f"{len(finite(with_g))} rotations, rms error {number(rms(with_g), 2)} deg"
-    if held.any():
-        said = f"{int(held.sum())} rotations held out, rms error {number(rms(with_g[held]), 2)} deg"
-        without = without[held]
     if len(finite(without)):
-        said += f", {number(rms(without), 2)} deg if g-sensitivity is left out"
+        said += f", {number(rms(without), 2)} deg without g-sensitivity"
     return said
 
 
@@ -79,17 +74,12 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
         Above; empty for none.
     """
     at, left = numbers(curve, "rotation"), flags(curve, "left_out")
-    held = flags(curve, "held_out") if "held_out" in curve["columns"] else np.zeros(len(at), dtype=bool)
     error, without = in_degrees(curve, "error"), in_degrees(curve, "error_without")
-    several = bool(held.any() and not held.all())
     ax.vlines(at, error, without, color=COLOURS["grid"], linewidth=0.8, zorder=1)
     looks: tuple[tuple[str, Any, Array, dict[str, Any]], ...] = (
-        ("g-sensitivity left out", ~left, without,
+        ("without g-sensitivity", ~left, without,
          {"marker": "o", "markerfacecolor": "none", "markeredgecolor": COLOURS["vermilion"]}),
-        ("with all terms" if not several else "in the fit", ~left & ~held if several else ~left, error,
-         {"marker": "o", "color": COLOURS["blue"], "markersize": 4.5}),
-        ("held out", ~left & held if several else np.zeros(len(at), dtype=bool), error,
-         {"marker": "s", "color": COLOURS["green"], "markersize": 4.5}),
+        ("with all terms", ~left, error, {"marker": "o", "color": COLOURS["blue"], "markersize": 4.5}),
         ("left out of the fit", left, error,
          {"marker": "D", "markerfacecolor": "none", "markeredgecolor": COLOURS["ink"]}),
     )  # fmt: skip
@@ -97,8 +87,7 @@ def draw(ax: Axes, curve: Curve, title: str = "") -> None:
         mask = chosen & np.isfinite(values)
         if mask.any():
             ax.plot(at[mask], values[mask], linestyle="none", label=label, zorder=3, **look)
-    judged = ~left & held if several else ~left
-    for values, colour in ((without[judged], "vermilion"), (error[judged], "green" if several else "blue")):
+    for values, colour in ((without[~left], "vermilion"), (error[~left], "blue")):
         if len(finite(values)):
             ax.axhline(rms(values), color=COLOURS[colour], linewidth=1.0, linestyle="--", zorder=2)
     top = finite(np.concatenate([error, without]))
