@@ -64,7 +64,7 @@ class WarmUp:
         return abs(self.change) > SIGNIFICANT * math.sqrt(self.covariance[0, 0])
 
     def settled_after(self, tolerance: float) -> float:
-        """Time after power-up from which less than the tolerance is left [s]; 0 where no transient is seen."""
+        """Time after power-up from which less than the tolerance is left [s]; 0 without a transient."""
         if not self.identified or abs(self.change) <= tolerance:
             return 0.0
         return self.time_constant * math.log(abs(self.change) / tolerance)
@@ -97,7 +97,7 @@ def find_warm_up(time: Array, readings: Array, runs: NDArray[Any]) -> WarmUp:
     numbers, counts = np.unique(runs, return_inverse=True, return_counts=True)[1:]
     if not len(counts) or counts.min() < FEWEST:
         what = f"{int(counts.min()) if len(counts) else 0} readings after a power-up, need {FEWEST}"
-        raise DataError(what, why="a start-up cannot be told", do="Record longer", code="too_few_readings")
+        raise DataError(what, why="a start-up cannot be fitted", do="Record longer", code="too_few_readings")
     length = float(time.max() - time.min())
     lowest, highest = (math.log(share * length) for share in SEARCHED)
     grid = np.linspace(lowest, highest, GRID)

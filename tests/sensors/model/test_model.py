@@ -25,8 +25,8 @@ def estimate(name: str, value: float, unit: str) -> Estimate:
     ("terms", "text"),
     [
         ({"kind": "magnetometer"}, "kind 'magnetometer' is not known"),
-        ({"axes": ("x", "x")}, "cannot be told apart"),
-        ({"axes": ("x", "y_1")}, "cannot be told apart"),
+        ({"axes": ("x", "x")}, "are ambiguous"),
+        ({"axes": ("x", "y_1")}, "are ambiguous"),
         ({"matrix": np.eye(3)}, r"matrix: shape \(1, 3, 3\), need \(q, 2, 2\)"),
         ({"bias": np.zeros(3)}, r"bias: shape \(3,\), need \(2\)"),
         ({"bias": np.array([0.0, np.nan])}, "bias: not finite"),

@@ -184,7 +184,7 @@ def test_what_cannot_be_is_refused() -> None:
     assert averaged_over(1.0, 1.0 + 1e-7) == averaged_over(1.0, None) == 1.0  # no clock is better
     with pytest.raises(DataError, match=r"sampled every 1 s is constant"):
         expected_variance(Sinusoid(1.0, 3.0), [1], 1.0)
-    with pytest.raises(DataError, match=r"1 sample\(s\) asked for, need 2"):
+    with pytest.raises(DataError, match=r"1 sample\(s\), need 2"):
         simulate(RandomWalk(1.0), 1, 1.0, rng)
     with pytest.raises(DataError, match=r"outside 0 to 0\.5 Hz"):
         sampled_spectrum(RandomWalk(1.0), [0.7], 1.0)

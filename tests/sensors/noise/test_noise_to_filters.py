@@ -144,7 +144,7 @@ def test_a_horizon_stands_a_walk_in_for_all_that_wanders() -> None:
 def test_a_correlation_time_and_a_second_bias_are_said_to_be_lost() -> None:
     both: Axes = [(RandomWalk(1.0), RateRandomWalk(1e-3), GaussMarkov(1e-2, 10.0))]
     held = to_kalibr(both, GYRO, 100.0).cannot_hold
-    assert "gyro: gauss markov beside rate random walk" in held
+    assert "gyro: gauss markov next to rate random walk" in held
     assert any("correlation time 1.44e+04 s" in one for one in held)
 
 

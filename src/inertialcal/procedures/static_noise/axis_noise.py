@@ -37,7 +37,7 @@ INTERVAL = 0.95  # of the deviations
 UNITS = {"gyro": "rad/s", "accelerometer": "m/s^2"}
 CUT = 1e-3  # share of samples at the end of the range from which the noise that is left is no longer whole
 LEVELS = {"gyro": ("rad/s", "deg/h"), "accelerometer": ("m/s^2", "ug")}  # inside, and as people say a drift of bias
-FEWEST = 200  # samples from which a disturbance can be told
+FEWEST = 200  # samples from which disturbances are looked for
 LISTED = 3  # stretches that are named
 LONGEST = 2**17  # samples of a segment of Welch's method: lines are narrow enough, and long records cost little
 PARTS = 8  # of a record, in the length of a segment
@@ -55,7 +55,7 @@ class Recorded:
     run: Run  # The record
     looked: Looked  # Its disturbances
     curve: Allan  # Overlapping Allan deviation at octaves, that the terms are fitted to [SI]
-    shown: Allan  # The deviation that was asked for [SI]
+    shown: Allan  # The deviation to show [SI]
     spectral: Spectral  # Its spectrum
     own: NoiseFit | None = None  # Its own terms, where there are several records
 
@@ -114,7 +114,7 @@ def noise_of(plan: Plan, readings: Readings, axis: str) -> AxisNoise:
 
 
 def _each(plan: Plan, readings: Readings, axis: str) -> tuple[list[Recorded], list[Problem], list[Remark]]:
-    """Return the records of an axis that terms can be told from, or else all; why others cannot; what is suspicious."""
+    """Return the records of an axis that can be fitted, or else all; why others cannot; what is suspicious."""
     usable: list[Recorded] = []
     others: list[Recorded] = []
     problems: list[Problem] = []
@@ -146,9 +146,9 @@ def _recorded(plan: Plan, run: Run, axis: str) -> Recorded:
     there = np.isfinite(looked.rates)
     curve = fitted(plan, run, axis, there)
     alike = plan.deviation == FITTED and plan.taus == "octave" and not plan.tau
-    asked, told = (curve, ()) if alike else shown(plan, run, axis, there)
+    chosen, remarks = (curve, ()) if alike else shown(plan, run, axis, there)
     found = spectral(plan, looked.rates, run.interval, curve, axis)
-    return Recorded(run, looked, curve, asked, replace(found, remarks=(*told, *found.remarks)))
+    return Recorded(run, looked, curve, chosen, replace(found, remarks=(*remarks, *found.remarks)))
 
 
 def _fitted(plan: Plan, records: Sequence[Recorded], lines: tuple[float, ...]) -> NoiseFit:
@@ -192,7 +192,7 @@ def fitted(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> Allan:
 
 
 def shown(plan: Plan, run: Run, axis: str, there: NDArray[np.bool_]) -> tuple[Allan, tuple[Remark, ...]]:
-    """Return the deviation that was asked for, at octaves where no averaging time that was asked for fits."""
+    """Return the deviation to show; at octaves where none of the wanted averaging times fits."""
     try:
         return _allan(plan, run, axis, there, plan.deviation, plan.tau or plan.taus), ()
     except DataError as error:
@@ -351,7 +351,7 @@ def lines_to_fit(found: Sequence[Spectral]) -> tuple[float, ...]:
 
 
 def check(plan: Plan, readings: Readings) -> None:
-    """Refuse, at the cost of Allan deviations alone, records that no terms can be told from.
+    """Refuse, at the cost of Allan deviations alone, records that cannot be fitted.
 
     Raises
     ------

@@ -52,7 +52,7 @@ def _reach(plan: Plan, found: AxisNoise, term: TermEstimate, record: float) -> R
 
 
 def _planned(plan: Plan, found: AxisNoise, name: str) -> float | None:
-    assert found.fit is not None  # noqa: S101 - asked before
+    assert found.fit is not None  # noqa: S101 - checked before
     run = found.records[0].run
     terms = tuple(term for term in found.fit.terms if not isinstance(term, Sinusoid))
     try:

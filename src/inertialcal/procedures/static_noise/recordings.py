@@ -2,7 +2,7 @@
 
 Averaging times are counted off in samples, so samples must stand where they were taken. Stamps that are repeated or run
 backwards are refused; gaps become missing samples. Where the stamps say when packets arrived, or a sample rate was said
-in their place, the samples are taken as evenly spaced, which is remarked: gaps are then not seen.
+in their place, the samples are taken as evenly spaced, which is remarked: gaps are then not visible.
 """
 
 from __future__ import annotations
@@ -60,8 +60,8 @@ def readings_from(plan: Plan, recordings: Sequence[AtRest]) -> Readings:
     several = len(recordings) > 1
     remarks = [
         remark.at(one.place) if several else remark
-        for one, (_, told) in zip(recordings, found, strict=True)
-        for remark in told
+        for one, (_, own) in zip(recordings, found, strict=True)
+        for remark in own
     ]
     read = [remark for one in recordings for remark in one.recording.remarks]
     return Readings(tuple(run for run, _ in found), gather([*read, *remarks]))
@@ -100,7 +100,9 @@ def _run(plan: Plan, one: AtRest) -> tuple[Run, list[Remark]]:
         skipped,
         None if grid.clock is None else grid.clock[len(one.recording) - len(next(iter(values.values()))) + skipped :],
     )
-    run, bad = without_faults(plan, run, {axis: _told(one, axis, present.get(axis), skipped) for axis in values})
+    run, bad = without_faults(
+        plan, run, {axis: _shown_sample(one, axis, present.get(axis), skipped) for axis in values}
+    )
     return run, [*remarks, *bad]
 
 
@@ -124,8 +126,8 @@ def _samples(one: AtRest, name: str, grid: Grid) -> tuple[NDArray[Any], NDArray[
         raise DataError(first.what, where, first.why, first.do, first.code) from None
 
 
-def _told(one: AtRest, axis: str, present: NDArray[np.bool_] | None, skipped: int) -> Told:
-    """Return how samples of an axis are told: in which unit, and at which row of the file."""
+def _shown_sample(one: AtRest, axis: str, present: NDArray[np.bool_] | None, skipped: int) -> ShownSample:
+    """Return how samples of an axis are shown: in which unit, and at which row of the file."""
     channel, first = one.recording.channel(one.channels[axis]), one.recording.first_row
     own, shown = channel.unit or "", one.shown or channel.unit or ""
 
@@ -133,7 +135,7 @@ def _told(one: AtRest, axis: str, present: NDArray[np.bool_] | None, skipped: in
         at = skipped + sample
         return first + (at if present is None else int(np.count_nonzero(present[:at]))) if first else 0
 
-    return Told(factor(own, shown) if own and shown else 1.0, shown, row)
+    return ShownSample(factor(own, shown) if own and shown else 1.0, shown, row)
 
 
 @dataclass(frozen=True, eq=False)
@@ -159,9 +161,9 @@ def grid_of(one: AtRest) -> Grid:
     given = recording.sample_interval
     stamps = recording.time_ns
     if given is None or not given > 0.0:
-        seen = "; ".join(remark.what for remark in recording.remarks if remark.code == NOT_TIME)
-        what = "sample interval not known" + (f": {seen}" if seen else "")
-        do = "Sort the rows, or add" if seen else "Add"
+        hint = "; ".join(remark.what for remark in recording.remarks if remark.code == NOT_TIME)
+        what = "sample interval not known" + (f": {hint}" if hint else "")
+        do = "Sort the rows, or add" if hint else "Add"
         do += " the sample rate (--sample-rate HZ) or the time column (--time-column)"
         raise DataError(what, one.place, "averaging times are counted in samples", do, "no_time")
     if stamps is None or len(stamps) < FEWEST:
@@ -229,8 +231,8 @@ def averaging_of(one: AtRest, interval: float) -> float | None:
 
 
 @dataclass(frozen=True)
-class Told:
-    """How a sample of an axis is told."""
+class ShownSample:
+    """How a sample of an axis is shown."""
 
     times: float  # What a value is multiplied by
     unit: str  # Of the product; empty where nobody said
@@ -251,7 +253,7 @@ class _Bad:
     ends: tuple[float, ...]
 
 
-def without_faults(plan: Plan, run: Run, told: Mapping[str, Told]) -> tuple[Run, list[Remark]]:
+def without_faults(plan: Plan, run: Run, shown: Mapping[str, ShownSample]) -> tuple[Run, list[Remark]]:
     """Return a record without the samples that are no readings, and what there is to say of them."""
     found = {axis: _bad(run, axis) for axis in run.values}
     found = {axis: bad for axis, bad in found.items() if bad.stretches or bad.ends}
@@ -259,8 +261,8 @@ def without_faults(plan: Plan, run: Run, told: Mapping[str, Told]) -> tuple[Run,
         return run, []
     left_out = plan.disturbed == "leave_out"
     fate = "left out" if left_out else "kept in"
-    remarks = [_stuck(run, axis, bad, told[axis], fate) for axis, bad in found.items() if bad.stretches]
-    remarks += _saturated(run, found, told, fate)
+    remarks = [_stuck(run, axis, bad, shown[axis], fate) for axis, bad in found.items() if bad.stretches]
+    remarks += _saturated(run, found, shown, fate)
     faults = []
     for axis, bad in found.items():
         if bad.stuck.any():
@@ -284,22 +286,22 @@ def _bad(run: Run, axis: str) -> _Bad:
     return _Bad(stretches, stuck, rest & np.isin(values, ends) if ends else np.zeros_like(stuck), ends)
 
 
-def _stuck(run: Run, axis: str, bad: _Bad, told: Told, fate: str) -> Remark:
+def _stuck(run: Run, axis: str, bad: _Bad, shown: ShownSample, fate: str) -> Remark:
     """Return one remark on the stuck stretches of an axis, the longest first."""
     places = []
     for one in bad.stretches[:LISTED]:
-        value = told.value(float(run.values[axis][one.first]))
-        row = f" (row {told.row(one.first)})" if told.row(one.first) else ""
+        value = shown.value(float(run.values[axis][one.first]))
+        row = f" (row {shown.row(one.first)})" if shown.row(one.first) else ""
         places.append(f"at {value} from {number(run.time(one.first), 6)} s to {number(run.time(one.last), 6)} s{row}")
     more = "; ..." if len(bad.stretches) > LISTED else ""
     what = f"{axis}: stuck {'; '.join(places)}{more}: {int(bad.stuck.sum())} of {len(run)} samples {fate}"
     return Remark("stuck", "warning", what, count=len(bad.stretches), do="Look at the wiring and at the logger")
 
 
-def _saturated(run: Run, found: Mapping[str, _Bad], told: Mapping[str, Told], fate: str) -> list[Remark]:
+def _saturated(run: Run, found: Mapping[str, _Bad], shown: Mapping[str, ShownSample], fate: str) -> list[Remark]:
     """Return one remark on the samples of all axes that lie at an end of the range."""
     each = [
-        f"{axis} {int(bad.saturated.sum())} at {' and '.join(map(told[axis].value, bad.ends))}"
+        f"{axis} {int(bad.saturated.sum())} at {' and '.join(map(shown[axis].value, bad.ends))}"
         for axis, bad in found.items()
         if bad.ends
     ]

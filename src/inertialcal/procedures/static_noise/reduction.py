@@ -106,7 +106,7 @@ class Result:
         count = len(self.readings)
         caption = f"static noise: {count} record{'s' * (count != 1)}, {duration(self.readings.length)} in all"
         found = estimate_table([row.to_dict() for row in self.rows() if not row.condition], caption)
-        return (*found, *(f"{axis}: {told_of}" for axis, told_of in self.sentences()), *remarks_line(self.remarks))
+        return (*found, *(f"{axis}: {said}" for axis, said in self.sentences()), *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return what is shown as text."""
@@ -146,7 +146,7 @@ def _relative(plan: Plan) -> list[Remark]:
 
 
 def _of_axis(one: AxisNoise) -> Estimate | None:
-    assert one.fit is not None  # noqa: S101 - asked before
+    assert one.fit is not None  # noqa: S101 - checked before
     estimate = one.fit.estimate
     keys = [key for key in estimate.keys if key.quantity not in OF_LINES]
     if not keys:

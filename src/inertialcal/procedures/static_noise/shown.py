@@ -80,9 +80,9 @@ def _terms(found: Reduced, test: Test) -> Iterator[str]:
     cells = []
     for row in (one for one in rows if one.status == "estimated"):
         reach, shown = known.get((row.axis, row.quantity)), row.to_dict()
-        told = "" if reach is None else sentence(reach, test.plan.relative_error).partition(": ")[2]
+        known_to = "" if reach is None else sentence(reach, test.plan.relative_error).partition(": ")[2]
         si = _density(inside[row.key]) if test.facts.kind else ""
-        cells.append([f"  {row.quantity}", short(row.axis), figure(shown), row.unit, interval(shown), si, told])
+        cells.append([f"  {row.quantity}", short(row.axis), figure(shown), row.unit, interval(shown), si, known_to])
     yield aligned(cells, TERMS)
     groups: dict[tuple[str, str], list[str]] = {}
     for row in rows:

@@ -7,7 +7,7 @@ For each sensor, sample by sample::
     r  = v / S0                                   r: reading, in the input unit
     T  = (V_T - V_ref - V_0) / slope + T_0        temperature channel
 
-The published rate suite [1]_ is the case step = 5 V / 4095, a reference measured beside each signal, gain 1,
+The published rate suite [1]_ is the case step = 5 V / 4095, a reference measured with each signal, gain 1,
 Z = 0; the triaxial head [2]_ has step = 10 V / 65536, gains of 100, 100 and 10, and the zero Z(T) of its
 electronics, which stands before the gain is divided out. A pulse-rate converter [3]_ is the same with step =
 1 / gate: whole pulses of one gate time, as counts a second.
@@ -72,7 +72,7 @@ class Chain:
     output_unit: str = "V"  # ``"V"`` or ``"count/s"``
     # shape (k,): Ideal S0 [output unit / input unit]; None leaves the output without a reading
     scale_factor: Array | float | None = None
-    reference: Literal["channel"] | float = 0.0  # Measured beside the signal, or a fixed voltage [V]
+    reference: Literal["channel"] | float = 0.0  # Measured with the signal, or a fixed voltage [V]
     # shape (k,) or (q, k): Z [V] at the converter, or its coefficients of 1, T, T^2, ... in degC
     zero: Array | float = 0.0
     gain: Array | float = 1.0  # shape (k,): Of the amplifier; over time it is given to ``convert``
@@ -169,7 +169,7 @@ def missing_channel(chain: Chain, name: str, why: str) -> DataError:
 
 
 def wide(name: str, values: ArrayLike, k: int, n: int | None = None) -> Array:
-    """Values as float64 of shape (n, k); beside counts of n rows one column serves all sensors.
+    """Values as float64 of shape (n, k); with counts of n rows one column serves all sensors.
 
     Raises
     ------

@@ -209,12 +209,12 @@ def correct_recording(
     for axis in read:
         own = done.readings[:, ground.axes.index(axis)].copy()
         made[axis] = replace(recording.channel(axis), data=own)
-    told = tuple(
+    predicted = tuple(
         Channel(PREDICTED + axis, done.predicted[:, ground.axes.index(axis)].copy(), unit, "model", axis)
         for axis in read
     )
     channels = tuple(made.get(channel.name, channel) for channel in recording.channels)
-    return replace(recording, channels=(*channels, *told), remarks=(*recording.remarks, *done.remarks))
+    return replace(recording, channels=(*channels, *predicted), remarks=(*recording.remarks, *done.remarks))
 
 
 def _each(recording: Recording, axes: Sequence[str], what: str, unit: str) -> Array | None:

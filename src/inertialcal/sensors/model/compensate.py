@@ -1,4 +1,4 @@
-"""From readings to the true input: the inverse of the sensor equation, and the first-order form beside it.
+"""From readings to the true input: the inverse of the sensor equation, and the first-order form.
 
 The inverse goes back through the equation in the order in which it was built: subtract K0 and G f, invert the
 curve of each sensor, multiply by M^-1. It is refused where two inputs would give one reading inside the validity

@@ -32,7 +32,7 @@ CONDITIONS = (
     "temperature",
     "temperature_reference",
     "validity",
-)  # channels that a chain takes beside an axis
+)  # channels that a chain takes besides the axes
 
 
 def apply_chain(

@@ -1,6 +1,6 @@
 """Parameters of the sensor equation: the name, unit and place of every number in the terms of a model.
 
-The matrix at the reference temperature is told in the field's words: ``scale_factor_error_x = M_xx - 1`` and
+The matrix at the reference temperature has the field's words: ``scale_factor_error_x = M_xx - 1`` and
 ``misalignment_xz = M_xz / M_xx``. Its coefficients in temperature are plain entries of M_j:
 ``scale_factor_error_temperature_1_x``, ``cross_axis_sensitivity_temperature_1_xz`` (not divided by M_xx).
 """
@@ -183,7 +183,7 @@ def orders(keys: Iterable[Key]) -> dict[str, int]:
 
 
 def check_axes(axes: tuple[str, ...]) -> None:
-    """Refuse axes whose pairs cannot be told apart.
+    """Refuse axes whose pairs are ambiguous.
 
     Raises
     ------
@@ -192,7 +192,7 @@ def check_axes(axes: tuple[str, ...]) -> None:
     """
     pairs = [a + b for a in axes for b in axes]
     if not axes or "" in axes or any("_" in axis for axis in axes) or len(set(pairs)) != len(pairs):
-        raise DataError(f"axes {axes!r} cannot be told apart", do='Name them like ("x", "y", "z")')
+        raise DataError(f"axes {axes!r} are ambiguous", do='Name them like ("x", "y", "z")')
 
 
 def read_only_term(name: str, value: object, sensors: int) -> Array:
@@ -223,7 +223,7 @@ def read_only_term(name: str, value: object, sensors: int) -> Array:
 
 
 def check_needs(terms: Mapping[str, Array], reference_pressure: float | None) -> None:
-    """Refuse a term without what it needs beside itself.
+    """Refuse a term without what it needs.
 
     Raises
     ------

@@ -65,7 +65,7 @@ def simulate(
     """
     averaging = averaged_over(interval, averaging)
     if n < 2:
-        raise DataError(f"{n} sample(s) asked for, need 2 or more", code="too_short")
+        raise DataError(f"{n} sample(s), need 2 or more", code="too_short")
     total = np.zeros(n)
     for term in terms if isinstance(terms, tuple) else (terms,):
         total += samples(term, n, interval, averaging, rng)
@@ -123,9 +123,9 @@ def _(term: GaussMarkov, n: int, interval: float, averaging: float, rng: np.rand
 
 @samples.register
 def _(term: Sinusoid, n: int, interval: float, averaging: float, rng: np.random.Generator) -> Array:
-    seen = term.amplitude * np.sinc(term.frequency * averaging)
+    sampled = term.amplitude * np.sinc(term.frequency * averaging)
     turns = term.frequency * interval * np.arange(n) + rng.uniform()
-    return np.asarray(seen * np.sin(2.0 * np.pi * turns))
+    return np.asarray(sampled * np.sin(2.0 * np.pi * turns))
 
 
 @samples.register

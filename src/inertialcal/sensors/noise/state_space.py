@@ -189,7 +189,7 @@ def bias_state(
     Raises
     ------
     PlanError
-        As `state_space`; or if an integral is asked for with quantisation, which is no noise of the integral's rate.
+        As `state_space`; or for an integral with quantisation, which is not noise of a rate.
     """
     chosen = list(terms)
     if integrated and any(isinstance(term, Quantization) for term in chosen):
@@ -329,7 +329,7 @@ def flicker_bank(
     Raises
     ------
     PlanError
-        If the times are not ascending, or no state is asked for.
+        If the times are not ascending, or there is no state.
     """
     if not 0.0 < shortest < longest:
         raise PlanError(f"averaging times from {shortest:g} to {longest:g} s, need ascending positive ones")

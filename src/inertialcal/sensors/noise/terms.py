@@ -197,7 +197,7 @@ class Sinusoid:
         if np.isclose(cycles, np.round(cycles), rtol=0.0, atol=1e-9):
             raise DataError(
                 f"a sinusoid of {self.frequency:g} Hz sampled every {interval:g} s is constant",
-                do="Leave it out: nothing of it is seen",
+                do="Leave it out: samples do not show it",
                 code="line_not_sampled",
             )
         variance = 0.5 * (self.amplitude * np.sinc(self.frequency * averaging)) ** 2
@@ -370,7 +370,7 @@ def twice_summed_exponential(lags: Array, u: float) -> Array:
 
 
 def exponential_gain(u: Array) -> tuple[Array, Array]:
-    """Return a of `twice_summed_exponential`, and what stands before |j| beside the remainder, of the shape of u."""
+    """Return a of `twice_summed_exponential`, and the factor of |j| next to the remainder, of the shape of u."""
     half = 0.5 * np.minimum(u, 300.0)
     gain = 0.25 / np.sinh(half) ** 2
     return gain, np.asarray(0.5 * _one_less_squared_ratio(half) - gain * remainder(u))

@@ -172,8 +172,8 @@ def to_gtsam(
     lines += [f"params = gtsam.PreintegrationCombinedParams.{named}({_figure(gravity)})"]
     for one in settings:
         listed = ", ".join(_figure(v) for v in one.values)
-        told = f"params.{one.key}(np.diag([{listed}]))  # {one.unit}"
-        lines.append(told if one.values else f"# params.{one.key}: not found in the record")
+        line = f"params.{one.key}(np.diag([{listed}]))  # {one.unit}"
+        lines.append(line if one.values else f"# params.{one.key}: not found in the record")
     missing = ("setIntegrationCovariance and the first covariance of the bias: no noise terms: set them yourself",)
     return filter_block("gtsam", lines, settings, rate, acc, _times_not_held(rate, acc), missing)
 
@@ -215,12 +215,12 @@ def to_kf_gins(
     lines = ["imunoise:"]
     for one in settings:
         listed = ", ".join(_figure(v) for v in one.values)
-        told = f"  {one.key}: [{listed}]  # [{one.unit}] {one.source}"
-        lines.append(told if one.values else f"  # {one.key}: not found in the record")
+        line = f"  {one.key}: [{listed}]  # [{one.unit}] {one.source}"
+        lines.append(line if one.values else f"  # {one.key}: not found in the record")
     settings.append(Setting("corrtime", (time * factor("s", "h"),) if time else (), "h", "one for all biases"))
-    told = f"  corrtime: {_figure(settings[-1].values[0])}  # [h]" if time else "  # corrtime: not found in the record"
+    line = f"  corrtime: {_figure(settings[-1].values[0])}  # [h]" if time else "  # corrtime: not found in the record"
     missing = ("gsstd and asstd [ppm]: scale factors are not noise: take them from a calibration",)
-    return filter_block("kf_gins", [*lines, told], settings, rate, acc, _other_times(time, rate, acc), missing)
+    return filter_block("kf_gins", [*lines, line], settings, rate, acc, _other_times(time, rate, acc), missing)
 
 
 def _largest(values: tuple[float, ...]) -> tuple[float, ...]:
@@ -387,33 +387,33 @@ class _Bias:
 
 def _bias(terms: Sequence[Term]) -> _Bias:
     """Take the walk, else a Gauss-Markov term."""
-    left = [_words(t.name) for t in terms if not isinstance(t, RandomWalk | RateRandomWalk | GaussMarkov)]
+    rest = [_spelled(t.name) for t in terms if not isinstance(t, RandomWalk | RateRandomWalk | GaussMarkov)]
     walk = next((t for t in terms if isinstance(t, RateRandomWalk)), None)
     markov = next((t for t in terms if isinstance(t, GaussMarkov)), None)
     if walk is not None:
-        beside = [f"{_words(markov.name)} beside {_words(walk.name)}"] if markov else []
-        return _Bias(walk.coefficient, np.nan, "K", (*left, *beside))
+        second = [f"{_spelled(markov.name)} next to {_spelled(walk.name)}"] if markov else []
+        return _Bias(walk.coefficient, np.nan, "K", (*rest, *second))
     if markov is not None:
         drive = markov.sigma * float(np.sqrt(2.0 / markov.correlation_time))
-        return _Bias(drive, markov.correlation_time, "sigma sqrt(2 / t_c)", tuple(left))
-    return _Bias(np.nan, np.nan, "not found", tuple(left))
+        return _Bias(drive, markov.correlation_time, "sigma sqrt(2 / t_c)", tuple(rest))
+    return _Bias(np.nan, np.nan, "not found", tuple(rest))
 
 
 def _matched(terms: Sequence[Term], horizon: float) -> _Bias:
     """Take a walk of the same Allan variance, K^2 tau / 3, as all that wanders."""
     wandering = tuple(t for t in terms if isinstance(t, BiasInstability | RateRandomWalk | GaussMarkov))
-    left = [_words(t.name) for t in terms if not isinstance(t, RandomWalk) and t not in wandering]
+    rest = [_spelled(t.name) for t in terms if not isinstance(t, RandomWalk) and t not in wandering]
     if not wandering:
-        return _Bias(np.nan, np.nan, "not found", tuple(left))
+        return _Bias(np.nan, np.nan, "not found", tuple(rest))
     variance = float(expected_variance(wandering, [STEPS], horizon / STEPS)[0])
-    names = " and ".join(_words(t.name) for t in wandering)
+    names = " and ".join(_spelled(t.name) for t in wandering)
     if {t.name for t in wandering} != {RateRandomWalk.name}:
-        left.append(f"{names}: replaced by a walk, exact at {horizon:g} s, too small below and too large above")
+        rest.append(f"{names}: replaced by a walk, exact at {horizon:g} s, too small below and too large above")
     source = f"walk with the Allan deviation of {names} at {horizon:g} s"
-    return _Bias(float(np.sqrt(3.0 * variance / horizon)), np.nan, source, tuple(left))
+    return _Bias(float(np.sqrt(3.0 * variance / horizon)), np.nan, source, tuple(rest))
 
 
-def _words(name: str) -> str:
+def _spelled(name: str) -> str:
     return name.replace("_", " ")
 
 
@@ -422,6 +422,6 @@ def filter_block(
     held: tuple[str, ...] = (), missing: tuple[str, ...] = (),
 ) -> FilterBlock:  # fmt: skip
     """Return a block of a filter, its settings without values counted as missing."""
-    untold = tuple(one.key for one in settings if not one.values)
+    unknown = tuple(one.key for one in settings if not one.values)
     text = "\n".join(lines) + "\n"
-    return FilterBlock(target, text, tuple(settings), (*rate.left, *acc.left, *held), (*untold, *missing))
+    return FilterBlock(target, text, tuple(settings), (*rate.left, *acc.left, *held), (*unknown, *missing))

@@ -47,7 +47,7 @@ from .problem import GAUSS_MARKOV, LINEAR, AllanLike, Problem, Run, problem_of, 
 
 AUTO = (*NAMES, GAUSS_MARKOV)
 BRIEF = 10.0  # samples: a correlation time below is that of a filter, rather than of a drift
-MATTERS = 1.05  # ratio of random walks from which it is told
+MATTERS = 1.05  # ratio of random walks from which a remark is given
 
 
 def fit(
@@ -101,7 +101,7 @@ def fit(
 
 
 def _result(plain: Problem, solution: Solution, wanted: Sequence[str]) -> NoiseFit:
-    """Return what is told of a solution: the terms found, those that are not, and the tests."""
+    """Return a solution as users see it: the terms found, those that are not, and the tests."""
     problem, fitted, best = solution.problem, solution.fitted, solution.table[0]
     found = estimated(solution)
     missed = tuple(not_identified(solution, name) for name in wanted if name not in present(problem, fitted))
@@ -158,12 +158,12 @@ def _solved(problem: Problem, terms: str | Sequence[str], kind: Kind | None, uni
 
 
 def _names(terms: str | Sequence[str]) -> tuple[str, ...]:
-    """Return the terms that are asked for, refused where one is none."""
+    """Return the wanted terms; unknown ones are refused."""
     wanted = (terms,) if isinstance(terms, str) else tuple(terms)
     unknown = [name for name in wanted if name not in AUTO]
     if unknown or not wanted:
         raise DataError(
-            f"no term of noise {', '.join(map(repr, unknown)) or 'asked for'}",
+            f"no term of noise {', '.join(map(repr, unknown)) or 'given'}",
             do=f"There are: {', '.join(AUTO)}; lines by their frequency",
             code="unknown_term",
         )

@@ -94,7 +94,7 @@ def limit_and_record(
 def _limit(
     problem: Problem, fitted: Fitted, at: int, scale: tuple[float, float], named: float | None
 ) -> tuple[float | None, float]:
-    """Return the upper limit of a power beside the terms of a choice, and the stretch there."""
+    """Return the upper limit of a power next to the terms of a choice, and the stretch there."""
     (u, stretch), linear = scale, at < len(problem.names)
     name = problem.names[at] if linear else GAUSS_MARKOV
     names = tuple(dict.fromkeys((*present(problem, fitted), name)))

@@ -32,7 +32,7 @@ REASONS = {
 DOUBTS = {
     "terms_do_not_explain": "the terms do not explain the Allan deviation",
     "runs_disagree": "the records do not agree",
-}  # codes of remarks after which no figure of a fit may be relied on, and what to say beside one
+}  # codes of remarks after which no figure of a fit may be relied on, and what to say of one
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ class TermEstimate:
     words: tuple[str, ...] = ()  # The field's words of the parameters of one that is not
     # Key of `REASONS`: why not; of an estimated term ``"like_another"`` where others could be in its place
     code: str = ""
-    others: tuple[str, ...] = ()  # Terms that it is not told from
+    others: tuple[str, ...] = ()  # Terms that it cannot be separated from
     worse: float | None = None  # By how much the criterion is worse with it, or with the others in its place
     upper_limit: float | None = None  # One-sided 95 %, of its coefficient [``unit``]
     unit: str = ""  # Of the limit
@@ -94,7 +94,7 @@ class NoiseFit:
     agreement : ChiSquare or None
         Whether several runs agree; None for one.
     misfit : float
-        Relative, of each Allan deviation: what the terms leave unexplained beside scatter, allowed for in all else.
+        Relative, of each Allan deviation: what the terms leave unexplained besides scatter, allowed for in all else.
     terms : tuple of Term
         The terms estimated, to simulate, draw or filter with.
     tau, variance, expected : tuple of ndarray

@@ -50,7 +50,7 @@ class Problem:
     lines: tuple[float, ...]  # Frequencies of lines [Hz]
     variance: Array  # shape (k,): Allan variances found
     weight: Array  # shape (k,): Half of the degrees of freedom
-    misfit: float = 0.0  # Relative, of the Allan variances: what terms leave unexplained beside scatter
+    misfit: float = 0.0  # Relative, of the Allan variances: what terms leave unexplained besides scatter
 
     @property
     def tau(self) -> Array:
@@ -251,7 +251,7 @@ def _usable(run: Run) -> Run:
     if len(there) and not np.any(there > 0.0):
         raise DataError(
             "the Allan deviation is zero throughout",
-            why="a constant channel has no noise that could be told",
+            why="a constant channel has no noise",
             do="Look whether the sensor is stuck, or its steps coarser than its noise",
             code="constant",
         )
