@@ -246,8 +246,8 @@ PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split
                      "removesuffix", "find", "fullmatch", "match", "search", "sub"})  # fmt: skip
 # The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
 SERIALISER = ("core/remarks.py", "core/influence.py")
-INPUT = ("files/", "cli/rig_names.py", "campaign/models/inputs.py",
-         "procedures/positions/given.py", "report/sections.py")  # fmt: skip
+INPUT = ("files/", "cli/options.py", "campaign/models/inputs.py",
+         "procedures/positions/given.py", "procedures/given.py", "core/schema/settings.py", "report/sections.py")  # fmt: skip
 
 
 def told(node: ast.AST) -> str:
@@ -301,6 +301,14 @@ ANY_BY_ITSELF = {
     "core/schema/quantities.py:quantity": "a type for pydantic: annotations of fields are made of it",
     "core/settings.py:setting": "stands for the value of a field, as dataclasses.field does",
     "core/settings.py:fact": "the same",
+    "campaign/calls/call.py:Reduced.result": "of whichever procedure",
+    "campaign/calls/call.py:Reduced.plan": "the same",
+    "procedures/protocol.py:Reduced.result": "the same",
+    "procedures/protocol.py:Reduced.plan": "the same",
+    "procedures/protocol.py:Reduced.shown": "the same",
+    "cli/nouns/factory.py:option_of": "annotations that the parser makes options of",
+    "cli/nouns/factory.py:with_options": "the same",
+    "files/text/delimited.py:arrow_numbers": "a column of Arrow, which has no types",
     "report/numbers.py:Branch.get": "a value of JSON: the key tells its type, and only to the reader",
     "report/numbers.py:wrap": "the same",
     "report/plot.py:plot": "Axes or an array of them, as matplotlib says it itself: callers know which",

@@ -75,3 +75,8 @@ def standard_of(name: str) -> tuple[str, str]:
     """Return standard and quantity of the name of an influence: ``"rate_table.rate"``."""
     standard, _, quantity = name.partition(".")
     return standard, quantity
+
+
+def influence_of(unknown: str) -> str:
+    """Return the influence that an unknown is of: ``"rate_table.mounting"`` of ``"rate_table.mounting[xz]"``."""
+    return unknown.partition("[")[0]

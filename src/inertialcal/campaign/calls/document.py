@@ -14,6 +14,7 @@ from typing import Any
 
 from ...core.campaign_text import FILE, SCHEMA
 from ...core.errors import UsageError
+from ...core.influence import standard_of
 from ...core.remarks import Remark
 from ...procedures.given import GROUP, Described, GivenFile, Said
 from ...procedures.protocol import Procedure
@@ -109,7 +110,7 @@ def _site(said: Said) -> dict[str, str]:
 def _standards(said: Said) -> dict[str, Any]:
     found: dict[str, dict[str, Any]] = {}
     for name, u in said.standards.items():
-        standard, _, quantity = name.partition(".")
+        standard, quantity = standard_of(name)
         found.setdefault(standard, {})[quantity] = {"u": u}
     return found
 
@@ -126,7 +127,12 @@ def _over(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
 
 def _named(one: GivenFile, each: Described, taken: Mapping[str, Any], several: bool) -> str:
     """Return a name for a recording: that of its file, with the kind of sensor where a file has several."""
-    stem = re.sub(r"[^A-Za-z0-9_.-]", "_", PurePath(one.name).name.split(".")[0]).strip("_.-")[:40] or "recording"
+    stem = (
+        re.sub(r"[^A-Za-z0-9_.-]", "_", PurePath(PurePath(one.name).name).with_suffix("").with_suffix("").name).strip(
+            "_.-"
+        )[:40]
+        or "recording"
+    )
     wanted = f"{stem}_{each.test or each.sensor['kind']}" if several else stem
     count = 2
     name = wanted

@@ -22,6 +22,7 @@ from typing import Any, Literal
 
 from scipy import special
 
+from ...core.influence import influence_of
 from ...core.key import Reason
 from ...core.remarks import Remark
 from ...core.results import Interval, Row, finite
@@ -147,7 +148,7 @@ def _figure(row: Row) -> Figure:
 
 def _of(shared: Collection[str], one: Row, other: Row) -> list[str]:
     """Return the unknowns of influences that are shared; one that a figure does not follow changes it by 0."""
-    return [name for name in {*one.shared, *other.shared} if name.partition("[")[0] in shared]
+    return [name for name in {*one.shared, *other.shared} if influence_of(name) in shared]
 
 
 def _p_value(d: float, u: float, dof: float) -> float:

@@ -133,7 +133,7 @@ def _known(one: ReducedTest, kind: str) -> tuple[Estimate | None, dict[Key, Key]
 def _outliving(campaign: Campaign, shared: Mapping[str, float]) -> dict[str, float]:
     """Return the changes by influences whose error is the same in the next test."""
     stated = {name: one for name, one in campaign.standards.items() if one.redrawn_by in OUTLIVES}
-    return {name: change for name, change in shared.items() if name.partition("[")[0] in stated and change}
+    return {name: change for name, change in shared.items() if influence_of(name) in stated and change}
 
 
 def _influence(one: Influence) -> dict[str, Any]:

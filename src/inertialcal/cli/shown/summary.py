@@ -204,8 +204,6 @@ def _json(found: ResultsFile, output: Path | None) -> None:
 
 
 def _text(found: ResultsFile) -> str:
-    from .summary import closed_loop_text, results_text, verdicts_text
-
     content = found.content
     parts = [results_text(content)]
     if content.get("closed_loop"):

@@ -39,9 +39,9 @@ def picture(recording: Recording, axis: str | None = None) -> Picture:
     chosen = [channel for channel in known if axis in (None, channel.axis)]
     if not chosen:
         have = ", ".join(dict.fromkeys(channel.axis for channel in known if channel.axis))
-        what = "no channel with numbers" if axis is None or not known else f"no channel of axis {axis!r}"
+        missing = "No channel with numbers" if axis is None or not known else f"No channel of axis {axis!r}"
         do = f"There are: {have}" if known and have else ""
-        raise DataError(f"{what[0].upper()}{what[1:]} to plot", recording.source.path, do=do, code="nothing_to_draw")
+        raise DataError(f"{missing} to plot", recording.source.path, do=do, code="nothing_to_draw")
     drawn = chosen[:MOST]
 
     def paint(axes: Sequence[Axes], title: str) -> None:
