@@ -98,8 +98,10 @@ def _text(attribute: Any) -> str | None:
     return attribute if isinstance(attribute, str) else None
 
 
-def _recognises(data: bytes, path: str) -> bool:
-    return any(data[at : at + len(MAGIC)] == MAGIC for at in MAGIC_AT)
-
-
-READER = Reader("hdf5", "HDF5", (".h5", ".hdf5", ".mat"), _recognises, read_hdf5)
+READER = Reader(
+    "hdf5",
+    "HDF5",
+    (".h5", ".hdf5", ".mat"),
+    lambda data, path: any(data[at : at + len(MAGIC)] == MAGIC for at in MAGIC_AT),
+    read_hdf5,
+)

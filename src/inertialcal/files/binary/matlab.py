@@ -225,9 +225,5 @@ def _is_version_4(data: bytes, path: str) -> bool:
     return path.lower().endswith(".mat") and b"\x00" in data[:20] and not data.startswith(ZIP)
 
 
-def _is_version_5(data: bytes, path: str) -> bool:
-    return data.startswith(MAGIC)
-
-
 VERSION_4 = Reader("mat4", "MATLAB", (".mat",), _is_version_4, read_matlab4)
-VERSION_5 = Reader("mat5", "MATLAB", (".mat",), _is_version_5, read_matlab5)
+VERSION_5 = Reader("mat5", "MATLAB", (".mat",), lambda data, path: data.startswith(MAGIC), read_matlab5)

@@ -68,13 +68,7 @@ def _npy(name: str, data: bytes, path: str) -> list[NamedArray]:
     return [NamedArray(f"{prefix}{field}", array[field]) for field in array.dtype.names]
 
 
-def _is_npy(data: bytes, path: str) -> bool:
-    return data.startswith(MAGIC)
-
-
-def _is_npz(data: bytes, path: str) -> bool:
-    return any(name.endswith(".npy") for name in members(data))
-
-
-NPY = Reader("npy", "NumPy", (".npy",), _is_npy, read_npy)
-NPZ = Reader("npz", "NumPy", (".npz",), _is_npz, read_npz)
+NPY = Reader("npy", "NumPy", (".npy",), lambda data, path: data.startswith(MAGIC), read_npy)
+NPZ = Reader(
+    "npz", "NumPy", (".npz",), lambda data, path: any(name.endswith(".npy") for name in members(data)), read_npz
+)

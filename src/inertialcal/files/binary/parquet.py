@@ -39,25 +39,24 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
         table = file.read()
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
-        _refuse_twice(table.column_names, loaded.path)
+        twice = sorted({name for name in table.column_names if table.column_names.count(name) > 1})
+        if twice:
+            raise DataError(f"column name {twice[0]!r} appears twice", where=loaded.path, code="duplicate_column")
         columns = [_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
         rate = _sample_rate(table.schema.metadata or {})
     kept = tuple(column for column in columns if isinstance(column, Column))
     left_out = [name for name in columns if isinstance(name, str)]
-    return Content(kept, "Parquet", None, rate, _left_out_remark(left_out, loaded.path))
-
-
-def _refuse_twice(names: list[str], path: str) -> None:
-    twice = sorted({name for name in names if names.count(name) > 1})
-    if twice:
-        raise DataError(f"column name {twice[0]!r} appears twice", where=path, code="duplicate_column")
+    what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
+    remark = Remark("variables_left_out", "info", what, where=loaded.path, count=len(left_out))
+    return Content(kept, "Parquet", None, rate, (remark,) if left_out else ())
 
 
 def _column(values: Any, field: Any, path: str) -> Column | str:
     """One column, or its name if it is neither numbers, dates nor text."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
 
-    kind, unit = values.type, _unit(field)
+    kind, metadata = values.type, field.metadata or {}
+    unit = next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
     if pa.types.is_dictionary(kind):
         values, kind = values.cast(kind.value_type), kind.value_type
     if pa.types.is_timestamp(kind):
@@ -93,12 +92,6 @@ def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
     return Column(name, judged.values, unit, empty=judged.empty, not_a_number=judged.not_a_number)
 
 
-def _unit(field: Any) -> str | None:
-    """Return the unit in the metadata of a field."""
-    metadata = field.metadata or {}
-    return next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
-
-
 def _sample_rate(metadata: dict[bytes, bytes]) -> float | None:
     """Sample rate in the metadata of the file [Hz]."""
     for key in RATE_KEYS:
@@ -111,15 +104,4 @@ def _sample_rate(metadata: dict[bytes, bytes]) -> float | None:
     return None
 
 
-def _left_out_remark(names: list[str], path: str) -> tuple[Remark, ...]:
-    if not names:
-        return ()
-    what = f"neither numbers, dates nor text, left out: {', '.join(names)[:120]}"
-    return (Remark("variables_left_out", "info", what, where=path, count=len(names)),)
-
-
-def _recognises(data: bytes, path: str) -> bool:
-    return data.startswith(MAGIC)
-
-
-READER = Reader("parquet", "Parquet", (".parquet",), _recognises, read_parquet)
+READER = Reader("parquet", "Parquet", (".parquet",), lambda data, path: data.startswith(MAGIC), read_parquet)

@@ -110,7 +110,9 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     """
     found: dict[str, Stillness] = {}
     for channel, survey in zip(recording.channels, surveys, strict=True):
-        if not _is_sensed(channel) or survey.missing or survey.is_constant or _is_beyond(survey):
+        unsaid = channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name))
+        beyond = max(abs(survey.minimum or 0.0), abs(survey.maximum or 0.0)) > LARGEST  # its square is no number
+        if (channel.quantity not in SENSED and not unsaid) or survey.missing or survey.is_constant or beyond:
             continue
         judged = judge(channel.data.astype(np.float64), survey.resolution or 0.0)
         if judged is not None:
@@ -128,17 +130,6 @@ def motion_remarks(recording: Recording, surveys: Sequence[ChannelSurvey]) -> tu
     what = f"not stationary: a disturbance or step {when} in {names}, up to {peak:.0f} times the noise"
     do = "Leave that section out"
     return (Remark("disturbance", "warning", what, where=path, count=len(stretches), do=do),)
-
-
-def _is_beyond(survey: ChannelSurvey) -> bool:
-    """Whether the numbers are so large that their squares are none."""
-    return max(abs(survey.minimum or 0.0), abs(survey.maximum or 0.0)) > LARGEST
-
-
-def _is_sensed(channel: Channel) -> bool:
-    """Whether a channel is one of a sensor, or may be for all that its name says."""
-    unsaid = channel.quantity == "" and (channel.axis or UNNAMED.fullmatch(channel.name))
-    return channel.quantity in SENSED or bool(unsaid)
 
 
 def _merged(stretches: list[tuple[int, int]]) -> list[tuple[int, int]]:

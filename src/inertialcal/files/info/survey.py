@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, Literal
 
@@ -125,7 +124,11 @@ class Survey:
         `info` prints it with type and resolution step of each channel too.
         """
         caption = f"{ending(self.path)}: {self.source.format}, {self.rows} rows"
-        grid = Table(HEADS, [_cells(channel) for channel in self.channels], caption, (4, 5, 6, 7, 8))
+        rows = []
+        for one in self.channels:
+            figures = [number(figure, 5) for figure in (one.minimum, one.maximum, one.mean, one.std)]
+            rows.append((one.name, one.axis, one.quantity, one.unit or "?", *figures, str(one.missing), one.notes))
+        grid = Table(HEADS, rows, caption, (4, 5, 6, 7, 8))
         hints = tuple(f"hint: {hint}" for hint in self.hints)
         ends = (f"next: {self.next}",) if self.next else ()
         return (grid, str(self.time), *hints, *remarks_line(self.remarks), *ends)
@@ -155,11 +158,6 @@ class Survey:
         }
 
 
-def _cells(one: ChannelSurvey) -> tuple[str, ...]:
-    figures = (number(figure, 5) for figure in (one.minimum, one.maximum, one.mean, one.std))
-    return one.name, one.axis, one.quantity, one.unit or "?", *figures, str(one.missing), one.notes
-
-
 def survey_recording(recording: Recording) -> Survey:
     """Return what a recording holds.
 
@@ -169,7 +167,12 @@ def survey_recording(recording: Recording) -> Survey:
         As read.
     """
     channels = tuple(survey_channel(channel) for channel in recording.channels)
-    place = _placer(recording)
+    path, first = recording.source.path, recording.first_row
+
+    def place(index: int) -> str:
+        """Return ``file:row`` of a sample, as far as rows have a meaning."""
+        return f"{path}:{first + index}" if first else f"{path}: sample {index + 1}"
+
     hints = unit_hints(recording, channels)
     remarks = gather(
         (
@@ -187,12 +190,6 @@ def survey_recording(recording: Recording) -> Survey:
         hints=hints,
         remarks=remarks,
     )
-
-
-def _placer(recording: Recording) -> Callable[[int], str]:
-    """Return ``file:row`` of a sample, as far as rows have a meaning."""
-    path, first = recording.source.path, recording.first_row
-    return lambda index: f"{path}:{first + index}" if first else f"{path}: sample {index + 1}"
 
 
 def _time(recording: Recording) -> TimeSurvey:

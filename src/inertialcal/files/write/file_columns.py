@@ -151,24 +151,17 @@ def _title(channel: Channel, number: int, taken: set[str], in_names: bool) -> Ti
     by_kind = [f"{channel.quantity}_{channel.axis}"] if channel.quantity and channel.axis else []
     for name in [*by_kind, own, plain] if contradicts(own, channel.unit) else [own, *by_kind, plain]:
         for title in spelled(name, channel.unit, in_names):
-            if _usable(title.name, taken) and read_back(title, channel).unit == channel.unit:
+            usable = title.name and title.name.isprintable() and title.name not in taken
+            if usable and read_back(title, channel).unit == channel.unit:
                 return title
-    return Title(_free(plain, taken), None if in_names else channel.unit)
+    while plain in taken:
+        plain += "_"
+    return Title(plain, None if in_names else channel.unit)
 
 
 def contradicts(name: str, unit: str | None) -> bool:
     """Whether the end of a name says another unit: ``gyro_x_mv`` in deg/s."""
     return heading(bare_name(name)).unit not in {None, unit}
-
-
-def _usable(name: str, taken: set[str]) -> bool:
-    return bool(name) and name.isprintable() and name not in taken
-
-
-def _free(name: str, taken: set[str]) -> str:
-    while name in taken:
-        name += "_"
-    return name
 
 
 def _remarks(channel: Channel, title: Title) -> Iterator[Remark]:
