@@ -33,8 +33,8 @@ if TYPE_CHECKING:
 
 EXIT = {"PASS": 0, "FAIL": 1, "INCONCLUSIVE": 4}
 VERDICT_COLUMNS = (
-    "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower", "upper",
-    "margin", "verdict", "reason",
+    "requirement", "test", "axis", "sensor", "at", "at_unit", "of", "value", "u", "unit", "lo", "hi", "p", "lower",
+    "upper", "margin", "verdict", "reason",
 )  # fmt: skip
 Progress = Callable[[int, int, str], None]
 

@@ -7,7 +7,7 @@ from dataclasses import replace
 from typing import Any
 
 from ...core.estimate import Component, Estimate
-from ...core.influence import Influence, standard_of
+from ...core.influence import Influence, influence_of, standard_of
 from ...core.judging import Verdict
 from ...core.key import Key, Method
 from ...core.remarks import Remark, condensed
