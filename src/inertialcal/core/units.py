@@ -36,6 +36,7 @@ if TYPE_CHECKING:
 
     from .estimate import Array
 
+FILE_UNIT = "file unit"  # of samples whose unit nobody stated
 _REMEMBERED = 4096  # texts
 
 _KINDS = {

@@ -25,12 +25,12 @@ from ...core.key import Key, Method, Reason
 from ...core.remarks import Remark, gather
 from ...core.results import Interval, Row
 from ...core.show.rounding import number, with_uncertainty
+from ...core.units import FILE_UNIT
 from ...files.text.headers import bare_name
 from ...signals.sine.amplitude import amplitude_of
 from ...signals.sine.cross_checks import CrossCheck, cross_checks
 from ...signals.sine.fit import LineFit, design_of, fit_line
 from ...statistics.intervals import chi_square_interval, coverage_factor, t_interval, upper_bound
-from ..static_noise.reduction import FILE_UNIT
 from .inputs import Driven
 from .plan import Plan
 

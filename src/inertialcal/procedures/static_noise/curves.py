@@ -23,14 +23,13 @@ from scipy import special
 
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
-from ...core.units import divide, power
+from ...core.units import FILE_UNIT, divide, power
 from ...sensors.noise.expected import Deviation, expected_variance, sampled_spectrum
 from ...sensors.noise.fitting.noise_fit import NoiseFit
 from ...sensors.noise.terms import RateRamp, Sinusoid, Term, sample_unit
 from ...signals.spectrum.density import Spectrum
 from .axis_noise import INTERVAL, AxisNoise, Recorded
 from .record_length import reaches
-from .rows import FILE_UNIT
 
 if TYPE_CHECKING:
     from .reduction import Result

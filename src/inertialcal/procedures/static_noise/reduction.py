@@ -35,10 +35,9 @@ from .plan import INFLUENCES, Plan
 from .readings import AtRest, Readings, Run, Truth, simulate
 from .record_length import Reach, reaches, sentence
 from .recordings import readings_from
-from .rows import FILE_UNIT, SCALE, interval_at, quantity_units, rows, with_scale
+from .rows import SCALE, interval_at, quantity_units, rows, with_scale
 
 __all__ = [
-    "FILE_UNIT",
     "INFLUENCES",
     "AtRest",
     "AxisNoise",

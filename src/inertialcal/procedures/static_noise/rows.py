@@ -21,7 +21,7 @@ from ...core.estimate import Component, Estimate
 from ...core.influence import Influence, Standards
 from ...core.key import At, Key, Member, Reason
 from ...core.results import Interval, Row, not_estimated
-from ...core.units import normalise
+from ...core.units import FILE_UNIT, normalise
 from ...sensors.noise.fitting.estimator import fit
 from ...sensors.noise.fitting.noise_fit import NoiseFit, TermEstimate, duration
 from ...sensors.noise.terms import TERMS, GaussMarkov, Sinusoid, parameter_unit, quantity_name, sample_unit, shown_units
@@ -34,7 +34,6 @@ if TYPE_CHECKING:
 if TYPE_CHECKING:
     from .reduction import Result
 
-FILE_UNIT = "file unit"  # of samples whose unit nobody said
 SCALE = "sensor.scale_factor"
 SOURCE = "scale factor of the sensor"
 TIME = quantity_name(GaussMarkov.name, "correlation_time", None)

@@ -13,14 +13,13 @@ from ...core.results import Row, finite
 from ...core.show.result_tables import figure, interval, not_estimated
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import aligned, ending, short
-from ...core.units import factor
+from ...core.units import FILE_UNIT, factor
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import sample_unit
 from ..protocol import Tested
 from .curves import density_unit
 from .filters import filter_block
 from .record_length import reaches, sentence
-from .rows import FILE_UNIT
 
 if TYPE_CHECKING:
     from ...sensors.noise.to_filters import FilterBlock

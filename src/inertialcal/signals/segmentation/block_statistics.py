@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from ...core.errors import DataError, PlanError
 from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND, Times
-from .._kernels import fill_first, fill_moments
 from ..time.samples import Flags, Indices
 
 FULL = 0.5  # part of the usual number of samples from which a block counts
@@ -143,6 +142,8 @@ def moments(
     channels: Sequence[Numbers], first: Indices, stop: Indices
 ) -> tuple[Array, Array, Array, Array, NDArray[np.int64]]:
     """Return mean, variance, least, largest and number of the finite samples [first, stop), each (b, channels)."""
+    from .._kernels import fill_moments  # noqa: PLC0415 - numba starts slowly
+
     shape = (len(channels), len(first))
     mean, variance, lo, hi = (np.empty(shape) for _ in range(4))
     count = np.empty(shape, dtype=np.int64)
@@ -153,6 +154,8 @@ def moments(
 
 def _first(time_ns: Times, length: int) -> tuple[Indices, Indices]:
     """First sample of each block that holds any, and its place in time."""
+    from .._kernels import fill_first  # noqa: PLC0415 - numba starts slowly
+
     room = min(len(time_ns), (int(time_ns.max()) - int(time_ns[0])) // length + 1)
     first, at = np.empty(room, dtype=np.int64), np.empty(room, dtype=np.int64)
     found = fill_first(time_ns, length, first, at)
