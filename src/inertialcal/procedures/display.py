@@ -58,7 +58,11 @@ def _own_unit(quantity: str, unit: str, sensor_unit: str) -> str:
 def _coefficient_unit(unit: str, sensor_unit: str) -> str:
     """Return the unit of a coefficient of a polynomial, or of a square, with that of the sensor in place of SI."""
     own = si_unit(sensor_unit)
-    for rest in (*(f"/{by}" for by in ("degC", "V")), *(f"/{by}^{j}" for by in ("degC", "V") for j in range(2, 13))):
+    for rest in (
+        "/sqrt(Hz)",
+        *(f"/{by}" for by in ("degC", "V")),
+        *(f"/{by}^{j}" for by in ("degC", "V") for j in range(2, 13)),
+    ):
         if unit == normalise(f"({own}){rest}") or unit == f"{own}{rest}":
             return normalise(f"({sensor_unit}){rest}")
     return normalise(f"({sensor_unit})^2") if unit == normalise(f"({own})^2") else unit
