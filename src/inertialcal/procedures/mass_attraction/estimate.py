@@ -33,7 +33,7 @@ from .response import G, Response, tilt_left
 
 SCALE, ERROR, DIFFERENCE = "scale_factor", "scale_factor_error", "high_g_difference"
 UNIT = "count/s/(m/s^2)"
-SOURCES = {"between_runs": "scatter between runs", "within_runs": "noise beside the line of each run"}
+SOURCES = {"between_runs": "scatter between runs", "within_runs": "noise next to the line of each run"}
 NAMES = {
     "source_mass.density": "density of the mass", "source_mass.placing": "places of the mass",
     "source_mass.gravitational_constant": "gravitational constant",

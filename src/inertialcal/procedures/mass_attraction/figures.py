@@ -1,4 +1,4 @@
-"""Figures of a moved mass, and of the plan for one: what each is drawn from, where it stands in a report."""
+"""Figures of a moved mass and of its plan: data, caption and place in a report."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ FIGURES = (
     FigureSpec(
         "mass_runs",
         DRAWN + "mass_runs",
-        "Scale factor of each run with the 95 % interval of its own noise, of all runs (line, band), and as published.",
+        "Scale factor of each run with the 95 % interval from its noise, of all runs (line, band), and as published.",
         curves={"mass_runs": "mass runs"},
         order=400,
         top=60,
@@ -18,7 +18,7 @@ FIGURES = (
     FigureSpec(
         "mass_series",
         DRAWN + "mass_series",
-        "One run: readings with their drift, and what is left with the line of the drive.",
+        "One run: readings with their drift, then without drift, with the line of the drive.",
         curves={"mass_series": "mass series"},
         order=410,
         most=1,
@@ -26,7 +26,7 @@ FIGURES = (
     FigureSpec(
         "mass_line",
         DRAWN + "mass_line",
-        "The line of the drive and those beside it that its error is read from; below, correlation over lag.",
+        "The line of the drive and the lines next to it that give its noise; below, autocorrelation over lag.",
         curves={"mass_spectrum": "mass spectrum", "mass_correlation": "mass correlation"},
         order=420,
         most=1,

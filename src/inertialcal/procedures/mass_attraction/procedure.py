@@ -35,7 +35,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     commands = (
         Command(
             "mass-attraction",
-            "Scale factor from a moved mass: its line in the drift, with the error from the lines beside it.",
+            "Scale factor from a moved mass: its line in the drift, with the uncertainty from the lines next to it.",
         ),
     )
     planner = Command(

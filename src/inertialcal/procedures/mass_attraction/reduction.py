@@ -118,13 +118,13 @@ class Result:
         return (*found, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
-        """Return what is shown as text."""
+        """Return the tables as text."""
         return text(self.parts())
 
     __repr__ = __str__
 
     def _repr_html_(self) -> str:
-        """Return what is shown for a notebook."""
+        """Return the tables for a notebook."""
         return html(self.parts())
 
 

@@ -87,7 +87,7 @@ class Response:
 
     @property
     def scale_factor(self) -> float:
-        """What the amplitude is to what is applied [count/s/(m/s^2)]."""
+        """Amplitude over what is applied [count/s/(m/s^2)]."""
         return self.amplitude / self.applied
 
     @property
@@ -287,8 +287,8 @@ def fit_line(schedule: Schedule, x: Array, side_bands: int | None = None) -> Fit
     quadrature = np.nan if found.quadrature is None else float(found.quadrature[0])
     u_quadrature = np.nan if found.u_quadrature is None else float(found.u_quadrature[0])
     drive, steps = found.design.drive, np.arange(1, found.design.side_bands + 1)
-    beside = np.abs(drive.frequency + np.concatenate([-steps, steps]) / drive.span)
-    frequencies = np.concatenate([[drive.frequency], np.unique(beside[beside <= 0.5 / drive.step * (1.0 + NONE)])])
+    near = np.abs(drive.frequency + np.concatenate([-steps, steps]) / drive.span)
+    frequencies = np.concatenate([[drive.frequency], np.unique(near[near <= 0.5 / drive.step * (1.0 + NONE)])])
     return Fitted(
         float(found.in_phase[0]), float(found.u_in_phase[0]), quadrature, u_quadrature, found.dof, drift, line,
         frequencies,
@@ -325,7 +325,7 @@ def fits_better_late(schedule: Schedule, x: Array) -> tuple[float, int]:
     alone = tried - slow @ (slow.T @ tried)
     power = np.einsum("ij,ij->j", alone, alone)
     response = alone.T @ y
-    response[1:] = np.maximum(response[1:], 0.0)  # a response of the other sign is no slip
+    response[1:] = np.maximum(response[1:], 0.0)  # a response of the other sign is not a slip
     explained = np.where(power > NONE, response**2 / np.maximum(power, NONE), 0.0)
     best = int(np.argmax(explained))
     noise = (y @ y - explained[best]) / max(len(y) - slow.shape[1] - 1, 1)
