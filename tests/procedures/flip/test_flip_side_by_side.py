@@ -191,7 +191,7 @@ def test_only_dwells_that_both_have_are_compared_and_it_is_said() -> None:
 def test_what_cannot_be_set_side_by_side_is_refused() -> None:
     result = reduce(PLAN, of_tables(NEW))
     raw = reduce(Plan(), of_tables(NEW))
-    with pytest.raises(PlanError, match="old has the bias in its readings: there is no error of a model"):
+    with pytest.raises(PlanError, match="old has the bias in its readings: there is no model error"):
         side_by_side(result, raw, "old")
     with pytest.raises(PlanError, match="this test has the bias in its readings"):
         side_by_side(raw, result, "old")
