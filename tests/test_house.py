@@ -247,7 +247,8 @@ PARTING = frozenset({"startswith", "endswith", "partition", "rpartition", "split
 # The serialiser, and what reads texts that come from outside: names of files, columns and channels, words of commands.
 SERIALISER = ("core/remarks.py", "core/influence.py")
 INPUT = ("files/", "cli/options.py", "campaign/models/inputs.py",
-         "campaign/calls/document.py", "procedures/positions/given.py", "procedures/given.py", "core/schema/settings.py",
+         "campaign/calls/document.py", "procedures/positions/given.py", "procedures/given.py",
+         "core/schema/settings.py",
          "report/sections.py")  # fmt: skip
 
 
