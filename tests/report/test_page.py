@@ -16,6 +16,7 @@ import pytest
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.twins.twin import simulate
+from inertialcal.files.binary.curves import read_curves
 from inertialcal.report.page import LARGEST, environment, report_html
 
 LIMIT = 2_000_000  # bytes, from the issue
@@ -71,7 +72,7 @@ class Page(HTMLParser):
 def at(files: Files, pointer: str) -> Any:
     """Follow a JSON pointer into the file that it names."""
     name, _, path = pointer.rpartition(":")
-    value: Any = {"": files[0], "model": files[1], "provenance": files[2]}[name]
+    value: Any = {"": files[0], "curves": files[0].get("curves"), "model": files[1], "provenance": files[2]}[name]
     for token in path.split("/")[1:]:
         key = token.replace("~1", "/").replace("~0", "~")
         value = value[int(key)] if isinstance(value, list) else value[key]
@@ -107,7 +108,7 @@ def read(folder: Path) -> Files:
     out = folder / "out"
     model = out / "model.json"
     return (
-        json.loads((out / "results.json").read_text()),
+        json.loads((out / "results.json").read_text()) | {"curves": read_curves((out / "curves.parquet").read_bytes())},
         json.loads(model.read_text()) if model.is_file() else None,
         json.loads((out / "provenance.json").read_text()),
     )
