@@ -1,4 +1,4 @@
-"""What a campaign says of a flip's recordings: columns of reduced means, positions of the head."""
+"""Keys of a flip's recordings in a campaign: columns of reduced means, positions of the head."""
 
 from __future__ import annotations
 
@@ -68,15 +68,15 @@ KEYS = (
 def test_problems(test: SaidTest) -> Iterator[Problem]:
     """Yield windows of a test: they would have no effect."""
     if test.windows is not None:
-        what = f"test {test.id!r}: windows, but a flip is read where its recordings say (positions), or by groups"
+        what = f"test {test.id!r}: windows, but a flip takes the positions of its recordings, or groups"
         where = test.at("tests", test.number, "windows")
         yield Problem(what, where, "they would have no effect", "Leave them out", "wrong_value")
 
 
 def recording_problems(test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
-    """Yield a recording that does not say how the head was turned, and when."""
+    """Yield a recording without positions of the head."""
     if entry.channels is not None and cast("FlipEntry", entry).positions is None:
-        what = f"recordings.{name}: nothing says how the head was turned, and when"
+        what = f"recordings.{name}: positions of the head are not given"
         do = 'Give positions = [{ start = ..., stop = ..., angle = "0 deg" }, ...]'
         yield Problem(what, test.at("recordings", name), do=do, code="missing_key")
 

@@ -12,15 +12,15 @@ COMPARED = Compared(
     "other_model_bias_error",
     "model_bias_error_change",
     "model_bias_error_reduction",
-    "what both ground models leave of the bias",
-    "Two ground models side by side, in the same dwells: what each leaves of the bias, and what they differ by",
+    "remaining bias errors of both ground models",
+    "Two ground models side by side, in the same dwells: the remaining bias error of each, and their difference",
 )
 FIGURES = (
     FigureSpec(
         "side_by_side",
         DRAWN + "side_by_side",
-        "What two ground models leave of the bias in orbit, and their difference, with 95 % intervals; strokes are"
-        " single flips.",
+        "Remaining bias errors of two ground models in orbit, and their difference, with 95 % intervals; strokes"
+        " are single flips.",
         order=200,
     ),
     FigureSpec(

@@ -1,4 +1,4 @@
-"""The procedure ``flip``: what it takes, what it says of its tests."""
+"""The procedure ``flip``."""
 
 from __future__ import annotations
 
@@ -66,7 +66,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return like(given, entry)
 
     def inputs_for(self, plan: Plan, corrections: Sequence[Correction] = ()) -> InputSpec:
-        """Return what is taken: with ``corrected`` the bias of a ground model is taken off."""
+        """Return the inputs: with ``corrected`` less the bias of a ground model."""
         return replace(self.inputs, ground_model="applied") if plan.corrected else self.inputs
 
     def readings(self, plan: Plan, sources: Sequence[Source], corrections: Sequence[Correction] = ()) -> Readings:
@@ -91,7 +91,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return reduce(plan, readings)
 
     def quantities(self) -> Mapping[str, Quantity]:
-        """Return what there is to say of its figures."""
+        """Return units and use of its figures."""
         return QUANTITIES
 
     def exclusions(self, test: Tested[Plan, Readings, Result]) -> Iterator[Exclusion]:
@@ -115,14 +115,14 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
                     yield Exclusion(why.code, decided(UNREAD[why.code]), why.what, place, axis, dwell=True)
 
     def called(self, result: Result, key: Key) -> Key:
-        """Return the key of a value: what is left after a ground model is the error of that model."""
+        """Return the key of a value: the bias after a ground model is the error of that model."""
         from .rows import MODEL_BIAS
 
         left = result.plan.corrected and key.quantity == "bias"
         return key._replace(quantity=MODEL_BIAS) if left else key
 
     def against(self, result: Result, other: Tested[Any, Any, Any], condition: str) -> Sequence[Row]:
-        """Return what two tests of one head differ by, as after one ground model and another."""
+        """Return the differences of two tests of one head, as after one ground model and another."""
         from .side_by_side import side_by_side
 
         return side_by_side(result, other.result, other.id)
@@ -153,7 +153,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return test_problems(test)
 
     def check_recording(self, test: SaidTest, name: str, entry: Entry) -> Iterator[Problem]:
-        """Yield a recording that does not say how the head was turned, and when."""
+        """Yield a recording without positions of the head."""
         from .entry import recording_problems
 
         return recording_problems(test, name, entry)
@@ -178,13 +178,13 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
         return dict(found), remarks
 
     def claims(self, file: FolderFile) -> Claim | None:
-        """Return how much a file of a folder is made for this test."""
+        """Return how well a file of a folder fits this test."""
         from .suggest import claims
 
         return claims(file)
 
     def draft(self, contents: Mapping[str, object]) -> Draft:
-        """Return what a first campaign.toml says of them."""
+        """Return the tables of a first campaign.toml."""
         from .suggest import draft
 
         return draft(contents)

@@ -19,8 +19,8 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "flip"
-SHOWS = "Reading of each axis, a panel an axis; filled at position 0, hollow where turned; the line is what was found"
-DWELLS = "What each axis read at its positions, in the order of the dwells, and what was found (line)."
+SHOWS = "Reading of each axis, a panel an axis; filled at position 0, hollow where turned; the line is the result"
+DWELLS = "Reading of each axis at its positions, in the order of the dwells, and the result (line)."
 RECORD = "Block means of the quiet record; shaded are the windows, their ends are A, B and so on."
 MOST = 800  # blocks drawn a panel
 SAME = 1e-3  # angles that are one position [rad]

@@ -1,4 +1,4 @@
-"""Two ground models side by side: for each axis what both leave of the bias in orbit, and what they differ by.
+"""Two ground models side by side: for each axis their remaining bias errors in orbit, and the difference.
 
 Dots are the results with their 95 % intervals; the strokes beside them are the single flips behind a result. What has
 no known uncertainty has no interval.
@@ -26,8 +26,8 @@ MARKS: dict[str, dict[str, Any]] = {
     "change": {"marker": "s", "color": COLOURS["quiet"]},
 }
 SHOWS = (
-    "A panel an axis: what both ground models leave of the bias, and their difference, with 95 % intervals; strokes are"
-    " single flips"
+    "A panel an axis: remaining bias errors of both ground models, and their difference, with 95 % intervals; strokes"
+    " are single flips"
 )
 HEIGHT = 1.15  # of a panel [in]
 LONGEST = 18  # characters of a test's name beside the axes
