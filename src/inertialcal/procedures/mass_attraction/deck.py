@@ -53,25 +53,14 @@ HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "ga
 
 @dataclass(frozen=True, eq=False)
 class DeckStep:
-    """One request of a case.
+    """One request of a case."""
 
-    Parameters
-    ----------
-    case, reduction : str
-        ``"case 1"``, ``"straight line"``.
-    printed : tuple of Row
-        The programme's figures.
-    right : Row
-        Amplitude of the line by the same reduction with gaps kept and its gain divided out, or why there is none.
-    analysis : Analysis or None
-        Of the programme; None for the row that fits line and drift at once.
-    """
-
-    case: str
-    reduction: str
-    printed: tuple[Row, ...]
+    case: str  # ``"case 1"``, ``"straight line"``
+    reduction: str  # ``"case 1"``, ``"straight line"``
+    printed: tuple[Row, ...]  # The programme's figures
+    # Amplitude of the line by the same reduction with gaps kept and its gain divided out, or why there is none
     right: Row
-    analysis: Analysis | None
+    analysis: Analysis | None  # Of the programme; None for the row that fits line and drift at once
 
     def columns(self, interval: float) -> dict[str, dict[str, Column]]:
         """Return series, normalised correlations, spectrum and Fourier lines, by column; nothing without analysis."""
@@ -116,19 +105,11 @@ class DeckCase:
 
 @dataclass(frozen=True, eq=False)
 class Deck1969:
-    """What the programme of 1969 makes of a deck, and the same reductions done right.
+    """What the programme of 1969 makes of a deck, and the same reductions done right."""
 
-    Parameters
-    ----------
-    path, sha256 : str
-        Of the deck.
-    cases : tuple of DeckCase
-        In their order.
-    """
-
-    path: str
-    sha256: str
-    cases: tuple[DeckCase, ...]
+    path: str  # Of the deck
+    sha256: str  # Of the deck
+    cases: tuple[DeckCase, ...]  # In their order
 
     @property
     def rows(self) -> tuple[Row, ...]:

@@ -118,21 +118,11 @@ def _outer(u: Array) -> Array:
 
 @dataclass(frozen=True)
 class Combined:
-    """Mean of runs.
+    """Mean of runs."""
 
-    Parameters
-    ----------
-    within : Mean
-        Weighted by the noise of each run, with the uncertainty from that noise alone.
-    between : Mean or None
-        With the uncertainty from the scatter of the runs; None for a single run.
-    p_value : float
-        Probability of at least this scatter from noise alone; NaN for a single run.
-    """
-
-    within: Mean
-    between: Mean | None
-    p_value: float
+    within: Mean  # Weighted by the noise of each run, with the uncertainty from that noise alone
+    between: Mean | None  # With the uncertainty from the scatter of the runs; None for a single run
+    p_value: float  # Probability of at least this scatter from noise alone; NaN for a single run
 
 
 def combined(values: Array, u: Array, dof: Array) -> Combined:

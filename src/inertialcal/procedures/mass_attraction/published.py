@@ -47,27 +47,15 @@ ORDER = np.array([0.0, 1.0, 0.0, -1.0])
 
 @dataclass(frozen=True)
 class Published:
-    """Mean response of runs as the report has it.
+    """Mean response of runs as the report has it."""
 
-    Parameters
-    ----------
-    response, u : float
-        Mean of GO and BO, and twice their standard deviation [count/s].
-    rounded, u_rounded : float
-        Both to the one digit of the uncertainty [count/s].
-    scale_factor, u_scale_factor : float
-        From the rounded values [count/s/(m/s^2)].
-    values : int
-        Number of GO and BO.
-    """
-
-    response: float
-    u: float
-    rounded: float
-    u_rounded: float
-    scale_factor: float
-    u_scale_factor: float
-    values: int
+    response: float  # Mean of GO and BO, and twice their standard deviation [count/s]
+    u: float  # Mean of GO and BO, and twice their standard deviation [count/s]
+    rounded: float  # Both to the one digit of the uncertainty [count/s]
+    u_rounded: float  # Both to the one digit of the uncertainty [count/s]
+    scale_factor: float  # From the rounded values [count/s/(m/s^2)]
+    u_scale_factor: float  # From the rounded values [count/s/(m/s^2)]
+    values: int  # Number of GO and BO
 
 
 def less_noise(line: Line) -> tuple[float, float]:

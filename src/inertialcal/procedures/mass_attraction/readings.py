@@ -37,33 +37,16 @@ YES, NO = ("yes", "true", "1"), ("no", "false", "0")
 
 @dataclass(frozen=True, eq=False)
 class Run:
-    """Readings of one run, a value a dwell.
+    """Readings of one run, a value a dwell."""
 
-    Parameters
-    ----------
-    name : str
-        Of the run.
-    schedule : Schedule
-        Its n dwells.
-    reading : ndarray, shape (n,)
-        Mean of each [count/s]; NaN for a gap.
-    tilt : ndarray, shape (n,), or None
-        Of the pad, as the meter reads it [rad]; NaN for a gap, None without a meter.
-    temperature : ndarray, shape (n,), or None
-        [degC].
-    moved : bool
-        False for a null run.
-    where : str
-        Place of the readings, for messages.
-    """
-
-    name: str
-    schedule: Schedule
-    reading: Array
+    name: str  # Of the run
+    schedule: Schedule  # Its n dwells
+    reading: Array  # shape (n,): mean of each [count/s]; NaN for a gap
+    # shape (n,): of the pad, as the meter reads it [rad]; NaN for a gap, None without a meter
     tilt: Array | None = None
-    temperature: Array | None = None
-    moved: bool = True
-    where: str = ""
+    temperature: Array | None = None  # shape (n,): [degC]
+    moved: bool = True  # False for a null run
+    where: str = ""  # Place of the readings, for messages
 
     @property
     def there(self) -> int:
@@ -73,41 +56,19 @@ class Run:
 
 @dataclass(frozen=True)
 class Line:
-    """A run reduced before: its line and the mean amplitude of the lines next to it, as a document prints them.
+    """A run reduced before: its line and the mean amplitude of the lines next to it, as a document prints them."""
 
-    Parameters
-    ----------
-    name : str
-        Of the run.
-    applied : float
-        Amplitude of the drive; of a null run that of a moved mass [m/s^2].
-    response, noise : float
-        Amplitude at the drive, and mean amplitude of the lines next to it [count/s].
-    beside : int
-        Number of those lines.
-    u_applied : float
-        Relative standard uncertainty of ``applied`` (1).
-    moved : bool
-        False for a null run.
-    psd_response, psd_noise : float
-        The same from the power spectrum [count/s]; NaN if not known.
-    scatter : float
-        Standard deviation of the reduced readings [count/s]; NaN if not known.
-    where : str
-        For messages.
-    """
-
-    name: str
-    applied: float
-    response: float
-    noise: float
-    beside: int = 8
-    u_applied: float = 0.0
-    moved: bool = True
-    psd_response: float = float("nan")
-    psd_noise: float = float("nan")
-    scatter: float = float("nan")
-    where: str = ""
+    name: str  # Of the run
+    applied: float  # Amplitude of the drive; of a null run that of a moved mass [m/s^2]
+    response: float  # Amplitude at the drive [count/s]
+    noise: float  # Mean amplitude of the lines next to it [count/s]
+    beside: int = 8  # Number of those lines
+    u_applied: float = 0.0  # Relative standard uncertainty of ``applied`` (1)
+    moved: bool = True  # False for a null run
+    psd_response: float = float("nan")  # Response from the power spectrum [count/s]; NaN if not known
+    psd_noise: float = float("nan")  # Noise from the power spectrum [count/s]; NaN if not known
+    scatter: float = float("nan")  # Standard deviation of the reduced readings [count/s]; NaN if not known
+    where: str = ""  # For messages
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,28 +91,15 @@ class Readings:
 
 @dataclass(frozen=True, eq=False)
 class SourceMassRecording:
-    """A recording with the schedule of its mass.
+    """A recording with the schedule of its mass."""
 
-    Parameters
-    ----------
-    recording : Recording
-        ``reading`` [count/s], perhaps ``tilt`` [rad] and ``temperature`` [degC]; stamps in the middle of each average,
-        with averaging time. Without a time, a row is a dwell.
-    schedule : Schedule
-        Of the mass.
-    begin : int or None
-        Start of the schedule on the clock of the recording [ns]; None: the first sample.
-    name : str
-        Of the run.
-    moved : bool
-        False for a null run.
-    """
-
+    # ``reading`` [count/s], perhaps ``tilt`` [rad] and ``temperature`` [degC]; stamps in the middle of each
+    # average, with averaging time. Without a time, a row is a dwell.
     recording: Recording
-    schedule: Schedule
-    begin: int | None = None
-    name: str = ""
-    moved: bool = True
+    schedule: Schedule  # Of the mass
+    begin: int | None = None  # Start of the schedule on the clock of the recording [ns]; None: the first sample
+    name: str = ""  # Of the run
+    moved: bool = True  # False for a null run
 
 
 def moved_mass(source: Source) -> SourceMassRecording:
@@ -212,7 +160,10 @@ def readings_from(plan: Plan, moved: Iterable[SourceMassRecording]) -> Readings:
             runs.append(_run_without_time(one, where))
             continue
         seconds, averaging = _clock(one, where)
-        dwell = _dwell_of(one.schedule, seconds, averaging)
+        slack = INSIDE * one.schedule.dwell
+        at = np.searchsorted(one.schedule.start - slack, seconds - 0.5 * averaging, side="right") - 1
+        inside = (at >= 0) & (seconds + 0.5 * averaging <= one.schedule.stop[np.maximum(at, 0)] + slack)
+        dwell = np.where(inside, at, -1)
         outside = int(np.sum(dwell < 0))
         if outside > 1 and outside > HALF * len(dwell):
             what = f"{one.name}: {outside} of {len(dwell)} samples lie in no dwell of the schedule"
@@ -271,14 +222,6 @@ def _clock(one: SourceMassRecording, where: str) -> tuple[Array, float]:
         do = "Give the schedule of this record, or cut both to the same time"
         raise DataError(what, where, why, do, "length_differs")
     return seconds, averaging
-
-
-def _dwell_of(schedule: Schedule, seconds: Array, averaging: float) -> NDArray[np.int64]:
-    """Return the dwell that each sample lies in; -1 if it reaches beyond."""
-    slack = INSIDE * schedule.dwell
-    at = np.searchsorted(schedule.start - slack, seconds - 0.5 * averaging, side="right") - 1
-    inside = (at >= 0) & (seconds + 0.5 * averaging <= schedule.stop[np.maximum(at, 0)] + slack)
-    return np.where(inside, at, -1)
 
 
 def _means(values: Array, dwell: NDArray[np.int64], n: int) -> Array:

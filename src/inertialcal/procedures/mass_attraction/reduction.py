@@ -62,34 +62,17 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """Result of a campaign.
+    """Result of a campaign."""
 
-    Parameters
-    ----------
-    plan, readings : Plan, Readings
-        As given.
-    responses : tuple of Response
-        Of each run.
-    combined : Combined or None
-        Of the runs with the mass moved [count/s/(m/s^2)]; None if their response cannot be told from noise.
-    scatter : str
-        Source of the uncertainty of ``estimate``: ``between_runs`` or ``within_runs``.
-    estimate : Estimate or None
-        ``scale_factor_x``, and what it is compared with, SI.
-    reason : str
-        Why there is no estimate.
-    remarks : tuple of Remark
-        On the result.
-    """
-
-    plan: Plan
-    readings: Readings
-    responses: tuple[Response, ...]
+    plan: Plan  # As given
+    readings: Readings  # As given
+    responses: tuple[Response, ...]  # Of each run
+    # Of the runs with the mass moved [count/s/(m/s^2)]; None if their response cannot be told from noise
     combined: Combined | None
-    scatter: str
-    estimate: Estimate | None
-    reason: str
-    remarks: tuple[Remark, ...] = ()
+    scatter: str  # Source of the uncertainty of ``estimate``: ``between_runs`` or ``within_runs``
+    estimate: Estimate | None  # ``scale_factor_x``, and what it is compared with, SI
+    reason: str  # Why there is no estimate
+    remarks: tuple[Remark, ...] = ()  # On the result
 
     @cached_property
     def published(self) -> tuple[tuple[Line, ...], str]:

@@ -42,47 +42,26 @@ RAYLEIGH = float(np.sqrt(np.pi / 2.0))  # mean amplitude of noise over the stand
 
 @dataclass(frozen=True, eq=False)
 class Response:
-    """Response of one run.
+    """Response of one run."""
 
-    Parameters
-    ----------
-    name : str
-        Of the run.
-    moved : bool
-        False for a null run.
-    applied : float
-        Amplitude of the drive, of a null run that of a moved mass [m/s^2].
-    amplitude, u : float
-        In phase with the drive, and its standard uncertainty from the lines next to it [count/s].
-    dof : float
-        Degrees of freedom of ``u``.
-    quadrature, u_quadrature : float
-        A quarter of a cycle ahead, and its standard uncertainty [count/s]; NaN if not known.
-    tilt, u_tilt : float
-        Of the pad in phase with the drive, mercury subtracted, and its standard uncertainty [rad]; NaN without a meter.
-    coefficient : float
-        Of the tilt in the readings [count/s/rad]; NaN if nothing was subtracted.
-    tilt_used : str
-        As the plan says, or ``ignored`` without a tilt.
-    fitted : Fitted or None
-        Line and drift; None for a run that was reduced before.
-    series : ndarray, shape (n,)
-        Readings that were fitted, tilt subtracted [count/s].
-    """
-
-    name: str
-    moved: bool
-    applied: float
-    amplitude: float
-    u: float
-    dof: float
-    quadrature: float = np.nan
-    u_quadrature: float = np.nan
+    name: str  # Of the run
+    moved: bool  # False for a null run
+    applied: float  # Amplitude of the drive, of a null run that of a moved mass [m/s^2]
+    amplitude: float  # In phase with the drive, and its standard uncertainty from the lines next to it [count/s]
+    u: float  # In phase with the drive, and its standard uncertainty from the lines next to it [count/s]
+    dof: float  # Degrees of freedom of ``u``
+    quadrature: float = np.nan  # A quarter of a cycle ahead, and its standard uncertainty [count/s]; NaN if not known
+    u_quadrature: float = np.nan  # A quarter of a cycle ahead, and its standard uncertainty [count/s]; NaN if not known
+    # Of the pad in phase with the drive, mercury subtracted, and its standard uncertainty [rad]; NaN without a
+    # meter
     tilt: float = np.nan
+    # Of the pad in phase with the drive, mercury subtracted, and its standard uncertainty [rad]; NaN without a
+    # meter
     u_tilt: float = np.nan
-    coefficient: float = np.nan
-    tilt_used: str = "ignored"
-    fitted: Fitted | None = None
+    coefficient: float = np.nan  # Of the tilt in the readings [count/s/rad]; NaN if nothing was subtracted
+    tilt_used: str = "ignored"  # As the plan says, or ``ignored`` without a tilt
+    fitted: Fitted | None = None  # Line and drift; None for a run that was reduced before
+    # shape (n,): readings that were fitted, tilt subtracted [count/s]
     series: Array = field(default_factory=lambda: np.empty(0))
 
     @property
@@ -218,30 +197,18 @@ FEWEST = 12  # readings
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """Line of a drive.
+    """Line of a drive."""
 
-    Parameters
-    ----------
-    amplitude, u : float
-        In phase with the drive, and its standard uncertainty [unit of the readings].
-    quadrature, u_quadrature : float
-        A quarter of a cycle ahead of the drive, and its standard uncertainty; NaN if the drive has none.
-    dof : float
-        Degrees of freedom of both.
-    drift, line : ndarray, shape (n,)
-        Drift and line; NaN for a gap.
-    frequencies : ndarray, shape (m,)
-        Of the drive, then of its side bands [Hz].
-    """
-
-    amplitude: float
-    u: float
+    amplitude: float  # In phase with the drive, and its standard uncertainty [unit of the readings]
+    u: float  # In phase with the drive, and its standard uncertainty [unit of the readings]
+    # A quarter of a cycle ahead of the drive, and its standard uncertainty; NaN if the drive has none
     quadrature: float
+    # A quarter of a cycle ahead of the drive, and its standard uncertainty; NaN if the drive has none
     u_quadrature: float
-    dof: float
-    drift: Array
-    line: Array
-    frequencies: Array
+    dof: float  # Degrees of freedom of both
+    drift: Array  # shape (n,): drift and line; NaN for a gap
+    line: Array  # shape (n,): drift and line; NaN for a gap
+    frequencies: Array  # shape (m,): of the drive, then of its side bands [Hz]
 
 
 def shape_of(schedule: Schedule) -> Array:

@@ -23,27 +23,13 @@ Indices = NDArray[np.int64]
 
 @dataclass(frozen=True, eq=False)
 class Triad:
-    """Mean readings of three sensors x, y, z in m static intervals.
+    """Mean readings of three sensors x, y, z in m static intervals."""
 
-    Parameters
-    ----------
-    mean : ndarray, shape (m, 3)
-        [unit]
-    scatter : ndarray, shape (m, 3)
-        Standard deviation of a sample inside the interval [unit].
-    n_effective : ndarray, shape (m, 3)
-        Independent samples that the mean is worth.
-    unit : str
-        ``"m/s^2"``, ``"rad/s"``, or the unit of the output, such as ``"count"``.
-    samples : ndarray, shape (m,), optional
-        Samples of each interval.
-    """
-
-    mean: Array
-    scatter: Array
-    n_effective: Array
-    unit: str
-    samples: Array | None = None
+    mean: Array  # shape (m, 3): [unit]
+    scatter: Array  # shape (m, 3): standard deviation of a sample inside the interval [unit]
+    n_effective: Array  # shape (m, 3): independent samples that the mean is worth
+    unit: str  # ``"m/s^2"``, ``"rad/s"``, or the unit of the output, such as ``"count"``
+    samples: Array | None = None  # shape (m,): samples of each interval
 
     @property
     def u(self) -> Array:
@@ -58,34 +44,17 @@ class Triad:
 
 @dataclass(frozen=True, eq=False)
 class Rotation:
-    """Samples of one rotation, the first and the last of them at rest.
+    """Samples of one rotation, the first and the last of them at rest."""
 
-    Parameters
-    ----------
-    seconds : ndarray, shape (k,)
-        Since the first sample [s].
-    gyro : ndarray, shape (k, 3)
-        [unit of the gyro readings]
-    acc : ndarray, shape (k, 3), or None
-        [unit of the accelerometer readings]; for what the gyros read of specific force.
-    before, after : int
-        Static intervals that it lies between, counted from 0; -1 where there is none.
-    axis : ndarray, shape (3,), or None
-        Unit vector turned about, in body axes, where it is known.
-    angle : float or None
-        Turned by [rad], where it is known; several turns count fully (two turns are 4 pi).
-    where : str
-        Place, for messages.
-    """
-
-    seconds: Array
-    gyro: Array
+    seconds: Array  # shape (k,): since the first sample [s]
+    gyro: Array  # shape (k, 3): [unit of the gyro readings]
+    # shape (k, 3): [unit of the accelerometer readings]; for what the gyros read of specific force
     acc: Array | None = None
-    before: int = -1
-    after: int = -1
-    axis: Array | None = None
-    angle: float | None = None
-    where: str = ""
+    before: int = -1  # Static interval before it, counted from 0; -1 where there is none
+    after: int = -1  # Static interval after it
+    axis: Array | None = None  # shape (3,): unit vector turned about, in body axes, where it is known
+    angle: float | None = None  # Turned by [rad], where it is known; several turns count fully (two turns are 4 pi)
+    where: str = ""  # Place, for messages
 
     @property
     def known(self) -> bool:
@@ -95,37 +64,19 @@ class Rotation:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Static intervals in order of time, and the rotations.
+    """Static intervals in order of time, and the rotations."""
 
-    Parameters
-    ----------
-    acc : Triad
-        Accelerometers.
-    gyro : Triad or None
-        Gyros, in the same intervals.
-    rotations : tuple of Rotation
-        Between static intervals, or of a known angle.
-    direction : ndarray, shape (m, 3), or None
-        Specific force over gravity, in body axes, where the positions are known; a row of NaN is one that is not.
-    start_ns, stop_ns : ndarray of int64, shape (m,), or None
-        First and last stamp used [ns].
-    temperature : ndarray, shape (m,), or None
-        [degC]
-    where : tuple of str
-        Place of each interval, for messages.
-    remarks : tuple of Remark
-        What reading them brought up.
-    """
-
-    acc: Triad
-    gyro: Triad | None = None
-    rotations: tuple[Rotation, ...] = ()
+    acc: Triad  # Accelerometers
+    gyro: Triad | None = None  # Gyros, in the same intervals
+    rotations: tuple[Rotation, ...] = ()  # Between static intervals, or of a known angle
+    # shape (m, 3): specific force over gravity, in body axes, where the positions are known; a row of NaN is one
+    # that is not
     direction: Array | None = None
-    start_ns: Times | None = None
-    stop_ns: Times | None = None
-    temperature: Array | None = None
-    where: tuple[str, ...] = ()
-    remarks: tuple[Remark, ...] = field(default=())
+    start_ns: Times | None = None  # shape (m,): first stamp used [ns]
+    stop_ns: Times | None = None  # shape (m,): last stamp used [ns]
+    temperature: Array | None = None  # shape (m,): [degC]
+    where: tuple[str, ...] = ()  # Place of each interval, for messages
+    remarks: tuple[Remark, ...] = field(default=())  # What reading them brought up
 
     def __len__(self) -> int:
         """Return the number of static intervals."""

@@ -74,34 +74,16 @@ __all__ = [
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What the test gives.
+    """What the test gives."""
 
-    Parameters
-    ----------
-    plan, readings : Plan, Readings
-        As given.
-    acc : Fitted
-        Accelerometers, and how each position agrees.
-    gyro : FittedGyro or None
-        Gyros, and how each rotation agrees; None where there are none.
-    estimates : mapping of str to Estimate
-        ``"accelerometer"``, ``"gyro"`` -> what is estimated, SI.
-    models : mapping of str to SensorModel
-        The same as models, for readings as they were recorded.
-    remarks : tuple of Remark
-        Findings.
-    sensor : str
-        Kind of sensor that this is the part of; empty for the whole.
-    """
-
-    plan: Plan
-    readings: Readings
-    acc: Fitted
-    gyro: FittedGyro | None
-    estimates: Mapping[str, Estimate]
-    models: Mapping[str, SensorModel]
-    remarks: tuple[Remark, ...]
-    sensor: Kind | Literal[""] = ""
+    plan: Plan  # As given
+    readings: Readings  # As given
+    acc: Fitted  # Accelerometers, and how each position agrees
+    gyro: FittedGyro | None  # Gyros, and how each rotation agrees; None where there are none
+    estimates: Mapping[str, Estimate]  # ``"accelerometer"``, ``"gyro"`` -> what is estimated, SI
+    models: Mapping[str, SensorModel]  # The same as models, for readings as they were recorded
+    remarks: tuple[Remark, ...]  # Findings
+    sensor: Kind | Literal[""] = ""  # Kind of sensor that this is the part of; empty for the whole
 
     @property
     def estimate(self) -> Estimate | None:
@@ -148,7 +130,20 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     """
     check_units(readings, local_gravity(plan))
     check_names(readings)
-    acc = _accelerometers(plan, readings)
+    # Fit against a scale factor near enough, then refer to the ideal one
+    g, si = local_gravity(plan), readings.acc.unit == "m/s^2"
+    near, middle = _start(readings.acc.mean, g)
+    ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
+    zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
+    direction = readings.direction
+    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
+    if direction is not None and np.sum(named) >= FEWEST:
+        fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
+    else:
+        fitted = fit_unknown(plan, readings.acc, ideal, zero)
+    sensor = fitted.sensor
+    final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
+    acc = replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
     gyro, found = _gyros(plan, readings, acc) if readings.gyro is not None else (None, [])
     estimates: dict[str, Estimate] = {}
     models: dict[str, SensorModel] = {}
@@ -168,23 +163,6 @@ def reduce(plan: Plan, readings: Readings) -> Result:
     bare = Result(plan, readings, acc, gyro, estimates, models, ())
     remarks = gather([*readings.remarks, *missing_faces(readings), *found, *remarks_of(bare)])
     return Result(plan, readings, acc, gyro, estimates, models, remarks)
-
-
-def _accelerometers(plan: Plan, readings: Readings) -> Fitted:
-    """Fit against a scale factor near enough, then refer to the ideal one."""
-    g, si = local_gravity(plan), readings.acc.unit == "m/s^2"
-    near, middle = _start(readings.acc.mean, g)
-    ideal = by_axis(plan.acc_scale_factor, 1.0) if si or plan.acc_scale_factor else near
-    zero = by_axis(plan.acc_zero, 0.0) if si or plan.acc_zero else middle
-    direction = readings.direction
-    named = np.asarray(np.isfinite(np.nan if direction is None else direction).all(axis=-1), dtype=np.bool_)
-    if direction is not None and np.sum(named) >= FEWEST:
-        fitted = among(fit_known(plan, readings.acc.take(named), direction[named], ideal, zero), named)
-    else:
-        fitted = fit_unknown(plan, readings.acc, ideal, zero)
-    sensor = fitted.sensor
-    final = ideal if si or plan.acc_scale_factor else rounded_scale(sensor, np.ones(3, dtype=bool))
-    return replace(fitted, sensor=with_ideal(sensor, final, by_axis(plan.acc_zero, 0.0)))
 
 
 def _start(mean: Array, g: float) -> tuple[Array, Array]:

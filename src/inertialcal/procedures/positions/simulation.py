@@ -22,55 +22,29 @@ from .readings import Readings, Rotation, Triad
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """A unit and how it is handled.
+    """A unit and how it is handled."""
 
-    Parameters
-    ----------
-    acc_matrix, gyro_matrix : ndarray, shape (3, 3)
-        Row: sensor; column: axis of the body [1].
-    acc_bias : ndarray, shape (3,)
-        [m/s^2]
-    gyro_bias : ndarray, shape (3,)
-        [rad/s]
-    g_sensitivity : ndarray, shape (3, 3)
-        [(rad/s)/(m/s^2)]
-    directions : ndarray, shape (m, 3)
-        Specific force over gravity in each position.
-    acc_noise, gyro_noise : float
-        Of a sample [m/s^2], [rad/s].
-    acc_between, gyro_between : float
-        Scatter between positions [m/s^2], [rad/s].
-    angle_between : float
-        Scatter between rotations, of where a rotation ends or of a known turn [rad].
-    samples : int
-        Of a static interval.
-    sample_interval, duration : float
-        [s], the second of a rotation.
-    turns : ndarray, shape (t, 3), optional
-        Known turns as angle times axis [rad]; without them the rotations are transitions.
-    known : bool
-        Whether the readings know the directions.
-    sine_of_latitude : float, optional
-        Of the place, for the earth rate; anywhere between -1 and 1 by default.
-    """
-
+    # shape (3, 3): row: sensor; column: axis of the body [1]
     acc_matrix: Array = field(default_factory=lambda: np.eye(3))
+    # shape (3, 3): row: sensor; column: axis of the body [1]
     gyro_matrix: Array = field(default_factory=lambda: np.eye(3))
-    acc_bias: Array = field(default_factory=lambda: np.zeros(3))
-    gyro_bias: Array = field(default_factory=lambda: np.zeros(3))
-    g_sensitivity: Array = field(default_factory=lambda: np.zeros((3, 3)))
+    acc_bias: Array = field(default_factory=lambda: np.zeros(3))  # shape (3,): [m/s^2]
+    gyro_bias: Array = field(default_factory=lambda: np.zeros(3))  # shape (3,): [rad/s]
+    g_sensitivity: Array = field(default_factory=lambda: np.zeros((3, 3)))  # shape (3, 3): [(rad/s)/(m/s^2)]
+    # shape (m, 3): specific force over gravity in each position
     directions: Array = field(default_factory=lambda: spread(24))
-    acc_noise: float = 0.01
-    gyro_noise: float = 1e-3
-    acc_between: float = 1e-3
-    gyro_between: float = 5e-5
-    angle_between: float = 1e-3
-    samples: int = 500
-    sample_interval: float = 0.04
-    duration: float = 2.0
+    acc_noise: float = 0.01  # Of a sample [m/s^2], [rad/s]
+    gyro_noise: float = 1e-3  # Of a sample [m/s^2], [rad/s]
+    acc_between: float = 1e-3  # Scatter between positions [m/s^2], [rad/s]
+    gyro_between: float = 5e-5  # Scatter between positions [m/s^2], [rad/s]
+    angle_between: float = 1e-3  # Scatter between rotations, of where a rotation ends or of a known turn [rad]
+    samples: int = 500  # Of a static interval
+    sample_interval: float = 0.04  # [s], the second of a rotation
+    duration: float = 2.0  # [s], the second of a rotation
+    # shape (t, 3): known turns as angle times axis [rad]; without them the rotations are transitions
     turns: Array | None = None
-    known: bool = False
-    sine_of_latitude: float | None = None
+    known: bool = False  # Whether the readings know the directions
+    sine_of_latitude: float | None = None  # Of the place, for the earth rate; anywhere between -1 and 1 by default
 
 
 def spread(m: int) -> Array:

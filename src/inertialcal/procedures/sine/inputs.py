@@ -23,33 +23,15 @@ WHOLE = 0.01  # of a period, by which a record may differ from whole cycles
 
 @dataclass(frozen=True, eq=False)
 class Driven:
-    """One channel under a known drive.
+    """One channel under a known drive."""
 
-    Parameters
-    ----------
-    channel : Channel
-        As read.
-    drive : Drive
-        At the present samples, in units of its amplitude.
-    readings : ndarray, shape (n,)
-        Finite [unit of the channel].
-    response : float
-        Part of the drive in the samples, which are means over a time.
-    applied : float or None
-        Amplitude applied by a schedule [m/s^2].
-    u_applied : float or None
-        Its relative standard uncertainty.
-    remarks : tuple of Remark
-        On gaps and cycles.
-    """
-
-    channel: Channel
-    drive: Drive
-    readings: Array
-    response: float = 1.0
-    applied: float | None = None
-    u_applied: float | None = None
-    remarks: tuple[Remark, ...] = ()
+    channel: Channel  # As read
+    drive: Drive  # At the present samples, in units of its amplitude
+    readings: Array  # shape (n,): finite [unit of the channel]
+    response: float = 1.0  # Part of the drive in the samples, which are means over a time
+    applied: float | None = None  # Amplitude applied by a schedule [m/s^2]
+    u_applied: float | None = None  # Its relative standard uncertainty
+    remarks: tuple[Remark, ...] = ()  # On gaps and cycles
 
     @property
     def unit(self) -> str:

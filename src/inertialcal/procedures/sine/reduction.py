@@ -115,21 +115,11 @@ def line_of(plan: Plan, driven: Driven) -> SineResult:
 
 @dataclass(frozen=True, eq=False)
 class SineResult:
-    """The line of one channel.
+    """The line of one channel."""
 
-    Parameters
-    ----------
-    driven : Driven
-        Readings and drive.
-    fit : LineFit
-        Of them.
-    checks : tuple of CrossCheck
-        Other estimates.
-    """
-
-    driven: Driven
-    fit: LineFit
-    checks: tuple[CrossCheck, ...]
+    driven: Driven  # Readings and drive
+    fit: LineFit  # Of them
+    checks: tuple[CrossCheck, ...]  # Other estimates
 
     @property
     def unit(self) -> str:

@@ -26,27 +26,13 @@ MOST_CELLS = 4_000_000
 
 @dataclass(frozen=True, eq=False)
 class MassBody:
-    """A body, and the largest attraction that its mass could have.
+    """A body, and the largest attraction that its mass could have."""
 
-    Parameters
-    ----------
-    body : Lattice
-        With the proof mass at the origin and the input axis along x.
-    grid : Grid
-        Places for cells.
-    count : int
-        Number of filled cells.
-    bound : Bound
-        For the same mass behind the plane.
-    allowed : float
-        Largest relative gain of free cells over cubes of several sizes; 0 for equal cubes.
-    """
-
-    body: Lattice
-    grid: Grid
-    count: int
-    bound: Bound
-    allowed: float = 0.0
+    body: Lattice  # With the proof mass at the origin and the input axis along x
+    grid: Grid  # Places for cells
+    count: int  # Number of filled cells
+    bound: Bound  # For the same mass behind the plane
+    allowed: float = 0.0  # Largest relative gain of free cells over cubes of several sizes; 0 for equal cubes
 
     @property
     def mass(self) -> float:

@@ -44,47 +44,23 @@ NOTHING = 1e-6  # of the largest share: smaller shares are rounding of a slope o
 
 @dataclass(frozen=True, eq=False)
 class MassDrive:
-    """Motion of the mass, and what it applies.
+    """Motion of the mass, and what it applies."""
 
-    Parameters
-    ----------
-    travel : Travel
-        Field along the input axis [m/s^2].
-    window, best : Window
-        Used, and the best of the same length.
-    drive : Drive
-        Positions of one cycle.
-    harmonics : ndarray, shape (5,)
-        Of the field under a sinusoidal motion [m/s^2].
-    """
-
-    travel: Travel
-    window: Window
-    best: Window
-    drive: Drive
-    harmonics: Array
+    travel: Travel  # Field along the input axis [m/s^2]
+    window: Window  # Used, and the best of the same length
+    best: Window  # Used, and the best of the same length
+    drive: Drive  # Positions of one cycle
+    harmonics: Array  # shape (5,): of the field under a sinusoidal motion [m/s^2]
 
 
 @dataclass(frozen=True, eq=False)
 class MassBudget:
-    """Uncertainty of the amplitude.
+    """Uncertainty of the amplitude."""
 
-    Parameters
-    ----------
-    parts : tuple of Share
-        By influence [m/s^2].
-    u : float
-        Linear [m/s^2].
-    u_drawn : float or None
-        Monte Carlo [m/s^2]; None if there are too many pieces.
-    agrees : bool or None
-        Whether Monte Carlo validates the linear budget (JCGM 101); None without it.
-    """
-
-    parts: tuple[Share, ...]
-    u: float
-    u_drawn: float | None
-    agrees: bool | None
+    parts: tuple[Share, ...]  # By influence [m/s^2]
+    u: float  # Linear [m/s^2]
+    u_drawn: float | None  # Monte Carlo [m/s^2]; None if there are too many pieces
+    agrees: bool | None  # Whether Monte Carlo validates the linear budget (JCGM 101); None without it
 
 
 def drive_of(
@@ -135,24 +111,12 @@ def budget_of(body: MassBody, found: MassDrive, way: Direction, doubts: Doubts, 
 
 @dataclass(frozen=True, eq=False)
 class MassForecast:
-    """Uncertainty that each drive will reach between the same ends.
+    """Uncertainty that each drive will reach between the same ends."""
 
-    Parameters
-    ----------
-    drives : dict of str to Forecast
-        By drive.
-    at_end : dict of str to float
-        Relative uncertainty at the end.
-    needed : dict of str to float or None
-        Time to the target [s]; None if no time is enough.
-    over : dict of str to float or None
-        Time after which the amplitude dominates the uncertainty [s].
-    """
-
-    drives: dict[str, Forecast]
-    at_end: dict[str, float]
-    needed: dict[str, float | None]
-    over: dict[str, float | None]
+    drives: dict[str, Forecast]  # By drive
+    at_end: dict[str, float]  # Relative uncertainty at the end
+    needed: dict[str, float | None]  # Time to the target [s]; None if no time is enough
+    over: dict[str, float | None]  # Time after which the amplitude dominates the uncertainty [s]
 
 
 def forecast_of(found: MassDrive, terms: Sequence[Term], timing: Timing, u_applied: float) -> MassForecast:

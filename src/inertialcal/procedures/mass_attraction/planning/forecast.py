@@ -59,21 +59,11 @@ class Cycle:
 
 @dataclass(frozen=True, eq=False)
 class Forecast:
-    """Uncertainty of the scale factor against time.
+    """Uncertainty of the scale factor against time."""
 
-    Parameters
-    ----------
-    time : ndarray, shape (n,)
-        Of whole cycles [s].
-    u_noise : ndarray, shape (n,)
-        From the noise, relative [1].
-    u_applied : float
-        From what is applied, relative [1].
-    """
-
-    time: Array
-    u_noise: Array
-    u_applied: float = 0.0
+    time: Array  # shape (n,): of whole cycles [s]
+    u_noise: Array  # shape (n,): from the noise, relative [1]
+    u_applied: float = 0.0  # From what is applied, relative [1]
 
     @property
     def u(self) -> Array:

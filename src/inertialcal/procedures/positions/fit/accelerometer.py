@@ -58,42 +58,22 @@ SETTLED = 1e-9  # of gravity
 
 @dataclass(frozen=True, eq=False)
 class Fitted:
-    """Accelerometers, and how each position agrees.
+    """Accelerometers, and how each position agrees."""
 
-    Parameters
-    ----------
-    sensor : LinearSensor
-        Matrix and offset.
-    observed : Observed
-        What the positions can tell.
-    outliers : ndarray of bool, shape (m,)
-        Positions left out.
-    residuals, deletion : ndarray, shape (m, 1) or (m, 3)
-        Of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice.
-    between : float or None
-        Standard deviation between positions [m/s^2].
-    between_dof, between_interval : float, tuple of float
-        Degrees of freedom of that, and its interval of 95 %.
-    chi_square, chi_square_known : float
-        By both levels, and by the noise inside positions alone.
-    free : int
-        Degrees of freedom.
-    known : bool
-        Whether the orientations were known.
-    """
-
-    sensor: LinearSensor
-    observed: Observability
-    outliers: Flags
+    sensor: LinearSensor  # Matrix and offset
+    observed: Observability  # What the positions can tell
+    outliers: Flags  # shape (m,): positions left out
+    # shape (m, 1): of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice
     residuals: Array
+    # shape (m, 1): of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice
     deletion: Array
-    between: float | None
-    between_dof: float
-    between_interval: tuple[float, float]
-    chi_square: float
-    chi_square_known: float
-    free: int
-    known: bool
+    between: float | None  # Standard deviation between positions [m/s^2]
+    between_dof: float  # Degrees of freedom of that, and its interval of 95 %
+    between_interval: tuple[float, float]  # Degrees of freedom of that, and its interval of 95 %
+    chi_square: float  # By both levels, and by the noise inside positions alone
+    chi_square_known: float  # By both levels, and by the noise inside positions alone
+    free: int  # Degrees of freedom
+    known: bool  # Whether the orientations were known
 
 
 def normalised(triad: Triad, ideal: Array, zero: Array) -> tuple[Array, Array]:

@@ -38,33 +38,16 @@ LEVEL = "earth rate across the vertical"
 
 @dataclass(frozen=True, eq=False)
 class AtRest:
-    """Bias and g-sensitivity of three gyros, before their matrix is known.
+    """Bias and g-sensitivity of three gyros, before their matrix is known."""
 
-    Parameters
-    ----------
-    bias : ndarray, shape (3,)
-        [rad/s]
-    g_sensitivity : ndarray, shape (3, 3), or None
-        As it was seen, earth rate included [(rad/s)/(m/s^2)].
-    fits : tuple of TwoLevels, or None
-        Of x, y, z; coefficients bias and three of G; None with too few positions for a scatter.
-    residuals : ndarray, shape (m, 3)
-        [rad/s]
-    outliers : ndarray of bool, shape (m,)
-        Positions left out.
-    reason : str
-        Why there is no g-sensitivity.
-    share : float
-        Part of the variance of the mean readings that g-sensitivity explains; NaN without.
-    """
-
-    bias: Array
-    g_sensitivity: Array | None
+    bias: Array  # shape (3,): [rad/s]
+    g_sensitivity: Array | None  # shape (3, 3): as it was seen, earth rate included [(rad/s)/(m/s^2)]
+    # Of x, y, z; coefficients bias and three of G; None with too few positions for a scatter
     fits: tuple[TwoLevels, ...] | None
-    residuals: Array
-    outliers: Flags
-    reason: str
-    share: float
+    residuals: Array  # shape (m, 3): [rad/s]
+    outliers: Flags  # shape (m,): positions left out
+    reason: str  # Why there is no g-sensitivity
+    share: float  # Part of the variance of the mean readings that g-sensitivity explains; NaN without
 
     @property
     def between(self) -> Array | None:
@@ -158,18 +141,10 @@ def sources_of(plan: Plan, rest: AtRest, back: Array) -> list[Source]:
 
 @dataclass(frozen=True, eq=False)
 class Carried:
-    """Two axes across the vertical in each position, and which positions they are carried through.
+    """Two axes across the vertical in each position, and which positions they are carried through."""
 
-    Parameters
-    ----------
-    axes : ndarray, shape (m, 2, 3)
-        Unit vectors along the body axes.
-    chain : ndarray of int, shape (m,)
-        Positions of one number follow one another by rotations that were seen.
-    """
-
-    axes: Array
-    chain: NDArray[np.int64]
+    axes: Array  # shape (m, 2, 3): unit vectors along the body axes
+    chain: NDArray[np.int64]  # shape (m,): positions of one number follow one another by rotations that were seen
 
 
 def apart(force: Array) -> Carried:

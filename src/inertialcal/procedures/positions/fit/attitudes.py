@@ -22,22 +22,12 @@ from ._kernels_transitions import through
 
 @dataclass(frozen=True, eq=False)
 class Packed:
-    """Samples of all rotations in a row.
+    """Samples of all rotations in a row."""
 
-    Parameters
-    ----------
-    z, f : ndarray, shape (n, 3)
-        Readings of the gyros less bias and g-sensitivity [rad/s], specific force [m/s^2].
-    h : ndarray, shape (n,)
-        Time to the next sample [s], 0 from the last of a rotation.
-    first : ndarray of int, shape (k + 1,)
-        Where each begins, and the end.
-    """
-
-    z: Array
-    f: Array
-    h: Array
-    first: NDArray[np.int64]
+    z: Array  # shape (n, 3): readings of the gyros less bias and g-sensitivity [rad/s], specific force [m/s^2]
+    f: Array  # shape (n, 3): readings of the gyros less bias and g-sensitivity [rad/s], specific force [m/s^2]
+    h: Array  # shape (n,): time to the next sample [s], 0 from the last of a rotation
+    first: NDArray[np.int64]  # shape (k + 1,): where each begins, and the end
 
     @cached_property
     def squares(self) -> Array:

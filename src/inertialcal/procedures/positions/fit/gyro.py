@@ -36,27 +36,13 @@ ONE_PLACE = Reason("one_place", "as many positions as unknowns: no degrees of fr
 
 @dataclass(frozen=True, eq=False)
 class FittedGyro:
-    """Gyros, and how positions and rotations agree.
+    """Gyros, and how positions and rotations agree."""
 
-    Parameters
-    ----------
-    sensor : LinearSensor
-        Matrix, bias and g-sensitivity: 21 numbers.
-    rest : AtRest
-        The positions.
-    rotated : Rotated or None
-        The rotations; None where there are none.
-    problem : Problem or None
-        What they are.
-    angles : ndarray, shape (k,)
-        Of each transition, from where gravity was carried to where it is [rad].
-    """
-
-    sensor: LinearSensor
-    rest: AtRest
-    rotated: Rotated | None
-    problem: Problem | None
-    angles: Array
+    sensor: LinearSensor  # Matrix, bias and g-sensitivity: 21 numbers
+    rest: AtRest  # The positions
+    rotated: Rotated | None  # The rotations; None where there are none
+    problem: Problem | None  # What they are
+    angles: Array  # shape (k,): of each transition, from where gravity was carried to where it is [rad]
 
 
 def fit_gyro(

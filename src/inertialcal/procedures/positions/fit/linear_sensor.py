@@ -50,24 +50,14 @@ class Source:
 
 @dataclass(frozen=True, eq=False)
 class LinearSensor:
-    """Matrix and offset of three sensors, relative to their ideal scale factor and zero.
+    """Matrix and offset of three sensors, relative to their ideal scale factor and zero."""
 
-    Parameters
-    ----------
-    values : ndarray, shape (12,) or (21,)
-        In the order of the module head.
-    sources : tuple of Source
-        Their covariances add; in the same order.
-    reasons : mapping of int to Reason
-        Number -> why it is not estimated.
-    ideal, zero : ndarray, shape (3,)
-        Scale factor [unit of the readings/input unit] and reading for no input [unit of the readings].
-    """
-
-    values: Array
-    sources: tuple[Source, ...]
-    reasons: Mapping[int, Reason]
+    values: Array  # shape (12,): in the order of the module head
+    sources: tuple[Source, ...]  # Their covariances add; in the same order
+    reasons: Mapping[int, Reason]  # Number -> why it is not estimated
+    # shape (3,): scale factor [unit of the readings/input unit] and reading for no input [unit of the readings]
     ideal: Array
+    # shape (3,): scale factor [unit of the readings/input unit] and reading for no input [unit of the readings]
     zero: Array
     named: tuple[Key, ...] = field(default=(*MATRIX, *BIAS))
 
@@ -202,31 +192,15 @@ def propagated(back: Array, covariance: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Observability:
-    """What readings determine.
+    """What readings determine."""
 
-    Parameters
-    ----------
-    rank, count : int
-        Combinations that are determined, of how many.
-    condition : float
-        Largest over smallest singular value of these.
-    determined : ndarray of bool, shape (p,)
-        Parameters that take no part in a combination that is not.
-    kept : ndarray, shape (p, rank)
-        Directions that are determined, in scaled parameters.
-    combinations : tuple of str
-        Those that are not, in words.
-    parts : tuple of frozenset of Key
-        Parameters that take part in each of them.
-    """
-
-    rank: int
-    count: int
-    condition: float
-    determined: NDArray[np.bool_]
-    kept: Array
-    combinations: tuple[str, ...]
-    parts: tuple[frozenset[Key], ...]
+    rank: int  # Combinations that are determined, of how many
+    count: int  # Combinations that are determined, of how many
+    condition: float  # Largest over smallest singular value of these
+    determined: NDArray[np.bool_]  # shape (p,): parameters that take no part in a combination that is not
+    kept: Array  # shape (p, rank): directions that are determined, in scaled parameters
+    combinations: tuple[str, ...]  # Those that are not, in words
+    parts: tuple[frozenset[Key], ...]  # Parameters that take part in each of them
 
     @property
     def whole(self) -> bool:

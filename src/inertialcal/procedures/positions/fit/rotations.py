@@ -46,33 +46,17 @@ POSITIONS = "errors of the positions at both ends"
 
 @dataclass(frozen=True, eq=False)
 class Rotated:
-    """Matrix of the gyros, and how each rotation agrees.
+    """Matrix of the gyros, and how each rotation agrees."""
 
-    Parameters
-    ----------
-    W : ndarray, shape (3, 3)
-        Inverse of the matrix.
-    found : TwoLevels or None
-        Of the parameters of W that are determined; None where nothing judges them.
-    observed : Observed
-        What the rotations can tell.
-    by_rest : ndarray, shape (9, 12)
-        Derivatives of W by bias and g-sensitivity.
-    by_positions : ndarray, shape (9, m, 3)
-        Derivatives of W by the unit vectors of the positions.
-    outliers : ndarray of bool, shape (rotations,)
-        Left out.
-    residuals, deletion : ndarray, shape (rows,)
-        Of the rows of all rotations, transitions first (two each), then turns (three each) [rad].
-    """
-
-    W: Array
-    found: TwoLevels | None
-    observed: Observability
-    by_rest: Array
-    by_positions: Array
-    outliers: Flags
+    W: Array  # shape (3, 3): inverse of the matrix
+    found: TwoLevels | None  # Of the parameters of W that are determined; None where nothing judges them
+    observed: Observability  # What the rotations can tell
+    by_rest: Array  # shape (9, 12): derivatives of W by bias and g-sensitivity
+    by_positions: Array  # shape (9, m, 3): derivatives of W by the unit vectors of the positions
+    outliers: Flags  # shape (rotations,): left out
+    # shape (rows,): of the rows of all rotations, transitions first (two each), then turns (three each) [rad]
     residuals: Array
+    # shape (rows,): of the rows of all rotations, transitions first (two each), then turns (three each) [rad]
     deletion: Array
 
 
@@ -209,26 +193,14 @@ def across(u: Array) -> Array:
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """All that is needed to find W: transitions, turns, and what is known of their errors.
+    """All that is needed to find W: transitions, turns, and what is known of their errors."""
 
-    Parameters
-    ----------
-    moves, ends : Packed, Ends
-        Transitions.
-    turns, turned : Packed, ndarray (t, 3)
-        Turns and their known vectors [rad].
-    noise : ndarray, shape (3,)
-        White noise of the gyros: standard deviation of a sample at rest [rad/s].
-    up_variance : ndarray, shape (m,)
-        Of the unit vectors of the positions, about each axis across [rad^2].
-    """
-
-    moves: Packed
-    ends: Ends
-    turns: Packed
-    turned: Array
-    noise: Array
-    up_variance: Array
+    moves: Packed  # Transitions
+    ends: Ends  # Transitions
+    turns: Packed  # Turns and their known vectors [rad]
+    turned: Array  # Turns and their known vectors [rad]
+    noise: Array  # shape (3,): white noise of the gyros: standard deviation of a sample at rest [rad/s]
+    up_variance: Array  # shape (m,): of the unit vectors of the positions, about each axis across [rad^2]
 
     @property
     def sizes(self) -> tuple[int, int]:

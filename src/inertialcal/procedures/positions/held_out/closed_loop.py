@@ -36,26 +36,13 @@ Errors = Callable[[Array], Array]  # of the numbers of the model: one row a posi
 
 @dataclass(frozen=True, eq=False)
 class Judge:
-    """One way in which readings held out judge a triad.
+    """One way in which readings held out judge a triad."""
 
-    Parameters
-    ----------
-    name : str
-        For the table of the closed loop.
-    unit : str
-        Of the errors.
-    errors : callable
-        From the numbers of a model to the errors of each position or rotation, shape (n, c).
-    free : int
-        Numbers of the model that a fit takes from such errors.
-    by_matrix : bool
-        Whether the matrix shows in them; at rest next to nothing turns, and only bias and g-sensitivity do.
-    """
-
-    name: str
-    unit: str
-    errors: Errors
-    free: int
+    name: str  # For the table of the closed loop
+    unit: str  # Of the errors
+    errors: Errors  # From the numbers of a model to the errors of each position or rotation, shape (n, c)
+    free: int  # Numbers of the model that a fit takes from such errors
+    # Whether the matrix shows in them; at rest next to nothing turns, and only bias and g-sensitivity do
     by_matrix: bool = True
 
     def tells(self, values: Array, other: Array) -> bool:

@@ -320,43 +320,20 @@ def _in_words(lines: Array, inverse: Array, variance: Array, g: Array) -> tuple[
 
 @dataclass(frozen=True, eq=False)
 class PositionsBatch:
-    """Parameters of many triads with their covariance.
+    """Parameters of many triads with their covariance."""
 
-    Parameters
-    ----------
-    names, units : tuple of str, length k
-        Parameters as ``sensors.terms`` names them, and their units.
-    values : ndarray, shape (n, k)
-        NaN where a unit has no estimate.
-    covariance : ndarray, shape (n, k, k)
-        NaN where it has none.
-    squares : ndarray, shape (n,)
-        Sum of squared residuals [unit of the readings squared].
-    chi_square : ndarray, shape (n,)
-        The same over the square of the scatter that was given; NaN where none was.
-    dof : ndarray, shape (n,)
-        Residuals less parameters.
-    positions : ndarray, shape (n,)
-        Positions without a missing reading.
-    condition : ndarray, shape (n,)
-        Of the Jacobian, in units of gravity: up to three times the ratio of its singular values.
-    status : ndarray, shape (n,)
-        Index into ``STATUS``.
-    remarks : tuple of Remark
-        Units without estimate or without uncertainty, counted by cause.
-    """
-
-    names: tuple[str, ...]
-    units: tuple[str, ...]
-    values: Array
-    covariance: Array
-    squares: Array
-    chi_square: Array
-    dof: NDArray[np.int64]
-    positions: NDArray[np.int64]
+    names: tuple[str, ...]  # Parameters as ``sensors.terms`` names them, and their units
+    units: tuple[str, ...]  # Parameters as ``sensors.terms`` names them, and their units
+    values: Array  # shape (n, k): naN where a unit has no estimate
+    covariance: Array  # shape (n, k, k): naN where it has none
+    squares: Array  # shape (n,): sum of squared residuals [unit of the readings squared]
+    chi_square: Array  # shape (n,): the same over the square of the scatter that was given; NaN where none was
+    dof: NDArray[np.int64]  # shape (n,): residuals less parameters
+    positions: NDArray[np.int64]  # shape (n,): positions without a missing reading
+    # shape (n,): of the Jacobian, in units of gravity: up to three times the ratio of its singular values
     condition: Array
-    status: NDArray[np.int64]
-    remarks: tuple[Remark, ...]
+    status: NDArray[np.int64]  # shape (n,): index into ``STATUS``
+    remarks: tuple[Remark, ...]  # Units without estimate or without uncertainty, counted by cause
     _given: bool = False
 
     def __len__(self) -> int:

@@ -41,25 +41,13 @@ LOWER = ((1, 0), (2, 0), (2, 1))
 
 @dataclass(frozen=True)
 class Setup:
-    """What is known before the test.
+    """What is known before the test."""
 
-    Parameters
-    ----------
-    scatter : float
-        Standard deviation of the mean reading of one position, all causes [m/s2].
-    known : bool
-        Whether the direction of each position is known.
-    pose : float
-        Standard uncertainty of a known direction, about each axis [rad].
-    gravity, gravity_u : float
-        Local gravity and its standard uncertainty [m/s2].
-    """
-
-    scatter: float
-    known: bool = False
-    pose: float = 0.0
-    gravity: float = field(default=float(STANDARD_GRAVITY.value))
-    gravity_u: float = 0.0
+    scatter: float  # Standard deviation of the mean reading of one position, all causes [m/s2]
+    known: bool = False  # Whether the direction of each position is known
+    pose: float = 0.0  # Standard uncertainty of a known direction, about each axis [rad]
+    gravity: float = field(default=float(STANDARD_GRAVITY.value))  # Local gravity and its standard uncertainty [m/s2]
+    gravity_u: float = 0.0  # Local gravity and its standard uncertainty [m/s2]
 
     def __post_init__(self) -> None:
         numbers = {"scatter": self.scatter, "gravity": self.gravity}
@@ -71,37 +59,17 @@ class Setup:
 
 @dataclass(frozen=True, eq=False)
 class Prediction:
-    """Uncertainty that a set of positions would give.
+    """Uncertainty that a set of positions would give."""
 
-    Parameters
-    ----------
-    keys : tuple of Key
-        Parameters.
-    units : tuple of str
-        SI.
-    u : ndarray, shape (k,)
-        Standard uncertainties; infinite where not determined.
-    covariance : ndarray, shape (k, k)
-        NaN in rows and columns of what is not determined.
-    rank, count : int
-        Combinations that are determined, of how many.
-    condition : float
-        Of these.
-    undetermined : tuple of str
-        Combinations that are not, in words.
-    parts : tuple of frozenset of Key
-        Parameters that take part in each of them.
-    """
-
-    keys: tuple[Key, ...]
-    units: tuple[str, ...]
-    u: Array
-    covariance: Array
-    rank: int
-    count: int
-    condition: float
-    undetermined: tuple[str, ...]
-    parts: tuple[frozenset[Key], ...]
+    keys: tuple[Key, ...]  # Parameters
+    units: tuple[str, ...]  # SI
+    u: Array  # shape (k,): standard uncertainties; infinite where not determined
+    covariance: Array  # shape (k, k): naN in rows and columns of what is not determined
+    rank: int  # Combinations that are determined, of how many
+    count: int  # Combinations that are determined, of how many
+    condition: float  # Of these
+    undetermined: tuple[str, ...]  # Combinations that are not, in words
+    parts: tuple[frozenset[Key], ...]  # Parameters that take part in each of them
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -111,18 +79,10 @@ class Prediction:
 
 @dataclass(frozen=True, eq=False)
 class Course:
-    """Positions to take, one after another.
+    """Positions to take, one after another."""
 
-    Parameters
-    ----------
-    directions : ndarray, shape (n, 3)
-        What points up, in body axes.
-    prediction : Prediction
-        After the last of them.
-    """
-
-    directions: Array
-    prediction: Prediction
+    directions: Array  # shape (n, 3): what points up, in body axes
+    prediction: Prediction  # After the last of them
 
 
 def cube() -> Array:

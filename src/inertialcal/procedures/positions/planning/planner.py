@@ -58,27 +58,13 @@ SMALLEST = 1e-15  # uncertainty that can be wanted, SI
 
 @dataclass(frozen=True, eq=False)
 class PositionsPlan:
-    """Positions to take, and the uncertainty that they would give.
+    """Positions to take, and the uncertainty that they would give."""
 
-    Parameters
-    ----------
-    taken : int
-        Positions there already.
-    directions : ndarray, shape (n, 3)
-        All positions, those there already first: what points up, in body axes.
-    prediction : Prediction
-        Of all of them, SI.
-    rows : tuple of Row
-        The uncertainty to expect of each parameter, ``bias_uncertainty`` of ``bias``.
-    remarks : tuple of Remark
-        What there is to say of it.
-    """
-
-    taken: int
-    directions: Array
-    prediction: Prediction
-    rows: tuple[Row, ...]
-    remarks: tuple[Remark, ...] = ()
+    taken: int  # Positions there already
+    directions: Array  # shape (n, 3): all positions, those there already first: what points up, in body axes
+    prediction: Prediction  # Of all of them, SI
+    rows: tuple[Row, ...]  # The uncertainty to expect of each parameter, ``bias_uncertainty`` of ``bias``
+    remarks: tuple[Remark, ...] = ()  # What there is to say of it
 
     @property
     def results(self) -> dict[str, Any]:
