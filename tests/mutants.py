@@ -122,8 +122,8 @@ MUTANTS = (
     ),
     Mutant(
         "units.py",
-        "points = _container(source, False), _container(target, False)",
-        "points = _container(source, True), _container(target, True)",
+        "zero, to_zero = (by_symbol()[unit[0][0]][0].offset for unit",
+        "zero, to_zero = (0.0 for unit",
         "test_units",
     ),
     Mutant(
@@ -142,14 +142,29 @@ MUTANTS = (
     ),
     Mutant(
         "means.py",
-        "float(x.std(ddof=1) / np.sqrt(x.size)), float(x.size - 1)",
-        "float(x.std(ddof=0) / np.sqrt(x.size)), float(x.size - 1)",
+        "np.sum(share**2 / np.broadcast_to",
+        "np.sum(share / np.broadcast_to",
         "test_means",
     ),
     Mutant("means.py", "float(weights.sum() ** -0.5)", "float(weights.sum() ** -1.0)", "test_means"),
-    Mutant("means.py", "weights @ residuals**2 / (x.size - 1)", "weights @ residuals**2 / x.size", "test_means"),
-    Mutant("means.py", "dof = means.size - sizes.size", "dof = means.size - 1", "test_means"),
-    Mutant("means.py", "dof @ s**2 / dof.sum()", "s @ s / s.size", "test_means"),
+    Mutant(
+        "difference.py",
+        "b.changes.get(name, 0.0) - a.changes.get(name, 0.0)",
+        "b.changes.get(name, 0.0) + a.changes.get(name, 0.0)",
+        "test_difference",
+    ),
+    Mutant(
+        "difference.py",
+        "one.u**2 - sum(one.changes.get(name, 0.0) ** 2 for name in names)",
+        "one.u**2 + sum(one.changes.get(name, 0.0) ** 2 for name in names)",
+        "test_difference",
+    ),
+    Mutant(
+        "difference.py",
+        "variance**2 / spent if spent",
+        "variance / spent if spent",
+        "test_difference",
+    ),
     Mutant("decision.py", "if hi < low or lo > high:", "if hi <= low or lo > high:", "test_decision"),
     Mutant("decision.py", "if low <= lo and hi <= high:", "if low <= lo and hi < high:", "test_decision"),
     Mutant("decision.py", "p if both else round(2.0 * p - 1.0, 12)", "p", "test_decision"),
@@ -174,8 +189,8 @@ MUTANTS = (
     ),
     Mutant(
         "least_squares.py",
-        "without = np.maximum(fit.dof * fit.mean_square - square, 0.0) / (fit.dof - 1.0)",
-        "without = np.maximum(fit.dof * fit.mean_square - square, 0.0) / fit.dof",
+        "np.sqrt(_checked_weights(weights, readings.size))",
+        "_checked_weights(weights, readings.size)",
         "test_least_squares",
     ),
     Mutant(
@@ -209,17 +224,22 @@ MUTANTS = (
         "covariance = None if self.covariance is None else change.T @ self.covariance @ change",
         "test_polynomial",
     ),
-    Mutant("propagate.py", "change / (above[i] - below[i])", "change / step", "test_propagate"),
     Mutant(
         "propagate.py",
-        "np.min(np.where(counts, dof, np.inf), axis=1)",
-        "np.max(np.where(counts, dof, 0.0), axis=1)",
+        "np.subtract(ends(drawn.intervals[i]), ends(mine))",
+        "np.add(ends(drawn.intervals[i]), ends(mine))",
         "test_propagate",
     ),
     Mutant(
         "propagate.py",
-        "held = min(round(p * ordered.size), ordered.size - 1)",
-        "held = min(round(0.5 * p * ordered.size), ordered.size - 1)",
+        "axis=0, ddof=1) / math.sqrt(blocks)",
+        "axis=0, ddof=1)",
+        "test_propagate",
+    ),
+    Mutant(
+        "propagate.py",
+        'float(f"5e{exponent - 1}")',
+        'float(f"5e{exponent}")',
         "test_propagate",
     ),
     Mutant(
@@ -294,8 +314,8 @@ MUTANTS = (
     ),
     Mutant(
         "quantiles.py",
-        "return np.asarray(b * (1.0 - part) / (a * part), dtype=np.float64)",
-        "return np.asarray(a * (1.0 - part) / (b * part), dtype=np.float64)",
+        "np.asarray(dof) * f_upper(p, dof, np.inf)",
+        "np.asarray(dof) * f_upper(p, np.inf, dof)",
         "test_quantiles",
     ),
     Mutant("drift.py", "weights = curve[-1] - curve[0]", "weights = curve[0] - curve[-1]", "test_drift"),
@@ -396,7 +416,12 @@ MUTANTS = (
         "amplitude * np.cos(2.0 * np.pi / samples_per_cycle * at)",
         "test_programme1969",
     ),
-    Mutant("noise_scale.py", "float(kept * (BLOCK - 1)), step", "float(kept * BLOCK), step", "test_noise_scale"),
+    Mutant(
+        "noise_scale.py",
+        "np.sqrt(pooled), kept * (BLOCK - 1)",
+        "np.sqrt(pooled), kept * BLOCK",
+        "test_noise_scale",
+    ),
     Mutant(
         "_kernels_levels.py",
         "variance[block], different[block] = squares / (size - 1), unequal",
@@ -454,6 +479,18 @@ MUTANTS = (
         "return -_angle(x, y, z, r), -_angle(y, z, x, r), -_angle(z, x, y, r), lx, ly, lz",
         "return -_angle(x, y, z, r), -_angle(y, z, x, r), -_angle(z, x, y, r), lx, lz, ly",
         "test_attraction_bodies test_attraction_lattice",
+    ),
+    Mutant(
+        "extended.py",
+        "np.sqrt(inner**2 + (outer**2 - inner**2) * (u + 1.0) / 2.0)",
+        "inner + (outer - inner) * (u + 1.0) / 2.0",
+        "test_attraction_bodies",
+    ),
+    Mutant(
+        "bodies.py",
+        "self.lower[i] + (at[i] + 0.5) * self.edges[i] for i",
+        "self.lower[i] + at[i] * self.edges[i] for i",
+        "test_attraction_lattice",
     ),
     Mutant("tilt.py", "line - moved[:, None, :]", "line + moved[:, None, :]", "test_tilt"),
     Mutant(
@@ -720,8 +757,8 @@ MUTANTS = (
     ),
     Mutant(
         "closed_loop.py",
-        "return _p(one.gain + one.allowed, one)",
-        "return _p(one.gain - one.allowed, one)",
+        "_p(one.gain + one.allowed, one)",
+        "_p(one.gain - one.allowed, one)",
         "test_loop_verdicts",
     ),
     Mutant(
@@ -731,7 +768,12 @@ MUTANTS = (
         "test_loop_verdicts",
     ),
     Mutant("closed_loop.py", "of_worse = 0.5 * share if any(", "of_worse = share if any(", "test_loop_verdicts"),
-    Mutant("closed_loop.py", "return _p(-one.gain, one)", "return _p(one.gain, one)", "test_loop_verdicts"),
+    Mutant(
+        "closed_loop.py",
+        "_p(-one.gain, one)",
+        "_p(one.gain, one)",
+        "test_loop_verdicts",
+    ),
     Mutant(
         "closed_loop.py",
         "freedom = len(sums) / max(len(sums) - 1.0, 1.0)",
