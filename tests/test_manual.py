@@ -38,6 +38,7 @@ from inertialcal.core.schema import quantities as schema_words
 from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.settings import settings_of, settings_table
 from inertialcal.core.show.names import case_name
+from inertialcal.files.binary.curves import read_curves
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip
 from inertialcal.procedures.mass_attraction import entry as mass_attraction
@@ -340,15 +341,17 @@ def results(example: Path) -> dict[str, Any]:
     return found
 
 
-def test_every_key_of_the_results_is_documented(results: dict[str, Any]) -> None:
+def test_every_key_of_the_results_is_documented(results: dict[str, Any], example: Path) -> None:
     page = (DOCS / "results.md").read_text(encoding="utf-8")
     assert set(rows_after(page, "results.json")) == set(results)
     assert set(rows_after(page, "Rows of results")) == set(results["results"][0])
     assert set(rows_after(page, "Verdicts")) == set(results["verdicts"][0])
     assert set(rows_after(page, "Remarks")) == set(results["remarks"][0])
     assert set(rows_after(page, "`closed_loop` holds")) == set(results["closed_loop"]["axes"][0])
-    for part in ("covariances", "budgets", "curves"):
+    for part in ("covariances", "budgets"):
         assert all(f"`{key}`" in page for key in results[part][0]), part
+    (curve, *_) = read_curves((example / "out" / "curves.parquet").read_bytes())
+    assert all(f"`{key}`" in page for key in curve)
     for column in (*COLUMNS, *VERDICT_COLUMNS):
         assert f"`{column}`" in page, column
 
