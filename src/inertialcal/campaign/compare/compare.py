@@ -26,24 +26,12 @@ from .sources import Kind, load_both, shared_influences, shared_remarks
 
 @dataclass(frozen=True)
 class Comparison:
-    """All figures that two models or results share.
+    """All figures that two models or results share."""
 
-    Parameters
-    ----------
-    kind : {"models", "results"}
-        What was compared.
-    differences : tuple of Difference
-        In the order of the first.
-    remarks : tuple of Remark
-        The assumption made, and what it may miss.
-    inputs : mapping of str to str
-        SHA-256 of each file.
-    """
-
-    kind: Kind
-    differences: tuple[Difference, ...]
-    remarks: tuple[Remark, ...]
-    inputs: Mapping[str, str]
+    kind: Kind  # What was compared
+    differences: tuple[Difference, ...]  # In the order of the first
+    remarks: tuple[Remark, ...]  # The assumption made, and what it may miss
+    inputs: Mapping[str, str]  # SHA-256 of each file
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a figure, test by test, why others were not compared, how many remarks."""

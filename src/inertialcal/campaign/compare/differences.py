@@ -41,28 +41,14 @@ SCATTERS = tuple(f"scatter_{level}" for level in LEVELS)  # quantities that are 
 
 @dataclass(frozen=True)
 class Difference:
-    """One figure of both.
+    """One figure of both."""
 
-    Parameters
-    ----------
-    row : Row
-        Difference, second less first, with u, dof and the interval of this figure by itself.
-    first, second : Row
-        The figures, in the unit of the first.
-    p_value : float or None
-        Of equality, two-sided; None where not compared.
-    word : {"different", "not shown different", "not compared"}
-        At 95 %, with Holm over all figures.
-    no_change : Verdict or None
-        On the allowed change; None where none applies.
-    """
-
-    row: Row
-    first: Row
-    second: Row
-    p_value: float | None
-    word: Word
-    no_change: Verdict | None = None
+    row: Row  # Difference, second less first, with u, dof and the interval of this figure by itself
+    first: Row  # The figures, in the unit of the first
+    second: Row  # The figures, in the unit of the first
+    p_value: float | None  # Of equality, two-sided; None where not compared
+    word: Word  # At 95 %, with Holm over all figures
+    no_change: Verdict | None = None  # On the allowed change; None where none applies
 
     def to_dict(self) -> dict[str, Any]:
         """Return the row as ``--json`` prints it: a row of results, and the two it comes from."""
@@ -86,7 +72,14 @@ def differences(pairs: Sequence[tuple[Row, Row]], shared: Collection[str] = ()) 
     """
     reasons = [_not_comparable(*pair) for pair in pairs]
     usable = [pair for pair, reason in zip(pairs, reasons, strict=True) if not reason]
-    figures = [difference(_figure(one), _figure(other), _of(shared, one, other)) for one, other in usable]
+    figures = [
+        difference(
+            _figure(one),
+            _figure(other),
+            [name for name in {*one.shared, *other.shared} if influence_of(name) in shared],
+        )
+        for one, other in usable
+    ]
     p_values = [
         _scatter_p(*pair) if is_scatter(pair[0]) else _p_value(found.value, found.u, found.dof)
         for pair, found in zip(usable, figures, strict=True)
@@ -97,18 +90,24 @@ def differences(pairs: Sequence[tuple[Row, Row]], shared: Collection[str] = ()) 
     for (one, other), reason in zip(pairs, reasons, strict=True):
         if reason:
             found.append(
-                Difference(_row(one, other, _plain(one, other), reason=reason), one, other, None, "not compared")
+                Difference(
+                    _row(
+                        one,
+                        other,
+                        (None if one.value is None or other.value is None else other.value - one.value),
+                        reason=reason,
+                    ),
+                    one,
+                    other,
+                    None,
+                    "not compared",
+                )
             )
             continue
         figure, p = next(each)
         row = _row(one, other, figure.value, figure.u, figure.dof)
         found.append(Difference(row, one, other, float(p), "different" if next(rejected) else "not shown different"))
     return tuple(found)
-
-
-def _plain(one: Row, other: Row) -> float | None:
-    """Difference of two values, whatever is known of them otherwise."""
-    return None if one.value is None or other.value is None else other.value - one.value
 
 
 def _not_comparable(one: Row, other: Row) -> str:
@@ -144,11 +143,6 @@ def _interval(one: Row, other: Row, d: float, u: float, dof: float) -> Interval:
 
 def _figure(row: Row) -> Figure:
     return Figure(float(row.value or 0.0), float(row.u or 0.0), row.dof or math.inf, row.shared)  # absent: infinite
-
-
-def _of(shared: Collection[str], one: Row, other: Row) -> list[str]:
-    """Return the unknowns of influences that are shared; one that a figure does not follow changes it by 0."""
-    return [name for name in {*one.shared, *other.shared} if influence_of(name) in shared]
 
 
 def _p_value(d: float, u: float, dof: float) -> float:

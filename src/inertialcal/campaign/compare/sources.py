@@ -28,35 +28,18 @@ CAMPAIGN_FILE = "campaign.toml"
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """One side.
+    """One side."""
 
-    Parameters
-    ----------
-    path, sha256 : str
-        The file that was read.
-    rows : tuple of Row
-        All its figures.
-    serial : str
-        Of the unit; empty where not told.
-    type_b : frozenset of str
-        Sources of Type B uncertainty.
-    recordings : mapping of str to str
-        SHA-256 -> path of each recording that went in, as far as ``provenance.json`` lies beside.
-    sensor : str
-        What a model senses: ``"accelerometer"``, ``"gyro"``; empty for results.
-    influences, site : mapping
-        Of results.
-    """
-
-    path: str
-    sha256: str
-    rows: tuple[Row, ...]
-    serial: str
-    type_b: frozenset[str]
+    path: str  # The file that was read
+    sha256: str  # The file that was read
+    rows: tuple[Row, ...]  # All its figures
+    serial: str  # Of the unit; empty where not told
+    type_b: frozenset[str]  # Sources of Type B uncertainty
+    # SHA-256 -> path of each recording that went in, as far as ``provenance.json`` lies beside
     recordings: Mapping[str, str]
-    sensor: str = ""
-    influences: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
-    site: Mapping[str, Any] = field(default_factory=dict)
+    sensor: str = ""  # What a model senses: ``"accelerometer"``, ``"gyro"``; empty for results
+    influences: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)  # Of results
+    site: Mapping[str, Any] = field(default_factory=dict)  # Of results
 
 
 def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> tuple[Kind, Compared, Compared]:

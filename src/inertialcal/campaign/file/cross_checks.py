@@ -65,12 +65,12 @@ def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
             yield Problem(what, at("tests", number, "id"), "they could not be told apart", "Rename it", "duplicate_id")
 
 
-def _makes_model(procedure: str) -> bool:
-    return procedure in procedure_names() and procedure_of(procedure).makes_model
-
-
 def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
-    uses = {test.id: test.use for test in file.tests if _makes_model(test.procedure)}
+    uses = {
+        test.id: test.use
+        for test in file.tests
+        if (test.procedure in procedure_names() and procedure_of(test.procedure).makes_model)
+    }
     lists = {}
     for term, names in file.model.terms.items():
         where = at("model", "terms", term)

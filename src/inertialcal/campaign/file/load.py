@@ -23,27 +23,13 @@ from .schema import CampaignFile
 
 @dataclass(frozen=True)
 class Campaign:
-    """A campaign that was read and judged.
+    """A campaign that was read and judged."""
 
-    Parameters
-    ----------
-    folder : Path
-        Holds campaign.toml and the recordings.
-    file : CampaignFile
-        What it says, SI.
-    standards : mapping of Influence
-        By ``"standard.quantity"``.
-    lines : dict or None
-        Line of each key; None for a campaign that is in no file.
-    sha256 : str
-        Of campaign.toml.
-    """
-
-    folder: Path
-    file: CampaignFile
-    standards: Standards
-    lines: dict[KeyPath, int] | None
-    sha256: str
+    folder: Path  # Holds campaign.toml and the recordings
+    file: CampaignFile  # What it says, SI
+    standards: Standards  # By ``"standard.quantity"``
+    lines: dict[KeyPath, int] | None  # Line of each key; None for a campaign that is in no file
+    sha256: str  # Of campaign.toml
 
     def at(self, *path: str | int) -> str:
         """Place of a key, for messages: ``"campaign.toml:12"``."""
@@ -124,7 +110,11 @@ def _known_keys(model: Any, path: KeyPath) -> list[str]:
             model = fields.get(str(part))
         else:
             model = _element(model)
-        while not _is_model(model) and _element(model) is not None and not _is_container(model):
+        while (
+            not _is_model(model)
+            and _element(model) is not None
+            and not (getattr(model, "__origin__", None) in (list, dict))
+        ):
             model = _element(model)
     model = model if _is_model(model) else None
     return [field.alias or name for name, field in model.model_fields.items()] if model else []
@@ -132,10 +122,6 @@ def _known_keys(model: Any, path: KeyPath) -> list[str]:
 
 def _is_model(annotation: Any) -> bool:
     return isinstance(annotation, type) and issubclass(annotation, BaseModel)
-
-
-def _is_container(annotation: Any) -> bool:
-    return getattr(annotation, "__origin__", None) in (list, dict)
 
 
 def _element(annotation: Any) -> Any:

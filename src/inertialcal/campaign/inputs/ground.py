@@ -28,22 +28,12 @@ BLOCK = 1.0  # [s] that the gain is looked at in
 
 @dataclass(frozen=True, eq=False)
 class ChainModel:
-    """The ground model of a sensor, the order of its axes that of the sensor.
+    """The ground model of a sensor, the order of its axes that of the sensor."""
 
-    Parameters
-    ----------
-    model : GroundModel
-        What is applied.
-    gains : mapping of str to float
-        Of each axis, where it was not recorded.
-    file, sha256 : str
-        Of the model, where it is a file.
-    """
-
-    model: GroundModel
-    gains: Mapping[str, float]
-    file: str = ""
-    sha256: str = ""
+    model: GroundModel  # What is applied
+    gains: Mapping[str, float]  # Of each axis, where it was not recorded
+    file: str = ""  # Of the model, where it is a file
+    sha256: str = ""  # Of the model, where it is a file
 
 
 def has_model(sensor: Sensor) -> bool:

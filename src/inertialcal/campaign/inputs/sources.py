@@ -391,28 +391,15 @@ def _thermometers(sensor: Sensor) -> dict[str, tuple[float, float, float]] | Non
 
 @dataclass(frozen=True)
 class Origin:
-    """One recording of a test.
+    """One recording of a test."""
 
-    Parameters
-    ----------
-    name, file, sha256 : str
-        In the campaign; path in its folder; hash of the file.
-    kind : {"table", "recording"}
-        Rows are dwells, or samples.
-    rows : int
-        In the file.
-    chosen : int
-        Of them, inside the groups and windows of the test.
-    without_rate : int
-        Rows of a table without an applied rate: no dwells, whatever is chosen; not among ``chosen``.
-    """
-
-    name: str
-    file: str
-    sha256: str
-    kind: Literal["table", "recording"]
-    rows: int
-    chosen: int
+    name: str  # In the campaign; path in its folder; hash of the file
+    file: str  # In the campaign; path in its folder; hash of the file
+    sha256: str  # In the campaign; path in its folder; hash of the file
+    kind: Literal["table", "recording"]  # Rows are dwells, or samples
+    rows: int  # In the file
+    chosen: int  # Of them, inside the groups and windows of the test
+    # Rows of a table without an applied rate: no dwells, whatever is chosen; not among ``chosen``
     without_rate: int = 0
 
     @property

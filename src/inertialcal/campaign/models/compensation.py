@@ -16,7 +16,7 @@ from ...core.estimate import Array
 from ...core.key import Reason
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
-from ...core.results import Interval, Row, finite
+from ...core.results import Row, finite
 from ...core.units import convert, factor
 from ...sensors.model.equation import Conditions, needed
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
@@ -250,14 +250,10 @@ def model_rows(model: SensorModel) -> tuple[Row, ...]:
                 line.u,
                 one.unit,
                 finite(dof),
-                _interval(float(value), line.u, dof),
+                (t_interval(float(value), line.u, dof) if line.u is not None and dof > 0.0 else None),
                 "not_estimated" if line.u is None else "estimated",
                 Reason("note", line.note),
                 test=origin.test if origin is not None else "",
             )
         )
     return tuple(rows)
-
-
-def _interval(value: float, u: float | None, dof: float) -> Interval | None:
-    return t_interval(value, u, dof) if u is not None and dof > 0.0 else None

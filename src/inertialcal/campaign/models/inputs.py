@@ -24,19 +24,12 @@ UNCERTAINTY = "u_"  # before the name of a column that holds standard uncertaint
 
 @dataclass(frozen=True)
 class Taken:
-    """What is used of a recording.
+    """What is used of a recording."""
 
-    Parameters
-    ----------
-    columns : mapping of str to str
-        What it is -> name of the column: each axis, and conditions (``temperature``, ``temperature_x``,
-        ``pressure``, ``force_x``, ...).
-    temperature : float or None
-        The same for all rows [degC], where no column gives it.
-    """
-
+    # What it is -> name of the column: each axis, and conditions (``temperature``, ``temperature_x``,
+    # ``pressure``, ``force_x``, ...)
     columns: Mapping[str, str] = field(default_factory=dict)
-    temperature: float | None = None
+    temperature: float | None = None  # The same for all rows [degC], where no column gives it
 
 
 def taken(

@@ -23,49 +23,24 @@ NOT_RUN = "not run"
 
 @dataclass(frozen=True)
 class ResidualLoop:
-    """One axis of a test held out of which no model is made.
+    """One axis of a test held out of which no model is made."""
 
-    Parameters
-    ----------
-    test, against : str
-        Held out, and fitted.
-    loop : AxisLoop
-        Before, after, verdict.
-    """
-
-    test: str
-    against: str
-    loop: AxisLoop
+    test: str  # Held out, and fitted
+    against: str  # Held out, and fitted
+    loop: AxisLoop  # Before, after, verdict
 
 
 @dataclass(frozen=True, eq=False)
 class JudgedModel:
-    """A model and its closed loop; or a closed loop of tests that make no model.
+    """A model and its closed loop; or a closed loop of tests that make no model."""
 
-    Parameters
-    ----------
-    model : SensorModel or None
-        ``judged`` where the closed loop PASSes.
-    loops : tuple of AxisLoop
-        Empty where nothing was held out.
-    verdict : str
-        ``PASS``, ``FAIL``, ``INCONCLUSIVE``, or ``not run``.
-    remarks : tuple of Remark
-        Findings.
-    curves : tuple of Curve
-        Of readings held out, SI.
-    residuals : tuple of ResidualLoop
-        Of tests held out that found what was taken off before.
-    others : mapping of str to JudgedModel
-        Models of further sensors, by the name of the sensor.
-    """
-
-    model: SensorModel | None
-    loops: tuple[AxisLoop, ...] = ()
-    verdict: str = NOT_RUN
-    remarks: tuple[Remark, ...] = ()
-    curves: tuple[Curve, ...] = ()
-    residuals: tuple[ResidualLoop, ...] = ()
+    model: SensorModel | None  # ``judged`` where the closed loop PASSes
+    loops: tuple[AxisLoop, ...] = ()  # Empty where nothing was held out
+    verdict: str = NOT_RUN  # ``PASS``, ``FAIL``, ``INCONCLUSIVE``, or ``not run``
+    remarks: tuple[Remark, ...] = ()  # Findings
+    curves: tuple[Curve, ...] = ()  # Of readings held out, SI
+    residuals: tuple[ResidualLoop, ...] = ()  # Of tests held out that found what was taken off before
+    # Models of further sensors, by the name of the sensor
     others: Mapping[str, JudgedModel] = field(default_factory=dict[str, Any])
 
     @property
@@ -87,18 +62,10 @@ class JudgedModel:
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """What the result of one test leaves of readings that another one of its procedure holds out.
+    """What the result of one test leaves of readings that another one of its procedure holds out."""
 
-    Parameters
-    ----------
-    against : str
-        Test that was fitted.
-    found : HeldOut
-        Rows, curves and loops.
-    """
-
-    against: str
-    found: HeldOut
+    against: str  # Test that was fitted
+    found: HeldOut  # Rows, curves and loops
 
 
 def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any, Any]]) -> dict[str, Residual]:

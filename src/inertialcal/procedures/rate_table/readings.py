@@ -23,61 +23,33 @@ Labels = NDArray[Any]
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Dwells, a row each.
+    """Dwells, a row each."""
 
-    Parameters
-    ----------
-    applied : ndarray, shape (n,)
-        Rate of the table [rad/s].
-    axis : ndarray of str, shape (n,)
-        Axis that was turned.
-    outputs : mapping of str to ndarray, shape (n,)
-        Mean reading of each sensor [rad/s]; NaN where it was not read.
-    scatters : mapping of str to ndarray, shape (n,)
-        Standard deviation of the samples within the dwell [rad/s]; NaN or absent where not given.
-    samples : ndarray, shape (n,), optional
-        Number of samples of a dwell.
-    group, run : ndarray of str, shape (n,)
-        Sample set and run; empty where not given.
-    where : tuple of str
-        Place of each row, for messages.
-    sensors : tuple of str
-        Axes of all sensors of the unit, read or not.
-    earth : ndarray, shape (n, 3), optional
-        Earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the table's rate.
-    earth_sources : mapping of str to ndarray, shape (s, n, 3)
-        What is not known of it: per source, s independent patterns, each one standard uncertainty [rad/s].
-    taken_off : mapping of Origin to Unknowns
-        What was taken off the readings before, and what is not known of it, by source.
-    remarks : tuple of Remark
-        What reading them brought up.
-    incomplete : ndarray of bool, shape (n,), optional
-        Dwells of recordings that are not read because too many of their samples are missing, invalid or at the rail.
-    tallies : tuple of Tally
-        Where the samples of each recording went, in the order of the recordings.
-    files : tuple of str
-        Of each recording.
-    traces : tuple of Trace
-        The recordings that the dwells were cut from, for pictures.
-    """
-
-    applied: Array
-    axis: Labels
-    outputs: Mapping[str, Array]
+    applied: Array  # shape (n,): rate of the table [rad/s]
+    axis: Labels  # shape (n,): axis that was turned
+    outputs: Mapping[str, Array]  # shape (n,): mean reading of each sensor [rad/s]; NaN where it was not read
+    # shape (n,): standard deviation of the samples within the dwell [rad/s]; NaN or absent where not given
     scatters: Mapping[str, Array] = field(default_factory=dict[str, Array])
-    samples: Array | None = None
-    group: Labels | None = None
-    run: Labels | None = None
-    where: tuple[str, ...] = ()
-    sensors: tuple[str, ...] = ()
+    samples: Array | None = None  # shape (n,): number of samples of a dwell
+    group: Labels | None = None  # shape (n,): sample set and run; empty where not given
+    run: Labels | None = None  # shape (n,): sample set and run; empty where not given
+    where: tuple[str, ...] = ()  # Place of each row, for messages
+    sensors: tuple[str, ...] = ()  # Axes of all sensors of the unit, read or not
+    # shape (n, 3): earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the
+    # table's rate
     earth: Array | None = None
+    # shape (s, n, 3): what is not known of it: per source, s independent patterns, each one standard uncertainty
+    # [rad/s]
     earth_sources: Mapping[str, Array] = field(default_factory=dict[str, Array])
+    # What was taken off the readings before, and what is not known of it, by source
     taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
-    remarks: tuple[Remark, ...] = ()
+    remarks: tuple[Remark, ...] = ()  # What reading them brought up
+    # shape (n,): dwells of recordings that are not read because too many of their samples are missing, invalid or
+    # at the rail
     incomplete: NDArray[np.bool_] | None = None
-    tallies: tuple[Tally, ...] = ()
-    files: tuple[str, ...] = ()
-    traces: tuple[Trace, ...] = ()
+    tallies: tuple[Tally, ...] = ()  # Where the samples of each recording went, in the order of the recordings
+    files: tuple[str, ...] = ()  # Of each recording
+    traces: tuple[Trace, ...] = ()  # The recordings that the dwells were cut from, for pictures
 
     def __len__(self) -> int:
         """Return the number of dwells."""
@@ -116,54 +88,27 @@ NO_ROW = -1
 
 @dataclass(frozen=True, eq=False)
 class TracedDwells:
-    """Dwells cut from a recording, by their start.
+    """Dwells cut from a recording, by their start."""
 
-    Parameters
-    ----------
-    start, stop : ndarray, shape (d,)
-        First and last sample used, since the first sample of the recording [s].
-    level : ndarray, shape (d,)
-        Mean reading, nothing subtracted [rad/s]; NaN where no sample is valid.
-    applied : ndarray, shape (d,)
-        Rate of the table [rad/s].
-    row : ndarray of int, shape (d,)
-        Row in the Readings of the test; -1 where the dwell was taken as reference at rest.
-    """
-
-    start: Array
-    stop: Array
-    level: Array
-    applied: Array
+    start: Array  # shape (d,): first and last sample used, since the first sample of the recording [s]
+    stop: Array  # shape (d,): first and last sample used, since the first sample of the recording [s]
+    level: Array  # shape (d,): mean reading, nothing subtracted [rad/s]; NaN where no sample is valid
+    applied: Array  # shape (d,): rate of the table [rad/s]
+    # shape (d,): row in the Readings of the test; -1 where the dwell was taken as reference at rest
     row: NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
 class Trace:
-    """One recording.
+    """One recording."""
 
-    Parameters
-    ----------
-    recording : str
-        Its name.
-    sensor : str
-        Whose level the dwells have: of the axis that was turned, or the first there is.
-    names : tuple of str
-        Channels [rad/s].
-    time : ndarray, shape (b,)
-        Of each bin, since the first sample [s].
-    lo, hi : ndarray, shape (b, channels)
-        Least and largest value [rad/s]; NaN in a gap.
-    dwells : TracedDwells
-        What was cut from it.
-    """
-
-    recording: str
-    sensor: str
-    names: tuple[str, ...]
-    time: Array
-    lo: Array
-    hi: Array
-    dwells: TracedDwells
+    recording: str  # Its name
+    sensor: str  # Whose level the dwells have: of the axis that was turned, or the first there is
+    names: tuple[str, ...]  # Channels [rad/s]
+    time: Array  # shape (b,): of each bin, since the first sample [s]
+    lo: Array  # shape (b, channels): least and largest value [rad/s]; NaN in a gap
+    hi: Array  # shape (b, channels): least and largest value [rad/s]; NaN in a gap
+    dwells: TracedDwells  # What was cut from it
 
     def shifted(self, rows: int) -> Trace:
         """Return the trace where its readings stand after so many others."""

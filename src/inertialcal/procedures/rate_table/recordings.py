@@ -40,35 +40,16 @@ APPLIED = "applied"
 
 @dataclass(frozen=True, eq=False)
 class RateTableRecording:
-    """A recording while one axis was turned in steps.
+    """A recording while one axis was turned in steps."""
 
-    Parameters
-    ----------
-    recording : Recording
-        Channels named by axis [rad/s], and ``applied`` [rad/s] where there is no schedule.
-    axis : str
-        Axis that was turned.
-    run : str
-        Power-up run; empty where not given.
-    windows : tuple of (int, int)
-        Schedule: start and stop of each dwell [ns].
-    rates : ndarray, shape (w,)
-        Rate in each window [rad/s].
-    name : str
-        Of the recording, for figures; its file where not given.
-    file : str
-        Its file, as people know it.
-    taken_off : mapping of Origin to Unknowns
-        What was taken off its readings before: changes of one dwell, the same in all, by origin.
-    """
-
-    recording: Recording
-    axis: str
-    run: str = ""
-    windows: tuple[tuple[int, int], ...] = ()
-    rates: Array | None = None
-    name: str = ""
-    file: str = ""
+    recording: Recording  # Channels named by axis [rad/s], and ``applied`` [rad/s] where there is no schedule
+    axis: str  # Axis that was turned
+    run: str = ""  # Power-up run; empty where not given
+    windows: tuple[tuple[int, int], ...] = ()  # Schedule: start and stop of each dwell [ns]
+    rates: Array | None = None  # shape (w,): rate in each window [rad/s]
+    name: str = ""  # Of the recording, for figures; its file where not given
+    file: str = ""  # Its file, as people know it
+    # What was taken off its readings before: changes of one dwell, the same in all, by origin
     taken_off: Mapping[Origin, Unknowns] = field(default_factory=dict[Origin, Unknowns])
 
 

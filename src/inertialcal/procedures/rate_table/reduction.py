@@ -65,34 +65,16 @@ FEW_RUNS = 5  # with fewer, an interval is honest but wide and rests on a guess 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What the test gives.
+    """What the test gives."""
 
-    Parameters
-    ----------
-    plan, readings : Plan, Readings
-        As given.
-    lines : mapping of str to Line
-        Per sensor, dwells left out by rule.
-    straight : mapping of str to Line
-        The same without asymmetry, for the linearity error.
-    estimate : Estimate or None
-        All quantities of all sensors, SI.
-    all_readings : Estimate or None
-        The same with nothing left out; None where nothing was.
-    reasons : mapping of str to Reason
-        Why a sensor has no line.
-    remarks : tuple of Remark
-        Findings.
-    """
-
-    plan: Plan
-    readings: Readings
-    lines: Mapping[str, Line]
-    straight: Mapping[str, Line]
-    estimate: Estimate | None
-    all_readings: Estimate | None
-    reasons: Mapping[str, Reason]
-    remarks: tuple[Remark, ...]
+    plan: Plan  # As given
+    readings: Readings  # As given
+    lines: Mapping[str, Line]  # Per sensor, dwells left out by rule
+    straight: Mapping[str, Line]  # The same without asymmetry, for the linearity error
+    estimate: Estimate | None  # All quantities of all sensors, SI
+    all_readings: Estimate | None  # The same with nothing left out; None where nothing was
+    reasons: Mapping[str, Reason]  # Why a sensor has no line
+    remarks: tuple[Remark, ...]  # Findings
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""

@@ -28,23 +28,17 @@ LEVELS = ("sample", "dwell", "run")
 def rows(result: Result) -> list[Row]:
     """Return all rows, sensor by sensor, SI."""
     found: list[Row] = []
-    for sensor in _sensors(result):
+    for sensor in list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs])):
         found += _of_sensor(result, sensor, result.estimate, Method.RESULT)
         if sensor in result.lines:
-            found.append(linearity_row(_straight(result, sensor), sensor))
+            found.append(
+                linearity_row((result.straight[sensor] if sensor in result.straight[sensor].axes else None), sensor)
+            )
             found += _scatter_rows(result, sensor)
             found += _all_readings_rows(result, sensor)
             if np.any(result.readings.axis == sensor):
                 found += published_rows(result.plan, result.readings, sensor)
     return found
-
-
-def _sensors(result: Result) -> list[str]:
-    return list(dict.fromkeys([*result.readings.sensors, *result.readings.outputs]))
-
-
-def _straight(result: Result, sensor: str) -> Line | None:
-    return result.straight[sensor] if sensor in result.straight[sensor].axes else None
 
 
 def _of_sensor(result: Result, sensor: str, estimate: Estimate | None, method: Method) -> list[Row]:

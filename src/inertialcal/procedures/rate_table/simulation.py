@@ -15,41 +15,21 @@ from .readings import Labels, Readings
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Sensor, test and errors of the standards.
+    """Sensor, test and errors of the standards."""
 
-    Parameters
-    ----------
-    matrix : ndarray, shape (3, 3)
-        M: row = sensor that reads, column = axis that turns (1).
-    bias : ndarray, shape (3,)
-        K0 [rad/s].
-    asymmetry : ndarray, shape (3,)
-        K1' (1).
-    rates : ndarray, shape (r,)
-        Signed rates of each axis in each run [rad/s].
-    runs : int
-        Power-ups; each goes through all axes and rates.
-    sample_std, dwell_std : float
-        Scatter of a sample within a dwell, and of a dwell within a run [rad/s].
-    run_bias_std, run_scale_std : float
-        Scatter of bias [rad/s] and of scale factor (1) from run to run.
-    samples : int
-        Of a dwell.
-    axes : tuple of str
-        Axes that are turned.
-    """
-
+    # shape (3, 3): m: row = sensor that reads, column = axis that turns (1)
     matrix: Array = field(default_factory=lambda: np.eye(3))
-    bias: Array = field(default_factory=lambda: np.zeros(3))
-    asymmetry: Array = field(default_factory=lambda: np.zeros(3))
+    bias: Array = field(default_factory=lambda: np.zeros(3))  # shape (3,): k0 [rad/s]
+    asymmetry: Array = field(default_factory=lambda: np.zeros(3))  # shape (3,): k1' (1)
+    # shape (r,): signed rates of each axis in each run [rad/s]
     rates: Array = field(default_factory=lambda: np.radians([-4.0, -2.0, -0.5, 0.5, 2.0, 4.0]))
-    runs: int = 5
-    sample_std: float = 7e-5
-    dwell_std: float = 2e-5
-    run_bias_std: float = 3e-5
-    run_scale_std: float = 1e-4
-    samples: int = 30
-    axes: tuple[str, ...] = AXES
+    runs: int = 5  # Power-ups; each goes through all axes and rates
+    sample_std: float = 7e-5  # Scatter of a sample within a dwell, and of a dwell within a run [rad/s]
+    dwell_std: float = 2e-5  # Scatter of a sample within a dwell, and of a dwell within a run [rad/s]
+    run_bias_std: float = 3e-5  # Scatter of bias [rad/s] and of scale factor (1) from run to run
+    run_scale_std: float = 1e-4  # Scatter of bias [rad/s] and of scale factor (1) from run to run
+    samples: int = 30  # Of a dwell
+    axes: tuple[str, ...] = AXES  # Axes that are turned
 
 
 def simulate(plan: Plan, truth: Truth, rng: np.random.Generator) -> Readings:

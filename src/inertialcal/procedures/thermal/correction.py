@@ -40,18 +40,10 @@ DWELL = "dwell"  # place of a value: number of a recording
 
 @dataclass(frozen=True, eq=False)
 class ThermalCorrection:
-    """The bias over temperature that a thermal test found, to be taken off.
+    """The bias over temperature that a thermal test found, to be taken off."""
 
-    Parameters
-    ----------
-    test : str
-        Its name.
-    result : Result
-        Of it.
-    """
-
-    test: str
-    result: Result
+    test: str  # Its name
+    result: Result  # Of it
 
     @property
     def range(self) -> tuple[float, float]:

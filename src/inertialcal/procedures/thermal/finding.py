@@ -28,7 +28,7 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
     scatter = largest(estimated(rows, "scatter_run", any_case=True))
     if scatter is not None:
         said = (*said, "; power-ups scatter by up to ", Cited(scatter), ", on ", Quoted(scatter["axis"]))
-    shown = [Quoted(row["axis"]) for row in rows if row["quantity"] == "hysteresis" and _is_shown(row)]
+    shown = [Quoted(row["axis"]) for row in rows if row["quantity"] == "hysteresis" and (reason_code(row) == "yes")]
     if not shown:
         return (*said, "; no hysteresis is shown")
     named = [part for axis in shown for part in (", ", axis)][1:]
@@ -37,7 +37,3 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
 
 def _value(row: WrittenRow) -> float:
     return float(row["value"])
-
-
-def _is_shown(row: WrittenRow) -> bool:
-    return reason_code(row) == "yes"

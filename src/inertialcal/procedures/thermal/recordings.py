@@ -28,22 +28,13 @@ STRETCHES = 200  # whose means a fast change is looked for in
 
 @dataclass(frozen=True, eq=False)
 class ThermalRecording:
-    """A recording of a unit at rest while its temperature changed.
+    """A recording of a unit at rest while its temperature changed."""
 
-    Parameters
-    ----------
-    recording : Recording
-        Channels named by axis [SI]; ``temperature`` or ``temperature_x``, ... [degC]; ``reference_voltage_x``, ... [V],
-        ``pressure`` [Pa] where there are any.
-    run : str
-        Power-up; empty where not given.
-    name : str
-        Of the recording, for messages and figures.
-    """
-
+    # Channels named by axis [SI]; ``temperature`` or ``temperature_x``, ... [degC]; ``reference_voltage_x``, ...
+    # [V], ``pressure`` [Pa] where there are any.
     recording: Recording
-    run: str = ""
-    name: str = ""
+    run: str = ""  # Power-up; empty where not given
+    name: str = ""  # Of the recording, for messages and figures
 
 
 def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Readings:
@@ -185,32 +176,17 @@ def _name(one: ThermalRecording) -> str:
 
 @dataclass(frozen=True, eq=False)
 class Sweep:
-    """One recording of a unit at rest while its temperature changed.
+    """One recording of a unit at rest while its temperature changed."""
 
-    Parameters
-    ----------
-    name, run, place : str
-        Of the recording; its power-up, empty where not given; its file, for messages.
-    time : ndarray, shape (n,), or None
-        Since power-up [s]; None where no time is known.
-    temperature : mapping of str to ndarray, shape (n,)
-        Of each axis' sensor [degC].
-    outputs : mapping of str to ndarray, shape (n,)
-        Reading of each axis [rad/s] or [m/s^2]; NaN where missing.
-    references : mapping of str to mapping of str to ndarray, shape (n,)
-        Name of a reference voltage -> axis -> its volts [V].
-    pressure : ndarray, shape (n,), or None
-        [Pa]
-    """
-
-    name: str
-    run: str
-    place: str
-    time: Array | None
-    temperature: Mapping[str, Array]
-    outputs: Mapping[str, Array]
+    name: str  # Of the recording; its power-up, empty where not given; its file, for messages
+    run: str  # Of the recording; its power-up, empty where not given; its file, for messages
+    place: str  # Of the recording; its power-up, empty where not given; its file, for messages
+    time: Array | None  # shape (n,): since power-up [s]; None where no time is known
+    temperature: Mapping[str, Array]  # shape (n,): of each axis' sensor [degC]
+    outputs: Mapping[str, Array]  # shape (n,): reading of each axis [rad/s] or [m/s^2]; NaN where missing
+    # shape (n,): name of a reference voltage -> axis -> its volts [V]
     references: Mapping[str, Mapping[str, Array]] = field(default_factory=dict[str, Mapping[str, Array]])
-    pressure: Array | None = None
+    pressure: Array | None = None  # shape (n,): [Pa]
 
     def __len__(self) -> int:
         return len(next(iter(self.outputs.values()))) if self.outputs else 0
@@ -218,21 +194,11 @@ class Sweep:
 
 @dataclass(frozen=True, eq=False)
 class Readings:
-    """Recordings of one unit.
+    """Recordings of one unit."""
 
-    Parameters
-    ----------
-    sweeps : tuple of Sweep
-        Those of a run in order of time.
-    unit : {"rad/s", "m/s^2"}
-        Of the readings.
-    remarks : tuple of Remark
-        What reading them brought up.
-    """
-
-    sweeps: tuple[Sweep, ...]
-    unit: str = "rad/s"
-    remarks: tuple[Remark, ...] = ()
+    sweeps: tuple[Sweep, ...]  # Those of a run in order of time
+    unit: str = "rad/s"  # Of the readings
+    remarks: tuple[Remark, ...] = ()  # What reading them brought up
 
     def __len__(self) -> int:
         """Return the number of samples."""

@@ -67,37 +67,17 @@ FEW_RUNS = 5  # with fewer, an interval is honest but wide and rests on a guess 
 
 @dataclass(frozen=True, eq=False)
 class Result:
-    """What the test gives.
+    """What the test gives."""
 
-    Parameters
-    ----------
-    plan, readings : Plan, Readings
-        As given.
-    sensors : mapping of str to OfSensor
-        By axis.
-    asked : mapping of str to list of Asked
-        By axis: what is wanted of its law.
-    estimate : Estimate or None
-        All quantities of all sensors, SI.
-    on_path : Estimate or None
-        The same of the one path that was seen, of sensors where there is only one.
-    references : mapping of str to Estimate
-        Reference voltages over temperature.
-    reasons : mapping of str to Reason
-        Why a sensor has no law.
-    remarks : tuple of Remark
-        Findings.
-    """
-
-    plan: Plan
-    readings: Readings
-    sensors: Mapping[str, OfSensor]
-    asked: Mapping[str, list[Asked]]
-    estimate: Estimate | None
-    on_path: Estimate | None
-    references: Mapping[str, Estimate]
-    reasons: Mapping[str, Reason]
-    remarks: tuple[Remark, ...]
+    plan: Plan  # As given
+    readings: Readings  # As given
+    sensors: Mapping[str, OfSensor]  # By axis
+    asked: Mapping[str, list[Asked]]  # By axis: what is wanted of its law
+    estimate: Estimate | None  # All quantities of all sensors, SI
+    on_path: Estimate | None  # The same of the one path that was seen, of sensors where there is only one
+    references: Mapping[str, Estimate]  # Reference voltages over temperature
+    reasons: Mapping[str, Reason]  # Why a sensor has no law
+    remarks: tuple[Remark, ...]  # Findings
 
     def rows(self) -> tuple[Row, ...]:
         """Rows of ``results.json``, SI."""

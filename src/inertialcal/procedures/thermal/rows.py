@@ -218,25 +218,13 @@ ORDER = 3
 
 @dataclass(frozen=True, eq=False)
 class Published:
-    """The fit as the thesis prints it.
+    """The fit as the thesis prints it."""
 
-    Parameters
-    ----------
-    polynomial : Polynomial
-        Over volts [V], or degC.
-    residual_sum_of_squares, adjusted_r_square : float
-        [unit of the polynomial squared], (1).
-    samples : int
-        That it was fitted to.
-    volts : bool
-        Whether it is in volts over volts.
-    """
-
-    polynomial: Polynomial
-    residual_sum_of_squares: float
-    adjusted_r_square: float
-    samples: int
-    volts: bool
+    polynomial: Polynomial  # Over volts [V], or degC
+    residual_sum_of_squares: float  # [unit of the polynomial squared], (1)
+    adjusted_r_square: float  # [unit of the polynomial squared], (1)
+    samples: int  # That it was fitted to
+    volts: bool  # Whether it is in volts over volts
 
 
 def published_fit(plan: Plan, series: Series, cut: float) -> Published | None:

@@ -20,62 +20,30 @@ DEG = float(np.radians(1.0))
 
 @dataclass(frozen=True, eq=False)
 class Truth:
-    """Sensor, chamber and scatter; one axis an entry where an array has the shape (k,).
+    """Sensor, chamber and scatter; one axis an entry where an array has the shape (k,)."""
 
-    Parameters
-    ----------
-    coefficients : ndarray, shape (order + 1, k)
-        Of the bias in powers of T - ``reference`` [rad/s/degC^j]: mean over power-ups, midway between the paths.
-    reference : float
-        [degC]
-    set_points : tuple of float
-        Of the chamber, one after the other [degC].
-    rates : tuple of float
-        Of its ramps, run after run in turn [degC/s].
-    hold, soak : float
-        At the first set-point, and at each of the others [s].
-    runs : int
-        Power-ups.
-    interval : float
-        From sample to sample [s].
-    white : float
-        Scatter of a sample [rad/s].
-    walk : float
-        Random walk of the bias within a run [rad/s/sqrt(s)].
-    run_std, slope_std : float
-        From power-up to power-up, of the bias [rad/s] and of its slope [rad/s/degC].
-    hysteresis : float
-        What the bias has more when warming than when cooling [rad/s].
-    lag : float
-        By which the bias is behind the thermometer [s].
-    start_up, start_up_time : float
-        What the bias has more at power-up [rad/s], and its time constant [s].
-    temperature_noise : float
-        Scatter of a sample of the thermometer [degC].
-    axes : tuple of str
-        Sensors.
-    """
-
+    # shape (order + 1, k): of the bias in powers of T - ``reference`` [rad/s/degC^j]: mean over power-ups, midway
+    # between the paths
     coefficients: Array = field(
         default_factory=lambda: DEG * np.array([[0.03], [-3e-3], [1.6e-5], [-2e-7]])  # as Table 4, x
     )
-    reference: float = 20.0
-    set_points: tuple[float, ...] = (23.0, -30.0, 67.0, 23.0)
-    rates: tuple[float, ...] = (1.5 / 60.0, 0.75 / 60.0)
-    hold: float = 900.0
-    soak: float = 900.0
-    runs: int = 5
-    interval: float = 10.0
-    white: float = 0.0018 * DEG
-    walk: float = 2e-5 * DEG
-    run_std: float = 0.006 * DEG
-    slope_std: float = 1e-5 * DEG
-    hysteresis: float = 0.003 * DEG
-    lag: float = 15.0
-    start_up: float = 0.02 * DEG
-    start_up_time: float = 120.0
-    temperature_noise: float = 0.02
-    axes: tuple[str, ...] = ("x",)
+    reference: float = 20.0  # [degC]
+    set_points: tuple[float, ...] = (23.0, -30.0, 67.0, 23.0)  # Of the chamber, one after the other [degC]
+    rates: tuple[float, ...] = (1.5 / 60.0, 0.75 / 60.0)  # Of its ramps, run after run in turn [degC/s]
+    hold: float = 900.0  # At the first set-point, and at each of the others [s]
+    soak: float = 900.0  # At the first set-point, and at each of the others [s]
+    runs: int = 5  # Power-ups
+    interval: float = 10.0  # From sample to sample [s]
+    white: float = 0.0018 * DEG  # Scatter of a sample [rad/s]
+    walk: float = 2e-5 * DEG  # Random walk of the bias within a run [rad/s/sqrt(s)]
+    run_std: float = 0.006 * DEG  # From power-up to power-up, of the bias [rad/s] and of its slope [rad/s/degC]
+    slope_std: float = 1e-5 * DEG  # From power-up to power-up, of the bias [rad/s] and of its slope [rad/s/degC]
+    hysteresis: float = 0.003 * DEG  # What the bias has more when warming than when cooling [rad/s]
+    lag: float = 15.0  # By which the bias is behind the thermometer [s]
+    start_up: float = 0.02 * DEG  # What the bias has more at power-up [rad/s], and its time constant [s]
+    start_up_time: float = 120.0  # What the bias has more at power-up [rad/s], and its time constant [s]
+    temperature_noise: float = 0.02  # Scatter of a sample of the thermometer [degC]
+    axes: tuple[str, ...] = ("x",)  # Sensors
 
     def bias(self, temperature: Array | float) -> Array:
         """Return the true bias at temperatures, shape (..., k) [rad/s]."""

@@ -38,37 +38,17 @@ Of = Literal["expected", "dwell_mean", "reading"]
 
 @dataclass(frozen=True)
 class RateError:
-    """Error at one signed rate.
+    """Error at one signed rate."""
 
-    Parameters
-    ----------
-    sensor : str
-        Axis of the sensor.
-    applied : float
-        Rate of the table [rad/s].
-    error : float or None
-        Relative error (1); None where every dwell at this rate was left out.
-    u : float or None
-        Standard uncertainty of it (1).
-    dof : float
-        Degrees of freedom of ``u``.
-    dwells, runs : int
-        Behind the mean.
-    largest : float
-        Largest absolute error of a single dwell at this rate, left out or not (1).
-    reason : str
-        Why there is no error, or no uncertainty.
-    """
-
-    sensor: str
-    applied: float
-    error: float | None
-    u: float | None
-    dof: float
-    dwells: int
-    runs: int
-    largest: float
-    reason: str = ""
+    sensor: str  # Axis of the sensor
+    applied: float  # Rate of the table [rad/s]
+    error: float | None  # Relative error (1); None where every dwell at this rate was left out
+    u: float | None  # Standard uncertainty of it (1)
+    dof: float  # Degrees of freedom of ``u``
+    dwells: int  # Behind the mean
+    runs: int  # Behind the mean
+    largest: float  # Largest absolute error of a single dwell at this rate, left out or not (1)
+    reason: str = ""  # Why there is no error, or no uncertainty
 
 
 def rate_errors(plan: Plan, everything: Readings, one: Line, of: Of = "dwell_mean") -> tuple[RateError, ...]:
@@ -107,7 +87,9 @@ def _at_rate(plan: Plan, one: Line, rate: float, here: Readings, of: Of, largest
             largest,
             "no reading at this rate: every dwell was left out, or is empty",
         )
-    errors = here.outputs[sensor] - _earth(here, sensor) - rate
+    errors = (
+        here.outputs[sensor] - (np.zeros(len(here)) if here.earth is None else here.earth[:, AXES.index(sensor)]) - rate
+    )
     mean, found = _spread_of_runs(one, here, errors, of) if here.runs >= 2 else _pooled(one, here, errors, of)
     error = mean / rate
     if found is None:
@@ -178,11 +160,6 @@ def _type_b(plan: Plan, one: Line, gain: float) -> list[tuple[float, float]]:
     return parts
 
 
-def _earth(here: Readings, sensor: str) -> Array:
-    """Return the earth rate along the sensor's axis in each dwell [rad/s]."""
-    return np.zeros(len(here)) if here.earth is None else here.earth[:, AXES.index(sensor)]
-
-
 def _earth_variance(here: Readings, sensor: str) -> float:
     """Return the variance of the mean earth rate along the sensor's axis [(rad/s)^2]."""
     means = [patterns[:, :, AXES.index(sensor)].mean(axis=1) for patterns in here.earth_sources.values()]
@@ -191,18 +168,10 @@ def _earth_variance(here: Readings, sensor: str) -> float:
 
 @dataclass(frozen=True)
 class Resolution:
-    """Lowest rate from which a requirement on the error holds.
+    """Lowest rate from which a requirement on the error holds."""
 
-    Parameters
-    ----------
-    value : float or None
-        That rate [rad/s]; None where it does not hold at the highest rate either.
-    below : float or None
-        Next lower rate tested, where it does not hold; None where ``value`` is the lowest tested.
-    """
-
-    value: float | None
-    below: float | None
+    value: float | None  # That rate [rad/s]; None where it does not hold at the highest rate either
+    below: float | None  # Next lower rate tested, where it does not hold; None where ``value`` is the lowest tested
 
     @property
     def u(self) -> float | None:

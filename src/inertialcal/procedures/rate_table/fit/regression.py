@@ -44,61 +44,28 @@ EARTH_PASSES = 3
 
 @dataclass(frozen=True)
 class Level:
-    """Scatter observed at one level.
+    """Scatter observed at one level."""
 
-    Parameters
-    ----------
-    name : {"sample", "dwell", "run"}
-        What was repeated.
-    std : float or None
-        Standard deviation of one member of the level [rad/s]; None where it was not repeated or not given.
-    dof : float
-        Degrees of freedom of ``std``; NaN where they are not known.
-    reason : str
-        Why there is none, or no uncertainty of it.
-    """
-
-    name: str
+    name: str  # What was repeated
+    # Standard deviation of one member of the level [rad/s]; None where it was not repeated or not given
     std: float | None
-    dof: float = np.nan
-    reason: str = ""
+    dof: float = np.nan  # Degrees of freedom of ``std``; NaN where they are not known
+    reason: str = ""  # Why there is none, or no uncertainty of it
 
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """Fit of one sensor.
+    """Fit of one sensor."""
 
-    Parameters
-    ----------
-    sensor : str
-        Axis of the sensor.
-    axes : tuple of str
-        Axes that were turned: the order of the matrix entries.
-    asymmetry : bool
-        Whether the last coefficient is that of ``|x_s|``.
-    fit : Fit
-        Coefficients (K0, M_sa for a in ``axes``, c) and residuals [rad/s].
-    covariance : ndarray, shape (p, p), or None
-        Type A; None where nothing was repeated.
-    dof : ndarray, shape (p,)
-        Degrees of freedom of each coefficient.
-    level : {"run", "dwell", "sample", ""}
-        Level that the covariance comes from.
-    levels : tuple of Level
-        Scatter at each level.
-    readings : Readings
-        The dwells that were used, and read by this sensor.
-    """
-
-    sensor: str
-    axes: tuple[str, ...]
-    asymmetry: bool
-    fit: Fit
-    covariance: Array | None
-    dof: Array
-    level: str
-    levels: tuple[Level, ...]
-    readings: Readings
+    sensor: str  # Axis of the sensor
+    axes: tuple[str, ...]  # Axes that were turned: the order of the matrix entries
+    asymmetry: bool  # Whether the last coefficient is that of ``|x_s|``
+    fit: Fit  # Coefficients (K0, M_sa for a in ``axes``, c) and residuals [rad/s]
+    covariance: Array | None  # shape (p, p): type A; None where nothing was repeated
+    dof: Array  # shape (p,): degrees of freedom of each coefficient
+    level: str  # Level that the covariance comes from
+    levels: tuple[Level, ...]  # Scatter at each level
+    readings: Readings  # The dwells that were used, and read by this sensor
 
     @property
     def names(self) -> tuple[str, ...]:

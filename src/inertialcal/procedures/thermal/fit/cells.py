@@ -32,34 +32,26 @@ FEWEST = 3  # samples of a cell
 
 @dataclass(frozen=True, eq=False)
 class Series:
-    """All samples of one sensor, recording after recording.
+    """All samples of one sensor, recording after recording."""
 
-    Parameters
-    ----------
-    axis : str
-        Of the sensor.
-    temperature, reading : ndarray, shape (n,)
-        [degC], [unit of the readings]; NaN where missing.
-    time : ndarray, shape (n,)
-        Since power-up [s]; NaN where no time is known.
-    run, sweep, ramp, path : ndarray of int, shape (n,)
-        Number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no path.
-    span : (float, float)
-        Ends of the temperature over all recordings [degC].
-    turn_over : float
-        [degC]
-    """
-
-    axis: str
-    temperature: Array
-    reading: Array
-    time: Array
+    axis: str  # Of the sensor
+    temperature: Array  # shape (n,): [degC], [unit of the readings]; NaN where missing
+    reading: Array  # shape (n,): [degC], [unit of the readings]; NaN where missing
+    time: Array  # shape (n,): since power-up [s]; NaN where no time is known
+    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
+    # path
     run: Indices
+    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
+    # path
     sweep: Indices
+    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
+    # path
     ramp: Indices
+    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
+    # path
     path: Indices
-    span: tuple[float, float]
-    turn_over: float
+    span: tuple[float, float]  # Ends of the temperature over all recordings [degC]
+    turn_over: float  # [degC]
 
     def of(self, reading: Array) -> Series:
         """Return the same times and temperatures with another reading."""
@@ -68,47 +60,27 @@ class Series:
 
 @dataclass(frozen=True, eq=False)
 class Cells:
-    """Means, a row a cell.
+    """Means, a row a cell."""
 
-    Parameters
-    ----------
-    temperature, spread : ndarray, shape (c,)
-        Mean [degC] and variance [degC^2].
-    reading, scatter : ndarray, shape (c,)
-        Mean and standard deviation of the samples about their own line over temperature [unit of the readings].
-    samples : ndarray, shape (c,)
-        How many.
-    rate : ndarray, shape (c,)
-        Of the temperature [degC/s]; NaN where no time is known.
-    time : ndarray, shape (c,)
-        Mean, since power-up [s].
-    path, run, ramp, bin : ndarray of int, shape (c,)
-        As of the samples; number of the bin, from 0.
-    weight : ndarray, shape (c,)
-        Those of one run, path and bin add up to 1.
-    range : (float, float)
-        Ends of the bins that are used [degC].
-    left_out : mapping of str to int
-        Samples by the rule that leaves them out.
-    both : (float, float) or None
-        Ends of the temperatures that were seen on both paths [degC].
-    """
-
-    temperature: Array
-    spread: Array
+    temperature: Array  # shape (c,): mean [degC] and variance [degC^2]
+    spread: Array  # shape (c,): mean [degC] and variance [degC^2]
+    # shape (c,): mean and standard deviation of the samples about their own line over temperature [unit of the
+    # readings]
     reading: Array
+    # shape (c,): mean and standard deviation of the samples about their own line over temperature [unit of the
+    # readings]
     scatter: Array
-    samples: Array
-    rate: Array
-    time: Array
-    path: Indices
-    run: Indices
-    ramp: Indices
-    bin: Indices
-    weight: Array
-    range: tuple[float, float]
-    left_out: Mapping[str, int] = field(default_factory=dict[str, int])
-    both: tuple[float, float] | None = None
+    samples: Array  # shape (c,): how many
+    rate: Array  # shape (c,): of the temperature [degC/s]; NaN where no time is known
+    time: Array  # shape (c,): mean, since power-up [s]
+    path: Indices  # shape (c,): as of the samples; number of the bin, from 0
+    run: Indices  # shape (c,): as of the samples; number of the bin, from 0
+    ramp: Indices  # shape (c,): as of the samples; number of the bin, from 0
+    bin: Indices  # shape (c,): as of the samples; number of the bin, from 0
+    weight: Array  # shape (c,): those of one run, path and bin add up to 1
+    range: tuple[float, float]  # Ends of the bins that are used [degC]
+    left_out: Mapping[str, int] = field(default_factory=dict[str, int])  # Samples by the rule that leaves them out
+    both: tuple[float, float] | None = None  # Ends of the temperatures that were seen on both paths [degC]
 
     def __len__(self) -> int:
         return len(self.temperature)

@@ -49,31 +49,15 @@ ENOUGH = 3  # bins seen on both paths that an order of D needs
 
 @dataclass(frozen=True, eq=False)
 class Law:
-    """Fit of one sensor.
+    """Fit of one sensor."""
 
-    Parameters
-    ----------
-    cells : Cells
-        That it was fitted to.
-    order, path_order : int
-        Of P and D; -1 for D where there is none.
-    domain : (float, float)
-        Temperatures where P holds [degC].
-    fit : Fit
-        Coefficients of P, then of D [unit of the readings]; of whitened cells.
-    clusters : ndarray of int, shape (c,)
-        Member of the level that each cell belongs to.
-    level : {"run", "ramp", "block"}
-        Highest level that was repeated.
-    """
-
-    cells: Cells
-    order: int
-    path_order: int
-    domain: tuple[float, float]
-    fit: Fit
-    clusters: Indices
-    level: Level
+    cells: Cells  # That it was fitted to
+    order: int  # Of P and D; -1 for D where there is none
+    path_order: int  # Of P and D; -1 for D where there is none
+    domain: tuple[float, float]  # Temperatures where P holds [degC]
+    fit: Fit  # Coefficients of P, then of D [unit of the readings]; of whitened cells
+    clusters: Indices  # shape (c,): member of the level that each cell belongs to
+    level: Level  # Highest level that was repeated
 
     @property
     def coefficients(self) -> Array:

@@ -33,20 +33,12 @@ HeldOut = Literal["runs", "ramps", "blocks", "given"]
 
 @dataclass(frozen=True, eq=False)
 class Choice:
-    """An order, and what it was chosen by.
+    """An order, and what it was chosen by."""
 
-    Parameters
-    ----------
-    order : int
-        Of P.
-    held_out : {"runs", "ramps", "blocks", "given"}
-        What each score was found on; given: the plan says the order.
-    scores : ndarray, shape (largest + 1,)
-        Root mean square error of prediction of each order [unit of the readings]; NaN where it was not fitted.
-    """
-
-    order: int
-    held_out: HeldOut
+    order: int  # Of P
+    held_out: HeldOut  # What each score was found on; given: the plan says the order
+    # shape (largest + 1,): root mean square error of prediction of each order [unit of the readings]; NaN where
+    # it was not fitted
     scores: Array
 
 

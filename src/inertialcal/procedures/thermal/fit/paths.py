@@ -45,50 +45,25 @@ MIXED = 400.0  # by how much the variance of the hysteresis may grow by what is 
 
 @dataclass(frozen=True, eq=False)
 class PathEffect:
-    """One figure of what differs between the paths.
+    """One figure of what differs between the paths."""
 
-    Parameters
-    ----------
-    value, u, dof : float or None
-        None where it cannot be told.
-    reason : str
-        Why not.
-    """
-
-    value: float | None
-    u: float | None = None
-    dof: float | None = None
-    reason: str = ""
+    value: float | None  # None where it cannot be told
+    u: float | None = None  # None where it cannot be told
+    dof: float | None = None  # None where it cannot be told
+    reason: str = ""  # Why not
 
 
 @dataclass(frozen=True, eq=False)
 class Paths:
-    """What differs between warming and cooling.
+    """What differs between warming and cooling."""
 
-    Parameters
-    ----------
-    difference : PathEffect
-        Warming less cooling, mean over the range of both [unit of the readings].
-    hysteresis : PathEffect
-        The part of it that is neither lag nor drift [unit of the readings].
-    lag : PathEffect
-        [s]
-    word : {"yes", "no", "unclear"}
-        Whether there is hysteresis.
-    why : str
-        In words.
-    loops : int
-        Ramps of warming that a ramp of cooling of the same run goes with.
-    rates : tuple of float
-        Least and largest median rate of the ramps, without sign [degC/s]; empty where no time is known.
-    """
-
-    difference: PathEffect
-    hysteresis: PathEffect
-    lag: PathEffect
-    word: Word
-    why: str
-    loops: int
+    difference: PathEffect  # Warming less cooling, mean over the range of both [unit of the readings]
+    hysteresis: PathEffect  # The part of it that is neither lag nor drift [unit of the readings]
+    lag: PathEffect  # [s]
+    word: Word  # Whether there is hysteresis
+    why: str  # In words
+    loops: int  # Ramps of warming that a ramp of cooling of the same run goes with
+    # Least and largest median rate of the ramps, without sign [degC/s]; empty where no time is known
     rates: tuple[float, ...]
 
 

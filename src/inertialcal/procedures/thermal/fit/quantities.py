@@ -48,24 +48,12 @@ SOURCES = {
 
 @dataclass(frozen=True, eq=False)
 class Asked:
-    """Values that are linear in the coefficients of P.
+    """Values that are linear in the coefficients of P."""
 
-    Parameters
-    ----------
-    keys : tuple of Key
-        One a value.
-    units : tuple of str
-        SI.
-    rows : ndarray, shape (m, order + 1)
-        Values are ``rows @ coefficients``.
-    by_temperature : bool
-        Whether they hold over temperature, and not over the channel's own volts.
-    """
-
-    keys: tuple[Key, ...]
-    units: tuple[str, ...]
-    rows: Array
-    by_temperature: bool = True
+    keys: tuple[Key, ...]  # One a value
+    units: tuple[str, ...]  # SI
+    rows: Array  # shape (m, order + 1): values are ``rows @ coefficients``
+    by_temperature: bool = True  # Whether they hold over temperature, and not over the channel's own volts
 
 
 def at_degrees(temperature: float) -> At:
@@ -187,17 +175,13 @@ def _part(plan: Plan, law: Law, axis: str, joined: tuple[Asked, Array], unit: st
         covariance[np.ix_(known, known)],
         dof[known],
         {name: change[:, known] for name, change in changes.items()},
-        _level(plan, law),
+        (plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level),
     )
 
 
 def _is_level(key: Key) -> bool:
     """Whether a quantity holds the constant of the law, and not its shape alone."""
     return key.quantity in ("bias", "bias_voltage") and key.power == 0
-
-
-def _level(plan: Plan, law: Law) -> str:
-    return plan.run_level if law.level == "run" and plan.run_level == "recording" else law.level
 
 
 def _own_changes(plan: Plan, law: Law, rows: Array, over: Array, raw: Array, unit: str) -> dict[str, Array]:
@@ -259,18 +243,10 @@ STEP = 1e-4  # [rad], of the differences
 
 @dataclass(frozen=True, eq=False)
 class Unknown:
-    """What is not known of the earth rate from one source.
+    """What is not known of the earth rate from one source."""
 
-    Parameters
-    ----------
-    patterns : ndarray, shape (s, 3)
-        Along x, y, z, each one standard uncertainty [rad/s].
-    influence : Influence
-        What it rests on.
-    """
-
-    patterns: Array
-    influence: Influence
+    patterns: Array  # shape (s, 3): along x, y, z, each one standard uncertainty [rad/s]
+    influence: Influence  # What it rests on
 
 
 def earth_along(plan: Plan) -> tuple[Array, Mapping[str, Unknown]]:

@@ -24,36 +24,16 @@ REFERENCE_ORDER = 3  # largest that comes into question for a reference voltage
 
 @dataclass(frozen=True, eq=False)
 class OfSensor:
-    """What the test shows of one sensor.
+    """What the test shows of one sensor."""
 
-    Parameters
-    ----------
-    series : Series
-        All samples.
-    law : Law
-        Bias over temperature.
-    choice : Choice
-        Of its order.
-    start_up : StartUp
-        Transient after power-up, and the cut.
-    paths : Paths
-        What differs between warming and cooling.
-    references : mapping of str to Law
-        Reference voltages over temperature [V].
-    run_offsets : ndarray, shape (r,)
-        Mean residual of each run [unit of the readings].
-    remarks : tuple of Remark
-        Findings.
-    """
-
-    series: Series
-    law: Law
-    choice: Choice
-    start_up: StartUp
-    paths: Paths
-    references: Mapping[str, Law]
-    run_offsets: Array
-    remarks: tuple[Remark, ...]
+    series: Series  # All samples
+    law: Law  # Bias over temperature
+    choice: Choice  # Of its order
+    start_up: StartUp  # Transient after power-up, and the cut
+    paths: Paths  # What differs between warming and cooling
+    references: Mapping[str, Law]  # Reference voltages over temperature [V]
+    run_offsets: Array  # shape (r,): mean residual of each run [unit of the readings]
+    remarks: tuple[Remark, ...]  # Findings
 
     @property
     def cells(self) -> Cells:

@@ -30,28 +30,20 @@ STEADY = "the temperature moves from the start: start-up and temperature cannot 
 
 @dataclass(frozen=True, eq=False)
 class StartUp:
-    """What a thermal test shows of the start-up of one sensor.
+    """What a thermal test shows of the start-up of one sensor."""
 
-    Parameters
-    ----------
-    found : WarmUp or None
-        The transient.
-    reason : str
-        Why there is none.
-    settled : float
-        Tolerance [unit of the readings].
-    cut : float
-        Left out after each power-up [s].
-    time, residual, run : ndarray, shape (m,)
-        Means that it was found in: since power-up [s], less the polynomial [unit of the readings], number of the run.
-    """
-
-    found: WarmUp | None
-    reason: str
-    settled: float
-    cut: float
+    found: WarmUp | None  # The transient
+    reason: str  # Why there is none
+    settled: float  # Tolerance [unit of the readings]
+    cut: float  # Left out after each power-up [s]
+    # shape (m,): means that it was found in: since power-up [s], less the polynomial [unit of the readings],
+    # number of the run
     time: Array
+    # shape (m,): means that it was found in: since power-up [s], less the polynomial [unit of the readings],
+    # number of the run
     residual: Array
+    # shape (m,): means that it was found in: since power-up [s], less the polynomial [unit of the readings],
+    # number of the run
     run: Indices
 
 

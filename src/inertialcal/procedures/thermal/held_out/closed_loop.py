@@ -39,37 +39,20 @@ ONE_RUN = Reason("one_run", "the fit rests on one power-up: how another one diff
 
 @dataclass(frozen=True)
 class AxisResidual:
-    """What the polynomial leaves of one axis on power-ups held out.
+    """What the polynomial leaves of one axis on power-ups held out."""
 
-    Parameters
-    ----------
-    axis : str
-        Of the sensor.
-    cells, runs : int
-        Judged.
-    raw, compensated : float
-        Root mean square of the bias before and after [rad/s].
-    residual, u : float
-        Mean left, and its standard uncertainty [rad/s]; NaN where the scatter of power-ups was not observed.
-    gain, u_gain : float
-        Of the mean square, and its standard uncertainty [(rad/s)^2].
-    allowed : float
-        Mean square uncertainty of the polynomial [(rad/s)^2].
-    dof : float
-        Degrees of freedom of both.
-    """
-
-    axis: str
-    cells: int
-    runs: int
-    raw: float
-    compensated: float
+    axis: str  # Of the sensor
+    cells: int  # Judged
+    runs: int  # Judged
+    raw: float  # Root mean square of the bias before and after [rad/s]
+    compensated: float  # Root mean square of the bias before and after [rad/s]
+    # Mean left, and its standard uncertainty [rad/s]; NaN where the scatter of power-ups was not observed
     residual: float
-    u: float
-    gain: float
-    u_gain: float
-    allowed: float
-    dof: float
+    u: float  # Mean left, and its standard uncertainty [rad/s]; NaN where the scatter of power-ups was not observed
+    gain: float  # Of the mean square, and its standard uncertainty [(rad/s)^2]
+    u_gain: float  # Of the mean square, and its standard uncertainty [(rad/s)^2]
+    allowed: float  # Mean square uncertainty of the polynomial [(rad/s)^2]
+    dof: float  # Degrees of freedom of both
 
 
 def held_out(fitted: Result, held: Result) -> tuple[AxisResidual, ...]:

@@ -44,35 +44,19 @@ PAD = 0.04  # by which a band is wider than its rates, relative
 
 @dataclass(frozen=True, eq=False)
 class Points:
-    """What one panel shows: a row a rate, in the units of the curve.
+    """What one panel shows: a row a rate, in the units of the curve."""
 
-    Parameters
-    ----------
-    requirement : str
-        Its identifier; empty where nothing was required.
-    rate, error, lo, hi : ndarray, shape (n,)
-        Ends of the interval of that rate alone.
-    wide_lo, wide_hi : ndarray, shape (n,)
-        Ends of the interval that it was judged by.
-    verdict : tuple of str, length n
-        ``"not judged"`` where the condition does not take the rate in.
-    lower, upper : float
-        Limits; NaN for none.
-    of : str
-        Which error.
-    """
-
-    requirement: str
-    rate: Array
-    error: Array
-    lo: Array
-    hi: Array
-    wide_lo: Array
-    wide_hi: Array
-    verdict: tuple[str, ...]
-    lower: float
-    upper: float
-    of: str
+    requirement: str  # Its identifier; empty where nothing was required
+    rate: Array  # shape (n,): ends of the interval of that rate alone
+    error: Array  # shape (n,): ends of the interval of that rate alone
+    lo: Array  # shape (n,): ends of the interval of that rate alone
+    hi: Array  # shape (n,): ends of the interval of that rate alone
+    wide_lo: Array  # shape (n,): ends of the interval that it was judged by
+    wide_hi: Array  # shape (n,): ends of the interval that it was judged by
+    verdict: tuple[str, ...]  # ``"not judged"`` where the condition does not take the rate in
+    lower: float  # Limits; NaN for none
+    upper: float  # Limits; NaN for none
+    of: str  # Which error
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
