@@ -96,15 +96,9 @@ def _problems(error: ValidationError, document: dict[str, Any], lines: dict[KeyP
 
 
 def _unknown_key(path: KeyPath, key: str, where: str) -> Problem:
-    known = _known_keys(CampaignFile, path[:-1])
-    near = get_close_matches(str(path[-1]), known, n=1)
-    do = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}" if known else ""
-    return Problem(f"unknown key {key}", where, "it would have no effect", do, "unknown_key")
-
-
-def _known_keys(model: Any, path: KeyPath) -> list[str]:
-    """Names that may stand in the table at a path of the schema."""
-    for part in path:
+    # Names that may stand in the table at a path of the schema
+    model = CampaignFile
+    for part in path[:-1]:
         if isinstance(model, type) and issubclass(model, BaseModel):
             fields = {field.alias or name: field.annotation for name, field in model.model_fields.items()}
             model = fields.get(str(part))
@@ -117,7 +111,10 @@ def _known_keys(model: Any, path: KeyPath) -> list[str]:
         ):
             model = _element(model)
     model = model if _is_model(model) else None
-    return [field.alias or name for name, field in model.model_fields.items()] if model else []
+    known = [field.alias or name for name, field in model.model_fields.items()] if model else []
+    near = get_close_matches(str(path[-1]), known, n=1)
+    do = f"Did you mean {near[0]}?" if near else f"There are: {', '.join(known)}" if known else ""
+    return Problem(f"unknown key {key}", where, "it would have no effect", do, "unknown_key")
 
 
 def _is_model(annotation: Any) -> bool:

@@ -60,7 +60,22 @@ def compensate(
     check_item(model, serial=serial)
     chosen = taken(model, recording, columns, temperature)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
-    _check_units(model, recording, axes)
+    # Refuse axes without a unit, or with one of another kind, with the file and the way out
+    for name in axes.values():
+        unit = recording.channel(name).unit
+        if unit is None:
+            raise DataError(
+                f"nothing says the unit of column {name!r}",
+                where=recording.source.path,
+                why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
+                do=f"Add --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
+                code="no_unit",
+            )
+        try:
+            check_item(model, unit=unit)
+        except DataError as error:
+            problem = replace(error.problems[0], where=recording.source.path)
+            raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None
     conditions = _conditions(model, recording, chosen)
     done = compensate_recording(model, recording, axes, **conditions)
     remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *_about(model, chosen))
@@ -103,25 +118,6 @@ def _place(recording: Recording, index: int) -> str:
     path, first = recording.source.path, recording.first_row
     sample = f"{path}: sample {index + 1}" if path else f"sample {index + 1}"
     return f"{path}:{first + index}" if path and first else sample
-
-
-def _check_units(model: SensorModel, recording: Recording, axes: Mapping[str, str]) -> None:
-    """Refuse axes without a unit, or with one of another kind, with the file and the way out."""
-    for name in axes.values():
-        unit = recording.channel(name).unit
-        if unit is None:
-            raise DataError(
-                f"nothing says the unit of column {name!r}",
-                where=recording.source.path,
-                why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
-                do=f"Add --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
-                code="no_unit",
-            )
-        try:
-            check_item(model, unit=unit)
-        except DataError as error:
-            problem = replace(error.problems[0], where=recording.source.path)
-            raise DataError(replace(problem, what=f"column {name!r}: {problem.what}")) from None
 
 
 def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Conditions:

@@ -37,7 +37,7 @@ from ....core.estimate import Array
 from ....statistics.clustered import clustered_covariance
 from ....statistics.least_squares import Fit, fit
 from ..plan import Plan
-from ..readings import Labels, Readings
+from ..readings import Readings
 
 EARTH_PASSES = 3
 
@@ -211,7 +211,9 @@ def _dwell_and_run_levels(readings: Readings, found: Fit) -> tuple[Level, Level]
         return _dwell_level(total, found.dof), Level("run", None, reason="one run: not repeated")
     assert readings.run is not None  # noqa: S101 - for the type checker
     labels, at = np.unique(readings.run, return_inverse=True)
-    basis = _line_and_runs(found, at, len(labels))
+    columns = np.column_stack([found.design, np.eye(len(labels))[at]])
+    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
+    basis: Array = left[:, singular > singular[0] * 1e-10]
     residuals = found.residuals - basis @ (basis.T @ found.residuals)  # what no run offset can take up
     square = float(residuals @ residuals)
     dof = float(len(residuals) - basis.shape[1])
@@ -227,14 +229,6 @@ def _dwell_level(square: float, dof: float) -> Level:
     if dof < 1:
         return Level("dwell", None, reason="as many dwells as coefficients: not repeated")
     return Level("dwell", float(np.sqrt(square / dof)), float(dof))
-
-
-def _line_and_runs(found: Fit, at: Labels, runs: int) -> Array:
-    """Orthonormal basis of what the line and an offset per run can describe, shape (n, rank)."""
-    columns = np.column_stack([found.design, np.eye(runs)[at]])
-    left, singular, _ = np.linalg.svd(columns, full_matrices=False)
-    basis: Array = left[:, singular > singular[0] * 1e-10]
-    return basis
 
 
 def dwell_variance(levels: tuple[Level, ...], per_run: float) -> tuple[float, float] | None:

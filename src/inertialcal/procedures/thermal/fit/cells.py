@@ -157,7 +157,12 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
     early = ~invalid & (np.nan_to_num(series.time, nan=np.inf) < cut)
     aside = ~invalid & ~early & (series.path == 0)
     used = np.flatnonzero(~(invalid | early | aside))
-    _need_samples(series, invalid, used)
+    if invalid.all():
+        what, do = f"{series.axis} sensor: no sample is valid", "Check the rails, the built-in test and the columns"
+        raise DataError(what, do=do, code="no_valid_sample")
+    if not len(used):
+        what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
+        raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
     cells = _gathered(plan, series, used)
     full = cells.samples >= max(FEWEST, SPARSE * float(np.median(cells.samples)))
     kept, beyond = _on_both_paths(cells, full, series)
@@ -169,15 +174,6 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         "sparse": int(cells.samples[~full].sum()),
     }
     return replace(kept, left_out=left_out)
-
-
-def _need_samples(series: Series, invalid: Mask, used: Indices) -> None:
-    if invalid.all():
-        what, do = f"{series.axis} sensor: no sample is valid", "Check the rails, the built-in test and the columns"
-        raise DataError(what, do=do, code="no_valid_sample")
-    if not len(used):
-        what = f"{series.axis} sensor: no sample lies on a ramp of {series.turn_over:.3g} degC or more"
-        raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
 
 
 def _gathered(plan: Plan, series: Series, used: Indices) -> Cells:

@@ -48,11 +48,22 @@ def choose_order(cells: Cells, largest: int, given: int | None = None) -> Choice
     whole = design(cells, largest, path_order, cells.range)
     columns = np.column_stack([whole, cells.reading])
     squares, counts = _moments(columns, cells.weight, groups, offsets)
-    tried = _tried(held_out, groups, cells)
+    numbers = np.arange(len(np.unique(groups)))
+    tried = numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers
     errors = np.full((largest + 1, len(tried)), np.nan)
     for order in range(largest + 1):
         keep = [*range(order + 1), *range(largest + 1, columns.shape[1] - 1)]
-        errors[order] = _errors(squares, counts, keep, tried)
+        # Mean square error of prediction of each group that is held out, fitted to the others
+        rest = squares.sum(axis=0) - squares[tried]
+        scale = np.sqrt(np.maximum(np.einsum("gii->gi", rest)[:, keep], np.finfo(float).tiny))
+        at = np.asarray(keep)
+        grid = np.ix_(np.arange(len(tried)), at, at)
+        inverse = np.linalg.pinv(rest[grid] / (scale[:, :, None] * scale[:, None, :]), rcond=1e-10, hermitian=True)
+        found = np.einsum("gij,gj->gi", inverse, rest[:, keep, -1] / scale) / scale
+        own = squares[tried]
+        cross = np.einsum("gi,gi->g", found, own[:, keep, -1])
+        bent = np.einsum("gi,gij,gj->g", found, own[grid], found)
+        errors[order] = np.asarray(np.maximum(own[:, -1, -1] - 2.0 * cross + bent, 0.0) / counts[tried])
     scores = np.sqrt(np.mean(errors, axis=1))
     if given is not None:
         return Choice(given, "given", scores)
@@ -77,12 +88,6 @@ def _groups(cells: Cells) -> tuple[HeldOut, Indices, Indices, int]:
     return "blocks", stretch, np.zeros(len(cells), dtype=np.int64), path_order
 
 
-def _tried(held_out: HeldOut, groups: Indices, cells: Cells) -> Indices:
-    """Return the numbers of the groups that are held out: of stretches of temperature the inner ones alone."""
-    numbers = np.arange(len(np.unique(groups)))
-    return numbers[1:-1] if held_out == "blocks" and len(numbers) > 3 else numbers
-
-
 def _moments(columns: Array, weights: Array, groups: Indices, offsets: Indices) -> tuple[Array, Array]:
     """Weighted second moments of design and readings in each group, offsets taken away, (g, q, q), and its weight."""
     own = np.unique(offsets, return_inverse=True)[1]
@@ -96,17 +101,3 @@ def _moments(columns: Array, weights: Array, groups: Indices, offsets: Indices) 
     sorted_columns, sorted_weights = columns[order], weights[order]
     products = sorted_columns[:, :, None] * sorted_columns[:, None, :] * sorted_weights[:, None, None]
     return np.add.reduceat(products, starts), np.add.reduceat(sorted_weights, starts)
-
-
-def _errors(squares: Array, counts: Array, keep: list[int], tried: Indices) -> Array:
-    """Mean square error of prediction of each group that is held out, fitted to the others."""
-    rest = squares.sum(axis=0) - squares[tried]
-    scale = np.sqrt(np.maximum(np.einsum("gii->gi", rest)[:, keep], np.finfo(float).tiny))
-    at = np.asarray(keep)
-    grid = np.ix_(np.arange(len(tried)), at, at)
-    inverse = np.linalg.pinv(rest[grid] / (scale[:, :, None] * scale[:, None, :]), rcond=1e-10, hermitian=True)
-    found = np.einsum("gij,gj->gi", inverse, rest[:, keep, -1] / scale) / scale
-    own = squares[tried]
-    cross = np.einsum("gi,gi->g", found, own[:, keep, -1])
-    bent = np.einsum("gi,gij,gj->g", found, own[grid], found)
-    return np.asarray(np.maximum(own[:, -1, -1] - 2.0 * cross + bent, 0.0) / counts[tried])
