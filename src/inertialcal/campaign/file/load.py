@@ -97,7 +97,7 @@ def _problems(error: ValidationError, document: dict[str, Any], lines: dict[KeyP
 
 def _unknown_key(path: KeyPath, key: str, where: str) -> Problem:
     # Names that may stand in the table at a path of the schema
-    model = CampaignFile
+    model: Any = CampaignFile
     for part in path[:-1]:
         if isinstance(model, type) and issubclass(model, BaseModel):
             fields = {field.alias or name: field.annotation for name, field in model.model_fields.items()}
@@ -107,7 +107,7 @@ def _unknown_key(path: KeyPath, key: str, where: str) -> Problem:
         while (
             not _is_model(model)
             and _element(model) is not None
-            and not (getattr(model, "__origin__", None) in (list, dict))
+            and getattr(model, "__origin__", None) not in (list, dict)
         ):
             model = _element(model)
     model = model if _is_model(model) else None

@@ -48,7 +48,9 @@ def recording_checks(
         where = at("recordings", name, "sensor")
         yield Problem(f"recordings.{name}: no sensor {entry.sensor!r}", where, do=do, code="unknown_name")
     yield from _file(folder, name, entry.file, at("recordings", name, "file"))
-    yield from _other_files(folder, name, entry, at)
+    for key, said in own_keys(entry):
+        if key.file is not None:
+            yield from _file(folder, name, key.file(said), at("recordings", name, key.name))
     sensor = file.sensors.get(entry.sensor)
     if sensor is not None:
         yield from (one for procedure in loaded_procedures() for one in procedure.check_entry(name, entry, sensor, at))
@@ -66,12 +68,6 @@ def recording_checks(
         yield Problem(what, at("recordings", name, "clock"), code="wrong_value")
     if sensor is not None:
         yield from _channel_units(name, entry, sensor, at)
-
-
-def _other_files(folder: Path | None, name: str, entry: CommonKeys, at: At) -> Iterator[Problem]:
-    for key, said in own_keys(entry):
-        if key.file is not None:
-            yield from _file(folder, name, key.file(said), at("recordings", name, key.name))
 
 
 def _file(folder: Path | None, name: str, given: str, where: str) -> Iterator[Problem]:

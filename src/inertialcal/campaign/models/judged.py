@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
@@ -16,7 +16,6 @@ from ...sensors.model.sensor_model import SensorModel
 from ...statistics.closed_loop import AxisLoop
 from ..engine.engine import placed
 from ..file.load import Campaign
-from ..file.schema import Test
 
 NOT_RUN = "not run"
 
@@ -83,7 +82,10 @@ def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any
         procedure = procedure_of(test.procedure)
         if test.use != "hold_out" or procedure.makes_model:
             continue
-        fitted = _fitted(campaign.file.tests, test)
+        same = (
+            one for one in campaign.file.tests if one.procedure == test.procedure and one.condition == test.condition
+        )
+        fitted = next((one for one in same if one.use == "fit"), None)
         if fitted is None:
             continue
         own = reduced[fitted.id]
@@ -95,9 +97,3 @@ def hold_out_residuals(campaign: Campaign, reduced: Mapping[str, Tested[Any, Any
             rows = tuple(replace(row, test=test.id) for row in held.rows)
             found[test.id] = Residual(own.id, replace(held, rows=rows))
     return found
-
-
-def _fitted(tests: Sequence[Test], held: Test) -> Test | None:
-    """Return the test for a fit that one held out is set against."""
-    same = (one for one in tests if one.procedure == held.procedure and one.condition == held.condition)
-    return next((one for one in same if one.use == "fit"), None)

@@ -72,26 +72,23 @@ def odd_scatter(plan: Plan, readings: Readings, scatter: Array) -> Mask:
         at = np.flatnonzero((readings.axis == axis) & np.isfinite(scatter))
         if at.size <= plan.neighbours:
             continue  # too few to say what is usual
-        near = _nearest(np.abs(readings.applied[at]), plan.neighbours)
+        # Nearest others of each in size, the earlier rows first where equally near, shape (n, count)
+        sizes = np.abs(readings.applied[at])
+        count = plan.neighbours
+        order = np.argsort(sizes, kind="stable")
+        reach = np.concatenate([np.arange(-count, 0), np.arange(1, count + 1)])
+        places = np.arange(len(sizes))[:, None] + reach[None, :]
+        inside = (places >= 0) & (places < len(sizes))
+        places = np.clip(places, 0, len(sizes) - 1)
+        distance = np.where(inside, np.abs(sizes[order][:, None] - sizes[order][places]), np.inf)
+        chosen = np.argsort(distance, axis=1, kind="stable")[:, :count]
+        near = np.empty((len(sizes), count), dtype=np.intp)
+        near[order] = order[np.take_along_axis(places, chosen, axis=1)]
         usual = np.median(scatter[at][near], axis=1)
         own = scatter[at]
         told = (own > 0.0) & (usual > 0.0)  # a scatter printed as zero is one below its rounding
         odd[at] = told & ((own > plan.scatter_ratio * usual) | (own * plan.scatter_ratio < usual))
     return odd
-
-
-def _nearest(sizes: Array, count: int) -> NDArray[np.intp]:
-    """Return the nearest others of each in size, the earlier rows first where equally near, shape (n, count)."""
-    order = np.argsort(sizes, kind="stable")
-    reach = np.concatenate([np.arange(-count, 0), np.arange(1, count + 1)])
-    places = np.arange(len(sizes))[:, None] + reach[None, :]
-    inside = (places >= 0) & (places < len(sizes))
-    places = np.clip(places, 0, len(sizes) - 1)
-    distance = np.where(inside, np.abs(sizes[order][:, None] - sizes[order][places]), np.inf)
-    chosen = np.argsort(distance, axis=1, kind="stable")[:, :count]
-    near = np.empty((len(sizes), count), dtype=np.intp)
-    near[order] = order[np.take_along_axis(places, chosen, axis=1)]
-    return near
 
 
 def _remarks(plan: Plan, readings: Readings, sensor: str, rail: Mask, odd: Mask) -> list[Remark]:

@@ -151,20 +151,16 @@ def trace(
     moving = kept.applied != 0.0 if rest else np.ones(len(kept.dwells), dtype=bool)
     row = np.where(moving, np.cumsum(moving) - 1, NO_ROW)
     row = np.concatenate([row, np.count_nonzero(moving) + np.arange(len(lost.dwells))]).astype(np.int64)
-    found = _dwells(kept, lost, row, time_ns, names.index(sensor), len(names))
-    return Trace(recording, sensor, tuple(names), bins.time, bins.lo, bins.hi, found)
-
-
-def _dwells(kept: Cut, lost: Cut, row: NDArray[np.int64], time_ns: Times, column: int, columns: int) -> TracedDwells:
-    """Put the dwells in order of time; one that has no mean of the sensors has no level."""
+    # Put the dwells in order of time; one that has no mean of the sensors has no level
     dwells = [*kept.dwells, *lost.dwells]
     order = np.argsort([dwell.start for dwell in dwells], kind="stable")
     seconds = (time_ns - time_ns[0]) / SECOND
-    level = [float(dwell.mean[column]) if len(dwell.mean) == columns else np.nan for dwell in dwells]
-    return TracedDwells(
+    level = [float(dwell.mean[names.index(sensor)]) if len(dwell.mean) == len(names) else np.nan for dwell in dwells]
+    found = TracedDwells(
         seconds[[dwell.start for dwell in dwells]][order],
         seconds[[dwell.stop - 1 for dwell in dwells]][order],
         np.array(level)[order],
         np.concatenate([kept.applied, lost.applied])[order],
         row[order],
     )
+    return Trace(recording, sensor, tuple(names), bins.time, bins.lo, bins.hi, found)

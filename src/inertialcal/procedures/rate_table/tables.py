@@ -184,22 +184,19 @@ def _in_windows(source: _Table) -> Mask:
     if source.rows.time is None:
         what = f"recordings.{source.name}: windows are asked for, but rows.time names no column"
         raise DataError(what, code="wrong_column")
-    instants = _instants(source, source.rows.time)
-    inside = np.zeros(len(instants), dtype=bool)
-    for start, stop in source.source.windows or []:
-        inside |= (instants >= start) & (instants < stop)
-    return inside
-
-
-def _instants(source: _Table, column: str) -> NDArray[np.int64]:
-    """UTC nanoseconds of each row."""
+    # UTC nanoseconds of each row
+    column = source.rows.time
     found = np.empty(len(source.table), dtype=np.int64)
     for i, cell in enumerate(source.table.text(column)):
         try:
             found[i] = read_instant(_number_or_text(cell))
         except ValueError as error:
             raise DataError(f"column {column!r}: {error}", source.table.where(i), code="wrong_time") from None
-    return found
+    instants = found
+    inside = np.zeros(len(instants), dtype=bool)
+    for start, stop in source.source.windows or []:
+        inside |= (instants >= start) & (instants < stop)
+    return inside
 
 
 def _number_or_text(cell: str) -> float | str:

@@ -70,7 +70,10 @@ def estimate_row(estimate: Estimate, key: Key, reason: Reason) -> Row:
 
 
 def _polynomial_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
-    limits = _limits(result, one)
+    missing = [name for name in needed(result.plan) if name not in result.plan.standards]
+    words = [_level_limits(one)] if one.law.level != "run" else []
+    words += ["relative to the unit's own thermometer and converter"] if missing else []
+    limits = Reason("limits", "; ".join(words))
     for asked in result.asked[axis]:
         for key, unit in zip(asked.keys, asked.units, strict=True):
             if result.estimate is not None and key in result.estimate.keys:
@@ -96,14 +99,6 @@ def _one_path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
             if key in result.on_path.keys:
                 row = estimate_row(result.on_path, key, Reason("limits", _level_limits(one)))
                 yield replace(row, member=Member("path", way))
-
-
-def _limits(result: Result, one: OfSensor) -> Reason:
-    """Return what the uncertainty does not hold."""
-    missing = [name for name in needed(result.plan) if name not in result.plan.standards]
-    words = [_level_limits(one)] if one.law.level != "run" else []
-    words += ["relative to the unit's own thermometer and converter"] if missing else []
-    return Reason("limits", "; ".join(words))
 
 
 def _level_limits(one: OfSensor) -> str:
@@ -221,8 +216,8 @@ class Published:
     """The fit as the thesis prints it."""
 
     polynomial: Polynomial  # Over volts [V], or degC
-    residual_sum_of_squares: float  # [unit of the polynomial squared], (1)
-    adjusted_r_square: float  # [unit of the polynomial squared], (1)
+    residual_sum_of_squares: float  # [unit of the polynomial squared]
+    adjusted_r_square: float  # (1)
     samples: int  # That it was fitted to
     volts: bool  # Whether it is in volts over volts
 

@@ -55,7 +55,15 @@ def earth_in_dwells(plan: Plan, axis: str, start: Array, angle: Array) -> tuple[
     i = AXES.index(axis)
     along = np.zeros((len(angle), 3))
     along[:, i] = 1.0
-    across = _across(i, start, angle)
+    # Mean of the component across the axis over the angle turned, for the two phases, shape (2, n, 3)
+    j, k = (i + 1) % 3, (i + 2) % 3
+    turned = np.nan_to_num(angle)
+    middle = np.nan_to_num(start) + 0.5 * turned
+    left = np.sinc(turned / (2.0 * np.pi))
+    patterns = np.zeros((2, len(angle), 3))
+    patterns[0, :, j], patterns[0, :, k] = left * np.cos(middle), -left * np.sin(middle)
+    patterns[1, :, j], patterns[1, :, k] = left * np.sin(middle), left * np.cos(middle)
+    across = patterns
     if plan.attitude is None or plan.latitude is None:
         size = OMEGA * ROOT_THIRD
         return np.zeros_like(along), {_direction(axis): size * np.stack([along, *across])}
@@ -116,22 +124,6 @@ def _along_table_axis(plan: Plan, attitude: Attitude, latitude: float) -> Estima
         u_tilt=attitude.u,
         u_azimuth=attitude.u_azimuth,
     )
-
-
-def _across(i: int, start: Array, angle: Array) -> Array:
-    """Mean of the component across the axis over the angle turned, for the two phases, shape (2, n, 3).
-
-    A vector p across the axis is seen by the body axes j, k as (cos theta, -sin theta), and q as (sin theta,
-    cos theta); over an angle ``a`` from ``s`` their means are those at the middle times sinc.
-    """
-    j, k = (i + 1) % 3, (i + 2) % 3
-    turned = np.nan_to_num(angle)
-    middle = np.nan_to_num(start) + 0.5 * turned
-    left = np.sinc(turned / (2.0 * np.pi))
-    patterns = np.zeros((2, len(angle), 3))
-    patterns[0, :, j], patterns[0, :, k] = left * np.cos(middle), -left * np.sin(middle)
-    patterns[1, :, j], patterns[1, :, k] = left * np.sin(middle), left * np.cos(middle)
-    return patterns
 
 
 def gathered(parts: list[tuple[Array, dict[str, Array]]]) -> tuple[Array, dict[str, Array]]:

@@ -264,20 +264,16 @@ def earth_along(plan: Plan) -> tuple[Array, Mapping[str, Unknown]]:
         ("azimuth of the body", 2, Influence(attitude.u_azimuth, "rad")),
     ):
         if influence.u > 0.0 and not (at == 2 and attitude.azimuth is None):
-            slope = _slope(latitude, attitude, at)
+            # Change of earth rate along x, y, z with the latitude (0), the tilt (1) or the azimuth (2), shape (3,)
+            moved = STEP * np.eye(3)[at]
+            azimuth = None if attitude.azimuth is None else (attitude.azimuth - moved[2], attitude.azimuth + moved[2])
+            low = _mean(latitude - moved[0], attitude.tilt - moved[1], None if azimuth is None else azimuth[0])
+            high = _mean(latitude + moved[0], attitude.tilt + moved[1], None if azimuth is None else azimuth[1])
+            slope = np.asarray((high - low) / (2.0 * STEP))
             found[name] = Unknown((influence.u * slope)[None], influence)
     if attitude.azimuth is None:
         found["azimuth of the body unknown"] = _any_azimuth(latitude, attitude)
     return _mean(latitude, attitude.tilt, attitude.azimuth), found
-
-
-def _slope(latitude: float, attitude: Attitude, at: int) -> Array:
-    """Change of earth rate along x, y, z with the latitude (0), the tilt (1) or the azimuth (2), shape (3,)."""
-    moved = STEP * np.eye(3)[at]
-    azimuth = None if attitude.azimuth is None else (attitude.azimuth - moved[2], attitude.azimuth + moved[2])
-    low = _mean(latitude - moved[0], attitude.tilt - moved[1], None if azimuth is None else azimuth[0])
-    high = _mean(latitude + moved[0], attitude.tilt + moved[1], None if azimuth is None else azimuth[1])
-    return np.asarray((high - low) / (2.0 * STEP))
 
 
 def _mean(latitude: float, tilt: float, azimuth: float | None) -> Array:

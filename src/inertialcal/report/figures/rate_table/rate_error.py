@@ -153,7 +153,21 @@ def draw(axes: Sequence[Axes], curve: Curve, verdicts: Sequence[Mapping[str, Any
     """
     panels = points(curve, verdicts)
     for ax, one in zip(axes, panels, strict=True):
-        _panel(ax, one)
+        signed_log(ax, "x", one.rate)
+        limits = finite(np.array([one.lower, one.upper]))
+        start = float(np.max(np.abs(limits))) if len(limits) and np.any(limits) else None
+        shown = np.concatenate([one.error, one.lo, one.hi, one.wide_lo, one.wide_hi, limits])
+        signed_log(ax, "y", shown, start or _typical(one.error))
+        ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.8, zorder=1)
+        _band(ax, one)
+        _bars(ax, one.rate, one.wide_lo, one.wide_hi, 0.8, "quiet", "95 % for all rates together")
+        _bars(ax, one.rate, one.lo, one.hi, 1.8, "quiet", "95 % at this rate")
+        words = np.array(one.verdict)
+        for word in ("not judged", *reversed(WORDS)):
+            mine = (words == word) & np.isfinite(one.error)
+            if np.any(mine):
+                label = f"{word} ({np.sum(mine)})" if one.requirement else "error"
+                ax.plot(one.rate[mine], one.error[mine], linestyle="none", label=label, zorder=4, **LOOKS[word])
         what = OF.get(one.of, "error")
         set_labels(ax, y=with_unit(what, unit(curve, "error")))
     set_title(axes[0], title)
@@ -167,24 +181,6 @@ def _handles(axes: Sequence[Axes]) -> list[Any]:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
             found.setdefault(label, handle)
     return list(found.values())
-
-
-def _panel(ax: Axes, one: Points) -> None:
-    signed_log(ax, "x", one.rate)
-    limits = finite(np.array([one.lower, one.upper]))
-    start = float(np.max(np.abs(limits))) if len(limits) and np.any(limits) else None
-    shown = np.concatenate([one.error, one.lo, one.hi, one.wide_lo, one.wide_hi, limits])
-    signed_log(ax, "y", shown, start or _typical(one.error))
-    ax.axhline(0.0, color=COLOURS["quiet"], linewidth=0.8, zorder=1)
-    _band(ax, one)
-    _bars(ax, one.rate, one.wide_lo, one.wide_hi, 0.8, "quiet", "95 % for all rates together")
-    _bars(ax, one.rate, one.lo, one.hi, 1.8, "quiet", "95 % at this rate")
-    words = np.array(one.verdict)
-    for word in ("not judged", *reversed(WORDS)):
-        mine = (words == word) & np.isfinite(one.error)
-        if np.any(mine):
-            label = f"{word} ({np.sum(mine)})" if one.requirement else "error"
-            ax.plot(one.rate[mine], one.error[mine], linestyle="none", label=label, zorder=4, **LOOKS[word])
 
 
 def _typical(error: Array) -> float | None:
