@@ -36,6 +36,8 @@ def type_of(one: Setting) -> str:
     """Return the type of an argument: a quantity is text with its unit."""
     if one.pairs:
         return "Mapping[str, str] | Sequence[str] | str"
+    if one.name == "like":
+        return "str | Path"
     inner = f"Literal[{', '.join(map(repr, one.choices))}]" if one.choices else "str"
     inner = "bool" if one.flag else "Mapping[str, Any] | str" if one.table else inner
     inner = one.number.__name__ if one.number is not None else inner

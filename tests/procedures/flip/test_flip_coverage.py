@@ -99,7 +99,7 @@ def kept_off(seed: int, corner: float) -> bool:
         return True
     reach = max(min(one.stop / SECOND, moving[1]) - max(one.start / SECOND, moving[0]) for one in found)
     plan = turning.plan
-    remarks = (*said, *reduce(plan, readings_from(plan, [FlipRecording(recording, found)])).remarks)
+    remarks = (*said, *reduce(plan, readings_from(plan, [FlipRecording(recording, tuple(found))])).remarks)
     return reach <= ARM_FADE or "disturbed" in {one.code for one in remarks}
 
 

@@ -118,8 +118,9 @@ def test_whole_numbers_in_the_unit_of_the_file_are_summed_exactly() -> None:
     found = noise.reduce(plan, noise.readings_from(plan, [noise.AtRest(recording(codes_of), {"x": "gx"}, name="r")]))
     assert found.readings.records[0].values["x"].dtype == np.int16
     floats = reduced(codes_of * 1e-6)
-    walk = row_of(found, "random_walk").value * 1e-6
-    assert walk == pytest.approx(row_of(floats, "angle_random_walk").value)
+    walk = row_of(found, "random_walk").value
+    assert walk is not None
+    assert walk * 1e-6 == pytest.approx(row_of(floats, "angle_random_walk").value)
 
 
 @pytest.mark.parametrize("quantity", ["increment", "angle"])

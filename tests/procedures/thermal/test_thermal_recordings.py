@@ -162,7 +162,7 @@ def test_the_published_way_gives_the_known_r_squares_of_the_real_record(real: Pa
     known = {"gyro": (0.57, 0.997, 0.535), "acc": (0.982, 0.881, 0.945)}
     for sensor, expected in known.items():
         units = UNITS | {"acc": "m/s2"}
-        found = ic.thermal(real, units=units, sensor=sensor)  # type: ignore[arg-type]
+        found = ic.thermal(real, units=units, sensor=sensor)
         r2 = [row.value for row in found.rows if row.quantity == "adjusted_r_square"]
         assert r2 == pytest.approx(expected, abs=1.5e-3)
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-import yaml  # type: ignore[import-untyped]
+import yaml
 
 from inertialcal.core.errors import PlanError
 from inertialcal.sensors.noise.state_space import state_space

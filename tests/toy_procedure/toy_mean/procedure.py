@@ -82,6 +82,7 @@ class MeanReading(Procedure[Plan, "Readings", "Result"]):
         skipped = 0
         for source in (one for one in sources if one.is_table):
             columns = cast("MeanEntry", source.entry).mean_table
+            assert columns is not None
             for axis in (axis for axis in AXES if getattr(columns, axis, None)):
                 values = source.table().numbers(getattr(columns, axis))
                 found.setdefault(axis, []).extend(source.in_si(values, columns.unit, axis).tolist())

@@ -57,7 +57,7 @@ def rate_table(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
     hold_out: Sequence[str | Path] = (),
 ) -> Reduced: ...
 def flip(
@@ -98,7 +98,7 @@ def flip(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
 ) -> Reduced: ...
 def thermal(
     recordings: Given | Sequence[Given],
@@ -134,7 +134,7 @@ def thermal(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
     hold_out: Sequence[str | Path] = (),
 ) -> Reduced: ...
 def allan(
@@ -170,7 +170,7 @@ def allan(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
     for_filter: Sequence[Literal['kalibr', 'px4', 'gtsam', 'kf-gins']] | Literal['kalibr', 'px4', 'gtsam', 'kf-gins'] | None = None,
     horizon: str | None = None,
 ) -> Reduced: ...
@@ -207,7 +207,7 @@ def psd(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
     for_filter: Sequence[Literal['kalibr', 'px4', 'gtsam', 'kf-gins']] | Literal['kalibr', 'px4', 'gtsam', 'kf-gins'] | None = None,
     horizon: str | None = None,
 ) -> Reduced: ...
@@ -239,7 +239,7 @@ def sine(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
 ) -> Reduced: ...
 def mass_attraction(
     recordings: Given | Sequence[Given],
@@ -276,7 +276,7 @@ def mass_attraction(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
 ) -> Reduced: ...
 def positions(
     recordings: Given | Sequence[Given],
@@ -308,6 +308,6 @@ def positions(
     gravity: str | None = None,
     height: str | None = None,
     standards: Mapping[str, str] | Sequence[str] | str | None = None,
-    like: str | None = None,
+    like: str | Path | None = None,
     hold_out: Sequence[str | Path] = (),
 ) -> Reduced: ...

@@ -197,6 +197,7 @@ def _correction(tests: Sequence[Test], corrections: Mapping[str, Correction]) ->
 def _model(campaign: Campaign, sensor: Sensor, terms: ModelTerms) -> SensorModel:
     """Return the model for the output of the sensor: volts where its chain has them and its axes are the body's."""
     assert terms.estimate is not None  # noqa: S101 - the caller has looked
+    assert sensor.kind != "other"  # noqa: S101 - of which no procedure makes a model
     volts = None if sensor.mounting is not None else body_scale_factors(sensor)
     item = campaign.file.item
     of_temperature = {
