@@ -17,6 +17,7 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import Coverage, coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
+from inertialcal.core.show.names import quantity_name
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.rig import FAULTS
@@ -50,7 +51,7 @@ def outcome(folder: Path) -> Outcome:
     return run(folder)
 
 
-def rows(outcome: Outcome, **want: str) -> dict[str, dict[str, Any]]:
+def rows(outcome: Outcome, **want: Any) -> dict[str, dict[str, Any]]:
     """Return rows by axis."""
     found = [row for row in outcome.results["results"] if all(row[key] == value for key, value in want.items())]
     assert len({row["axis"] for row in found}) == len(found)
@@ -59,9 +60,9 @@ def rows(outcome: Outcome, **want: str) -> dict[str, dict[str, Any]]:
 
 def test_the_model_is_the_polynomial_and_what_is_left_on_the_rate_table(folder: Path, outcome: Outcome) -> None:
     model = load_model(folder / "out/model.json")
-    air = rows(outcome, test="thermal_ambient", quantity="bias", condition="ambient")
-    left = rows(outcome, test="rate", quantity="bias", condition="")
-    slope = rows(outcome, test="thermal_ambient", quantity="bias_temperature_1", condition="ambient")
+    air = rows(outcome, test="thermal_ambient", quantity="bias", condition="ambient", at=None)
+    left = rows(outcome, test="rate", quantity="bias", at=None)
+    slope = rows(outcome, test="thermal_ambient", quantity="bias_temperature", power=1, method="result")
     assert model.bias_temperature is not None
     assert model.temperature_range is not None
     assert model.temperature_range[0] < -25.0
@@ -86,7 +87,7 @@ def test_the_model_takes_the_temperature_out_of_a_reading(folder: Path) -> None:
 def test_the_model_is_scored_too(folder: Path, outcome: Outcome) -> None:
     assert outcome.verdict in {"INCONCLUSIVE", "PASS"}
     found = [row for row in score(folder).rows if row["test"] == "model"]
-    quantities = {row["quantity"] for row in found}
+    quantities = {quantity_name(row) for row in found}
     assert {"bias", "bias_temperature_1", "bias_temperature_3", "scale_factor_error", "misalignment"} <= quantities
     assert sum(row["inside"] for row in found) >= len(found) - 4
 
@@ -108,7 +109,7 @@ def test_power_ups_held_out_judge_the_polynomial(outcome: Outcome) -> None:
 
 def test_what_is_left_of_the_bias_is_told_with_its_uncertainty(outcome: Outcome) -> None:
     for test, condition in (("thermal_ambient_check", "ambient"), ("thermal_vacuum_check", "vacuum")):
-        for row in rows(outcome, test=test, quantity="residual_bias", condition=condition).values():
+        for row in rows(outcome, test=test, quantity="residual_bias", condition=condition, at=None).values():
             assert row["unit"] == "deg/s"
             assert 0.0 < row["u"] < 0.02
             assert abs(row["value"]) < 0.04  # power-ups differ by 0.006 deg/s, the bias is ten times that

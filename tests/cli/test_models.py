@@ -22,8 +22,9 @@ from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
 
-ENVELOPE = {"command", "version", "inputs", "results", "curves", "remarks", "verdicts", "errors", "exit"}
-ROW = {"quantity", "axis", "test", "condition", "value", "u", "unit", "dof", "interval", "status", "reason"}
+ENVELOPE = {"command", "version", "inputs", "schema", "results", "remarks", "verdicts", "errors", "exit"}
+ROW = {"quantity", "axis", "sensor", "power", "at", "test", "condition", "method", "member", "value", "u", "unit", "dof",
+       "interval", "status", "reason", "shared"}  # fmt: skip
 HEAD = "t_s,gyro_x_dps,gyro_y_dps,gyro_z_dps,temp [degC],n\n"
 ROWS = [f"{0.5 * i + 2.0 * (i > 5)},{(-1) ** i},{0.25 * i},{'' if i == 1 else 3},20,{i + 5}" for i in range(12)]
 DATA = HEAD + "\n".join(ROWS) + "\n"  # a gap of 4 samples after the sixth, an empty cell in the second
@@ -327,7 +328,7 @@ def test_compare_without_uncertainties_shows_differences_and_why(call: Call, tmp
 
 
 def test_compare_refuses(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "results.json").write_text('{"results": []}')
+    (tmp_path / "results.json").write_text('{"schema": 2, "results": []}')
     content = as_json(call, "compare", "model.json", "results.json")
     assert (content["exit"], content["errors"][0]["code"]) == (3, "different_kinds")
     assert call("compare", "model.json", "model.json", "--allowed", "a lot")[0] == 2

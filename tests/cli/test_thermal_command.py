@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.names import case_name, quantity_name
 from typed_commands import call, call_json
 
 BIAS = 0.01  # at 20 degC [deg/s]
@@ -39,7 +39,7 @@ def test_three_runs(capsys: pytest.CaptureFixture[str], runs: list[str]) -> None
     assert "columns: x = gyro_x [deg/s], temperature = temperature [degC]" in out
     assert "bias (90 degC) x: outside the range of the ramps, -19." in " ".join(out.split())
     content = call_json(capsys, "thermal", *runs, "--at", "0 degC")
-    rows = {(row["quantity"], case_name(row)): row for row in content["results"]}
+    rows = {(quantity_name(row), case_name(row)): row for row in content["results"]}
     for key, true in {
         ("bias", ""): BIAS,
         ("bias", "0 degC"): BIAS - 2e-3,
@@ -56,7 +56,7 @@ def test_three_runs(capsys: pytest.CaptureFixture[str], runs: list[str]) -> None
 
 def test_an_order_and_a_reference_given_are_used(capsys: pytest.CaptureFixture[str], runs: list[str]) -> None:
     content = call_json(capsys, "thermal", *runs, "--order", "2", "--reference-temperature", "0 degC")
-    rows = {row["quantity"]: row for row in content["results"] if not case_name(row)}
+    rows = {quantity_name(row): row for row in content["results"] if not case_name(row)}
     assert rows["bias_temperature_2"]["value"] == pytest.approx(0.0, abs=2e-6)
     assert "bias_temperature_3" not in rows
     assert rows["bias"]["value"] == pytest.approx(BIAS - 2e-3, abs=6e-4)  # at 0 degC

@@ -21,7 +21,7 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
-from inertialcal.core.show.names import case_name, reason_text
+from inertialcal.core.show.names import case_name, quantity_name, reason_text
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
@@ -77,7 +77,7 @@ def test_files_and_memory_give_the_same_figures(outcome: Outcome) -> None:
 
 
 def test_figures_stand_in_the_units_of_the_sensor(outcome: Outcome) -> None:
-    units = {row["quantity"]: row["unit"] for row in rows_of(outcome, axis="x", test="thermal_ambient")
+    units = {quantity_name(row): row["unit"] for row in rows_of(outcome, axis="x", test="thermal_ambient")
              if case_name(row) != "as_published"}  # fmt: skip
     assert units["bias"] == "deg/s"
     assert units["bias_temperature_1"] == "deg/s/degC"
