@@ -11,7 +11,7 @@ from inertialcal.core.show.names import case_name, quantity_name
 from typed_commands import call, call_json
 
 BIAS = 0.01  # at 20 degC [deg/s]
-GAP = 0.002  # warming less cooling [deg/s]
+GAP = 0.002  # warming minus cooling [deg/s]
 BEGIN = 1.7e9
 
 

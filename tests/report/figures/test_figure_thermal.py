@@ -117,7 +117,7 @@ def heights(ax: Axes) -> list[tuple[float, float]]:
 @pytest.mark.parametrize(
     ("name", "finding"),
     [
-        ("thermal", "x: 10 to 30 degC, 2 runs, bias within ±0.1 deg/h; warming less cooling -0.400 ± 0.050 deg/h"),
+        ("thermal", "x: 10 to 30 degC, 2 runs, bias within ±0.1 deg/h; warming minus cooling -0.400 ± 0.050 deg/h"),
         ("thermal_order", "order 1 for x, order 1 for y, by runs held out"),
         ("start_up", "after 2 power-ups: x 3.00 ± 0.20 deg/h; the first 60 s are left out"),
         ("reference_voltage", "reference changes by 0.02 V and temperature reference changes by 0.02 V at most"),
@@ -175,7 +175,7 @@ def test_start_up_has_a_panel_an_axis_and_shows_what_is_left_out() -> None:
 
 def test_start_up_without_a_transient_says_so() -> None:
     quiet = {"curves": [start_up()], "results": []}
-    assert figures()["start_up"].pictures(quiet)[0].finding == "no start-up transient stands out of the noise"
+    assert figures()["start_up"].pictures(quiet)[0].finding == "no start-up transient above the noise"
 
 
 def test_reference_voltages_are_drawn_less_their_mean() -> None:

@@ -61,15 +61,7 @@ class Difference:
 
 
 def differences(pairs: Sequence[tuple[Row, Row]], shared: Collection[str] = ()) -> tuple[Difference, ...]:
-    """Return the difference of each pair, second less first, with a word on each.
-
-    Parameters
-    ----------
-    pairs : sequence of (Row, Row)
-        First and second, in one unit.
-    shared : collection of str
-        Influences whose error is the same in both.
-    """
+    """Return the difference of each pair, second less first; `shared`: influences with one error in both."""
     reasons = [_not_comparable(*pair) for pair in pairs]
     usable = [pair for pair, reason in zip(pairs, reasons, strict=True) if not reason]
     figures = [
@@ -187,11 +179,7 @@ def matched(
 ) -> tuple[list[tuple[Row, Row]], tuple[Remark, ...]]:
     """Return the figures that stand in both, in the order of the first, and remarks on the others.
 
-    Parameters
-    ----------
-    by_test : bool
-        Whether the test is part of a figure's name. Figures that only differ in the name of their test are then
-        still taken together where both sides have exactly one.
+    With `by_test`, a figure that differs only in the name of its test is paired where each side has exactly one.
     """
     keys: list[Any] = [_identity]
     if by_test:

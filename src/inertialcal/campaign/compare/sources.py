@@ -43,12 +43,7 @@ class Compared:
 
 
 def load_both(first: str | os.PathLike[str], second: str | os.PathLike[str]) -> tuple[Kind, Compared, Compared]:
-    """Return both sides: models if one of them is a model file, else results.
-
-    Parameters
-    ----------
-    first, second : path
-        ``model.json``, ``results.json``, or the folder of a campaign, which has both.
+    """Return both sides, each a file or the folder of a campaign: models if one is a model file, else results.
 
     Raises
     ------

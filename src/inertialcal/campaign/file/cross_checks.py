@@ -22,17 +22,7 @@ RESERVED = "model"  # test that the rows of the model of the sensor carry in res
 
 
 def cross_checks(folder: Path | None, file: CampaignFile, at: At) -> list[Problem]:
-    """Return everything that does not fit together.
-
-    Parameters
-    ----------
-    folder : Path or None
-        Of the campaign; None where files may lie anywhere.
-    file : CampaignFile
-        Valid by itself.
-    at : callable
-        Place of a key path, for messages.
-    """
+    """Return everything that does not fit together; a folder of None allows files anywhere."""
     return [
         *(p for name, sensor in file.sensors.items() for p in sensor_checks(name, sensor, at)),
         *(p for name, entry in file.recordings.items() for p in recording_checks(folder, file, name, entry, at)),
@@ -53,7 +43,7 @@ def _duplicates(table: str, ids: list[str], at: At) -> Iterator[Problem]:
     for number, one in enumerate(ids):
         if one in ids[:number]:
             what = f"duplicate id {one!r} in {table}: used before"
-            why = "results could not be told apart"
+            why = "results would be ambiguous"
             yield Problem(what, at(table, number, "id"), why, "Give each its own", "duplicate_id")
 
 
@@ -62,7 +52,7 @@ def _reserved(file: CampaignFile, at: At) -> Iterator[Problem]:
     for number, test in enumerate(file.tests):
         if test.id in names:
             what = f"tests: id {test.id!r}: results have the rows of the model of the sensor under this name"
-            yield Problem(what, at("tests", number, "id"), "they could not be told apart", "Rename it", "duplicate_id")
+            yield Problem(what, at("tests", number, "id"), "results would be ambiguous", "Rename it", "duplicate_id")
 
 
 def _model_terms(file: CampaignFile, at: At) -> Iterator[Problem]:
@@ -153,17 +143,7 @@ def _known(one: Requirement) -> Quantity:
 
 
 def ground_checks(folder: Path | None, file: CampaignFile, at: At) -> Iterator[Problem]:
-    """Yield what is wrong with ground models, or with what is done with them.
-
-    Parameters
-    ----------
-    folder : Path or None
-        Of the campaign; None where files may lie anywhere.
-    file : CampaignFile
-        Valid by itself.
-    at : callable
-        Place of a key path, for messages.
-    """
+    """Yield what is wrong with ground models, or with what is done with them."""
     for name, sensor in file.sensors.items():
         if has_model(sensor):
             yield from _model(folder, name, sensor, at)

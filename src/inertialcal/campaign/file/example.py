@@ -26,13 +26,6 @@ PLAIN = "npsat2011"  # goes to the folder that is named; the others get their na
 def demonstrations(name: str, target: Path) -> list[tuple[str, Path]]:
     """Return which examples to show, each with the folder it goes to: `target` and its name, or `target` alone.
 
-    Parameters
-    ----------
-    name : str
-        Of an example or a rig; empty for the rate-sensor suite.
-    target : path
-        Folder of the published rate table.
-
     Raises
     ------
     UsageError

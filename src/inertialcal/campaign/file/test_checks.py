@@ -1,4 +1,4 @@
-"""Tests of a campaign: whether the procedure can do with its recordings what the test asks, and beside which others."""
+"""Checks of the tests of a campaign: recordings that the procedure can use, tests that compare with each other."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def procedure_checks(file: CampaignFile, number: int, test: Test, at: At) -> Ite
 
 
 def _same_kind(file: CampaignFile, test: Test, where: str) -> Iterator[Problem]:
-    """Find two sensors of one kind in a test: their rows could not be told apart."""
+    """Find two sensors of one kind in a test: their rows would be ambiguous."""
     named = dict.fromkeys(file.recordings[name].sensor for name in test.recordings if name in file.recordings)
     by_kind: dict[str, list[str]] = {}
     for name in named:

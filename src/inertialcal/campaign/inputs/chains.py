@@ -18,13 +18,6 @@ TEMPERATURE = ("temperature",)
 def build_chain(sensor: Sensor, axes: tuple[str, ...] | None = None) -> Chain:
     """Return the chain of a sensor with a converter.
 
-    Parameters
-    ----------
-    sensor : Sensor
-        As the campaign has it; its chain is ``adc`` or ``pulse_rate``.
-    axes : tuple of str, optional
-        Of those channels that are there; all by default.
-
     Raises
     ------
     DataError

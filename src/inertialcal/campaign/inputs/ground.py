@@ -44,13 +44,6 @@ def has_model(sensor: Sensor) -> bool:
 def chain_model(sensor: Sensor, folder: Path | None = None) -> ChainModel | None:
     """Return the ground model of a sensor; None where it has none.
 
-    Parameters
-    ----------
-    sensor : Sensor
-        As the campaign has it.
-    folder : Path, optional
-        Of the campaign, where the model is a file.
-
     Raises
     ------
     DataError

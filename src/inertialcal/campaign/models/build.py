@@ -41,17 +41,6 @@ def build_models(
 ) -> JudgedModel | None:
     """Return the model of the sensor that was fitted first, and with it those of others that may each have one.
 
-    Parameters
-    ----------
-    campaign : Campaign
-        As read.
-    reduced : mapping of str to Tested
-        Every test, by name.
-    corrections : mapping of str to Correction
-        What tests found that others may take off, by name.
-    residuals : mapping of str to Residual
-        What is left on readings held out where no model is made, by test.
-
     Raises
     ------
     PlanError

@@ -37,15 +37,7 @@ RATE = "rad/s"
 
 
 def curves(result: Result, of: Of = "dwell_mean") -> list[Curve]:
-    """Return the curves of all sensors that were turned about their own axis, and of all recordings, SI.
-
-    Parameters
-    ----------
-    result : Result
-        Of ``reduce``.
-    of : {"expected", "dwell_mean", "reading"}
-        Which error of rate.
-    """
+    """Return the curves of all sensors that were turned about their own axis, and of all recordings, SI."""
     found: list[Curve] = []
     for sensor, one in result.lines.items():
         if sensor in one.axes:
@@ -106,15 +98,7 @@ def channels(one: Trace) -> list[Curve]:
 
 
 def dwells(one: Trace, reasons: Sequence[str]) -> Curve:
-    """Return the dwells cut from a recording, with the mean reading of the sensor about the axis turned.
-
-    Parameters
-    ----------
-    one : Trace
-        Of the recording.
-    reasons : sequence of str
-        Why each row of the readings is left out; empty where it is used.
-    """
+    """Return the dwells cut from a recording, with the mean reading of the sensor about the axis turned."""
     cut = one.dwells
     why = [reasons[row] if row >= 0 else "" for row in cut.row]
     return Curve(

@@ -10,7 +10,7 @@ FIGURES = (
     FigureSpec(
         "input_output",
         DRAWN + "input_output",
-        "Reading of {axis} against the applied input, and what the fitted line leaves.",
+        "Reading of {axis} against the applied input, and residuals of the fitted line.",
         curves={"input_output": "input_output {axis}"},
         order=100,
         top=30,

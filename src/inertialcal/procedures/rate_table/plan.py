@@ -12,7 +12,7 @@ from ...core.settings import fact, setting
 # Influences that a rate table test is subject to, and what each would change.
 INFLUENCES = {
     "rate_table.rate": "scale factors and all matrix entries in proportion",
-    "rate_table.mounting": "cross-axis entries: the axis that turns is not quite the one that is named",
+    "rate_table.mounting": "cross-axis entries: the turned axis deviates from the nominal one",
     "converter.reference": "scale factors in volts in proportion",
 }
 
@@ -39,7 +39,7 @@ class Plan:
     zero_reference: bool = setting(
         "The reading at rest was subtracted from every reading: its bias is then that of the subtraction.", False
     )
-    asymmetry: bool = setting("Fit a scale factor of its own for each sense of rotation.", True)
+    asymmetry: bool = setting("Fit one scale factor for each sense of rotation.", True)
     run_level: Literal["power_up", "recording"] = setting(
         "What the runs are: separate power-ups, or merely separate recordings.", "power_up"
     )

@@ -76,7 +76,7 @@ class Readings:
 
     @cached_property
     def runs(self) -> int:
-        """Number of runs that can be told apart; 0 where none is given."""
+        """Number of distinct runs; 0 where none is given."""
         return 0 if self.run is None or np.all(self.run == "") else len(np.unique(self.run))
 
 

@@ -56,13 +56,6 @@ class RateTableRecording:
 def readings_from(plan: Plan, turned: Sequence[RateTableRecording]) -> Readings:
     """Return the dwells of the recordings of a test.
 
-    Parameters
-    ----------
-    plan : Plan
-        ``zero_reference`` and ``missing`` are used here, ``attitude`` and ``latitude`` for the earth rate.
-    turned : sequence of RateTableRecording
-        In any order.
-
     Raises
     ------
     DataError
@@ -259,7 +252,7 @@ def _rest_weights(dwells: list[Dwell], applied: Array, place: str) -> Array:
 def _no_rest(applied: Array, place: str) -> list[Remark]:
     if np.any(applied == 0.0):
         return []
-    what = "the table is never still: bias rests on the symmetry of the rates alone"
+    what = "the table is never at rest: the bias relies on symmetric rates"
     return [Remark("never_still", "warning", what, place, do="Record dwells at rest")]
 
 
@@ -288,7 +281,7 @@ def together(parts: list[Readings]) -> Readings:
     Raises
     ------
     DataError
-        If one has runs and another has none: they could not be told apart.
+        If some have runs and others have none.
     """
     if len(parts) == 1:
         return parts[0]

@@ -118,7 +118,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
         where = readings.where[at] if readings.where else ""
         what = f"{int(np.sum(readings.run == ''))} of {len(readings)} dwells do not name their run"
         raise DataError(
-            what, where, "the scatter between runs could not be told", "Name the run of all, or of none", "mixed_runs"
+            what, where, "the scatter between runs would be wrong", "Name the run of all, or of none", "mixed_runs"
         )
     if readings.samples is not None and np.any(readings.samples < 1.0):
         at = int(np.flatnonzero(readings.samples < 1.0)[0])
@@ -164,7 +164,7 @@ def reduce(plan: Plan, readings: Readings) -> Result:
 
 
 def _lines(plan: Plan, readings: Readings, sensor: str) -> tuple[Line, Line]:
-    """Fit the line with asymmetry where it can be told, and the straight one."""
+    """Fit the line with asymmetry where the rates allow it, and the straight one."""
     straight = line(plan, readings, sensor, asymmetry=False)
     if plan.asymmetry and can_tell_asymmetry(readings, sensor):
         return line(plan, readings, sensor, asymmetry=True), straight

@@ -121,7 +121,7 @@ def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> Reas
     turned = [axis] if axis else [str(one) for one in np.unique(readings.axis)]
     read = np.isfinite(readings.outputs[sensor]) if sensor in readings.outputs else np.zeros(len(readings), dtype=bool)
     if not np.any(read & np.isin(readings.axis, turned)):
-        return Reason("not_read", f"no readings of the {sensor} sensor while {', '.join(turned)} is turned")
+        return Reason("not_read", f"no readings of the {sensor} sensor while {', '.join(turned)} turned")
     if sensor in result.reasons:
         return result.reasons[sensor]
     return _why_not_by(result.plan, result.lines[sensor], sensor, quantity)
@@ -129,13 +129,13 @@ def _why_not(result: Result, sensor: str, quantity: str, axis: str = "") -> Reas
 
 def _why_not_by(plan: Plan, one: Line, sensor: str, quantity: str) -> Reason:
     if sensor not in one.axes and quantity != "bias":
-        return Reason("not_turned", f"the unit was not turned about {sensor} in this test")
+        return Reason("not_turned", f"not turned about {sensor} in this test")
     if one.covariance is not None and np.any(one.dof == 0.0):
-        return Reason("one_run", "it rests on what one run alone shows: how it differs between runs cannot be told")
+        return Reason("one_run", "needs two runs or more: one run does not show the scatter between runs")
     if quantity == "scale_factor_asymmetry":
         few = Reason("few_rates", "needs both senses of rotation and three rates or more")
-        return few if plan.asymmetry else Reason("by_plan", "the plan leaves it out")
-    return Reason("not_repeated", "no level of scatter was repeated or given")
+        return few if plan.asymmetry else Reason("by_plan", "asymmetry = false in the plan")
+    return Reason("not_repeated", "scatter neither repeated nor given")
 
 
 def _scatter_rows(result: Result, sensor: str) -> list[Row]:
@@ -145,7 +145,7 @@ def _scatter_rows(result: Result, sensor: str) -> list[Row]:
         name = "recording" if level.name == "run" and recordings else level.name
         found.append(_scatter_row(sensor, name, level))
     if recordings:
-        told = "the runs of this table are recordings: it does not say which began with a power-up"
+        told = "each recording is a run: the table does not say which ones began with a power-up"
         found.append(not_estimated(Key("scatter_run", sensor), "rad/s", Reason("runs_unknown", told)))
     return found
 
@@ -195,7 +195,7 @@ def published_rows(plan: Plan, readings: Readings, sensor: str) -> list[Row]:
     found = fit(np.column_stack([x, np.ones_like(x)]), y, names=names)
     assert found.covariance is not None  # noqa: S101 - more dwells than coefficients
     us = np.sqrt(np.diag(found.covariance))
-    told = f"unweighted line through all {len(y)} dwells; its uncertainty takes them as independent"
+    told = f"unweighted line through all {len(y)} dwells; the uncertainty assumes they are independent"
     return [
         Row(
             Key(name, sensor),

@@ -47,13 +47,6 @@ class _Table:
 def readings_of_table(plan: Plan, given: Source) -> Readings:
     """Return the dwells of a reduced table that a test uses, SI.
 
-    Parameters
-    ----------
-    plan : Plan
-        Its ``axis`` is the axis turned where the table has no column for it.
-    given : Source
-        Its ``groups`` and ``windows`` choose rows.
-
     Raises
     ------
     DataError

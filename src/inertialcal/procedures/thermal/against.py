@@ -47,17 +47,7 @@ def quantity_of(condition: str) -> str:
 
 
 def offset_rows(result: Result, other: Result, name: str, quantity: str) -> list[Row]:
-    """Return the bias of one test less that of another, at the reference temperature and where the plan asks.
-
-    Parameters
-    ----------
-    result, other : Result
-        This test, and the one that it is set beside.
-    name : str
-        Of the other, for the reasons.
-    quantity : str
-        What the difference is called.
-    """
+    """Return the bias of `result` less that of `other`, at the reference temperature and where the plan asks."""
     found: list[Row] = []
     for axis in AXES:
         if axis in result.sensors and axis in other.sensors:

@@ -83,11 +83,6 @@ class ThermalCorrection:
 
         The readings were corrected by the same polynomial, so its errors are in both with opposite signs: at the
         temperature of those readings they cancel in the sum. They are carried as the unknowns of the thermal test.
-
-        Parameters
-        ----------
-        terms : ModelTerms
-            ``bias_x`` is what is left after the correction.
         """
         whole = replace(
             terms,

@@ -10,7 +10,7 @@ FIGURES = (
     FigureSpec(
         "conditions",
         DRAWN + "conditions",
-        "Bias over temperature in this test (line) and in the one it is set beside (dashed).",
+        "Bias over temperature in this test (line) and in the one it is compared with (dashed).",
         curves={"thermal_law": "thermal law {axis} {of}"},
         order=300,
         rank=1,
@@ -18,7 +18,7 @@ FIGURES = (
     FigureSpec(
         "overlay",
         DRAWN + "overlay",
-        "Bias on power-ups that no polynomial was fitted to: as read, and after what was found is taken off.",
+        "Bias on hold-out power-ups: as read, and corrected with the polynomial.",
         curves={"overlay": "overlay {axis} {of}"},
         order=310,
         rank=1,
@@ -27,7 +27,7 @@ FIGURES = (
     FigureSpec(
         "thermal",
         DRAWN + "thermal",
-        "Bias of {axis} over temperature with its polynomial, and what is left: the gap between the paths.",
+        "Bias of {axis} over temperature with its polynomial, and the residuals: the gap between the paths.",
         curves={"thermal_cells": "thermal cells {axis} {of}", "thermal_law": "thermal law {axis} {of}"},
         order=320,
         top=50,
@@ -35,7 +35,7 @@ FIGURES = (
     FigureSpec(
         "thermal_order",
         DRAWN + "thermal_order",
-        "Error on what was held out, order by order: R2 of the fit itself would always grow.",
+        "Hold-out error by polynomial order; R2 of the fit itself always grows.",
         curves={"thermal_order": "thermal order {axis} {of}"},
         order=330,
         rank=1,
@@ -43,7 +43,7 @@ FIGURES = (
     FigureSpec(
         "start_up",
         DRAWN + "start_up",
-        "What the reading does after power-up, and what is left out for it (hollow).",
+        "Reading after power-up; hollow points are left out.",
         curves={"start_up": "start up {axis} {of}"},
         order=340,
         rank=1,
@@ -51,7 +51,7 @@ FIGURES = (
     FigureSpec(
         "reference_voltage",
         DRAWN + "reference_voltage",
-        "Reference voltages of the converter over temperature, each less its mean.",
+        "Reference voltages of the converter over temperature, each minus its mean.",
         curves={"reference_voltage": "reference voltage {axis} {of}"},
         order=350,
         rank=1,

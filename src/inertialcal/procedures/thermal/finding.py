@@ -18,7 +18,7 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
         for name in ("temperature_lowest", "temperature_highest")
     )
     if not lowest or not highest:
-        return ("No bias over temperature could be told",)
+        return ("No bias over temperature estimated",)
     low, high = max(lowest, key=_value), min(highest, key=_value)  # where all axes are known
     said: Sentence = ("Bias over ", Cited(low, u=False, unit=False), " to ", Cited(high, u=False))
     offset = largest([row for name in OFFSETS for row in estimated(rows, name, any_case=True)])
@@ -30,7 +30,7 @@ def finding(rows: Sequence[WrittenRow]) -> Sentence:
         said = (*said, "; power-ups scatter by up to ", Cited(scatter), ", on ", Quoted(scatter["axis"]))
     shown = [Quoted(row["axis"]) for row in rows if row["quantity"] == "hysteresis" and (reason_code(row) == "yes")]
     if not shown:
-        return (*said, "; no hysteresis is shown")
+        return (*said, "; no hysteresis seen")
     named = [part for axis in shown for part in (", ", axis)][1:]
     return (*said, "; hysteresis seen on ", *named)
 

@@ -15,7 +15,7 @@ LARGEST_ORDER = 9  # of a polynomial that anybody can mean
 INFLUENCES = {
     "thermometer.temperature": "bias by its own slope over temperature, all temperatures alike",
     "converter.reference": "bias in proportion",
-    "sensor.hysteresis": "bias, where one path alone was seen: half of what the paths differ by",
+    "sensor.hysteresis": "bias from one path only: half the difference between the paths",
 }
 
 
@@ -59,7 +59,7 @@ class Plan:
         "Powers are those of the temperature less this.", 20.0, unit="degC", example="20 degC"
     )
     at: list[float] | None = setting(
-        "Temperatures at which the bias is told too.", None, unit="degC", example="-20 degC"
+        "Further temperatures at which to report the bias.", None, unit="degC", example="-20 degC"
     )
     turn_over: float | None = setting(
         "After each turn of the temperature, and at the start, samples within this distance of it are left out; a "
@@ -70,7 +70,7 @@ class Plan:
         "A smaller range of temperature carries no polynomial.", 10.0, difference="degC", example="10 K"
     )
     warm_up: float | None = setting(
-        "Left out after each power-up; where not given, until what is left of the start-up is below what settled says.",
+        "Time left out after each power-up; default: until the start-up transient is below `settled`.",
         None, unit="s", example="600 s",
     )  # fmt: skip
     settled: float | None = setting(

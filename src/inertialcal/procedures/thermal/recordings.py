@@ -40,13 +40,6 @@ class ThermalRecording:
 def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Readings:
     """Return the sweeps of the recordings of a test.
 
-    Parameters
-    ----------
-    warmed : sequence of ThermalRecording
-        In any order.
-    unit : {"rad/s", "m/s^2"}
-        Of the readings.
-
     Raises
     ------
     DataError
@@ -58,7 +51,7 @@ def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Re
     if any(one.run for one in warmed) and not all(one.run for one in warmed):
         without = next(one for one in warmed if not one.run)
         what = f"{_place(without)} does not name its run, others do"
-        raise DataError(what, why="power-ups could not be told apart", do="Name the run of all", code="mixed_runs")
+        raise DataError(what, why="power-ups would be ambiguous", do="Name the run of all", code="mixed_runs")
     _check_different(warmed)
     _check_apart(warmed)
     remarks = [remark for one in warmed for remark in one.recording.remarks]
@@ -216,7 +209,7 @@ class Readings:
 
     @property
     def runs(self) -> int:
-        """Number of runs that can be told apart; 0 where none is given."""
+        """Number of distinct runs; 0 where none is given."""
         return len([label for label in self.labels if label])
 
     @property

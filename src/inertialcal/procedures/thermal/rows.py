@@ -1,7 +1,7 @@
 """Rows of a thermal result: every quantity with its uncertainty, or the reason why there is none.
 
 Conditions: none for coefficients; ``"-20 degC"`` for the bias at a temperature; ``"warming"`` or ``"cooling"`` where
-one path alone was seen; ``"as_published"`` for the document's own way.
+the test has one path only; ``"textbook"`` for the textbook formula.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ from .plan import INFLUENCES, Plan
 if TYPE_CHECKING:
     from .reduction import Result
 
-ONE_RUN = Reason("one_run", "it rests on what one run alone shows: how it differs between runs cannot be told")
-GRAVITY = Reason("gravity", "the reading at rest holds what gravity adds along the axis")
-BLOCKS = "from one run: what differs between power-ups, and drift slower than a sixth of a ramp, is not in it"
-SAME = Reason("no_scatter", "the runs do not differ at all")
-QUIET = "no transient after power-up stands out of the noise"
-RAMPS = "from one run: what differs between power-ups is not in it"
+ONE_RUN = Reason("one_run", "needs two runs or more: one run does not show the scatter between runs")
+GRAVITY = Reason("gravity", "the reading at rest includes gravity along the axis")
+BLOCKS = "from one run: excludes scatter between power-ups and drift slower than a sixth of a ramp"
+SAME = Reason("no_scatter", "all runs have the same offset")
+QUIET = "no transient after power-up above the noise"
+RAMPS = "from one run: excludes scatter between power-ups"
 
 
 def rows(result: Result) -> list[Row]:
@@ -117,12 +117,12 @@ def _why_not(result: Result, one: OfSensor) -> Reason:
         return GRAVITY
     if not one.law.midway:
         way = {1: "warming", -1: "cooling"}[one.cells.ways[0]]
-        return Reason("one_path", f"only {way} was seen: midway between warming and cooling is not known")
+        return Reason("one_path", f"{way} only: the bias midway between warming and cooling needs both")
     return ONE_RUN
 
 
 def _range_rows(axis: str, one: OfSensor) -> Iterator[Row]:
-    reason = Reason("range", "end of the range in which the polynomial holds: known as read, without an uncertainty")
+    reason = Reason("range", "end of the temperature range of the polynomial, as read; no uncertainty")
     for name, value in zip(("temperature_lowest", "temperature_highest"), one.law.domain, strict=True):
         yield Row(Key(name, axis), value, None, "degC", status="not_estimated", reason=reason)
 
@@ -130,12 +130,12 @@ def _range_rows(axis: str, one: OfSensor) -> Iterator[Row]:
 def _path_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
     unit, paths = result.readings.unit, one.paths
     both = one.cells.both
-    over = "" if both is None else f"warming less cooling, mean from {both[0]:.4g} to {both[1]:.4g} degC"
+    over = "" if both is None else f"warming minus cooling, mean from {both[0]:.4g} to {both[1]:.4g} degC"
     extra = "" if one.law.level == "run" else f"; {_level_limits(one)}"
     yield effect_row(Key("path_difference", axis), unit, paths.difference, Reason("limits", over + extra))
     told = Reason(paths.word, f"{paths.word}: {paths.why}")
     yield effect_row(Key("hysteresis", axis), unit, paths.hysteresis, told, f"{paths.word}: ")
-    behind = Reason("limits", "the bias is this much behind the thermometer")
+    behind = Reason("limits", "delay of the bias behind the thermometer")
     yield effect_row(Key("thermal_lag", axis), "s", paths.lag, behind)
 
 
@@ -179,7 +179,7 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
         for (name, its), value, u, dof in zip(names, values, us, found.dof, strict=True):
             known = dof > 0.0
             interval = t_interval(value, float(u), float(dof)) if known else None
-            told = Reason("limits", "reading at power-up less settled" if name == "warm_up_change" else "")
+            told = Reason("limits", "reading at power-up minus settled reading" if name == "warm_up_change" else "")
             yield Row(Key(name, axis), value, float(u) if known else None, its, float(dof) if known else None, interval,
                       "estimated" if known else "not_estimated", told if known else ONE_RUN)  # fmt: skip
     yield _cut_row(result, axis, one)
@@ -188,7 +188,7 @@ def _start_up_rows(result: Result, axis: str, one: OfSensor) -> Iterator[Row]:
 def _cut_row(result: Result, axis: str, one: OfSensor) -> Row:
     """Row of what is left out after a power-up, by the criterion or as the plan says."""
     start, found, key = one.start_up, one.start_up.found, Key("warm_up_time", axis)
-    told = Reason("limits", f"until less than {start.settled:.3g} {result.readings.unit} is left of the start-up")
+    told = Reason("limits", f"until the start-up transient is below {start.settled:.3g} {result.readings.unit}")
     if result.plan.warm_up is not None:
         return Row(key, start.cut, None, "s", status="not_estimated", reason=Reason("by_plan", "as the plan says"))
     if found is None:
@@ -264,7 +264,7 @@ def published_rows(plan: Plan, series: Series, cut: float, unit: str) -> list[Ro
     stem = "bias_voltage" if found.volts else "bias_temperature"
     reference = 0.0 if found.volts else plan.reference_temperature
     values, covariance = found.polynomial.monomials(reference)
-    told = f"unweighted cubic through all {found.samples} samples; its uncertainty takes them as independent"
+    told = f"unweighted cubic through all {found.samples} samples; the uncertainty assumes they are independent"
     reason = Reason("limits", told)
     dof = found.polynomial.dof
     rows = []

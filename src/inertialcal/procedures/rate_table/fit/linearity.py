@@ -33,13 +33,7 @@ class Deviation:
 
 
 def largest_deviation(straight: Line) -> Deviation | None:
-    """Find the largest deviation of a rate's mean from the line; None where scatter or rates are too few.
-
-    Parameters
-    ----------
-    straight : Line
-        Fit without asymmetry, of a sensor that was turned about its own axis.
-    """
+    """Find the largest deviation of a rate's mean from the line; None where scatter or rates are too few."""
     readings = straight.readings
     own = readings.axis == straight.sensor
     rates = np.unique(readings.applied[own])

@@ -126,13 +126,6 @@ def _without_earth(readings: Readings, sensor: str, columns: Array, axes: tuple[
 def reading_of_line(one: Line, readings: Readings) -> Array:
     """Return what a fitted line expects the sensor to read in each dwell, the earth's rotation included [rad/s].
 
-    Parameters
-    ----------
-    one : Line
-        Of the sensor.
-    readings : Readings
-        Any dwells; a rotation about an axis that the line does not know adds nothing.
-
     Returns
     -------
     ndarray, shape (n,)
@@ -172,7 +165,7 @@ def _type_a(readings: Readings, sensor: str, found: Fit) -> tuple[Array | None, 
         covariance, dof = clustered_covariance(found, readings.run)
         if np.all(dof > 0.0):
             return covariance, dof, "run"
-        # Something rests on one run alone: the runs cannot tell its scatter, the dwells about the line do.
+        # One coefficient has one run only: use the scatter of the dwells about the line.
     if found.dof > 0:
         return found.covariance, np.full(p, float(found.dof)), "dwell"
     scatter, samples = readings.scatters.get(sensor), readings.samples
@@ -220,7 +213,7 @@ def _dwell_and_run_levels(readings: Readings, found: Fit) -> tuple[Level, Level]
     dof_run = found.dof - dof
     dwell = _dwell_level(square, dof)
     if dof_run < 1:
-        return dwell, Level("run", None, reason="the rates differ from run to run: their scatter cannot be told")
+        return dwell, Level("run", None, reason="the rates differ from run to run: no scatter between runs")
     per_run = len(readings) / len(labels)
     return dwell, Level("run", float(np.sqrt(max(total - square, 0.0) / dof_run / per_run)), dof_run)
 

@@ -59,13 +59,7 @@ def closed_loop(
 
 
 def compensated_curves(lines: Mapping[str, Line], held: Readings, model: Find) -> tuple[Curve, ...]:
-    """Return the errors of the dwells that ``closed_loop`` judges, axis by axis, before and after compensation.
-
-    Parameters
-    ----------
-    lines, held, model
-        As for ``closed_loop``.
-    """
+    """Return the errors of the dwells that ``closed_loop`` judges, axis by axis, before and after compensation."""
     found = model(held)
     views = [_view(lines[axis], held, model, axis) for axis in found if axis in lines]
     return tuple(_compensated(view) for view in views if len(view.dwells))

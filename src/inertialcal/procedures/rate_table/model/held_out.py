@@ -29,17 +29,7 @@ from .closed_loop import Find, closed_loop, compensated_curves
 
 
 def judged_on(model: SensorModel, result: Result, fitted: Sequence[Turned], held: Sequence[Turned]) -> HeldOut:
-    """Return what a model does to the dwells of tests held out.
-
-    Parameters
-    ----------
-    model : SensorModel
-        Without what was taken off the readings before.
-    result : Result
-        Joint, of the tests behind its matrix: it says how readings scatter.
-    fitted, held : sequence of Tested
-        Behind the model, and held out.
-    """
+    """Return what a model does to the dwells of tests held out."""
     readings, find = dwells_held_out(held), partial(compensated_dwells, model)
     remarks = []
     shared = _runs(fitted) & _runs(held)
@@ -164,15 +154,7 @@ def check_alike(tests: Sequence[Turned]) -> None:
 
 
 def model_terms(result: Result, tests: Sequence[Turned]) -> ModelTerms:
-    """Return the terms that a joint reduction gives.
-
-    Parameters
-    ----------
-    result : Result
-        Joint.
-    tests : sequence of Tested
-        Reduced in it.
-    """
+    """Return the terms that a joint reduction gives."""
     axes = tuple(axis for axis in tests[0].facts.axes if axis in result.lines)
     estimate, referenced = result.estimate, result.plan.zero_reference
     keys = () if estimate is None else tuple(

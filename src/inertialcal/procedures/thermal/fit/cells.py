@@ -113,7 +113,7 @@ def series_of(plan: Plan, readings: Readings, axis: str) -> Series:
     sweeps = [one for one in readings.sweeps if axis in one.outputs]
     if not any(axis in one.temperature for one in sweeps):
         what, do = f"{axis} sensor: no temperature", "Name its channel: temperature, or temperature_x"
-        raise DataError(what, readings.where, "the bias is told over it", do, "no_temperature")
+        raise DataError(what, readings.where, "the bias is a function of it", do, "no_temperature")
     lowest, highest = span_of(readings, axis)
     if not highest - lowest >= plan.least_range:
         what = f"{axis} sensor: temperature from {lowest:.4g} to {highest:.4g} degC, a range of {highest - lowest:.3g}"

@@ -11,7 +11,7 @@ drift
     the bias changes with time, and the paths are not at the same time.
 
 One loop, warming and cooling once each, shows their sum and cannot say which it is: *unclear*. Two loops or more are
-fitted together, with a drift linear in time of each run and the lag beside the hysteresis::
+fitted together, with a drift linear in time of each run, the lag and the hysteresis::
 
     y = P(T) + s H(T) / 2 - lag P'(T) dT/dt + drift of the run * t + offset of the run
 
@@ -40,16 +40,16 @@ Word = Literal["yes", "no", "unclear"]
 
 GRID = 41  # temperatures that a mean over the range is taken at
 TWO_RATES = 1.5  # ratio of the rates of ramps that are two rates
-MIXED = 400.0  # by how much the variance of the hysteresis may grow by what is fitted beside it
+MIXED = 400.0  # by how much the variance of the hysteresis may grow by the lag and the drift in the fit
 
 
 @dataclass(frozen=True, eq=False)
 class PathEffect:
     """One figure of what differs between the paths."""
 
-    value: float | None  # None where it cannot be told
-    u: float | None = None  # None where it cannot be told
-    dof: float | None = None  # None where it cannot be told
+    value: float | None  # None where not estimated
+    u: float | None = None  # None where not estimated
+    dof: float | None = None  # None where not estimated
     reason: str = ""  # Why not
 
 
@@ -88,7 +88,7 @@ def shared_grid(law: Law) -> Array:
 def _difference(law: Law) -> PathEffect:
     values, covariance, dof = law.path_contrasts(law.path_basis(shared_grid(law)).mean(axis=0, keepdims=True))
     if not dof[0] > 0.0:
-        return PathEffect(float(values[0]), reason="it rests on one run alone")
+        return PathEffect(float(values[0]), reason="needs two runs or more")
     return PathEffect(float(values[0]), float(np.sqrt(covariance[0, 0])), float(dof[0]))
 
 
@@ -117,7 +117,7 @@ def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
     if loops < 2:
         reason = "one loop: hysteresis, thermal lag and drift look the same; make a second one, at another rate"
     elif not np.isfinite(cells.rate).all() or not np.isfinite(cells.time).all():
-        reason = "no time is known: thermal lag and drift cannot be told from hysteresis"
+        reason = "no time column: thermal lag and drift look like hysteresis"
     if reason:
         return PathEffect(None, reason=reason), PathEffect(None, reason=reason)
     columns, names, at = _columns(law)
@@ -141,7 +141,7 @@ def _separated(law: Law, loops: int) -> tuple[PathEffect, PathEffect]:
     return effects[0], effects[1]
 
 
-ONE_RUN = "it rests on one run alone: how it differs between runs cannot be told"
+ONE_RUN = "needs two runs or more: one run does not show the scatter between runs"
 
 
 def _not_told() -> tuple[PathEffect, PathEffect]:
@@ -179,5 +179,5 @@ def _told(hysteresis: PathEffect, none: float | None) -> tuple[Word, str]:
     if none is not None and -none <= low and high <= none:
         return "no", "its 95 % interval lies within what counts as none"
     if low > 0.0 or high < 0.0:
-        return "yes", "its 95 % interval excludes zero, lag and drift fitted beside it"
+        return "yes", "its 95 % interval excludes zero, with lag and drift in the fit"
     return "unclear", "its 95 % interval holds zero"

@@ -82,7 +82,7 @@ def _references(plan: Plan, readings: Readings, series: Series, cut: float) -> d
         volts = [one.references.get(name, {}).get(axis, np.full(len(one), np.nan)) for one in sweeps]
         try:
             cells = cells_of(plan, series.of(np.concatenate(volts)), cut)
-        except DataError:  # not one valid sample, which the chain has told
+        except DataError:  # no valid sample: the chain has a remark
             continue
         found[name] = law_of(cells, choose_order(cells, _largest(cells, REFERENCE_ORDER)).order)
     return found

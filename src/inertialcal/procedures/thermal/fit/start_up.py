@@ -25,7 +25,7 @@ STILL = 0.1  # of the turn-over distance: the temperature is still that of the s
 NOISE = 3.0  # of its scatter there, that it stays within
 SHORTEST = 120.0  # steady part that shows a start-up [s]
 MEANS = 120  # of the steady part after a power-up
-STEADY = "the temperature moves from the start: start-up and temperature cannot be told apart"
+STEADY = "the temperature changes from power-up on: its effect looks like a start-up transient"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,17 +48,7 @@ class StartUp:
 
 
 def start_up_of(plan: Plan, series: Series, law: Law) -> StartUp:
-    """Return the start-up of one sensor, and how long to leave out after a power-up.
-
-    Parameters
-    ----------
-    plan : Plan
-        ``warm_up`` and ``settled``.
-    series : Series
-        All samples.
-    law : Law
-        Of a first reduction, nothing left out for the start-up.
-    """
+    """Return the start-up of one sensor, and how long to leave out after a power-up."""
     scatter = float(np.sqrt(np.average(law.cells.scatter**2, weights=law.cells.samples)))
     settled = plan.settled if plan.settled is not None else SHARE * scatter
     time, residual, run = _steady_means(series, law)

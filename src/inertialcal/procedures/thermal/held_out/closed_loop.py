@@ -58,13 +58,6 @@ class AxisResidual:
 def held_out(fitted: Result, held: Result) -> tuple[AxisResidual, ...]:
     """Return what the polynomials of one test leave of another, axis by axis.
 
-    Parameters
-    ----------
-    fitted : Result
-        Whose polynomials.
-    held : Result
-        Of the power-ups held out.
-
     Raises
     ------
     DataError
@@ -148,17 +141,7 @@ def loops(residuals: Sequence[AxisResidual], unit: str) -> tuple[AxisLoop, ...]:
 
 
 def residual_rows(residuals: Sequence[AxisResidual], unit: str, against: str) -> list[Row]:
-    """Return the rows of what is left on power-ups held out, SI.
-
-    Parameters
-    ----------
-    residuals : sequence of AxisResidual
-        One an axis.
-    unit : str
-        Of the readings.
-    against : str
-        Test that the polynomial is of.
-    """
+    """Return the rows of what is left on power-ups held out, SI."""
     found = []
     for one in residuals:
         if not one.dof > 0.0:
@@ -175,15 +158,7 @@ NAME = "overlay"
 
 
 def overlays(held: Result, first: Result, second: Result | None) -> tuple[Curve, ...]:
-    """Return a curve an axis: after the first polynomial, and after the second where there is one.
-
-    Parameters
-    ----------
-    held : Result
-        Of power-ups held out.
-    first, second : Result, Result or None
-        Of the fit in air, and of that in the condition of those held out; of one condition, the first alone.
-    """
+    """Return a curve an axis: after the first polynomial, and after the second where there is one."""
     made, unit = [], held.readings.unit
     earth = earth_along(held.plan)[0] if unit == "rad/s" else np.zeros(len(AXES))
     for axis, one in held.sensors.items():

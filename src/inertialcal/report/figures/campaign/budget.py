@@ -68,17 +68,7 @@ def finding(rows: Rows) -> str:
 
 
 def draw(ax: Axes, rows: Rows, title: str = "") -> None:
-    """Draw the budgets of one test.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    rows : sequence of mapping
-        Budgets of one test, of ``results.json``.
-    title : str
-        Above it; empty for none.
-    """
+    """Draw the budgets of one test."""
     quantities, known = _quantities(rows), sources(rows)
     for place, quantity in enumerate(quantities):
         left = 0.0

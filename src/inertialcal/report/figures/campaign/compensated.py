@@ -66,17 +66,7 @@ def finding(found: Sequence[Curve], loop: Sequence[Mapping[str, Any]]) -> str:
 
 
 def draw(axes: Sequence[Axes], found: Sequence[Curve], title: str = "") -> None:
-    """Draw each axis on a panel of its own.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        As many as curves, with one x axis.
-    found : sequence of mapping
-        ``compensated`` curves of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw each axis on a panel of its own."""
     everything = np.concatenate([numbers(curve, "applied") for curve in found])
     for ax, curve in zip(axes, found, strict=True):
         signed_log(ax, "x", everything)

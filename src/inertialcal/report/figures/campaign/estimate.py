@@ -51,17 +51,7 @@ def finding(estimate: Estimate) -> str:
 
 
 def draw(axes: Sequence[Axes], estimate: Estimate, title: str = "") -> None:
-    """Draw the values.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        As many as the estimate has different units.
-    estimate : Estimate
-        What to draw.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw the values."""
     intervals = np.array(_intervals(estimate))
     for ax, unit in zip(axes, distinct(estimate.units), strict=True):
         mine = [i for i, own in enumerate(estimate.units) if own == unit]

@@ -90,17 +90,7 @@ def finding(rows: Rows) -> str:
 
 
 def draw(ax: Axes, rows: Rows, title: str = "") -> None:
-    """Draw the matrix.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    rows : sequence of mapping
-        Rows of one test or model, of ``results.json``; others than the matrix are passed over.
-    title : str
-        Above it; empty for none.
-    """
+    """Draw the matrix."""
     cells = entries(rows)
     axes = axes_of(cells)
     largest = max((_size(row) for row in cells.values() if _known(row)), default=0.0)

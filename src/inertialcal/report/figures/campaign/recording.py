@@ -23,13 +23,6 @@ SHOWS = "Each channel over time, minimum and maximum per bin; gaps in the record
 def picture(recording: Recording, axis: str | None = None) -> Picture:
     """Return the picture of a recording.
 
-    Parameters
-    ----------
-    recording : Recording
-        Any.
-    axis : str, optional
-        Channels of that axis only.
-
     Raises
     ------
     DataError
@@ -61,19 +54,7 @@ def finding(recording: Recording, drawn: Sequence[Channel]) -> str:
 
 
 def draw(axes: Sequence[Axes], recording: Recording, channels: Sequence[Channel], title: str = "") -> None:
-    """Draw channels, one on each axes.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        As many as channels, with one x axis.
-    recording : Recording
-        Where the time comes from.
-    channels : sequence of Channel
-        Which.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw channels, one on each axes."""
     time_ns, name = _time(recording)
     order = np.argsort(time_ns, kind="stable")
     for ax, channel in zip(axes, channels, strict=True):

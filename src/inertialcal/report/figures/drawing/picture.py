@@ -55,17 +55,7 @@ def stacked(pictures: Sequence[Picture]) -> Figure:
 
 
 def on_new_figure(picture: Picture, titled: bool, figure: Figure | None = None) -> Figure:
-    """Return a figure with the picture on it.
-
-    Parameters
-    ----------
-    picture : Picture
-        What to draw.
-    titled : bool
-        Whether the finding stands above it; a page says it in a heading of its own.
-    figure : Figure, optional
-        An empty one to draw on.
-    """
+    """Return a figure with the picture on it."""
     from matplotlib.figure import Figure as NewFigure  # noqa: PLC0415 - only where one is drawn
 
     with look():

@@ -31,15 +31,7 @@ _FAMILY = re.compile(r"(font(?:-family)?:[^;]*?)'DejaVu Sans'[^;]*")
 
 
 def to_svg(picture: Picture, prefix: str) -> str:
-    """Return a picture as an ``<svg>`` element.
-
-    Parameters
-    ----------
-    picture : Picture
-        What to draw; its label goes into ``<title>`` and ``aria-label``.
-    prefix : str
-        Before every id: two figures of a page need two.
-    """
+    """Return a picture as an ``<svg>`` element."""
     root = ET.fromstring(_saved(picture))  # noqa: S314 - written by matplotlib a line ago
     _strip(root)
     _gather_styles(root)

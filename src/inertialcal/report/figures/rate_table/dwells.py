@@ -59,17 +59,7 @@ def finding(dwells: Curve) -> str:
 
 
 def draw(ax: Axes, trace: Curve, dwells: Curve, title: str = "") -> None:
-    """Draw one recording.
-
-    Parameters
-    ----------
-    ax : Axes
-        Where.
-    trace, dwells : mapping
-        Of one recording and channel, of ``results.json``.
-    title : str
-        Above it; empty for none.
-    """
+    """Draw one recording."""
     time, lo, hi = (numbers(trace, name) for name in ("time", "lo", "hi"))
     ax.plot(*envelope(time, lo, hi), color=COLOURS["ink"], linewidth=0.9, solid_capstyle="projecting", zorder=3)
     patches = _spans(ax, dwells)

@@ -54,17 +54,7 @@ def finding(curve: Curve) -> str:
 
 
 def draw(axes: Sequence[Axes], curve: Curve, title: str = "") -> None:
-    """Draw readings on the first axes and residuals on the second.
-
-    Parameters
-    ----------
-    axes : sequence of Axes, length 2
-        With one x axis.
-    curve : mapping
-        ``input_output`` of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw readings on the first axes and residuals on the second."""
     above, below = axes
     applied, reading, residual = (numbers(curve, name) for name in ("applied", "reading", "residual"))
     used = flags(curve, "used")

@@ -13,13 +13,13 @@ from ..drawing.picture import Picture
 from ..drawing.style import COLOURS, plain, set_labels, set_legend, set_title, with_unit
 
 NAME = "conditions"
-SHOWS = "Bias over temperature in this test and in the one that it is set beside, with 95 % bands, a panel an axis"
+SHOWS = "Bias over temperature in this test and in the one it is compared with; 95 % bands, one panel per axis"
 HEIGHT = 1.4  # of a panel [in]
 OFFSETS = ("vacuum_offset", "bias_shift")
 
 
 def pictures(results: Mapping[str, Any]) -> list[Picture]:
-    """Return a picture a test that is set beside another."""
+    """Return one picture for each test that is compared with another."""
     laws = [one for one in curves(results, "thermal_law") if len(finite(numbers(one, "bias")))]
     found = []
     for step in results.get("sequence", []):
@@ -49,21 +49,11 @@ def finding(other: str, rows: Sequence[Mapping[str, Any]]) -> str:
         if row["quantity"] in OFFSETS and row["value"] is not None:
             figure = with_uncertainty(row["value"], row["u"])
             parts.setdefault(str(row["axis"]), f"{plain(row['axis'], 12)} {figure} {plain(row['unit'])}")
-    return f"against {plain(other)}: {', '.join(parts.values()) or 'no difference could be told'}"
+    return f"against {plain(other)}: {', '.join(parts.values()) or 'difference not estimated'}"
 
 
 def draw(axes: Sequence[Axes], pairs: Sequence[tuple[Curve, Curve]], title: str = "") -> None:
-    """Draw both laws of all axes.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        One a pair.
-    pairs : sequence of (mapping, mapping)
-        ``thermal_law`` of this test and of the other, of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw both laws of all axes."""
     for ax, pair in zip(axes, pairs, strict=True):
         for curve, colour, dashes in zip(pair, ("blue", "vermilion"), ("-", "--"), strict=True):
             T, bias, lo, hi = (numbers(curve, name) for name in ("temperature", "bias", "lo", "hi"))

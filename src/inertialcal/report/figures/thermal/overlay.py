@@ -49,17 +49,7 @@ def _largest(curve: Curve, name: str) -> float:
 
 
 def draw(axes: Sequence[Axes], found: Sequence[Curve], title: str = "") -> None:
-    """Draw the cells of all axes.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        One a curve.
-    found : sequence of mapping
-        Curves ``overlay`` of one test, of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw the cells of all axes."""
     for ax, curve in zip(axes, found, strict=True):
         for name, (label, colour, mark) in DRAWN.items():
             if name in curve["columns"]:

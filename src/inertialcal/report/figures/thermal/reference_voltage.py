@@ -54,17 +54,7 @@ def finding(mine: Sequence[Curve]) -> str:
 
 
 def draw(axes: Sequence[Axes], mine: Sequence[Curve], title: str = "") -> None:
-    """Draw the reference voltages of a test.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        One a kind of reference.
-    mine : sequence of mapping
-        ``reference_voltage`` of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw the reference voltages of a test."""
     for ax, kind in zip(axes, _kinds(mine), strict=True):
         own = [one for one in mine if one.get("of") == kind]
         for curve, (colour, shape) in zip(own, LOOKS, strict=False):

@@ -49,24 +49,14 @@ def finding(mine: Sequence[Curve], rows: Sequence[Mapping[str, Any]]) -> str:
             parts.append(f"{plain(row['axis'], 12)} {with_uncertainty(row['value'], row['u'])} {plain(row['unit'])}")
     cuts = [row["value"] for row in rows if row["quantity"] == "warm_up_time" and row["value"] is not None]
     if not parts:
-        return "no start-up transient stands out of the noise"
+        return "no start-up transient above the noise"
     runs = len(distinct(word for one in mine for word in words(one, "run")))
     cut = f"; the first {number(max(cuts), 3)} s are left out" if cuts and max(cuts) > 0.0 else ""
     return f"after {runs} power-up{'s' * (runs != 1)}: {', '.join(parts)}{cut}"
 
 
 def draw(axes: Sequence[Axes], mine: Sequence[Curve], title: str = "") -> None:
-    """Draw the start-up of all axes of a test.
-
-    Parameters
-    ----------
-    axes : sequence of Axes
-        As many as curves.
-    mine : sequence of mapping
-        ``start_up`` of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw the start-up of all axes of a test."""
     for ax, curve in zip(axes, mine, strict=True):
         time, left, fitted = (numbers(curve, name) for name in ("time", "residual", "fitted"))
         used = flags(curve, "used")

@@ -69,22 +69,12 @@ def finding(cells: Curve, law: Curve, gap: Mapping[str, Any] | None) -> str:
     if len(width):
         said += f", bias within ±{number(float(width.max()), 2)} {plain(unit(law, 'bias'))}"
     if gap is not None and gap["value"] is not None:
-        said += f"; warming less cooling {with_uncertainty(gap['value'], gap['u'])} {plain(gap['unit'])}"
+        said += f"; warming minus cooling {with_uncertainty(gap['value'], gap['u'])} {plain(gap['unit'])}"
     return said
 
 
 def draw(axes: Sequence[Axes], cells: Curve, law: Curve, title: str = "") -> None:
-    """Draw readings on the first axes and what is left of them on the second.
-
-    Parameters
-    ----------
-    axes : sequence of Axes, length 2
-        With one x axis.
-    cells, law : mapping
-        ``thermal_cells`` and ``thermal_law`` of ``results.json``.
-    title : str
-        Above the first; empty for none.
-    """
+    """Draw readings on the first axes and what is left of them on the second."""
     above, below = axes
     T, lo, hi = (numbers(law, name) for name in ("temperature", "lo", "hi"))
     if np.isfinite(lo).any():

@@ -44,17 +44,7 @@ def finding(mine: Sequence[Curve]) -> str:
 
 
 def draw(ax: Axes, mine: Sequence[Curve], title: str = "") -> None:
-    """Draw the errors of all axes of a test.
-
-    Parameters
-    ----------
-    ax : Axes
-        One.
-    mine : sequence of mapping
-        ``thermal_order`` of ``results.json``.
-    title : str
-        Above; empty for none.
-    """
+    """Draw the errors of all axes of a test."""
     for curve, (colour, shape) in zip(mine, LOOKS, strict=False):
         order, error, chosen = numbers(curve, "order"), numbers(curve, "error"), flags(curve, "chosen")
         name = plain(curve.get("axis", ""), 12)
