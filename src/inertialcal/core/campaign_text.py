@@ -18,24 +18,12 @@ Path = tuple[str, ...]  # keys of a table
 
 @dataclass(frozen=True)
 class Noted:
-    """A value with comments.
+    """A value with comments."""
 
-    Parameters
-    ----------
-    value : object
-        The value itself.
-    note : str
-        Comment at the end of its line.
-    above : str
-        Comment above it; may have several lines.
-    example : bool
-        Whether the value is commented out as a whole.
-    """
-
-    value: object
-    note: str = ""
-    above: str = ""
-    example: bool = False
+    value: object  # The value itself
+    note: str = ""  # Comment at the end of its line
+    above: str = ""  # Comment above it; may have several lines
+    example: bool = False  # Whether the value is commented out as a whole
 
 
 def toml_text(document: Mapping[str, object]) -> str:

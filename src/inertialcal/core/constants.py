@@ -20,27 +20,14 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class Constant:
-    """One constant.
+    """One constant."""
 
-    Parameters
-    ----------
-    name : str
-        What it is, in words.
-    value : float
-        In ``unit``.
-    unit : str
-        As ``core.units`` prints it.
-    source : str
-        Citation.
-    u : float
-        Standard uncertainty in ``unit``; 0 where the value is exact, defined, or a printed figure that is
-        to be repeated as it stands.
-    """
-
-    name: str
-    value: float
-    unit: str
-    source: str
+    name: str  # What it is, in words
+    value: float  # In ``unit``
+    unit: str  # As ``core.units`` prints it
+    source: str  # Citation
+    # Standard uncertainty in ``unit``; 0 where the value is exact, defined, or a printed figure that is to be
+    # repeated as it stands
     u: float = 0.0
 
 

@@ -20,21 +20,11 @@ Cell = float | str | bool | None  # of a column, as JSON has it
 
 @dataclass(frozen=True, eq=False)
 class Column:
-    """Values of one column.
+    """Values of one column."""
 
-    Parameters
-    ----------
-    values : sequence of number, str, bool or None, length n
-        In ``unit``; absent numbers are None or NaN.
-    unit : str
-        As ``core.units`` prints it; empty for what has none.
-    shown : str
-        Unit that people speak it in; empty for that of the campaign.
-    """
-
-    values: Sequence[Any] | NDArray[Any]
-    unit: str = ""
-    shown: str = ""
+    values: Sequence[Any] | NDArray[Any]  # In ``unit``; absent numbers are None or NaN
+    unit: str = ""  # As ``core.units`` prints it; empty for what has none
+    shown: str = ""  # Unit that people speak it in; empty for that of the campaign
 
     def plain(self) -> list[Cell]:
         """Return the values as ``results.json`` holds them: plain Python, not finite numbers null."""
@@ -46,36 +36,19 @@ class Column:
 class Curve:
     """One curve.
 
-    Parameters
-    ----------
-    name : str
-        What it shows: ``"input_output"``.
-    axis : str
-        Of the sensor.
-    columns : mapping of str to Column
-        All equally long.
-    of : str
-        What of it: ``"dwell_mean"``; empty where there is one only.
-    recording : str
-        Where it belongs to one recording: the name of it.
-    picture : bool
-        Only a picture shows it: ten digits are enough.
-    sensor : str
-        Kind of sensor, where one test has several.
-
     Raises
     ------
     DataError
         If the columns differ in length.
     """
 
-    name: str
-    axis: str
-    columns: Mapping[str, Column]
-    of: str = ""
-    recording: str = ""
-    picture: bool = False
-    sensor: str = ""
+    name: str  # What it shows: ``"input_output"``
+    axis: str  # Of the sensor
+    columns: Mapping[str, Column]  # All equally long
+    of: str = ""  # What of it: ``"dwell_mean"``; empty where there is one only
+    recording: str = ""  # Where it belongs to one recording: the name of it
+    picture: bool = False  # Only a picture shows it: ten digits are enough
+    sensor: str = ""  # Kind of sensor, where one test has several
 
     def __post_init__(self) -> None:
         lengths = {name: len(column.values) for name, column in self.columns.items()}

@@ -11,27 +11,13 @@ from dataclasses import asdict, dataclass
 
 @dataclass(frozen=True)
 class Problem:
-    """One thing that is wrong, in parts.
+    """One thing that is wrong, in parts."""
 
-    Parameters
-    ----------
-    what : str
-        The finding, with the value given: ``"unit 'furlong' is not known"``.
-    where : str
-        ``file:row``, or key with its line; empty where the input has no place.
-    why : str
-        Why it matters.
-    do : str
-        The way out.
-    code : str
-        Stable word for scripts: ``"unknown_unit"``.
-    """
-
-    what: str
-    where: str = ""
-    why: str = ""
-    do: str = ""
-    code: str = "refused"
+    what: str  # The finding, with the value given: ``"unit 'furlong' is not known"``
+    where: str = ""  # ``file:row``, or key with its line; empty where the input has no place
+    why: str = ""  # Why it matters
+    do: str = ""  # The way out
+    code: str = "refused"  # Stable word for scripts: ``"unknown_unit"``
 
     def __str__(self) -> str:
         """All parts on one line, the place first."""

@@ -44,35 +44,21 @@ TINY = float(np.finfo(float).tiny)
 
 @dataclass(frozen=True, eq=False)
 class Component:
-    """One source of uncertainty of all values at once.
+    """One source of uncertainty of all values at once."""
 
-    Parameters
-    ----------
-    given : Origin or str
-        Where it comes from, or that in words: ``"scatter between power-up runs"``, ``"table rate"``.
-    kind : {"A", "B"}
-        Observed scatter (A) or other knowledge (B).
-    covariance : ndarray, shape (k, k)
-        Contribution to the covariance of the values [unit_i unit_j].
-    dof : ndarray, shape (k,), or float
-        Degrees of freedom, per value or for all; infinite where the size is taken as known.
-    distribution : str
-        Of the underlying quantity: ``"normal"``, ``"rectangular"``, ``"t"``.
-    stated : (float, str), optional
-        Standard uncertainty of the underlying quantity itself, and its unit: 0.05 % of the table's rate. The
-        sensitivity of a value to it is ``u / stated``; where several unknowns of that size enter (two mounting
-        angles), the root sum of squares over them. Absent for scatter, which is observed in the values.
-    changes : ndarray, shape (s, k), optional
-        Signed change of each value for one standard uncertainty of each of s independent unknowns, where these are
-        known: ``covariance = changes.T @ changes``. With them the difference of two results knows what both share.
-    """
-
-    given: Origin | str
-    kind: Literal["A", "B"]
-    covariance: Array
+    given: Origin | str  # Where it comes from, or that in words: ``"scatter between power-up runs"``, ``"table rate"``
+    kind: Literal["A", "B"]  # Observed scatter (A) or other knowledge (B)
+    covariance: Array  # shape (k, k): contribution to the covariance of the values [unit_i unit_j]
+    # shape (k,): degrees of freedom, per value or for all; infinite where the size is taken as known
     dof: Array | float = np.inf
-    distribution: str = "normal"
+    distribution: str = "normal"  # Of the underlying quantity: ``"normal"``, ``"rectangular"``, ``"t"``
+    # Standard uncertainty of the underlying quantity itself, and its unit: 0.05 % of the table's rate. The
+    # sensitivity of a value to it is ``u / stated``; where several unknowns of that size enter (two mounting
+    # angles), the root sum of squares over them. Absent for scatter, which is observed in the values.
     stated: tuple[float, str] | None = None
+    # shape (s, k): signed change of each value for one standard uncertainty of each of s independent unknowns,
+    # where these are known: ``covariance = changes.T @ changes``. With them the difference of two results knows
+    # what both share.
     changes: Array | None = None
 
     @property
@@ -95,17 +81,6 @@ class Component:
 class Estimate:
     """Named values with covariance, degrees of freedom and units.
 
-    Parameters
-    ----------
-    given : tuple of Key or str
-        One a value: what it is, or a name that stands for a quantity without axis.
-    values : ndarray, shape (k,)
-        In ``units``.
-    units : tuple of str
-        One a value, as ``core.units`` prints them.
-    components : tuple of Component
-        Sources of uncertainty; their covariances add.
-
     Raises
     ------
     DataError
@@ -113,10 +88,10 @@ class Estimate:
         diagonal, or degrees of freedom are not positive.
     """
 
-    given: tuple[Key | str, ...]
-    values: Array
-    units: tuple[str, ...]
-    components: tuple[Component, ...]
+    given: tuple[Key | str, ...]  # One a value: what it is, or a name that stands for a quantity without axis
+    values: Array  # shape (k,): in ``units``
+    units: tuple[str, ...]  # One a value, as ``core.units`` prints them
+    components: tuple[Component, ...]  # Sources of uncertainty; their covariances add
 
     def __post_init__(self) -> None:
         k = len(self.names)
@@ -125,7 +100,23 @@ class Estimate:
         if len(set(self.names)) != k:
             raise DataError(f"a name appears twice in {self.names}")
         for component in self.components:
-            _check_covariance(component, k)
+            c = component.covariance
+            if c.shape != (k, k):
+                raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
+            if not np.isfinite(c).all():
+                raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
+            variance = c.diagonal()
+            deviations = np.sqrt(np.abs(variance))
+            allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY
+            if (variance < 0.0).any() or (np.abs(c - c.T) > allowed).any():
+                raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
+            dof = np.asarray(component.dof, dtype=float)
+            if dof.shape not in {(), (k,)} or not (dof > 0.0).all():
+                raise DataError(
+                    f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
+                )
+            if component.stated is not None and not component.stated[0] > 0.0 and (variance > 0.0).any():
+                raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")
 
     @cached_property
     def keys(self) -> tuple[Key, ...]:
@@ -201,7 +192,7 @@ class Estimate:
             replace(
                 one,
                 covariance=one.covariance[grid],
-                dof=_take(one.dof, at),
+                dof=(one.dof[at] if isinstance(one.dof, np.ndarray) else one.dof),
                 changes=None if one.changes is None else one.changes[:, at],
             )
             for one in self.components
@@ -241,27 +232,3 @@ def placed_changes(component: Component, start: int, size: int) -> Array | None:
     whole = np.zeros((len(component.changes), size))
     whole[:, start : start + len(component.covariance)] = component.changes
     return whole
-
-
-def _take(dof: Array | float, at: list[int]) -> Array | float:
-    return dof[at] if isinstance(dof, np.ndarray) else dof
-
-
-def _check_covariance(component: Component, k: int) -> None:
-    c = component.covariance
-    if c.shape != (k, k):
-        raise DataError(f"{component.source}: covariance of shape {c.shape}, need ({k}, {k})")
-    if not np.isfinite(c).all():
-        raise DataError(f"{component.source}: covariance is not finite", do="Leave out what is not estimated")
-    variance = c.diagonal()
-    deviations = np.sqrt(np.abs(variance))
-    allowed = SYMMETRY * deviations[:, np.newaxis] * deviations + TINY
-    if (variance < 0.0).any() or (np.abs(c - c.T) > allowed).any():
-        raise DataError(f"{component.source}: not a covariance (negative variance or not symmetric)")
-    dof = np.asarray(component.dof, dtype=float)
-    if dof.shape not in {(), (k,)} or not (dof > 0.0).all():
-        raise DataError(
-            f"{component.source}: degrees of freedom {component.dof}, need {k} positive ones or one for all"
-        )
-    if component.stated is not None and not component.stated[0] > 0.0 and (variance > 0.0).any():
-        raise DataError(f"{component.source}: contributes, but its own uncertainty is {component.stated[0]:g}")

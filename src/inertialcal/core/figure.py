@@ -16,44 +16,22 @@ LAST = 850  # of what is drawn from curves of tests
 
 @dataclass(frozen=True)
 class FigureSpec:
-    """One kind of figure.
+    """One kind of figure."""
 
-    Parameters
-    ----------
-    name : str
-        As ``plot`` and ``--figure`` call it.
-    module : str
-        That draws it: ``pictures(results)`` returns each picture that the content of ``results.json`` has data for.
-    caption : str
-        In a report. ``{axis}`` is the axis of the picture; ``{note}`` what the picture says of these data.
-    curves : mapping of str to str
-        Names of the curves that it is drawn from, each with the title of its table in a report, in which ``{axis}``,
-        ``{of}`` and ``{record}`` (which of several, in words) are filled in. Without any of them in the results the
-        module is not asked; empty for a figure of rows.
-    order : int
-        Among all figures, lowest first: a result is drawn as the first that it has data for.
-    place : {"test", "top", "model", "budgets", ""}
-        Where it stands in a report: with its test; at the top only; with the model; with budgets; nowhere.
-    top : int, optional
-        The lowest of those that there are stands at the top of the report; None for never.
-    rank : int
-        With its test: after those of lower rank.
-    first : bool
-        Where there is room for some figures only: before all others but the one at the top.
-    partner : str
-        Where it stands at the top: the figure of the same test and axis that stands with it.
-    most : int, optional
-        How many of a test and axis are shown; None for all.
-    """
-
-    name: str
+    name: str  # As ``plot`` and ``--figure`` call it
+    # That draws it: ``pictures(results)`` returns each picture that the content of ``results.json`` has data for
     module: str
+    # In a report. ``{axis}`` is the axis of the picture; ``{note}`` what the picture says of these data.
     caption: str = ""
+    # Names of the curves that it is drawn from, each with the title of its table in a report, in which
+    # ``{axis}``, ``{of}`` and ``{record}`` (which of several, in words) are filled in. Without any of them in the
+    # results the module is not asked; empty for a figure of rows.
     curves: Mapping[str, str] = field(default_factory=dict[str, str])
-    order: int = LAST
+    order: int = LAST  # Among all figures, lowest first: a result is drawn as the first that it has data for
+    # Where it stands in a report: with its test; at the top only; with the model; with budgets; nowhere
     place: Place = "test"
-    top: int | None = None
-    rank: int = 0
-    first: bool = False
-    partner: str = ""
-    most: int | None = None
+    top: int | None = None  # The lowest of those that there are stands at the top of the report; None for never
+    rank: int = 0  # With its test: after those of lower rank
+    first: bool = False  # Where there is room for some figures only: before all others but the one at the top
+    partner: str = ""  # Where it stands at the top: the figure of the same test and axis that stands with it
+    most: int | None = None  # How many of a test and axis are shown; None for all

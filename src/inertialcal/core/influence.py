@@ -23,40 +23,19 @@ Redrawn = Literal["", "never", "certificate", "day", "mounting", "power_up", "dw
 
 @dataclass(frozen=True)
 class Influence:
-    """Standard uncertainty of one quantity of a standard.
+    """Standard uncertainty of one quantity of a standard."""
 
-    Parameters
-    ----------
-    u : float
-        Standard uncertainty, SI (relative quantities: 1).
-    unit : str
-        Unit of ``u``.
-    dof : float
-        Degrees of freedom; infinite where the certificate gives none.
-    distribution : {"normal", "rectangular"}
-        Of the unknown value.
-    certificate : str
-        Where ``u`` comes from.
-    as_stated : (float, str), optional
-        ``u`` in the unit in which the certificate gives it; by default in ``unit``.
-    standard, quantity : str
-        Which quantity of which standard: the same in two tests is the same unknown.
-    redrawn_by : {"", "never", "certificate", "day", "mounting", "power_up", "dwell"}
-        What draws its error anew; empty where nobody said.
-    valid : str
-        Period of the certificate.
-    """
-
-    u: float
-    unit: str = "1"
-    dof: float = math.inf
-    distribution: str = "normal"
-    certificate: str = ""
+    u: float  # Standard uncertainty, SI (relative quantities: 1)
+    unit: str = "1"  # Unit of ``u``
+    dof: float = math.inf  # Degrees of freedom; infinite where the certificate gives none
+    distribution: str = "normal"  # Of the unknown value
+    certificate: str = ""  # Where ``u`` comes from
+    # ``u`` in the unit in which the certificate gives it; by default in ``unit``
     as_stated: tuple[float, str] | None = None
-    standard: str = ""
-    quantity: str = ""
-    redrawn_by: Redrawn = ""
-    valid: str = ""
+    standard: str = ""  # Which standard: the same quantity of it in two tests is the same unknown
+    quantity: str = ""  # Which quantity of the standard
+    redrawn_by: Redrawn = ""  # What draws its error anew; empty where nobody said
+    valid: str = ""  # Period of the certificate
 
     @property
     def stated(self) -> tuple[float, str]:

@@ -103,30 +103,16 @@ def _comparison(text: str) -> Comparison:
 
 @dataclass(frozen=True)
 class Asked:
-    """What a requirement asks of a figure, as a procedure sees it.
-
-    Parameters
-    ----------
-    id, quantity : str
-        Of the requirement.
-    axis : str or None
-        None for all.
-    of : {"expected", "dwell_mean", "reading"}
-        What of it, where a procedure tells them apart.
-    limit, lower, upper : str or None
-        As stated: the size of both limits, or one or two.
-    where : str
-        Over which range.
-    """
+    """What a requirement asks of a figure, as a procedure sees it."""
 
     id: str
     quantity: str
-    axis: str | None = None
-    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"
-    limit: str | None = None
-    lower: str | None = None
-    upper: str | None = None
-    where: str = ""
+    axis: str | None = None  # None for all
+    of: Literal["expected", "dwell_mean", "reading"] = "dwell_mean"  # What of it, where a procedure tells them apart
+    limit: str | None = None  # As stated: size of both limits
+    lower: str | None = None  # As stated
+    upper: str | None = None  # As stated
+    where: str = ""  # Over which range
 
     @cached_property
     def condition(self) -> Condition:
@@ -156,38 +142,20 @@ class Asked:
 
 @dataclass(frozen=True)
 class Verdict:
-    """A requirement judged at one place.
-
-    Parameters
-    ----------
-    requirement, test, axis, sensor : str
-        Which; the kind of sensor where one test has several.
-    at : float or None
-        Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure.
-    of : str
-        What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure.
-    value, u : float or None
-        In ``unit``.
-    lower, upper : float or None
-        Limits in ``unit``.
-    verdict : {"PASS", "FAIL", "INCONCLUSIVE", "OPEN"}
-        By the rule.
-    reason : str
-        Why not PASS or FAIL.
-    """
+    """A requirement judged at one place."""
 
     requirement: str
     test: str
     axis: str
-    at: float | None
-    of: str
-    value: float | None
-    u: float | None
+    at: float | None  # Rate [rad/s] or temperature [degC] that it is judged at; None where it is about a single figure
+    of: str  # What of it: ``expected``, ``dwell_mean``, ``reading``; empty for a single figure
+    value: float | None  # In ``unit``
+    u: float | None  # In ``unit``
     unit: str
     interval: Interval | None
-    lower: float | None
-    upper: float | None
-    verdict: str
-    reason: str = ""
+    lower: float | None  # Limits in ``unit``
+    upper: float | None  # Limits in ``unit``
+    verdict: str  # By the rule
+    reason: str = ""  # Why not PASS or FAIL
     at_unit: str = "rad/s"
-    sensor: str = ""
+    sensor: str = ""  # Kind of sensor where one test has several

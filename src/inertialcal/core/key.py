@@ -72,28 +72,15 @@ PARTS = ("flip", "run")  # members that stand beside a result, too
 
 
 class Key(NamedTuple):
-    """What a figure is of.
+    """What a figure is of."""
 
-    Parameters
-    ----------
-    quantity : str
-        The field's word: ``"scale_factor"``, ``"bias_temperature"``.
-    axis : str
-        ``"x"``, or ``"xz"`` for a matrix entry (row = sensor that reads, column = axis that moves).
-    sensor : str
-        Kind of sensor, where one result holds several.
-    power : int
-        Of a polynomial: ``bias_temperature``, power 2. Of a line: which multiple of the one at its place, or which of
-        several; 0 is itself.
-    at : At or None
-        Where it holds.
-    """
-
-    quantity: str
-    axis: str = ""
-    sensor: str = ""
+    quantity: str  # The field's word: ``"scale_factor"``, ``"bias_temperature"``
+    axis: str = ""  # ``"x"``, or ``"xz"`` for a matrix entry (row = sensor that reads, column = axis that moves)
+    sensor: str = ""  # Kind of sensor, where one result holds several
+    # Of a polynomial: ``bias_temperature``, power 2. Of a line: which multiple of the one at its place, or which
+    # of several; 0 is itself.
     power: int = 0
-    at: At | None = None
+    at: At | None = None  # Where it holds
 
     @property
     def name(self) -> str:
@@ -127,24 +114,14 @@ NO_REASON = Reason()
 
 
 class Origin(NamedTuple):
-    """Where an uncertainty comes from; equal origins are the same unknowns.
+    """Where an uncertainty comes from; equal origins are the same unknowns."""
 
-    Parameters
-    ----------
-    what : str
-        As budgets name it: ``"table rate"``, ``"scatter between runs"``.
-    test : str
-        In which it was found, where it is another one.
-    standard, quantity : str
-        Of Type B: whose certificate, and which quantity: ``"rate_table"``, ``"rate"``.
-    level : str
-        Of Type A: what was repeated: ``"run"``, ``"dwell"``, ``"sample"``; ``"hidden"`` is a bound where nothing was.
-    """
-
-    what: str
-    test: str = ""
-    standard: str = ""
-    quantity: str = ""
+    what: str  # As budgets name it: ``"table rate"``, ``"scatter between runs"``
+    test: str = ""  # In which it was found, where it is another one
+    standard: str = ""  # Of Type B, whose certificate: ``"rate_table"``
+    quantity: str = ""  # Of Type B, which quantity of it: ``"rate"``
+    # Of Type A: what was repeated: ``"run"``, ``"dwell"``, ``"sample"``; ``"hidden"`` is a bound where nothing
+    # was
     level: str = ""
 
     def __str__(self) -> str:
@@ -153,30 +130,14 @@ class Origin(NamedTuple):
 
 
 class Case(NamedTuple):
-    """Which of several figures of one quantity and axis a row is; its text is the ``condition`` of ``results.json``.
+    """Which of several figures of one quantity and axis a row is; its text is the ``condition`` of ``results.json``."""
 
-    Parameters
-    ----------
-    method : Method
-        By which way.
-    member : Member or None
-        Of which part of the readings.
-    at : At or None
-        Where it holds.
-    times : int
-        Which multiple of a line; 0 is itself.
-    sensor : str
-        Kind of sensor, where one result holds several.
-    condition : str
-        Of the campaign; it is told where nothing else is.
-    """
-
-    method: Method = Method.RESULT
-    member: Member | None = None
-    at: At | None = None
-    times: int = 0
-    sensor: str = ""
-    condition: str = ""
+    method: Method = Method.RESULT  # By which way
+    member: Member | None = None  # Of which part of the readings
+    at: At | None = None  # Where it holds
+    times: int = 0  # Which multiple of a line; 0 is itself
+    sensor: str = ""  # Kind of sensor, where one result holds several
+    condition: str = ""  # Of the campaign; it is told where nothing else is
 
     @property
     def beside(self) -> bool:

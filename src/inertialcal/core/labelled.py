@@ -9,25 +9,13 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True)
 class LabelledPart:
-    """A part of a recording with its label: from one sample to before another, or in seconds of its time.
+    """A part of a recording with its label: from one sample to before another, or in seconds of its time."""
 
-    Parameters
-    ----------
-    label : str
-        ``"x_p"``, ``"x_rot"``.
-    start, stop : float
-        Samples counted from 0, or [s].
-    seconds : bool
-        Which of both.
-    angle : float or None
-        Of a turn, where it is said of this one [rad].
-    """
-
-    label: str
-    start: float
-    stop: float
-    seconds: bool = False
-    angle: float | None = None
+    label: str  # ``"x_p"``, ``"x_rot"``
+    start: float  # First: samples counted from 0, or [s]
+    stop: float  # One past the last
+    seconds: bool = False  # Which of both
+    angle: float | None = None  # Of a turn, where it is said of this one [rad]
 
 
 def labelled_csv(parts: Sequence[LabelledPart]) -> str:

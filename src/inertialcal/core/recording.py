@@ -28,29 +28,14 @@ SECOND = 1_000_000_000  # [ns]
 
 @dataclass(frozen=True, eq=False)
 class Channel:
-    """One column of a recording.
+    """One column of a recording."""
 
-    Parameters
-    ----------
-    name : str
-        As the file has it.
-    data : ndarray, shape (n,)
-        In the type of the file; floats may hold NaN where a cell was empty.
-    unit : str or None
-        As ``core.units`` prints it; None when nobody said.
-    unit_from : str
-        Where the unit comes from: ``"flag"``, ``"header"``, ``"format"``, ``"campaign"`` or ``""``.
-    axis : str
-        ``"x"``, ``"y"``, ``"z"``, or ``""``.
-    quantity : str
-        What it measures as far as the header tells: ``"gyro"``, ``"acc"``, ``"temperature"``, ... or ``""``.
-    """
-
-    name: str
-    data: NDArray[Any]
-    unit: str | None = None
-    unit_from: str = ""
-    axis: str = ""
+    name: str  # As the file has it
+    data: NDArray[Any]  # shape (n,): in the type of the file; floats may hold NaN where a cell was empty
+    unit: str | None = None  # As ``core.units`` prints it; None when nobody said
+    unit_from: str = ""  # Where the unit comes from: ``"flag"``, ``"header"``, ``"format"``, ``"campaign"`` or ``""``
+    axis: str = ""  # ``"x"``, ``"y"``, ``"z"``, or ``""``
+    # What it measures as far as the header tells: ``"gyro"``, ``"acc"``, ``"temperature"``, ... or ``""``.
     quantity: str = ""
 
 
@@ -68,48 +53,24 @@ class Source:
 class Recording:
     """Channels on one clock.
 
-    Parameters
-    ----------
-    channels : tuple of Channel
-        All of one length n.
-    time_ns : ndarray of int64, shape (n,), or None
-        Middle of each averaging window [ns]; None where the file has no time.
-    sample_interval : float or None
-        Nominal time from sample to sample [s].
-    averaging_time : float or None
-        Length of the window that a sample is the mean of [s]; None when nobody said.
-    epoch : {"utc", "elapsed"}
-        What time zero is.
-    interval_from : {"column", "flag", "header", ""}
-        Where the sample interval comes from.
-    source : Source
-        File, hash, format.
-    remarks : tuple of Remark
-        What reading it brought up.
-    first_row : int
-        Row of the source (counted from 1) of sample 0, for messages; 0 when rows have no meaning.
-    applied : tuple of str
-        Corrections that the source says were made already: ``"bias"``, ``"scale_factor"``, ``"misalignment"``.
-    time_column : str
-        Name of the column whose stamps give the sample interval; empty where they do not.
-
     Raises
     ------
     DataError
         If channels differ in length, share a name, or the time does not fit.
     """
 
-    channels: tuple[Channel, ...]
-    time_ns: Times | None = None
-    sample_interval: float | None = None
-    averaging_time: float | None = None
-    epoch: Literal["utc", "elapsed"] = "elapsed"
-    interval_from: Literal["column", "flag", "header", ""] = ""
-    source: Source = field(default_factory=Source)
-    remarks: tuple[Remark, ...] = ()
-    first_row: int = 0
+    channels: tuple[Channel, ...]  # All of one length n
+    time_ns: Times | None = None  # shape (n,): middle of each averaging window [ns]; None where the file has no time
+    sample_interval: float | None = None  # Nominal time from sample to sample [s]
+    averaging_time: float | None = None  # Length of the window that a sample is the mean of [s]; None when nobody said
+    epoch: Literal["utc", "elapsed"] = "elapsed"  # What time zero is
+    interval_from: Literal["column", "flag", "header", ""] = ""  # Where the sample interval comes from
+    source: Source = field(default_factory=Source)  # File, hash, format
+    remarks: tuple[Remark, ...] = ()  # What reading it brought up
+    first_row: int = 0  # Row of the source (counted from 1) of sample 0, for messages; 0 when rows have no meaning
+    # Corrections that the source says were made already: ``"bias"``, ``"scale_factor"``, ``"misalignment"``
     applied: tuple[str, ...] = ()
-    time_column: str = ""
+    time_column: str = ""  # Name of the column whose stamps give the sample interval; empty where they do not
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]

@@ -16,39 +16,17 @@ OF_PROGRAMS = ("axis", "subject", "index")  # fields that results.json does not 
 
 @dataclass(frozen=True)
 class Remark:
-    """One finding.
+    """One finding."""
 
-    Parameters
-    ----------
-    code : str
-        Stable word: ``"few_runs"``.
-    severity : {"info", "warning", "error"}
-        How much it matters.
-    what : str
-        The finding, with its figures.
-    where : str
-        ``file:row`` or time of the first place.
-    count : int
-        At how many places.
-    do : str
-        What to do about it.
-    axis : str
-        That it is about.
-    subject : str
-        What it is about, as a name: a column, a sensor.
-    index : int
-        Number of the first sample or row that it is about.
-    """
-
-    code: str
-    severity: Severity
-    what: str
-    where: str = ""
-    count: int = 1
-    do: str = ""
-    axis: str = ""
-    subject: str = ""
-    index: int = 0
+    code: str  # Stable word: ``"few_runs"``
+    severity: Severity  # How much it matters
+    what: str  # The finding, with its figures
+    where: str = ""  # ``file:row`` or time of the first place
+    count: int = 1  # At how many places
+    do: str = ""  # What to do about it
+    axis: str = ""  # That it is about
+    subject: str = ""  # What it is about, as a name: a column, a sensor
+    index: int = 0  # Number of the first sample or row that it is about
 
     def __str__(self) -> str:
         """One line, the severity first."""

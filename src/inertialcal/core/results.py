@@ -42,49 +42,22 @@ class Interval:
 
 @dataclass(frozen=True)
 class Row:
-    """One published figure.
+    """One published figure."""
 
-    Parameters
-    ----------
-    key : Key
-        What it is of: quantity, axis, sensor, power, place.
-    value, u : float or None
-        In ``unit``.
-    unit : str
-        As ``core.units`` prints it.
-    dof : float or None
-        Degrees of freedom of ``u``; None is infinite.
-    interval : Interval or None
-        95 % unless it says otherwise.
-    status : {"estimated", "not_estimated", "upper_limit"}
-        Whether the data carried the answer.
-    reason : Reason
-        Why not, or what limits it.
-    test : str
-        Identifier of the test in the campaign.
-    condition : str
-        Of the campaign, under which the test ran.
-    method : Method
-        By which way; ``Method.TEXTBOOK`` is a document's own.
-    member : Member or None
-        Of which part of the readings: one flip, one run.
-    shared : mapping of str to float
-        Influence that outlives the test (``"rate_table.rate"``) -> change of the value for one standard uncertainty
-        of it, in ``unit``, with its sign.
-    """
-
-    key: Key
-    value: float | None
-    u: float | None
-    unit: str
-    dof: float | None = None
-    interval: Interval | None = None
-    status: Status = "estimated"
-    reason: Reason = NO_REASON
-    test: str = ""
-    condition: str = ""
-    method: Method = Method.RESULT
-    member: Member | None = None
+    key: Key  # What it is of: quantity, axis, sensor, power, place
+    value: float | None  # In ``unit``
+    u: float | None  # In ``unit``
+    unit: str  # As ``core.units`` prints it
+    dof: float | None = None  # Degrees of freedom of ``u``; None is infinite
+    interval: Interval | None = None  # 95 % unless it says otherwise
+    status: Status = "estimated"  # Whether the data carried the answer
+    reason: Reason = NO_REASON  # Why not, or what limits it
+    test: str = ""  # Identifier of the test in the campaign
+    condition: str = ""  # Of the campaign, under which the test ran
+    method: Method = Method.RESULT  # By which way; ``Method.TEXTBOOK`` is a document's own
+    member: Member | None = None  # Of which part of the readings: one flip, one run
+    # Influence that outlives the test (``"rate_table.rate"``) -> change of the value for one standard uncertainty
+    # of it, in ``unit``, with its sign
     shared: Mapping[str, float] = field(default_factory=dict)
 
     @property

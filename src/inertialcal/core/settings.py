@@ -12,56 +12,26 @@ from typing import Any, Literal, Union, get_args, get_origin, get_type_hints
 
 @dataclass(frozen=True)
 class Setting:
-    """One field of a Plan that a user may set.
+    """One field of a Plan that a user may set."""
 
-    Parameters
-    ----------
-    name, help, example : str
-        As the field is called; one sentence; how to write it.
-    unit : str
-        Inside; empty for what is no quantity.
-    difference : bool
-        Of temperatures.
-    many, flag : bool
-        A list; yes or no.
-    choices : tuple of str
-        Words that there are.
-    number : type or None
-        ``int`` or ``float`` where it is a bare number.
-    default : object
-        Inside; None where it has none; of a list or table what makes it.
-    needed : bool
-        Has no default.
-    kind : object
-        Its type inside, as annotated.
-    table : type or None
-        Settings of its own: their dataclass.
-    above, least, most : float or None
-        Limits: it is larger than ``above``, no smaller than ``least``, no larger than ``most``.
-    pairs : bool
-        ``NAME=VALUE``, which may be repeated; in Python a mapping.
-    flag_name : str
-        Name on the command line where that is another one.
-    """
-
-    name: str
-    help: str
-    example: str
-    unit: str
-    difference: bool
-    many: bool
-    flag: bool
-    choices: tuple[str, ...]
-    number: type | None
-    default: object
-    needed: bool
-    kind: Any
-    table: type[Any] | None = None
-    above: float | None = None
-    least: float | None = None
-    most: float | None = None
-    pairs: bool = False
-    flag_name: str = ""
+    name: str  # As the field is called
+    help: str  # One sentence
+    example: str  # How to write it
+    unit: str  # Inside; empty for what is no quantity
+    difference: bool  # Of temperatures
+    many: bool  # A list
+    flag: bool  # Yes or no
+    choices: tuple[str, ...]  # Words that there are
+    number: type | None  # ``int`` or ``float`` where it is a bare number
+    default: object  # Inside; None where it has none; of a list or table what makes it
+    needed: bool  # Has no default
+    kind: Any  # Its type inside, as annotated
+    table: type[Any] | None = None  # Settings of its own: their dataclass
+    above: float | None = None  # Limit: larger than this
+    least: float | None = None  # Limit: no smaller
+    most: float | None = None  # Limit: no larger
+    pairs: bool = False  # ``NAME=VALUE``, which may be repeated; in Python a mapping
+    flag_name: str = ""  # Name on the command line where that is another one
 
     @property
     def option(self) -> str:

@@ -142,7 +142,14 @@ def elapsed_text(elapsed: int) -> str:
 
 def _from_text(given: str, mission_start: int | None) -> int:
     if match := DAY_OF_YEAR.fullmatch(given):
-        return _from_day_of_year(match, given)
+        year, day = int(match["year"]), int(match["day"])
+        if not year:
+            raise ValueError(f"{given!r}: there is no year 0000")
+        first = datetime(year, 1, 1, tzinfo=UTC)
+        days = (first.replace(month=12, day=31) - first).days + 1
+        if not 1 <= day <= days:
+            raise ValueError(f"{given!r}: day {day:03d} of {year}, which has days 001 to {days}")
+        return ((first - EPOCH).days + day - 1) * DAY + _time_of_day(match, given)
     if match := ELAPSED.fullmatch(given):
         if mission_start is None:
             raise NoMissionStartError(
@@ -172,17 +179,6 @@ def _from_datetime(instant: datetime, given: str) -> int:
         raise ValueError(f"{given!r} does not say its time zone: add Z for UTC, or an offset")
     since = instant - EPOCH
     return (since.days * 86_400 + since.seconds) * SECOND + since.microseconds * 1000
-
-
-def _from_day_of_year(match: re.Match[str], given: str) -> int:
-    year, day = int(match["year"]), int(match["day"])
-    if not year:
-        raise ValueError(f"{given!r}: there is no year 0000")
-    first = datetime(year, 1, 1, tzinfo=UTC)
-    days = (first.replace(month=12, day=31) - first).days + 1
-    if not 1 <= day <= days:
-        raise ValueError(f"{given!r}: day {day:03d} of {year}, which has days 001 to {days}")
-    return ((first - EPOCH).days + day - 1) * DAY + _time_of_day(match, given)
 
 
 def _time_of_day(match: re.Match[str], given: str) -> int:

@@ -154,7 +154,13 @@ def factor(from_unit: str, to_unit: str, difference: bool = False) -> float:
     source, target = read_unit(from_unit), read_unit(to_unit)
     if source == target:
         return 1.0
-    _require_same_dimension(source, target, from_unit, to_unit)
+    if _in_base_units(source)[1] != _in_base_units(target)[1]:
+        raise DataError(
+            f"{from_unit!r} cannot be expressed in {to_unit!r}",
+            why=f"one is {_in_words(from_unit)}, the other {_in_words(to_unit)}",
+            do=f"Give a unit like {si_unit(to_unit)}",
+            code="unit_mismatch",
+        )
     if not difference and _zero_points_differ(source, target):
         raise DataError(
             f"no factor from {from_unit!r} to {to_unit!r}: the zero points differ",
@@ -323,16 +329,6 @@ def _zero_points_differ(source: Powers, target: Powers) -> bool:
 
 def _is_temperature(unit: Powers) -> bool:
     return len(unit) == 1 and unit[0][1] == 1 and kind_of(unit[0][0]) == "temperature"
-
-
-def _require_same_dimension(source: Powers, target: Powers, from_unit: str, to_unit: str) -> None:
-    if _in_base_units(source)[1] != _in_base_units(target)[1]:
-        raise DataError(
-            f"{from_unit!r} cannot be expressed in {to_unit!r}",
-            why=f"one is {_in_words(from_unit)}, the other {_in_words(to_unit)}",
-            do=f"Give a unit like {si_unit(to_unit)}",
-            code="unit_mismatch",
-        )
 
 
 def _in_words(unit: str) -> str:

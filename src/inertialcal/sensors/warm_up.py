@@ -25,7 +25,7 @@ from scipy import optimize
 from ..core.errors import DataError
 from ..core.estimate import Array
 from ..statistics.clustered import clustered_contrasts
-from ..statistics.least_squares import Fit, fit
+from ..statistics.least_squares import fit
 
 FEWEST = 12  # readings of a power-up that three unknowns need
 SEARCHED = (0.01, 1.0)  # of the length of the record: time constants that are looked for
@@ -36,27 +36,13 @@ SIGNIFICANT = 3.0  # standard uncertainties that a transient must stand out by
 
 @dataclass(frozen=True, eq=False)
 class WarmUp:
-    """A start-up transient.
+    """A start-up transient."""
 
-    Parameters
-    ----------
-    change : float
-        A: reading at power-up less the settled one [unit of the readings].
-    time_constant : float
-        tau [s].
-    covariance : ndarray, shape (2, 2)
-        Of both.
-    dof : ndarray, shape (2,)
-        Degrees of freedom of each; 0 where not known.
-    level : {"run", "stretch"}
-        What the covariance is made of.
-    """
-
-    change: float
-    time_constant: float
-    covariance: Array
-    dof: Array
-    level: str
+    change: float  # A: reading at power-up less the settled one [unit of the readings]
+    time_constant: float  # tau [s]
+    covariance: Array  # shape (2, 2): of both
+    dof: Array  # shape (2,): degrees of freedom of each; 0 where not known
+    level: str  # What the covariance is made of
 
     @property
     def identified(self) -> bool:
@@ -120,14 +106,10 @@ def _without_levels(columns: Array, numbers: NDArray[np.intp], counts: NDArray[n
     return np.asarray(columns - means[numbers])
 
 
-def _transient(tau: float, time: Array, readings: Array, levels: Array) -> Fit:
-    return fit(np.column_stack([np.exp(-time / tau), levels]), readings)
-
-
 def _judged(tau: float, time: Array, readings: Array, numbers: NDArray[np.intp], levels: Array) -> WarmUp:
     """Covariance of A and tau from the fit made linear at its best tau."""
     shape = np.exp(-time / tau)
-    change = float(_transient(tau, time, readings, levels).coefficients[0])
+    change = float(fit(np.column_stack([np.exp(-time / tau), levels]), readings).coefficients[0])
     many = levels.shape[1] >= 2
     slope = change * time / tau**2 * shape
     columns = np.column_stack([shape, slope if np.ptp(slope) > 0.0 else time, levels])

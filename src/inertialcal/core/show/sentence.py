@@ -26,8 +26,8 @@ class Cited:
     """The value of a row."""
 
     row: WrittenRow  # Of ``results.json``
-    u: bool = True  # Whether its uncertainty and its unit stand with it; without uncertainty it has few digits
-    unit: bool = True  # Whether its uncertainty and its unit stand with it; without uncertainty it has few digits
+    u: bool = True  # Whether its uncertainty stands with it; without, it has few digits
+    unit: bool = True  # Whether its unit stands with it
 
 
 Sentence = tuple[str | Cited, ...]

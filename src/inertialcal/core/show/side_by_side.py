@@ -20,10 +20,10 @@ R = TypeVar("R", bound=WrittenRow)
 class Compared:
     """An error that stands beside that of another test: its quantities, and what its tables are called."""
 
-    error: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
-    other: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
-    change: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
-    reduction: str  # Quantities: of the test; of the other; this less the other; by how much it is nearer to zero
+    error: str  # Quantity: error of the test
+    other: str  # Quantity: error of the other test
+    change: str  # Quantity: this error less the other
+    reduction: str  # Quantity: how much nearer to zero this one is
     title: str  # Of a table for a terminal, and for a report
     caption: str  # Of a table for a terminal, and for a report
 

@@ -255,14 +255,6 @@ def _multiplies(at: Cursor, divided: bool) -> bool:
     follows = at.peek(1) if token.text == "." else token
     if follows.kind not in {"number", "name"} and follows.text != "(":
         return False
-    _check_juxtaposed(at, follows, divided)
-    if token.text == ".":
-        at.take()
-    return True
-
-
-def _check_juxtaposed(at: Cursor, follows: Token, divided: bool) -> None:
-    """Refuse what is not clearly a product, where no ``*`` stands before it."""
     last = at.peek(-1)
     if follows.kind == "number":
         one_over = at.with_number and at.at == 1 and follows.text == "1" and at.peek(1).text == "/"
@@ -275,6 +267,9 @@ def _check_juxtaposed(at: Cursor, follows: Token, divided: bool) -> None:
             f"{follows.text!r} after a division may be a factor or a divisor",
             "Put brackets around what is divided by, or write * or / before it",
         )
+    if token.text == ".":
+        at.take()
+    return True
 
 
 def _operand(at: Cursor, depth: int) -> _Factor:

@@ -12,12 +12,9 @@ from __future__ import annotations
 import io
 import json
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from ...core.errors import DataError
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 FILE = "curves.parquet"
 SCHEMA = 2
@@ -49,8 +46,8 @@ def curves_bytes(curves: Sequence[Mapping[str, Any]]) -> bytes:
             stored[name] = {"column": place, "unit": column["unit"]}
         about.append({key: curve[key] for key in HEAD if key in curve} | {"rows": length, "columns": stored})
         start += length
-    types = {"curve": pa.int32()} | dict.fromkeys(HEAD, pa.string())
-    arrays = [pa.array(values, types.get(name) or _type(pa, name)) for name, values in columns.items()]
+    types = {"curve": pa.int32(), "text": pa.string(), "flag": pa.bool_()} | dict.fromkeys(HEAD, pa.string())
+    arrays = [pa.array(values, types.get(name.rpartition(":")[2], pa.float64())) for name, values in columns.items()]
     schema = pa.schema(
         [pa.field(name, array.type) for name, array in zip(columns, arrays, strict=True)],
         metadata={META: json.dumps({"schema": SCHEMA, "curves": about}, ensure_ascii=False).encode()},
@@ -99,7 +96,3 @@ def _kind(values: Sequence[Any]) -> str:
     if any(isinstance(value, str) for value in there):
         return "text"
     return "flag" if there and all(isinstance(value, bool) for value in there) else "number"
-
-
-def _type(pa: Any, name: str) -> pa.DataType:
-    return {"text": pa.string(), "flag": pa.bool_()}.get(name.rpartition(":")[2], pa.float64())

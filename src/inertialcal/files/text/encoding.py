@@ -25,7 +25,26 @@ def decode(data: bytes, where: str) -> tuple[str, tuple[Remark, ...]]:
     if data.startswith(tuple(mark for mark, _ in MARKS)):
         text = _utf16(data, where)
     else:
-        _refuse_binary(data, where)
+        # Raise where bytes are no text
+        at = data.find(b"\x00")
+        if at >= 0:
+            row = data.count(b"\n", 0, at) + 1
+            raise DataError(
+                f"a nul byte at byte {at}",
+                where=f"{where}:{row}",
+                why="binary data in an unknown format, or a text file truncated while it was written",
+                do="Export it as text or Parquet, or delete the damaged end",
+                code="not_text",
+            )
+        controls = len(data) - len(data.translate(None, CONTROL))
+        if controls > CONTROL_SHARE * len(data):
+            raise DataError(
+                f"{controls} control characters in {len(data)} bytes",
+                where=where,
+                why="binary data in an unknown format",
+                do="Export it as text or Parquet",
+                code="not_text",
+            )
         try:
             text = data.decode("utf-8-sig")
         except UnicodeDecodeError as error:
@@ -46,29 +65,6 @@ def _utf16(data: bytes, where: str) -> str:
         return data.decode("utf-16").replace("\x00", "\ufffd")
     except UnicodeDecodeError as error:
         raise DataError(f"marked as UTF-16, but invalid at byte {error.start}", where=where, code="not_text") from None
-
-
-def _refuse_binary(data: bytes, where: str) -> None:
-    """Raise where bytes are no text."""
-    at = data.find(b"\x00")
-    if at >= 0:
-        row = data.count(b"\n", 0, at) + 1
-        raise DataError(
-            f"a nul byte at byte {at}",
-            where=f"{where}:{row}",
-            why="binary data in an unknown format, or a text file truncated while it was written",
-            do="Export it as text or Parquet, or delete the damaged end",
-            code="not_text",
-        )
-    controls = len(data) - len(data.translate(None, CONTROL))
-    if controls > CONTROL_SHARE * len(data):
-        raise DataError(
-            f"{controls} control characters in {len(data)} bytes",
-            where=where,
-            why="binary data in an unknown format",
-            do="Export it as text or Parquet",
-            code="not_text",
-        )
 
 
 def _not_utf8(data: bytes, at: int, where: str) -> Remark:

@@ -157,7 +157,7 @@ def heading(name: str, unit: str | None = None) -> Heading:
     quantity = _quantity(bare, [word.lower() for word in WORD.findall(rest)] if known else words)
     if given is not None and given.strip():
         known = _known(given.strip(), quantity)
-    known = _by_name(_last(bare, words)) if known is None and given is None else known
+    known = TIME_NAMES.get("".join(_last(bare, words))) if known is None and given is None else known
     kind = units.kind(known) if known is not None else ""
     unknown = given.strip() if given is not None and known is None else ""
     if known is not None and quantity in KINDS and kind not in KINDS[quantity]:
@@ -213,11 +213,6 @@ def _last(bare: str, words: list[str]) -> list[str]:
     return [word.lower() for word in WORD.findall(bare.rpartition(".")[2])] if "." in bare else words
 
 
-def _by_name(words: list[str]) -> str | None:
-    """Return the unit of a column named by its unit: ``millis``."""
-    return TIME_NAMES.get("".join(words))
-
-
 def _suffix(bare: str) -> tuple[str | None, str]:
     """Return the unit at the end of a name, and the name without it."""
     parts = re.split(r"[_\s.]+", bare)
@@ -270,9 +265,9 @@ def _axis(words: list[str]) -> str:
     if not found:
         found = {word[1] for word in words if len(word) == 2 and word[0] in LETTERS and word[1] in "xyz"}
     if not found:
-        found = {word[-1] if word.startswith(_stem(word)) else word[0] for word in words if _is_stemmed(word)}
+        found = {
+            word[-1] if word.startswith(_stem(word)) else word[0]
+            for word in words
+            if _stem(word) != word and any(_stem(word) in known for _, known in WORDS)
+        }
     return found.pop() if len(found) == 1 else ""
-
-
-def _is_stemmed(word: str) -> bool:
-    return _stem(word) != word and any(_stem(word) in known for _, known in WORDS)

@@ -31,33 +31,15 @@ SHOWN = 4  # cells of a column
 
 @dataclass(frozen=True, eq=False)
 class Table:
-    """Columns of text, to be read as numbers where they are.
+    """Columns of text, to be read as numbers where they are."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        As the header has them; ``column_3`` where it has none.
-    cells : tuple of tuple of str
-        By column, without quotes and outer blanks; an empty one is a missing value.
-    rows : ndarray of int64, shape (n,)
-        Row of the file (counted from 1) of each.
-    source : Source
-        File, hash, format.
-    units : tuple of (str or None)
-        As the header or a units row say them, as ``core.units`` prints them.
-    decimal : {".", ","}
-        Decimal sign.
-    remarks : tuple of Remark
-        What reading it brought up.
-    """
-
-    names: tuple[str, ...]
-    cells: tuple[tuple[str, ...], ...]
-    rows: Rows
-    source: Source = field(default_factory=Source)
-    units: tuple[str | None, ...] = ()
-    decimal: Decimal = "."
-    remarks: tuple[Remark, ...] = ()
+    names: tuple[str, ...]  # As the header has them; ``column_3`` where it has none
+    cells: tuple[tuple[str, ...], ...]  # By column, without quotes and outer blanks; an empty one is a missing value
+    rows: Rows  # shape (n,): row of the file (counted from 1) of each
+    source: Source = field(default_factory=Source)  # File, hash, format
+    units: tuple[str | None, ...] = ()  # As the header or a units row say them, as ``core.units`` prints them
+    decimal: Decimal = "."  # Decimal sign
+    remarks: tuple[Remark, ...] = ()  # What reading it brought up
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -17,7 +17,6 @@ from numpy.typing import ArrayLike
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.recording import Channel, Recording
-from ...core.remarks import Remark
 from ...core.units import convert as to_unit
 from ...core.units import same_dimension
 from ..chain.conversion import convert
@@ -116,7 +115,9 @@ def compensate_recording(
         made[channel.name] = replace(
             channel, data=to_unit(x[:, i], model.unit, unit).copy(), unit=unit, quantity=QUANTITY[model.unit]
         )
-    remarks = [_placed(recording, remark) for remark in outside(model, x, readings, **conditions)]
+    remarks = [
+        replace(remark, where=_place(recording, remark.index)) for remark in outside(model, x, readings, **conditions)
+    ]
     return replace(
         recording,
         channels=tuple(made.get(channel.name, channel) for channel in recording.channels),
@@ -193,8 +194,3 @@ def _place(recording: Recording, index: int) -> str:
     if path and recording.first_row:
         return f"{path}:{recording.first_row + index}"
     return f"{path}: sample {index}" if path else f"sample {index}"
-
-
-def _placed(recording: Recording, remark: Remark) -> Remark:
-    """Return the remark of `outside` with its row as a place of the file."""
-    return replace(remark, where=_place(recording, remark.index))

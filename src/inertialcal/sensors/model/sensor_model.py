@@ -100,96 +100,44 @@ class Provenance:
 class SensorModel:
     """Terms of the sensor equation of one unit; a term that is None is absent.
 
-    Parameters
-    ----------
-    kind : {"gyro", "accelerometer"}
-        What it senses; fixes the input unit, rad/s or m/s2.
-    axes : tuple of str
-        One a sensor: ``("x", "y", "z")``.
-    item : Item
-        Which unit.
-    scale_factor : ndarray, shape (k,)
-        Ideal scale factor S0 [output unit / input unit].
-    output_unit : str
-        ``"V"``, ``"count/s"``, or the input unit where S0 is 1.
-    matrix : ndarray, shape (q, k, k) or (k, k)
-        M_0, M_1, ... [1/degC^j].
-    bias : ndarray, shape (k,)
-        K0 at the reference conditions [input unit].
-    bias_temperature : ndarray, shape (q, k), optional
-        b_1, b_2, ... [input unit/degC^j].
-    bias_pressure : ndarray, shape (k,), optional
-        b_p [input unit/Pa].
-    bias_warm_up : ndarray, shape (m, k), optional
-        A_m [input unit].
-    warm_up_time : ndarray, shape (m,), optional
-        tau_m [s].
-    bias_temperature_rate : ndarray, shape (k,), optional
-        b_r [input unit/(degC/s)].
-    bias_hysteresis : ndarray, shape (k,), optional
-        b_h, half the gap between warming and cooling [input unit].
-    bias_run_to_run : ndarray, shape (k,), optional
-        Standard deviation of the bias from power-up to power-up [input unit]; only in uncertainties.
-    scale_factor_asymmetry : ndarray, shape (k,), optional
-        K1' [1].
-    second_order, third_order : ndarray, shape (k,), optional
-        K2 [1/input unit] and K3 [1/input unit^2].
-    g_sensitivity : ndarray, shape (k, 3), optional
-        G [input unit/(m/s2)].
-    reference_temperature : ndarray, shape (k,), or float, optional
-        T_ref [degC]; needed with terms in temperature.
-    reference_pressure : float, optional
-        p_ref [Pa]; needed with ``bias_pressure``.
-    input_range : ndarray, shape (k, 2), optional
-        Lowest and highest input along each axis that the model holds for [input unit]; both zero for an axis that
-        was never turned.
-    temperature_range, pressure_range : (float, float), optional
-        The same for temperature [degC] and pressure [Pa].
-    estimate : Estimate, optional
-        Values and covariance of the parameters, names as ``terms.parameters`` gives them.
-    not_estimated : mapping of str to str
-        Parameter -> why it has no uncertainty.
-    provenance : mapping of str to Provenance
-        Parameter -> where it comes from.
-    judged : bool
-        Whether the closed loop has passed on recordings held out.
-    source : str
-        Citation, for published models.
-
     Raises
     ------
     DataError
         If a shape does not fit, a number is not finite, or a term lacks what it needs.
     """
 
-    kind: Kind
-    axes: tuple[str, ...]
-    scale_factor: Array
-    output_unit: str
-    matrix: Array
-    bias: Array
-    item: Item = field(default_factory=Item)
-    bias_temperature: Array | None = None
-    bias_pressure: Array | None = None
-    bias_warm_up: Array | None = None
-    warm_up_time: Array | None = None
-    bias_temperature_rate: Array | None = None
-    bias_hysteresis: Array | None = None
+    kind: Kind  # What it senses; fixes the input unit, rad/s or m/s2
+    axes: tuple[str, ...]  # One a sensor: ``("x", "y", "z")``
+    scale_factor: Array  # shape (k,): ideal scale factor S0 [output unit / input unit]
+    output_unit: str  # ``"V"``, ``"count/s"``, or the input unit where S0 is 1
+    matrix: Array  # shape (q, k, k): m_0, M_1, ... [1/degC^j].
+    bias: Array  # shape (k,): k0 at the reference conditions [input unit]
+    item: Item = field(default_factory=Item)  # Which unit
+    bias_temperature: Array | None = None  # shape (q, k): b_1, b_2, ... [input unit/degC^j].
+    bias_pressure: Array | None = None  # shape (k,): b_p [input unit/Pa]
+    bias_warm_up: Array | None = None  # shape (m, k): a_m [input unit]
+    warm_up_time: Array | None = None  # shape (m,): tau_m [s]
+    bias_temperature_rate: Array | None = None  # shape (k,): b_r [input unit/(degC/s)]
+    bias_hysteresis: Array | None = None  # shape (k,): b_h, half the gap between warming and cooling [input unit]
+    # shape (k,): standard deviation of the bias from power-up to power-up [input unit]; only in uncertainties
     bias_run_to_run: Array | None = None
-    scale_factor_asymmetry: Array | None = None
-    second_order: Array | None = None
-    third_order: Array | None = None
-    g_sensitivity: Array | None = None
-    reference_temperature: Array | None = None
-    reference_pressure: float | None = None
+    scale_factor_asymmetry: Array | None = None  # shape (k,): k1' [1]
+    second_order: Array | None = None  # shape (k,): k2 [1/input unit]
+    third_order: Array | None = None  # shape (k,): K3 [1/input unit^2]
+    g_sensitivity: Array | None = None  # shape (k, 3): g [input unit/(m/s2)]
+    reference_temperature: Array | None = None  # shape (k,): t_ref [degC]; needed with terms in temperature
+    reference_pressure: float | None = None  # p_ref [Pa]; needed with ``bias_pressure``
+    # shape (k, 2): lowest and highest input along each axis that the model holds for [input unit]; both zero for
+    # an axis that was never turned
     input_range: Array | None = None
-    temperature_range: tuple[float, float] | None = None
-    pressure_range: tuple[float, float] | None = None
+    temperature_range: tuple[float, float] | None = None  # The same for temperature [degC]
+    pressure_range: tuple[float, float] | None = None  # The same for pressure [Pa]
+    # Values and covariance of the parameters, names as ``terms.parameters`` gives them
     estimate: Estimate | None = None
-    not_estimated: Mapping[str, str] = field(default_factory=dict)
-    provenance: Mapping[str, Provenance] = field(default_factory=dict)
-    judged: bool = False
-    source: str = ""
+    not_estimated: Mapping[str, str] = field(default_factory=dict)  # Parameter -> why it has no uncertainty
+    provenance: Mapping[str, Provenance] = field(default_factory=dict)  # Parameter -> where it comes from
+    judged: bool = False  # Whether the closed loop has passed on recordings held out
+    source: str = ""  # Citation, for published models
 
     def __post_init__(self) -> None:
         if self.kind not in INPUT_UNIT:

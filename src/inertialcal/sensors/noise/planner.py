@@ -60,33 +60,18 @@ CHOSEN_FROM = (*NAMES, GAUSS_MARKOV)
 
 @dataclass(frozen=True)
 class RecordPlan:
-    """How long to record for one term.
+    """How long to record for one term."""
 
-    Parameters
-    ----------
-    term : str
-        Which.
-    relative_error : float
-        That is wanted of its size.
-    fit : float
-        Record for a fit of all terms together [s]; infinite where no practical record is long enough.
-    record : float
-        Record in which the term is also named in 95 % of cases, among all that there are to choose from: `fit` or
-        longer [s].
-    standard, standard_tau : float
-        Record by IEEE 952 (C.22), and the averaging time at which it reads the term [s].
-    exact, exact_tau : float
-        The same from the exact degrees of freedom [s].
-    """
-
-    term: str
-    relative_error: float
-    fit: float
+    term: str  # Which
+    relative_error: float  # That is wanted of its size
+    fit: float  # Record for a fit of all terms together [s]; infinite where no practical record is long enough
+    # Record in which the term is also named in 95 % of cases, among all that there are to choose from: `fit` or
+    # longer [s]
     record: float
-    standard: float
-    standard_tau: float
-    exact: float
-    exact_tau: float
+    standard: float  # Record by IEEE 952 (C.22) [s]
+    standard_tau: float  # Averaging time at which that reads the term [s]
+    exact: float  # Record from the exact degrees of freedom [s]
+    exact_tau: float  # Averaging time at which that reads the term [s]
 
     def parts(self) -> tuple[Block, ...]:
         """Return what is shown: a row a rule."""
@@ -136,7 +121,8 @@ def plan_record(
         If the term is not among those given, or the error is not positive.
     """
     check_terms(terms)
-    _check_error(relative_error)
+    if not relative_error > 0.0:
+        raise PlanError(f"a relative error of {relative_error:g}", do="It must be positive, such as 0.1")
     at = next((i for i, one in enumerate(terms) if one.name == term), None)
     if at is None:
         raise PlanError(f"no term {term!r}", do=f"There are: {', '.join(one.name for one in terms)}")
@@ -210,11 +196,6 @@ def _shortest(
     return high
 
 
-def _check_error(relative_error: float) -> None:
-    if not relative_error > 0.0:
-        raise PlanError(f"a relative error of {relative_error:g}", do="It must be positive, such as 0.1")
-
-
 @dataclass(frozen=True)
 class Known:
     """What a record tells of one parameter."""
@@ -229,19 +210,11 @@ class Known:
 
 @dataclass(frozen=True)
 class Forecast:
-    """What a record of one length tells of all terms.
+    """What a record of one length tells of all terms."""
 
-    Parameters
-    ----------
-    record, interval : float
-        Length, time from sample to sample [s].
-    known : tuple of Known
-        One a parameter.
-    """
-
-    record: float
-    interval: float
-    known: tuple[Known, ...]
+    record: float  # Length [s]
+    interval: float  # From sample to sample [s]
+    known: tuple[Known, ...]  # One a parameter
 
     def of(self, term: str, parameter: str = "") -> Known:
         """One parameter; the first of the term where none is named.

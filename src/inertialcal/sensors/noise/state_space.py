@@ -52,38 +52,18 @@ FLAT = 2.0 * np.log(2.0) / np.pi  # Allan variance of bias instability over B^2
 
 @dataclass(frozen=True, eq=False)
 class StateSpace:
-    """States of noise.
+    """States of noise."""
 
-    Parameters
-    ----------
-    names : tuple of str
-        One a state; none for white noise.
-    F, Q : ndarray, shape (n, n), or None
-        Of the differential equation [1/s; unit^2/s]; None where there is only a step.
-    Phi, Qd : ndarray, shape (n, n)
-        Of one step.
-    H : ndarray, shape (1, n)
-        Of the reading.
-    R : float
-        Variance of the white part of a reading [unit^2].
-    start : ndarray, shape (n,)
-        Variance of the states at rest; infinite where they have none, and the user must say it.
-    dt : float
-        Length of a step [s].
-    remarks : tuple of str
-        What is not exact.
-    """
-
-    names: tuple[str, ...]
-    F: Array | None
-    Q: Array | None
-    Phi: Array
-    Qd: Array
-    H: Array
-    R: float
-    start: Array
-    dt: float
-    remarks: tuple[str, ...] = ()
+    names: tuple[str, ...]  # One a state; none for white noise
+    F: Array | None  # shape (n, n): of the differential equation [1/s]; None where there is only a step
+    Q: Array | None  # shape (n, n): of the differential equation [unit^2/s]; None where there is only a step
+    Phi: Array  # shape (n, n): transition over one step
+    Qd: Array  # shape (n, n): process noise of one step
+    H: Array  # shape (1, n): of the reading
+    R: float  # Variance of the white part of a reading [unit^2]
+    start: Array  # shape (n,): variance of the states at rest; infinite where they have none, and the user must say it
+    dt: float  # Length of a step [s]
+    remarks: tuple[str, ...] = ()  # What is not exact
 
 
 def discretise(F: Array, Q: Array, dt: float) -> tuple[Array, Array]:

@@ -301,36 +301,19 @@ class Phase:
                - sum of g E(j; u) + sum of cosines
 
     A ramp is no noise: it adds the constant ``ramp`` times m to each second difference of means over m samples.
-
-    Parameters
-    ----------
-    point : float
-        Variance of independent errors of the running sum itself [unit^2], unit being that of a sample.
-    linear : float
-        Variance of a sample where samples are independent [unit^2].
-    cubic : float
-        Variance of a step from sample to sample of a random walk [unit^2].
-    flicker : float
-        h of the one-sided spectrum h / f [unit^2]; with dead time its samples differ from those of neighbouring means
-        by a summable covariance, added exactly.
-    duty : float
-        Averaging time over interval; 1 without dead time.
-    exponentials : tuple of (float, float)
-        (g, u): covariance g exp(-u j) between samples [unit^2]; u is interval over correlation time.
-    cosines : tuple of (float, float)
-        Variance of the sampled sinusoid [unit^2], and cycles a sample.
-    ramp : float
-        Change from sample to sample [unit].
     """
 
-    point: float = 0.0
-    linear: float = 0.0
-    cubic: float = 0.0
+    point: float = 0.0  # Variance of independent errors of the running sum itself [unit^2], unit being that of a sample
+    linear: float = 0.0  # Variance of a sample where samples are independent [unit^2]
+    cubic: float = 0.0  # Variance of a step from sample to sample of a random walk [unit^2]
+    # h of the one-sided spectrum h / f [unit^2]; with dead time its samples differ from those of neighbouring
+    # means by a summable covariance, added exactly
     flicker: float = 0.0
-    duty: float = 1.0
+    duty: float = 1.0  # Averaging time over interval; 1 without dead time
+    # (g, u): covariance g exp(-u j) between samples [unit^2]; u is interval over correlation time
     exponentials: tuple[tuple[float, float], ...] = ()
-    cosines: tuple[tuple[float, float], ...] = ()
-    ramp: float = 0.0
+    cosines: tuple[tuple[float, float], ...] = ()  # Variance of the sampled sinusoid [unit^2], and cycles a sample
+    ramp: float = 0.0  # Change from sample to sample [unit]
 
     def __add__(self, other: Phase) -> Phase:
         """Sum of independent noises sampled alike."""

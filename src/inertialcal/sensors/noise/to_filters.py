@@ -296,27 +296,13 @@ class Setting:
 
 @dataclass(frozen=True)
 class FilterBlock:
-    """Settings of one filter.
+    """Settings of one filter."""
 
-    Parameters
-    ----------
-    target : str
-        Which filter.
-    text : str
-        To paste; lines of what is missing are comments.
-    settings : tuple of Setting
-        Its values.
-    cannot_hold : tuple of str
-        What the terms say and the filter has no word for.
-    missing : tuple of str
-        What the filter wants and the terms do not say.
-    """
-
-    target: Target
-    text: str
-    settings: tuple[Setting, ...]
-    cannot_hold: tuple[str, ...]
-    missing: tuple[str, ...]
+    target: Target  # Which filter
+    text: str  # To paste; lines of what is missing are comments
+    settings: tuple[Setting, ...]  # Its values
+    cannot_hold: tuple[str, ...]  # What the terms say and the filter has no word for
+    missing: tuple[str, ...]  # What the filter wants and the terms do not say
 
     def __str__(self) -> str:
         """Return the block, and under it as comments what it does not hold."""

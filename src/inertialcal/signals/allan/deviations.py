@@ -97,7 +97,12 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
     ends = np.full(len(factors), COMPLETE)
     terms = terms_of(kind, len(phase.values), factors)
     if phase.complete:
-        _sum_complete(phase.values, kind, factors, sums)
+        if kind.modified:
+            _sum_modified(phase.values, factors, sums)
+        elif not kind.overlapping:
+            kernels.sum_strides(phase.values, factors, kind.order, sums)
+        else:
+            kernels.sum_overlapping(phase.values, factors, kind.order, sums)
     else:
         terms = np.empty(len(factors), dtype=np.int64)
         shared = (phase.values, phase.count, phase.pointwise, factors)
@@ -110,15 +115,6 @@ def variances(phase: Phase, kind: Kind, factors: NDArray[np.int64]) -> Variances
     size = factors.astype(np.float64) ** (4 if kind.modified else 2)
     with np.errstate(invalid="ignore", divide="ignore"):
         return Variances(np.where(terms > 0, sums / (kind.divisor * terms * size), np.nan), terms, inflation, ends)
-
-
-def _sum_complete(p: Numbers, kind: Kind, factors: NDArray[np.int64], sums: Array) -> None:
-    if kind.modified:
-        _sum_modified(p, factors, sums)
-    elif not kind.overlapping:
-        kernels.sum_strides(p, factors, kind.order, sums)
-    else:
-        kernels.sum_overlapping(p, factors, kind.order, sums)
 
 
 def _sum_modified(p: Numbers, factors: NDArray[np.int64], sums: Array) -> None:

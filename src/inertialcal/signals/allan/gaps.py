@@ -56,15 +56,7 @@ def on_grid(x: Numbers, time_ns: Times, interval: float) -> tuple[Numbers, NDArr
         )
     # From step to step: an interval that is known to 1e-5 would drift off the grid over a long record.
     places = np.concatenate([[0], np.cumsum(np.rint(steps / (interval * SECOND)).astype(np.int64))])
-    _check_places(places, len(x), interval)
-    present = np.zeros(int(places[-1]) + 1, dtype=bool)
-    present[places] = True
-    values = np.zeros((len(present), *x.shape[1:]), dtype=x.dtype)
-    values[places] = x
-    return values, present
-
-
-def _check_places(places: NDArray[np.int64], n: int, interval: float) -> None:
+    n = len(x)
     same = np.diff(places) == 0
     if same.any():
         raise DataError(
@@ -81,6 +73,11 @@ def _check_places(places: NDArray[np.int64], n: int, interval: float) -> None:
             do="Give the right sample interval, or cut the record",
             code="all_missing",
         )
+    present = np.zeros(int(places[-1]) + 1, dtype=bool)
+    present[places] = True
+    values = np.zeros((len(present), *x.shape[1:]), dtype=x.dtype)
+    values[places] = x
+    return values, present
 
 
 def missing_remark(missing: NDArray[np.int64], n: int, names: tuple[str, ...]) -> tuple[Remark, ...]:

@@ -77,14 +77,9 @@ def _complete(x: Numbers, quantity: Quantity) -> Phase:
     level = _level(x)
     if quantity == "angle":
         return Phase(_less(x, level), NOTHING_MISSING, pointwise=True)
-    phase = _memory(len(x) + 1, _summed(x))
-    kernels.integrate(x, level, phase)
-    return Phase(phase, NOTHING_MISSING, pointwise=False)
-
-
-def _memory(points: int, kind: type[np.generic]) -> Numbers:
-    """Return an empty array that starts on a cache line: so do windows of 8, 16, ... samples, which are read faster."""
-    size = points * np.dtype(kind).itemsize
+    # Empty array that starts on a cache line: so do windows of 8, 16, ... samples, which are read faster
+    kind = _summed(x)
+    size = (len(x) + 1) * np.dtype(kind).itemsize
     try:
         owner = _spare.pop()
     except IndexError:
@@ -92,7 +87,9 @@ def _memory(points: int, kind: type[np.generic]) -> Numbers:
     if len(owner) < size + LINE:
         owner = np.empty(size + LINE, dtype=np.uint8)
     skip = -owner.ctypes.data % LINE
-    return owner[skip : skip + size].view(kind)
+    phase = owner[skip : skip + size].view(kind)
+    kernels.integrate(x, level, phase)
+    return Phase(phase, NOTHING_MISSING, pointwise=False)
 
 
 def give_back(phase: Phase) -> None:
@@ -131,24 +128,20 @@ def _level(x: Numbers, there: NDArray[np.bool_] | None = None) -> Any:
     if there is not None:
         sample = sample[there[:: max(1, len(x) // LEVEL_FROM)]]
     if x.dtype.kind in "iub":
-        return _whole_level(x, sample)
+        least, most = int(x.min()), int(x.max())
+        first = int(sample[0]) if len(sample) else least
+        level = first + sum(int(value) - first for value in sample) // max(1, len(sample))
+        largest = max(most - level, level - least)
+        if largest * (len(x) + 1) > LARGEST or most > np.iinfo(np.int64).max:
+            raise DataError(
+                f"whole numbers from {least} to {most} in {len(x)} samples",
+                why="their sums do not fit into 64 bits",
+                do="Give them as floats, or cut the record",
+                code="counts_too_large",
+            )
+        return np.int64(level)
     sample = sample.astype(np.float64)
     if not len(sample) and there is not None:
         sample = x[there][:1].astype(np.float64)
     with np.errstate(invalid="ignore", over="ignore"):
         return np.float64(sample[0] + (sample - sample[0]).sum() / len(sample))
-
-
-def _whole_level(x: Numbers, sample: Numbers) -> np.int64:
-    least, most = int(x.min()), int(x.max())
-    first = int(sample[0]) if len(sample) else least
-    level = first + sum(int(value) - first for value in sample) // max(1, len(sample))
-    largest = max(most - level, level - least)
-    if largest * (len(x) + 1) > LARGEST or most > np.iinfo(np.int64).max:
-        raise DataError(
-            f"whole numbers from {least} to {most} in {len(x)} samples",
-            why="their sums do not fit into 64 bits",
-            do="Give them as floats, or cut the record",
-            code="counts_too_large",
-        )
-    return np.int64(level)

@@ -97,17 +97,11 @@ def level_changes(
     for w in scales:
         if len(total) <= 2 * w:
             break
-        jumps = _fill_jumps(total, w, room)
+        jumps = room[:, : len(total) - 2 * w]
+        for running, jump in zip(total.T, jumps, strict=True):
+            loops_for(len(total)).fill_jump(running, w, jump)
         cuts, widening = _changes_at_scale(jumps, noise, w, quantile, cuts, widening)
     return cuts, widening
-
-
-def _fill_jumps(total: Array, w: int, room: Array) -> Array:
-    """Difference, without sign, of the means of w samples after and before samples w .. n - w, a row a channel."""
-    jumps = room[:, : len(total) - 2 * w]
-    for running, jump in zip(total.T, jumps, strict=True):
-        loops_for(len(total)).fill_jump(running, w, jump)
-    return jumps
 
 
 def _changes_at_scale(
@@ -181,17 +175,13 @@ def _measured_widening(jumps: Array, white: Array, w: int, cuts: Indices) -> Arr
     free = every[_clear(every + w, w, cuts)]
     if len(free) < FEWEST:
         return None
-    median = _medians(jumps[:, free])
-    ratio: Array = np.divide(median, HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
-    return ratio
-
-
-def _medians(rows: Array) -> Array:
-    """Medians of finite rows, shape (channels,); one partition each, where ``numpy.median`` takes three."""
+    rows = jumps[:, free]
     half = rows.shape[1] // 2
     parted = np.partition(rows, half, axis=1)
     upper: Array = parted[:, half]
-    return upper if rows.shape[1] % 2 else 0.5 * (parted[:, :half].max(axis=1) + upper)
+    median = upper if rows.shape[1] % 2 else 0.5 * (parted[:, :half].max(axis=1) + upper)
+    ratio: Array = np.divide(median, HALF_NORMAL * white, out=np.zeros(len(white)), where=white > 0.0)
+    return ratio
 
 
 def covered(start: Indices, stop: Indices, n: int) -> Flags:

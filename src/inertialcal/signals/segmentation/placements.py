@@ -174,10 +174,6 @@ def _parted_by_turns(segmentation: Segmentation, groups: Sequence[Indices], rate
     return found
 
 
-def _rows(segmentation: Segmentation, first: int, last: int) -> slice:
-    return slice(int(segmentation.start[first]), int(segmentation.stop[last]))
-
-
 def _long(segmentation: Segmentation, group: Indices, edge: int) -> Indices:
     """Return the still stretches from the first to the last longer than an edge: shorter ones beyond are a turn's."""
     length = segmentation.stop[group] - segmentation.start[group]
@@ -192,7 +188,7 @@ def _touched(segmentation: Segmentation, group: Indices, shortest: int, brief: f
     start, stop = segmentation.start[group], segmentation.stop[group]
     length, scale = stop - start, segmentation.noise.scale
     best = int(np.argmax(length))
-    rows = _rows(segmentation, int(group[0]), int(group[-1]))
+    rows = slice(int(start[0]), int(stop[-1]))
     x = segmentation.samples.values[rows][segmentation.samples.finite[rows]]
     far = np.abs(x - segmentation.level[group[best]]) > SIGMAS * scale
     if int(np.count_nonzero(far.any(axis=1))) < FEWEST_TOUCHED:
@@ -227,15 +223,6 @@ def disturbed_inside(values: Array, placements: Sequence[Placement]) -> Flags:
     """
     if len(placements) < 3:
         return np.zeros(len(placements), dtype=bool)
-    step, scatter = _halves(values, placements)
-    usual_step = np.maximum(np.nanmedian(step, axis=0), 1.0)
-    usual_scatter = np.nanmedian(scatter, axis=0)
-    with np.errstate(invalid="ignore"):
-        return np.asarray(((step > DRIFTS * usual_step) | (scatter > LOUD * usual_scatter)).any(axis=1))
-
-
-def _halves(values: Array, placements: Sequence[Placement]) -> tuple[Array, Array]:
-    """Difference of the means of the halves over its standard uncertainty, and the scatter, each (m, channels)."""
     rows = [np.arange(one.start, one.stop) for one in placements]
     rows = [own[np.isfinite(values[own]).all(axis=1)] for own in rows]
     few = np.array([len(own) < FEW for own in rows])
@@ -252,4 +239,7 @@ def _halves(values: Array, placements: Sequence[Placement]) -> tuple[Array, Arra
     u = np.maximum(scatter, np.finfo(float).tiny) * np.sqrt(2.0 / half)[:, None]
     step = np.where(scatter > 0.0, np.abs(mean[::2] - mean[1::2]) / u, 0.0)
     step[few], scatter[few] = np.nan, np.nan
-    return step, scatter
+    usual_step = np.maximum(np.nanmedian(step, axis=0), 1.0)
+    usual_scatter = np.nanmedian(scatter, axis=0)
+    with np.errstate(invalid="ignore"):
+        return np.asarray(((step > DRIFTS * usual_step) | (scatter > LOUD * usual_scatter)).any(axis=1))

@@ -151,12 +151,6 @@ def detect(
     """
     plan = plan or Detection()
     samples = samples_of(signal, time_ns, sample_interval)
-    rows = _good_rows(samples)
-    good = samples.values if len(rows) == len(samples.values) else samples.values[rows]
-    return _segmentation(samples, rows, still_stretches(good, samples.ticks[rows], plan), plan)
-
-
-def _good_rows(samples: Samples) -> Indices:
     rows = np.flatnonzero(samples.finite)
     n, channels = samples.values.shape
     if not len(rows) and n:
@@ -174,7 +168,8 @@ def _good_rows(samples: Samples) -> Indices:
             why="the noise cannot be measured",
             code="too_short",
         )
-    return rows
+    good = samples.values if len(rows) == len(samples.values) else samples.values[rows]
+    return _segmentation(samples, rows, still_stretches(good, samples.ticks[rows], plan), plan)
 
 
 def _segmentation(samples: Samples, rows: Indices, found: Found, plan: Detection) -> Segmentation:

@@ -109,7 +109,16 @@ def _pair(
     wanted = plan.blocks(plan.window if plan.window is not None else plan.shortest)
     size = wanted if plan.window is not None else min(*room, *calm, plan.blocks(plan.widest))
     size = max(size, min(wanted, *room))
-    problems = _lack(plan, room, calm, wanted, turn, blocks)
+    where = f"turn {(turn.start_ns - blocks.start_ns) / SECOND:.0f} s after the start"
+    problems: list[Remark] = []
+    for side, space, still in zip(("before", "after"), room, calm, strict=True):
+        if space < wanted:
+            text = f"{space * plan.block:g} s left {side} the turn after settling, need {wanted * plan.block:g} s"
+            do = "Record longer, or give a shorter window"
+            problems.append(Remark("shorter_than_settling", "warning", text, where, do=do))
+        elif still < wanted:
+            text = f"disturbed {still * plan.block:g} s from the turn ({side}), need {wanted * plan.block:g} s quiet"
+            problems.append(Remark("disturbed", "warning", text, where, do="Repeat the turn, or give the windows"))
     before = _window(blocks, left - size, size) if room[0] >= size >= 2 else None
     after = _window(blocks, right, size) if room[1] >= size >= 2 else None
     if not problems and before is not None and after is not None:
@@ -142,23 +151,6 @@ def _calm(blocks: Blocks, quiet: Flags, edge: int, way: int) -> int:
         here = int(np.searchsorted(blocks.at, edge))
         run = (quiet[:here] & (blocks.at[:here] == edge - np.arange(here, 0, -1)))[::-1]
     return len(run) if run.all() else int(np.argmin(run))
-
-
-def _lack(
-    plan: TurnPlan, room: tuple[int, int], calm: tuple[int, int], wanted: int, turn: Turn, blocks: Blocks
-) -> list[Remark]:
-    """Why there is no pair of quiet windows as long as wanted."""
-    where = f"turn {(turn.start_ns - blocks.start_ns) / SECOND:.0f} s after the start"
-    found = []
-    for side, space, still in zip(("before", "after"), room, calm, strict=True):
-        if space < wanted:
-            text = f"{space * plan.block:g} s left {side} the turn after settling, need {wanted * plan.block:g} s"
-            do = "Record longer, or give a shorter window"
-            found.append(Remark("shorter_than_settling", "warning", text, where, do=do))
-        elif still < wanted:
-            text = f"disturbed {still * plan.block:g} s from the turn ({side}), need {wanted * plan.block:g} s quiet"
-            found.append(Remark("disturbed", "warning", text, where, do="Repeat the turn, or give the windows"))
-    return found
 
 
 def _window(blocks: Blocks, at: int, size: int) -> Window:

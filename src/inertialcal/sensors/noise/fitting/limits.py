@@ -79,7 +79,12 @@ def limit_and_record(
     record : float or None
         Length of one record that shows a term of that power [s]; None beyond 2^24 times the present one.
     """
-    u, stretch = _of_added(problem, fitted, at, sigma)
+    whole = np.column_stack([problem.columns, column_at(problem, fitted.position)])
+    powers = fitted.powers.copy()
+    powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / whole[:, at]))
+    added = sandwich(problem, replace(fitted, powers=powers), sigma, timed=at < len(problem.names))
+    column = column_of(fitted, at)
+    u, stretch = float(added.u[column]), float(added.stretch[column])
     name = problem.names[at] if at < len(problem.names) else GAUSS_MARKOV
     named = u * float(np.sqrt(PRICE * (unknowns((*NAMES[1:2], name)) - 1.0) / stretch))
     limit, stretch = _limit(problem, fitted, at, (u, stretch), named)
@@ -134,16 +139,6 @@ def _zero(function: Callable[[float], float], tolerance: float) -> float | None:
         if function(inside) >= 0.0:
             return inside
     return float(optimize.brentq(function, inside, outside, xtol=tolerance))
-
-
-def _of_added(problem: Problem, fitted: Fitted, at: int, sigma: Array) -> tuple[float, float]:
-    """Return the standard uncertainty of a power that is added, and its stretch."""
-    whole = np.column_stack([problem.columns, column_at(problem, fitted.position)])
-    powers = fitted.powers.copy()
-    powers[at] = 1e-9 * float(np.min(mean_of(problem, fitted) / whole[:, at]))
-    added = sandwich(problem, replace(fitted, powers=powers), sigma, timed=at < len(problem.names))
-    column = column_of(fitted, at)
-    return float(added.u[column]), float(added.stretch[column])
 
 
 def record_needed(problem: Problem, fitted: Fitted, at: int, power: float, stretch: float) -> float | None:

@@ -75,47 +75,23 @@ class TermEstimate:
 
 @dataclass(frozen=True, eq=False)
 class NoiseFit:
-    """Noise terms of one axis.
+    """Noise terms of one axis."""
 
-    Parameters
-    ----------
-    kind : {"gyro", "accelerometer"} or None
-        Of the sensor; None where the unit is that of the file.
-    unit : str
-        Of the samples.
-    found : tuple of TermEstimate
-        Terms, those estimated first.
-    estimate : Estimate
-        All parameters that were fitted, with their covariance.
-    choices : tuple of (tuple of str, float)
-        Choices of terms, best first, and by how much the criterion is worse.
-    residual : ChiSquare or None
-        Whether the terms explain the Allan deviation; None where nothing is left over to tell.
-    agreement : ChiSquare or None
-        Whether several runs agree; None for one.
-    misfit : float
-        Relative, of each Allan deviation: what the terms leave unexplained besides scatter, allowed for in all else.
-    terms : tuple of Term
-        The terms estimated, to simulate, draw or filter with.
-    tau, variance, expected : tuple of ndarray
-        A run each: averaging times [s], Allan variances found and expected [unit^2].
-    remarks : tuple of Remark
-        What to know about it.
-    """
-
-    kind: Kind | None
-    unit: str
-    found: tuple[TermEstimate, ...]
-    estimate: Estimate
+    kind: Kind | None  # Of the sensor; None where the unit is that of the file
+    unit: str  # Of the samples
+    found: tuple[TermEstimate, ...]  # Terms, those estimated first
+    estimate: Estimate  # All parameters that were fitted, with their covariance
+    # Choices of terms, best first, and by how much the criterion is worse
     choices: tuple[tuple[tuple[str, ...], float], ...]
-    residual: ChiSquare | None
-    agreement: ChiSquare | None
+    residual: ChiSquare | None  # Whether the terms explain the Allan deviation; None where nothing is left over to tell
+    agreement: ChiSquare | None  # Whether several runs agree; None for one
+    # Relative, of each Allan deviation: what the terms leave unexplained besides scatter, allowed for in all else
     misfit: float
-    terms: tuple[Term, ...]
-    tau: tuple[Array, ...]
-    variance: tuple[Array, ...]
-    expected: tuple[Array, ...]
-    remarks: tuple[Remark, ...] = ()
+    terms: tuple[Term, ...]  # The terms estimated, to simulate, draw or filter with
+    tau: tuple[Array, ...]  # A run each: averaging times [s]
+    variance: tuple[Array, ...]  # A run each: Allan variances found [unit^2]
+    expected: tuple[Array, ...]  # A run each: Allan variances expected [unit^2]
+    remarks: tuple[Remark, ...] = ()  # What to know about it
 
     def term(self, name: str) -> TermEstimate | None:
         """Return what was found of a term; None if it was no candidate."""

@@ -199,7 +199,14 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
     """
     if isinstance(curve, Run):
         return _usable(curve)
-    _check_kind(curve)
+    kind = getattr(curve, "kind", "overlapping")
+    if kind != "overlapping":
+        raise DataError(
+            f"a curve of the {kind} deviation",
+            why="weights and covariance of the fit are those of the overlapping Allan variance",
+            do='Compute it with deviation="overlapping"',
+            code="not_overlapping",
+        )
     given = unit_of(curve)
     scale = factor(given, unit) if given and unit else 1.0
     variance = (scale * _column(np.asarray(curve.deviation, dtype=float), axis)) ** 2
@@ -222,17 +229,6 @@ def run_of(curve: AllanLike | Run, axis: int | None = None, unit: str = "") -> R
         None if ends is None else _column(np.asarray(ends, dtype=float), axis),
     )
     return _usable(run)
-
-
-def _check_kind(curve: AllanLike) -> None:
-    kind = getattr(curve, "kind", "overlapping")
-    if kind != "overlapping":
-        raise DataError(
-            f"a curve of the {kind} deviation",
-            why="weights and covariance of the fit are those of the overlapping Allan variance",
-            do='Compute it with deviation="overlapping"',
-            code="not_overlapping",
-        )
 
 
 def _column(values: Array, axis: int | None) -> Array:
