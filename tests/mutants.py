@@ -912,7 +912,7 @@ MUTANTS = (
         "test_mass_attraction test_reinel1969",
     ),
     Mutant(
-        "estimate.py",
+        "response.py",
         "variance = float(w @ (values - mean) ** 2 / ((m - 1.0) * w.sum()))",
         "variance = float(w @ (values - mean) ** 2 / (m * w.sum()))",
         "test_mass_attraction test_reinel1969",
@@ -924,13 +924,13 @@ MUTANTS = (
         "test_mass_attraction",
     ),
     Mutant(
-        "estimate.py",
+        "response.py",
         "own[-1] = plan.high_g.u * found.value / plan.high_g.scale_factor**2",
         "own[-1] = plan.high_g.u / plan.high_g.scale_factor**2",
         "test_mass_attraction test_reinel1969",
     ),
     Mutant(
-        "estimate.py",
+        "response.py",
         'slopes, units = [*slopes, 1.0 / plan.nominal], [*units, "1"]',
         'slopes, units = [*slopes, plan.nominal], [*units, "1"]',
         "test_mass_attraction",
@@ -948,7 +948,7 @@ MUTANTS = (
         "test_mass_forecast",
     ),
     Mutant(
-        "orbit.py",
+        "rows.py",
         "distance = (2.0 * pull / gradient) ** (1.0 / 3.0)",
         "distance = (pull / gradient) ** (1.0 / 3.0)",
         "test_plan_mass_attraction test_plan_proof_mass",

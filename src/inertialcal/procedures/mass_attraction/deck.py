@@ -55,8 +55,8 @@ HEADS = ("reduction", "Fourier", "spectrum", "std", "scale factor", "error", "ga
 class DeckStep:
     """One request of a case."""
 
-    case: str  # ``"case 1"``, ``"straight line"``
-    reduction: str  # ``"case 1"``, ``"straight line"``
+    case: str  # ``"case 1"``
+    reduction: str  # ``"straight line"``
     printed: tuple[Row, ...]  # The programme's figures
     # Amplitude of the line by the same reduction with gaps kept and its gain divided out, or why there is none
     right: Row
@@ -108,7 +108,7 @@ class Deck1969:
     """What the programme of 1969 makes of a deck, and the same reductions done right."""
 
     path: str  # Of the deck
-    sha256: str  # Of the deck
+    sha256: str  # Of its bytes
     cases: tuple[DeckCase, ...]  # In their order
 
     @property

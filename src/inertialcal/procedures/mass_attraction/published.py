@@ -31,9 +31,8 @@ from ...core.key import Key, Method, Reason
 from ...core.results import Row, not_estimated
 from ...signals.programme1969.programme import Analysis, adjusted_curve, analyse
 from ...statistics.intervals import t_interval
-from .estimate import UNIT
 from .readings import Line, Readings, Run
-from .response import shape_of
+from .response import UNIT, shape_of
 
 if TYPE_CHECKING:
     from .reduction import Result
@@ -49,12 +48,12 @@ ORDER = np.array([0.0, 1.0, 0.0, -1.0])
 class Published:
     """Mean response of runs as the report has it."""
 
-    response: float  # Mean of GO and BO, and twice their standard deviation [count/s]
-    u: float  # Mean of GO and BO, and twice their standard deviation [count/s]
+    response: float  # Mean of GO and BO [count/s]
+    u: float  # Twice their standard deviation [count/s]
     rounded: float  # Both to the one digit of the uncertainty [count/s]
     u_rounded: float  # Both to the one digit of the uncertainty [count/s]
     scale_factor: float  # From the rounded values [count/s/(m/s^2)]
-    u_scale_factor: float  # From the rounded values [count/s/(m/s^2)]
+    u_scale_factor: float  # Its uncertainty, from the rounded values [count/s/(m/s^2)]
     values: int  # Number of GO and BO
 
 

@@ -3,7 +3,7 @@
 A mass moves between places near the sensor and dwells at each. Half the difference of its attraction along the input
 axis is the amplitude that is applied; the readings follow it within their own drift. Each run gives a response: the
 line of the drive, with its error from the lines next to it (``response``). Response over amplitude is the scale factor
-of the run, and ``estimate`` joins the runs.
+of the run, and ``estimate_of`` joins the runs.
 
 Estimated: pulses per second and unit of acceleration, for accelerations as small as the mass applies, mean over the
 runs. Assumed: the mass was where the schedule says, when it says; apart from it and the tilt of the pad, nothing
@@ -31,12 +31,11 @@ from ...core.results import Row
 from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...physics.motion.schedule import Schedule, repeated
-from .estimate import Combined, combined, estimate_of
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .published import published_lines
 from .readings import Line, Readings, Run, SourceMassRecording, readings_from, run_of_rows
 from .remarks import check_source, result_remarks, series_remarks
-from .response import Response, response_of, response_of_line
+from .response import Combined, Response, combined, estimate_of, response_of, response_of_line
 from .rows import curves, rows
 
 __all__ = [

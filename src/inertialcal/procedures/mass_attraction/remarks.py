@@ -12,10 +12,9 @@ from ...core.errors import DataError
 from ...core.remarks import Remark
 from ...physics.mass_shape.bound import largest_field
 from ...statistics.intervals import coverage_factor
-from .estimate import DIFFERENCE, ERROR, applied_influences
 from .plan import Plan, SourceMass
 from .readings import Readings, Run
-from .response import tilt_left, tilt_used
+from .response import DIFFERENCE, ERROR, applied_influences, tilt_left, tilt_used
 
 if TYPE_CHECKING:
     from .reduction import Result

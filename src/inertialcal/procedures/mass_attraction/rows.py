@@ -13,10 +13,9 @@ from ...core.key import NO_REASON, Key, Member, Method, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...signals.correlation import autocorrelation
 from ...statistics.intervals import coverage_factor, t_interval
-from .estimate import SCALE, UNIT, compared_with, estimate_of
 from .published import published_rows
 from .readings import Run
-from .response import Response, shape_of
+from .response import SCALE, UNIT, Response, compared_with, estimate_of, shape_of
 
 if TYPE_CHECKING:
     from .reduction import Result

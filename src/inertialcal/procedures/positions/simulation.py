@@ -33,14 +33,14 @@ class Truth:
     g_sensitivity: Array = field(default_factory=lambda: np.zeros((3, 3)))  # shape (3, 3): [(rad/s)/(m/s^2)]
     # shape (m, 3): specific force over gravity in each position
     directions: Array = field(default_factory=lambda: spread(24))
-    acc_noise: float = 0.01  # Of a sample [m/s^2], [rad/s]
-    gyro_noise: float = 1e-3  # Of a sample [m/s^2], [rad/s]
-    acc_between: float = 1e-3  # Scatter between positions [m/s^2], [rad/s]
-    gyro_between: float = 5e-5  # Scatter between positions [m/s^2], [rad/s]
+    acc_noise: float = 0.01  # Of a sample [m/s^2]
+    gyro_noise: float = 1e-3  # Of a sample [rad/s]
+    acc_between: float = 1e-3  # Scatter between positions [m/s^2]
+    gyro_between: float = 5e-5  # Scatter between positions [rad/s]
     angle_between: float = 1e-3  # Scatter between rotations, of where a rotation ends or of a known turn [rad]
     samples: int = 500  # Of a static interval
-    sample_interval: float = 0.04  # [s], the second of a rotation
-    duration: float = 2.0  # [s], the second of a rotation
+    sample_interval: float = 0.04  # [s]
+    duration: float = 2.0  # Of a rotation [s]
     # shape (t, 3): known turns as angle times axis [rad]; without them the rotations are transitions
     turns: Array | None = None
     known: bool = False  # Whether the readings know the directions

@@ -4,16 +4,22 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
 
+from ....core.curve import Column, Curve
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....physics.attraction.extended import ProofMass
+from ....core.key import Key, told_for
+from ....core.results import Row
+from ....physics.attraction.bodies import Lattice
+from ....physics.attraction.extended import ProofMass, mean_field
 from ....physics.budget.amplitude import Share, compared, monte_carlo_budget, shares
 from ....physics.budget.source import Doubts, Source
+from ....physics.mass_shape.bound import Bound, largest_field
+from ....physics.mass_shape.cells import Gain, Grid, Pieces, best_cells, best_stack, most_in_weight
 from ....physics.motion.clearance import refuse_overlap
 from ....physics.motion.travel import (
     Drive,
@@ -26,11 +32,12 @@ from ....physics.motion.travel import (
     travel_of_body,
 )
 from ....sensors.noise import Term
-from .body import MassBody
 from .forecast import Cycle, Forecast, forecast, takeover, time_to
-from .proof import Direction, acting
-from .settings import Constants, Motion, Moved, Timing, ends_of
+from .settings import Body, Constants, Motion, Moved, Timing, ends_of
 
+TEST = "mass_attraction"
+CM = 100.0
+Direction = tuple[float, float, float]
 DIRECTIONS: dict[Moved, Direction] = {"along": (1.0, 0.0, 0.0), "across": (0.0, 0.0, -1.0)}
 DRIVES: dict[str, Literal["sine", "square", "ABAB"]] = {"sine": "sine", "square": "square", "abab": "ABAB"}
 POINTS = 121  # of the field along the travel
@@ -47,8 +54,8 @@ class MassDrive:
     """Motion of the mass, and what it applies."""
 
     travel: Travel  # Field along the input axis [m/s^2]
-    window: Window  # Used, and the best of the same length
-    best: Window  # Used, and the best of the same length
+    window: Window  # Used
+    best: Window  # The best of the same length
     drive: Drive  # Positions of one cycle
     harmonics: Array  # shape (5,): of the field under a sinusoidal motion [m/s^2]
 
@@ -135,3 +142,190 @@ def forecast_of(found: MassDrive, terms: Sequence[Term], timing: Timing, u_appli
     }
     over = {name: takeover(cycle, terms, u_applied) for name, cycle in cycles.items()}
     return MassForecast(drives, at_end, needed, over)
+
+
+WHOLE = 0.01  # tolerance of a multiple of the smallest edge, in edges
+
+
+WIDE = 0.65  # half width of the best body behind a plane over its reach: 0.62 where it touches
+
+
+ROOM = 1.1  # size of the grid over that of the best body
+
+
+SMALLEST = 1e-4  # edge [m]
+
+
+HEAVIEST = 1e6  # kg: above, edges in centimetres were given as metres
+
+
+FAR = 10.0  # stand-off over the radius of a sphere of the mass: beyond, the attraction is negligible
+
+
+MOST_CELLS = 4_000_000
+
+
+@dataclass(frozen=True, eq=False)
+class MassBody:
+    """A body, and the largest attraction that its mass could have."""
+
+    body: Lattice  # With the proof mass at the origin and the input axis along x
+    grid: Grid  # Places for cells
+    count: int  # Number of filled cells
+    bound: Bound  # For the same mass behind the plane
+    allowed: float = 0.0  # Largest relative gain of free cells over cubes of several sizes; 0 for equal cubes
+
+    @property
+    def mass(self) -> float:
+        """[kg]."""
+        return self.count * self.grid.cell_mass
+
+    @property
+    def field(self) -> float:
+        """Field at the proof mass along the input axis, for a gravitational constant of one [kg/m^2]."""
+        return float(self.body.field(np.zeros((1, 3)))[0, 0])
+
+    @property
+    def gap(self) -> float:
+        """Relative distance below the bound."""
+        return 1.0 - self.field / self.bound.field
+
+    @property
+    def size(self) -> Array:
+        """Extent along x, y and z, shape (3,) [m]."""
+        filled = np.nonzero(self.body.density)
+        return np.array([float(np.ptp(at) + 1) * self.grid.edge for at in filled])
+
+
+def body_of(said: Body, gain: Gain) -> MassBody:
+    """Return the body with the largest gain: equal cubes, or cubes of several sizes.
+
+    Raises
+    ------
+    DataError
+        If cubes do not fit the grid or the mass, edges are not multiples of the smallest, or a length is absurd.
+    """
+    pieces = said.cubes or ()
+    edge = min((one.edge for one in pieces), default=said.cube or 0.0)
+    if edge < SMALLEST:
+        what, do = f"cubes of {edge:g} m: the smallest is {SMALLEST:g} m", "Check the unit of the edge"
+        raise DataError(what, do=do, code="absurd_length")
+    one = Grid(edge, (1, 1, 1), said.stand_off, said.density)
+    if not pieces:
+        number = most_in_weight(one, said.mass or 0.0) if said.count is None else said.count
+        _check_weight(number * one.cell_mass, number, said.mass)
+        grid = _grid(one, number, said.grid)
+        body = best_cells(grid, number, gain)
+        return MassBody(body, grid, number, largest_field(number * grid.cell_mass, said.density, said.stand_off))
+    sizes = []
+    for piece in pieces:
+        times = round(piece.edge / edge)
+        if abs(piece.edge / edge - times) > WHOLE:
+            what = f"edges of {piece.edge:g} m are not a multiple of {edge:g} m"
+            do = "Give edges that are multiples of the smallest"
+            raise DataError(what, why="all cubes lie on one grid", do=do, code="no_multiple")
+        sizes.append(Pieces(times, piece.count))
+    cells = sum(piece.count * piece.cells**3 for piece in sizes)
+    _check_weight(cells * one.cell_mass, sum(piece.count for piece in sizes), said.mass)
+    grid = _grid(one, cells, said.grid, max(piece.cells for piece in sizes))
+    stack = best_stack(grid, tuple(sizes), gain)
+    bound = largest_field(cells * grid.cell_mass, said.density, said.stand_off)
+    return MassBody(stack.body, grid, cells, bound, stack.gap)
+
+
+def _check_weight(weight: float, count: int, mass: float | None) -> None:
+    """Refuse what is heavier than allowed, or than any laboratory holds."""
+    if mass is not None and weight > mass * (1.0 + 1e-9):
+        what = f"{count} cubes weigh {weight:.6g} kg, more than the {mass:g} kg allowed"
+        raise DataError(what, do="Allow more mass, or use fewer cubes", code="does_not_fit")
+    if weight > HEAVIEST:
+        why, do = f"no laboratory holds more than {HEAVIEST:g} kg", "Check the unit of the edges: cm, not m?"
+        raise DataError(f"{count} cubes weigh {weight:.3g} kg", why=why, do=do, code="absurd_length")
+
+
+def _grid(one: Grid, cells: int, shape: Sequence[int] | None, step: int = 1) -> Grid:
+    """Return the grid, as given or large enough for the best body."""
+    weight = cells * one.cell_mass
+    radius = (3.0 * weight / one.density / (4.0 * math.pi)) ** (1.0 / 3.0)
+    if one.stand_off > FAR * radius:
+        what = (
+            f"stand-off {one.stand_off:g} m: {one.stand_off / radius:.0f} times the radius of a sphere "
+            f"of {weight:.4g} kg"
+        )
+        why, do = "the attraction is negligible at this distance", "Check the unit: cm, not m?"
+        raise DataError(what, why=why, do=do, code="absurd_length")
+    if shape is None:
+        reach = largest_field(weight, one.density, one.stand_off).reach
+        deep = math.ceil(ROOM * (reach - one.stand_off) / one.edge) + 2 * step
+        half = math.ceil(ROOM * WIDE * reach / one.edge) + step
+        sides = (deep - deep % -step, 2 * (half - half % -step), 2 * (half - half % -step))
+    else:
+        sides = (shape[2], shape[0], shape[1])  # along x, the input axis, then y and z
+    if math.prod(sides) > MOST_CELLS:
+        what = f"a grid of {sides[0]} x {sides[1]} x {sides[2]} cells: {MOST_CELLS:g} is the limit"
+        raise DataError(what, do="Use larger cubes, or fewer", code="too_large")
+    return Grid(one.edge, sides, one.stand_off, one.density)
+
+
+NODES = 33  # positions of the travel between which the effect of a proof mass is interpolated
+
+
+LENGTHS = np.linspace(0.2, 2.0, 10)  # of the curve, over the pointlike length
+
+
+STEP = 1e-3  # of the distance, for the slope of a gradient
+
+
+def reach(proof_mass: ProofMass | None) -> float:
+    """Return the largest distance from its centre [m]."""
+    return 0.0 if proof_mass is None else float(np.hypot(proof_mass.length / 2.0, proof_mass.radius))
+
+
+def acting(travel: Travel, body: Lattice, way: Direction, proof_mass: ProofMass | None, big_g: float) -> Travel:
+    """Return the travel with the field averaged over the proof mass: its effect is interpolated (Chebyshev)."""
+    if proof_mass is None:
+        return travel
+    middle, half = (travel.first + travel.last) / 2.0, (travel.last - travel.first) / 2.0
+    nodes = np.cos(np.pi * (np.arange(NODES) + 0.5) / NODES)
+    positions = middle + half * nodes
+    shifted = np.ascontiguousarray(-positions[:, None] * np.array(way))
+    effect = big_g * mean_field(body, proof_mass, shifted)[:, 0] - travel.at(positions)
+    shape = np.polynomial.Chebyshev.fit(nodes, effect, NODES - 1, domain=[-1.0, 1.0])  # through each
+    return replace(travel, field=lambda at: travel.field(at) + shape((at - middle) / half))
+
+
+def effects(body: Lattice, way: Direction, ends: tuple[float, float], proof_mass: ProofMass) -> tuple[float, float]:
+    """Return the relative effect on the amplitude between two ends: summed, and by the second-order rule."""
+    shifts = np.ascontiguousarray(-np.outer(ends, way))
+    point = float(np.diff(body.field(shifts)[:, 0])[0])
+    summed = float(np.diff(mean_field(body, proof_mass, shifts)[:, 0])[0])
+    near = STEP * float(np.min(np.abs(body.lower[0] - shifts[:, 0])))
+    step = np.array([near, 0.0, 0.0])
+    slopes = [body.gradient(np.ascontiguousarray(shifts + sign * step))[:, 0, 0] for sign in (1.0, -1.0)]
+    curvature = float(np.diff(slopes[0] - slopes[1])[0]) / (
+        2.0 * near
+    )  # of the field, its difference between both ends
+    return summed / point - 1.0, curvature * proof_mass.second_order / 2.0 / point
+
+
+def proof_rows(body: Lattice, way: Direction, ends: tuple[float, float], proof_mass: ProofMass) -> list[Row]:
+    """Return the effect of the proof mass on the amplitude, and the length at which it acts as a point."""
+    summed, rule = effects(body, way, ends, proof_mass)
+    figures = (
+        ("proof_mass_effect", 100.0 * summed, "%", "on the amplitude, summed"),
+        ("proof_mass_effect", 100.0 * rule, "%", "on the amplitude, second order"),
+        ("pointlike_length", CM * proof_mass.pointlike_length, "cm", "of a proof mass of these radii"),
+    )
+    return [Row(Key(name), value, None, unit, test=TEST, member=told_for(at)) for name, value, unit, at in figures]
+
+
+def proof_curve(body: Lattice, way: Direction, ends: tuple[float, float], proof_mass: ProofMass) -> Curve:
+    """Return the effect on the amplitude against the length, at these radii; `own` is the length given."""
+    lengths = np.unique([*LENGTHS * proof_mass.pointlike_length, proof_mass.length])
+    found = np.array([effects(body, way, ends, replace(proof_mass, length=float(one))) for one in lengths])
+    own = np.where(lengths == proof_mass.length, 100.0 * found[:, 0], np.nan)
+    columns = {
+        "length": Column(CM * lengths, "cm"), "effect": Column(100.0 * found[:, 0], "%"),
+        "second_order": Column(100.0 * found[:, 1], "%"), "own": Column(own, "%"),
+    }  # fmt: skip
+    return Curve("proof_mass", "", columns)

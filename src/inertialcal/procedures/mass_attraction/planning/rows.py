@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+from scipy import optimize
 
 from ....core.curve import Column, Curve
 from ....core.estimate import Array
@@ -14,15 +16,13 @@ from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
 from ....core.show.rounding import with_uncertainty
 from ....core.show.tables import Block, Table
+from ....core.units import factor
 from ....physics.attraction.bodies import Prism
 from ....physics.mass_shape.bound import checked
 from ....physics.mass_shape.cells import growth
-from .body import MassBody
-from .drive import DRIVES, POINTS, SCALING, MassBudget, MassDrive, MassForecast
-from .settings import Constants
+from .drive import CM, DRIVES, POINTS, SCALING, TEST, MassBody, MassBudget, MassDrive, MassForecast
+from .settings import Constants, Orbit
 
-TEST = "mass_attraction"
-CM = 100.0
 HOUR = 3600.0
 SHOWN_HARMONICS = (2, 3)
 BLOCKS: dict[str, tuple[str, ...]] = {
@@ -274,3 +274,42 @@ def forecast_curve(found: MassForecast, u_applied: float) -> list[Curve]:
         )
         for name, one in found.drives.items()
     ]  # fmt: skip
+
+
+EOTVOS = 1e-9  # [1/s^2]
+
+
+def orbit_rows(said: Orbit, constants: Constants) -> list[Row]:
+    """Return the figures of a mass in orbit; accelerations in the ng of the constants.
+
+    A gradiometer of two accelerometers a baseline b apart that resolves the gradient Gamma resolves a difference of
+    ``Gamma b``. A mass m gives the gradient ``2 G m / r^3`` along the line to it, and the attraction ``G m / r^2``.
+    """
+    pull, b = constants.gravitational_constant * said.mass, said.baseline
+    gradient = said.gradient or 0.5 * EOTVOS
+    if said.acceleration is not None:
+        gradient = said.acceleration / b
+    radius = (3.0 * said.mass / (4.0 * math.pi * said.density)) ** (1.0 / 3.0)
+    distance = (2.0 * pull / gradient) ** (1.0 / 3.0)
+
+    def over(d: float) -> float:  # G m (1 / d^2 - 1 / (d + b)^2) above the smallest difference, over b
+        return pull * (2.0 * d + b) / (d * (d + b)) ** 2 - gradient
+
+    least = min(distance, math.sqrt(pull / (gradient * b))) * 0.1
+    from_nearer = float(optimize.brentq(over, least, distance, rtol=1e-12))  # nearer: the gradient falls off over b
+    ng, u_relative, cm = constants.ng, constants.u_gravitational_constant, factor("m", "cm")
+    figures = [
+        ("mass", said.mass, "kg", "", 0.0),
+        ("radius", cm * radius, "cm", "sphere", 0.0),
+        ("smallest_gradient", gradient / EOTVOS, "Eotvos", "", 0.0),
+        ("smallest_acceleration", gradient * b / ng, "ng", "difference over the baseline", 0.0),
+        ("distance", cm * distance, "cm", "of its centre, at that gradient", u_relative / 3.0),
+        ("attraction", pull / distance**2 / ng, "ng", "at that distance", u_relative / 3.0),
+        ("distance", cm * from_nearer, "cm", "from the nearer accelerometer", 0.0),
+        ("attraction", pull / (radius + said.stand_off) ** 2 / ng, "ng",
+         f"surface at {cm * said.stand_off:g} cm", u_relative),
+    ]  # fmt: skip
+    return [
+        Row(Key(name), value, value * u or None, unit, test=TEST, member=told_for(at))
+        for name, value, unit, at, u in figures
+    ]

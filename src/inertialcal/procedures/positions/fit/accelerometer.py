@@ -63,15 +63,13 @@ class Fitted:
     sensor: LinearSensor  # Matrix and offset
     observed: Observability  # What the positions can tell
     outliers: Flags  # shape (m,): positions left out
-    # shape (m, 1): of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice
-    residuals: Array
-    # shape (m, 1): of each position [m/s^2]: with it in the fit, and without it; of one left out the same twice
-    deletion: Array
+    residuals: Array  # shape (m, 1): of each position, with it in the fit [m/s^2]
+    deletion: Array  # shape (m, 1): without it in the fit [m/s^2]; of one left out the same
     between: float | None  # Standard deviation between positions [m/s^2]
-    between_dof: float  # Degrees of freedom of that, and its interval of 95 %
-    between_interval: tuple[float, float]  # Degrees of freedom of that, and its interval of 95 %
-    chi_square: float  # By both levels, and by the noise inside positions alone
-    chi_square_known: float  # By both levels, and by the noise inside positions alone
+    between_dof: float  # Degrees of freedom of that
+    between_interval: tuple[float, float]  # Its interval of 95 %
+    chi_square: float  # By both levels
+    chi_square_known: float  # By the noise inside positions alone
     free: int  # Degrees of freedom
     known: bool  # Whether the orientations were known
 

@@ -24,8 +24,8 @@ from ._kernels_transitions import through
 class Packed:
     """Samples of all rotations in a row."""
 
-    z: Array  # shape (n, 3): readings of the gyros less bias and g-sensitivity [rad/s], specific force [m/s^2]
-    f: Array  # shape (n, 3): readings of the gyros less bias and g-sensitivity [rad/s], specific force [m/s^2]
+    z: Array  # shape (n, 3): readings of the gyros less bias and g-sensitivity [rad/s]
+    f: Array  # shape (n, 3): specific force [m/s^2]
     h: Array  # shape (n,): time to the next sample [s], 0 from the last of a rotation
     first: NDArray[np.int64]  # shape (k + 1,): where each begins, and the end
 

@@ -196,9 +196,9 @@ class Problem:
     """All that is needed to find W: transitions, turns, and what is known of their errors."""
 
     moves: Packed  # Transitions
-    ends: Ends  # Transitions
-    turns: Packed  # Turns and their known vectors [rad]
-    turned: Array  # Turns and their known vectors [rad]
+    ends: Ends  # Of the transitions
+    turns: Packed  # Turns
+    turned: Array  # Their known vectors [rad]
     noise: Array  # shape (3,): white noise of the gyros: standard deviation of a sample at rest [rad/s]
     up_variance: Array  # shape (m,): of the unit vectors of the positions, about each axis across [rad^2]
 

@@ -322,8 +322,8 @@ def _in_words(lines: Array, inverse: Array, variance: Array, g: Array) -> tuple[
 class PositionsBatch:
     """Parameters of many triads with their covariance."""
 
-    names: tuple[str, ...]  # Parameters as ``sensors.terms`` names them, and their units
-    units: tuple[str, ...]  # Parameters as ``sensors.terms`` names them, and their units
+    names: tuple[str, ...]  # Parameters as ``sensors.terms`` names them
+    units: tuple[str, ...]  # Of the parameters
     values: Array  # shape (n, k): naN where a unit has no estimate
     covariance: Array  # shape (n, k, k): naN where it has none
     squares: Array  # shape (n,): sum of squared residuals [unit of the readings squared]

@@ -46,8 +46,8 @@ class Setup:
     scatter: float  # Standard deviation of the mean reading of one position, all causes [m/s2]
     known: bool = False  # Whether the direction of each position is known
     pose: float = 0.0  # Standard uncertainty of a known direction, about each axis [rad]
-    gravity: float = field(default=float(STANDARD_GRAVITY.value))  # Local gravity and its standard uncertainty [m/s2]
-    gravity_u: float = 0.0  # Local gravity and its standard uncertainty [m/s2]
+    gravity: float = field(default=float(STANDARD_GRAVITY.value))  # Local gravity [m/s2]
+    gravity_u: float = 0.0  # Its standard uncertainty [m/s2]
 
     def __post_init__(self) -> None:
         numbers = {"scatter": self.scatter, "gravity": self.gravity}
@@ -64,9 +64,9 @@ class Prediction:
     keys: tuple[Key, ...]  # Parameters
     units: tuple[str, ...]  # SI
     u: Array  # shape (k,): standard uncertainties; infinite where not determined
-    covariance: Array  # shape (k, k): naN in rows and columns of what is not determined
-    rank: int  # Combinations that are determined, of how many
-    count: int  # Combinations that are determined, of how many
+    covariance: Array  # shape (k, k): NaN in rows and columns of what is not determined
+    rank: int  # Combinations that are determined
+    count: int  # Of how many
     condition: float  # Of these
     undetermined: tuple[str, ...]  # Combinations that are not, in words
     parts: tuple[frozenset[Key], ...]  # Parameters that take part in each of them
