@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from .files.write.recording import write
     from .procedures.mass_attraction.deck import programme_1969
     from .procedures.mass_attraction.planning.planner import plan_mass_attraction
-    from .procedures.positions.lot.batch import positions_batch
+    from .procedures.positions.batch import positions_batch
     from .procedures.positions.planning.planner import plan_positions
     from .report.plot import plot
 
@@ -70,7 +70,7 @@ _HOMES = {
     "plot": ("report.plot", "plot"),
     "programme_1969": ("procedures.mass_attraction.deck", "programme_1969"),
     "positions": ("campaign.calls.nouns", "positions"),
-    "positions_batch": ("procedures.positions.lot.batch", "positions_batch"),
+    "positions_batch": ("procedures.positions.batch", "positions_batch"),
     "score": ("campaign.twins.score", "score"),
     "simulate": ("campaign.twins.twin", "simulate"),
     "write": ("files.write.recording", "write"),

@@ -14,8 +14,8 @@ from scipy.stats import t as student
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.show.tables import Table
-from inertialcal.procedures.positions.lot import batch as module
-from inertialcal.procedures.positions.lot.batch import (
+from inertialcal.procedures.positions import batch as module
+from inertialcal.procedures.positions.batch import (
     FEW,
     ILL_POSED,
     NO_SCATTER,

@@ -18,13 +18,7 @@ from inertialcal.core.recording import Recording
 from inertialcal.core.results import Row
 from inertialcal.files.models.model_json import read_model
 from inertialcal.procedures.positions import reduction as positions
-from inertialcal.procedures.positions.held_out.closed_loop import (
-    as_read,
-    before_and_after,
-    judges_of,
-    loops_of,
-    mixed_up,
-)
+from inertialcal.procedures.positions.closed_loop import as_read, before_and_after, judges_of, loops_of, mixed_up
 from inertialcal.report.plot import plot
 from inertialcal.rigs.hand_held.rig import Bench, build
 from inertialcal.statistics.closed_loop import judged, overall

@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions.orientations.text import check_names, check_sections, missing_faces, pointing
+from inertialcal.procedures.positions.orientations import check_names, check_sections, missing_faces, pointing
 from inertialcal.procedures.positions.readings import Readings, Triad
 
 FACES = np.vstack([np.eye(3), -np.eye(3)])

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from inertialcal.core.errors import PlanError
-from inertialcal.procedures.positions.lot.batch import positions_batch
+from inertialcal.procedures.positions.batch import positions_batch
 from inertialcal.procedures.positions.planning.design import (
     Setup,
     course,

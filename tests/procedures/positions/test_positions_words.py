@@ -11,7 +11,7 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.labelled import LabelledPart, labelled_csv
 from inertialcal.core.recording import Recording
 from inertialcal.procedures.positions.inputs import section_of
-from inertialcal.procedures.positions.orientations.text import sections_of
+from inertialcal.procedures.positions.orientations import sections_of
 
 TURN = "x_rot"
 

@@ -12,7 +12,7 @@ from ...core.errors import Problem
 from ...core.schema.quantities import Angle, Axis, Strict, Text, Unit
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor
-from .orientations.text import FACES, LIKE, direction_of
+from .orientations import FACES, LIKE, direction_of
 
 
 def _orientation(text: str) -> str:

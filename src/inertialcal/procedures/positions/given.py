@@ -19,7 +19,7 @@ from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise
 from ..given import EXAMPLE, KIND_OF_UNIT, Described, GivenFile, bare, sensor_said
-from .orientations.text import LABELS, direction_of, orientation_list, turn_of
+from .orientations import LABELS, direction_of, orientation_list, turn_of
 
 KINDS: Mapping[str, Kind] = {"acc": "accelerometer", "gyro": "gyro"}
 ROLES = tuple(f"{sensor}_{axis}" for sensor in KINDS for axis in AXES)

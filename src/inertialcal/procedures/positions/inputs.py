@@ -22,7 +22,7 @@ from ...core.units import kind
 from ..protocol import Source
 from .entry import PositionsEntry, Rests
 from .gravity import turn_problems
-from .orientations.text import FACES, direction_of, parse_directions, runs_of, sections_of, turn_of
+from .orientations import FACES, direction_of, parse_directions, runs_of, sections_of, turn_of
 from .plan import Plan
 from .readings import Readings, Triad
 from .recordings import Section, readings_from

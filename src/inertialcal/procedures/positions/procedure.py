@@ -19,8 +19,7 @@ from ..protocol import (
     Tested,
 )
 from .figures import FIGURES
-from .plan import INFLUENCES, FileSettings, Plan
-from .planning.settings import Wanted
+from .plan import INFLUENCES, FileSettings, Plan, Wanted
 
 if TYPE_CHECKING:
     from ...core.axes import Kind
@@ -173,7 +172,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
         """Return what positions and rotations held out say of the sensor."""
         from ...core.remarks import Remark
         from ..model_terms import HeldOut
-        from .held_out.closed_loop import loops_of
+        from .closed_loop import loops_of
 
         loops = loops_of(result, [one.result.readings for one in held], result.sensor or "accelerometer")
         if loops:

@@ -23,7 +23,7 @@ from ...signals.segmentation.dwells import dwell_of
 from ...signals.segmentation.placements import Placement, between, disturbed_inside, placements, shortest_placement
 from ...signals.segmentation.segments import detect
 from ...signals.time.samples import Samples, samples_of
-from .orientations.text import check_sections, pointing
+from .orientations import check_sections, pointing
 from .plan import Plan
 from .readings import Readings, Rotation, Triad
 

@@ -34,18 +34,17 @@ from ...core.show.result_tables import estimate_table, remarks_line
 from ...core.show.tables import Block, html, text
 from ...sensors.model.sensor_model import SensorModel
 from .checks import check_units, judged_scale, remarks_of, start_of
-from .curves import curves
 from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import rounded_scale, with_ideal
 from .gravity import by_axis, local_gravity
-from .orientations.text import check_names, missing_faces
+from .orientations import check_names, missing_faces
 from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
 from .readings import Readings, Rotation, Triad
 from .recordings import Section, on_faces, readings_from
-from .rows import estimate, model, rows, used_angles
+from .rows import curves, estimate, model, rows, used_angles
 from .simulation import Truth, simulate
 
 __all__ = [

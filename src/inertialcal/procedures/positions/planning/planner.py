@@ -25,6 +25,7 @@ from ....core.show.result_tables import remarks_line
 from ....core.show.rounding import number
 from ....core.show.tables import Block, Table, html, text
 from ....core.units import factor, parse_quantity
+from ..plan import Wanted
 from .design import (
     DETERMINANT,
     TRACE,
@@ -37,7 +38,6 @@ from .design import (
     parameters,
     predict_uncertainty,
 )
-from .settings import Wanted
 
 if TYPE_CHECKING:
     from pandas import DataFrame

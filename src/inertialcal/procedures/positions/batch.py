@@ -29,14 +29,14 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.axes import AXES
-from ....core.errors import DataError, UsageError
-from ....core.estimate import Array, Component, Estimate
-from ....core.remarks import Remark
-from ....core.show.frames import frame
-from ....core.show.result_tables import remarks_line
-from ....core.show.rounding import near, number
-from ....core.show.tables import Block, Table, html, text
+from ...core.axes import AXES
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array, Component, Estimate
+from ...core.remarks import Remark
+from ...core.show.frames import frame
+from ...core.show.result_tables import remarks_line
+from ...core.show.rounding import near, number
+from ...core.show.tables import Block, Table, html, text
 
 if TYPE_CHECKING:
     from pandas import DataFrame
@@ -151,7 +151,7 @@ def _shared(work: Callable[[slice], None], n: int) -> None:
 
 def _norms(r: Array, g: Array, scatter: float | None, form: Form) -> PositionsBatch:
     """Nine parameters of each unit from ``|f| = g``."""
-    from ..fit import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
+    from .fit import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
 
     n, turned = len(r), form == "upper"
     flipped = r[:, :, ::-1] if turned else r
@@ -276,7 +276,7 @@ def _solve_known(
     lines: Array, squares: Array, inverse: Array, condition: Array,
 ) -> None:  # fmt: skip
     """Fill lines, squares, inverse normal matrix and condition of the units that have the same positions."""
-    from ..fit import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
+    from .fit import _kernels  # noqa: PLC0415 - importing numba takes longer than a small batch
 
     design = np.column_stack([np.ones(int(pattern.sum())), directions[pattern]])
     if len(design) < 4:

@@ -20,16 +20,16 @@ from itertools import permutations
 import numpy as np
 from scipy import special
 
-from ....core.axes import AXES, Kind
-from ....core.constants import EARTH_ROTATION_RATE
-from ....core.estimate import Array
-from ....statistics.closed_loop import AxisLoop
-from .. import reduction as positions
-from ..fit.at_rest import earth_in_g
-from ..fit.gyro import FittedGyro, problem_of
-from ..fit.linear_sensor import LinearSensor
-from ..fit.rotations import errors
-from ..gravity import local_gravity
+from ...core.axes import AXES, Kind
+from ...core.constants import EARTH_ROTATION_RATE
+from ...core.estimate import Array
+from ...statistics.closed_loop import AxisLoop
+from . import reduction as positions
+from .fit.at_rest import earth_in_g
+from .fit.gyro import FittedGyro, problem_of
+from .fit.linear_sensor import LinearSensor
+from .fit.rotations import errors
+from .gravity import local_gravity
 
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 

@@ -17,15 +17,15 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ....core.axes import AXES
-from ....core.errors import DataError, UsageError
-from ....core.estimate import Array
-from ....core.labelled import LabelledPart
-from ....core.remarks import Remark
-from ....core.units import factor, parse_quantity
-from ....files.text.table import Table, read_table
-from ..gravity import turn_problems
-from ..readings import Readings
+from ...core.axes import AXES
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array
+from ...core.labelled import LabelledPart
+from ...core.remarks import Remark
+from ...core.units import factor, parse_quantity
+from ...files.text.table import Table, read_table
+from .gravity import turn_problems
+from .readings import Readings
 
 FACES = "faces"  # in place of words: each position lies on the face that is nearest
 POSITION = re.compile(

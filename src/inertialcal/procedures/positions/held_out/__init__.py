@@ -1,1 +1,0 @@
-"""Positions held out: how a fit does on positions and rotations that it has not seen."""

@@ -1,1 +1,0 @@
-"""Many units at once."""

@@ -1,1 +1,0 @@
-"""How a unit lay: words, names of faces, the site."""
