@@ -127,6 +127,30 @@ def test_a_run_is_predicted_but_for_its_offset() -> None:
     assert choose_order(cells, 5).order == 3
 
 
+def test_the_score_of_an_order_is_the_mean_square_error_on_the_run_held_out() -> None:
+    """Runs of different slopes, no noise: the run held out is off by its slope less the mean slope of the others."""
+    t, T = path(23.0, -30.0, 67.0, 23.0)
+    slopes = np.array([1e-3, 2e-3, 4e-3])
+    runs = Readings(tuple(sweep(f"r{i}", t, T, slope * T) for i, slope in enumerate(slopes)))
+    cells = cells_of(plan(), series_of(plan(), runs, "x"))
+    one = cells.run == 0
+    mean = np.average(cells.temperature[one], weights=cells.weight[one])
+    variance = np.average((cells.temperature[one] - mean) ** 2, weights=cells.weight[one])
+    errors = slopes - (slopes.sum() - slopes) / 2.0
+    assert choose_order(cells, 2).scores[1] == pytest.approx(np.sqrt(np.mean(errors**2) * variance), rel=1e-6)
+
+
+def test_the_scatter_in_a_cell_is_that_of_the_noise_whatever_its_slope() -> None:
+    """Two degrees of freedom of each cell go to its own line over temperature."""
+    noise = 2e-3
+    cells = cells_of(plan(), series_of(plan(), readings(lambda T: 0.05 * T, runs=10, noise=noise), "x"))
+    free = cells.samples - 2.0
+    assert np.median(free) < 5.0  # few enough for the degrees of freedom to count
+    found = np.sum(free * cells.scatter**2) / free.sum()
+    assert found == pytest.approx(noise**2, rel=4.0 * np.sqrt(2.0 / free.sum()))
+    assert free.sum() > 1000.0
+
+
 @pytest.mark.parametrize(("runs", "points", "level"), [
     (4, (23.0, -30.0, 67.0, 23.0), "run"),
     (1, (0.0, 60.0, 0.0, 60.0, 0.0), "ramp"),
