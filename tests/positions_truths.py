@@ -10,7 +10,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions.fit.gyro import problem_of
 from inertialcal.procedures.positions.fit.rotations import angles
-from inertialcal.procedures.positions.gravity import local_gravity
+from inertialcal.procedures.positions.readings import local_gravity
 from inertialcal.procedures.positions.reduction import Plan, Readings, Truth, reduce
 from inertialcal.procedures.positions.simulation import FACES, spread
 from inertialcal.rigs.hand_held.rig import Bench, draw_unit, held

@@ -14,7 +14,7 @@ from inertialcal.core.estimate import Array
 from inertialcal.procedures.positions.fit.accelerometer import Fitted
 from inertialcal.procedures.positions.fit.at_rest import LEVEL, apart
 from inertialcal.procedures.positions.fit.gyro import MODEL, fit_gyro, problem_of
-from inertialcal.procedures.positions.gravity import local_gravity
+from inertialcal.procedures.positions.readings import local_gravity
 from inertialcal.procedures.positions.reduction import Readings, Result, reduce, simulate
 from positions_truths import BY_HAND, BY_HAND_PLAN, FIXTURE_PLAN, PLAN, TURNED
 

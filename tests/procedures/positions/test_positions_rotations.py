@@ -14,20 +14,22 @@ from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
 from inertialcal.procedures.positions.fit._kernels_transitions import through
-from inertialcal.procedures.positions.fit.attitudes import Packed, carried, packed
 from inertialcal.procedures.positions.fit.rotations import (
     ANGLE,
     GYRO_NOISE,
     ORIENTATION,
     POSITIONS,
+    Packed,
     Problem,
     Rotated,
     angles,
     by_positions,
     by_rest,
+    carried,
     ends_of,
     errors,
     known_errors,
+    packed,
     solve,
 )
 from inertialcal.procedures.positions.reduction import Plan, Rotation

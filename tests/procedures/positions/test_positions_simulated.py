@@ -9,7 +9,7 @@ import pytest
 
 from inertialcal.core.errors import DataError
 from inertialcal.core.estimate import Array
-from inertialcal.procedures.positions.gravity import local_gravity
+from inertialcal.procedures.positions.readings import local_gravity
 from inertialcal.procedures.positions.reduction import Plan, Readings, Truth, on_faces, reduce, simulate
 from inertialcal.procedures.positions.simulation import FACES
 from positions_truths import (

@@ -34,9 +34,8 @@ from ...physics.motion.schedule import Schedule, repeated
 from .plan import INFLUENCES, HighG, Plan, SourceMass
 from .published import published_lines
 from .readings import Line, Readings, Run, SourceMassRecording, readings_from, run_of_rows
-from .remarks import check_source, result_remarks, series_remarks
 from .response import Combined, Response, combined, estimate_of, response_of, response_of_line
-from .rows import curves, rows
+from .rows import check_source, curves, result_remarks, rows, series_remarks
 
 __all__ = [
     "INFLUENCES",

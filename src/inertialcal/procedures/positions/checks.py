@@ -20,10 +20,9 @@ from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.remarks import Remark
-from .fit.attitudes import Packed, packed
 from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
 from .fit.linear_sensor import Observability
-from .fit.rotations import Problem, angles, converged
+from .fit.rotations import Packed, Problem, angles, converged, packed
 from .plan import INFLUENCES
 from .readings import Readings
 from .rows import missing

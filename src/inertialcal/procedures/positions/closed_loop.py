@@ -29,7 +29,7 @@ from .fit.at_rest import earth_in_g
 from .fit.gyro import FittedGyro, problem_of
 from .fit.linear_sensor import LinearSensor
 from .fit.rotations import errors
-from .gravity import local_gravity
+from .readings import local_gravity
 
 Errors = Callable[[Array], Array]  # of the numbers of the model: one row a position or rotation
 

@@ -21,10 +21,9 @@ from ...core.remarks import Remark
 from ...core.units import kind
 from ..protocol import Source
 from .entry import PositionsEntry, Rests
-from .gravity import turn_problems
 from .orientations import FACES, direction_of, parse_directions, runs_of, sections_of, turn_of
 from .plan import Plan
-from .readings import Readings, Triad
+from .readings import Readings, Triad, turn_problems
 from .recordings import Section, readings_from
 
 TEMPERATURE = "temperature"

@@ -24,8 +24,7 @@ from ...core.labelled import LabelledPart
 from ...core.remarks import Remark
 from ...core.units import factor, parse_quantity
 from ...files.text.table import Table, read_table
-from .gravity import turn_problems
-from .readings import Readings
+from .readings import Readings, turn_problems
 
 FACES = "faces"  # in place of words: each position lies on the face that is nearest
 POSITION = re.compile(

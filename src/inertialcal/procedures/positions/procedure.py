@@ -101,7 +101,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
             If gravity, latitude or the shortest rest cannot be meant.
         """
         from ...core.errors import PlanError
-        from .gravity import site_problems
+        from .readings import site_problems
 
         plan = super().plan(values, facts)
         if problems := site_problems(plan):
@@ -194,7 +194,7 @@ class Positions(Procedure[Plan, "Readings", "Result"]):
 
     def summary(self, found: Reduced) -> str:
         """Return how many positions and rotations there are, and which gravity was used."""
-        from .gravity import local_gravity
+        from .readings import local_gravity
 
         readings = found.result.readings
         known = 0 if readings.direction is None else int(sum(abs(one).sum() > 0.0 for one in readings.direction))

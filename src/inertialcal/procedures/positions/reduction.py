@@ -38,11 +38,10 @@ from .fit.accelerometer import FEWEST, Fitted, among, fit_known, fit_unknown
 from .fit.at_rest import apart, at_rest, joined
 from .fit.gyro import FittedGyro, fit_gyro, problem_of
 from .fit.linear_sensor import rounded_scale, with_ideal
-from .gravity import by_axis, local_gravity
 from .orientations import check_names, missing_faces
 from .plan import INFLUENCES, Plan
 from .published import Ferraris, ferraris
-from .readings import Readings, Rotation, Triad
+from .readings import Readings, Rotation, Triad, by_axis, local_gravity
 from .recordings import Section, on_faces, readings_from
 from .rows import curves, estimate, model, rows, used_angles
 from .simulation import Truth, simulate

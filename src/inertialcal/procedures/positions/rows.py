@@ -25,9 +25,9 @@ from .fit.accelerometer import Fitted
 from .fit.gyro import FittedGyro, fit_gyro
 from .fit.linear_sensor import BIAS, FEWEST, G_SENSITIVITY, MATRIX, LinearSensor, with_ideal
 from .fit.rotations import across
-from .gravity import local_gravity
 from .plan import INFLUENCES
 from .published import published_rows
+from .readings import local_gravity
 
 if TYPE_CHECKING:
     from .reduction import Result

@@ -15,9 +15,8 @@ import numpy as np
 
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
-from .gravity import local_gravity
 from .plan import Plan
-from .readings import Readings, Rotation, Triad
+from .readings import Readings, Rotation, Triad, local_gravity
 
 
 @dataclass(frozen=True, eq=False)

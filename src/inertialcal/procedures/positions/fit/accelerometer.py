@@ -32,9 +32,8 @@ from ....core.errors import DataError
 from ....core.estimate import Array
 from ....core.key import Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
-from ..gravity import local_gravity
 from ..plan import Plan
-from ..readings import Triad
+from ..readings import Triad, local_gravity
 from .linear_sensor import BIAS, MATRIX, SMALLEST, USELESS, LinearSensor, Observability, Source, level_sources, observe
 from .outliers import found_outliers, robust_scale, weights
 

@@ -17,13 +17,11 @@ from ....core.constants import EARTH_ROTATION_RATE
 from ....core.estimate import Array
 from ....core.influence import Influence
 from ....statistics.two_levels import TwoLevels, fit_two_levels
-from ..gravity import local_gravity
 from ..plan import Plan
-from ..readings import Triad
-from .attitudes import carried
+from ..readings import Triad, local_gravity
 from .linear_sensor import Source, level_sources, summed
 from .outliers import found_outliers
-from .rotations import Problem, across
+from .rotations import Problem, across, carried
 
 FEWEST = 6  # positions from which g-sensitivity is separable from scatter
 LEAST_SPREAD = 0.05  # least singular value of the directions, one where they are spread evenly

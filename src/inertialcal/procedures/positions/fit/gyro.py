@@ -13,14 +13,12 @@ import numpy as np
 
 from ....core.estimate import Array
 from ....core.key import Reason
-from ..gravity import local_gravity
 from ..plan import Plan
-from ..readings import Readings, Rotation
+from ..readings import Readings, Rotation, local_gravity
 from .accelerometer import Fitted, mounting_source
 from .at_rest import AtRest, Carried, apart, at_rest, earth_in_g, sources_of
-from .attitudes import Packed, packed
 from .linear_sensor import BIAS, G_SENSITIVITY, MATRIX, LinearSensor, Source, level_sources, propagated
-from .rotations import BETWEEN, Problem, Rotated, angles, ends_of, solve
+from .rotations import BETWEEN, Packed, Problem, Rotated, angles, ends_of, packed, solve
 
 NAMES = (*MATRIX, *BIAS, *G_SENSITIVITY)
 MODEL = "uncertainty of the accelerometers"
