@@ -60,10 +60,9 @@ class Rotated:
     by_rest: Array  # shape (9, 12): derivatives of W by bias and g-sensitivity
     by_positions: Array  # shape (9, m, 3): derivatives of W by the unit vectors of the positions
     outliers: Flags  # shape (rotations,): left out
-    # shape (rows,): of the rows of all rotations, transitions first (two each), then turns (three each) [rad]
+    # shape (rows,): of all rotations, transitions first (two each), then turns (three each) [rad]
     residuals: Array
-    # shape (rows,): of the rows of all rotations, transitions first (two each), then turns (three each) [rad]
-    deletion: Array
+    deletion: Array  # shape (rows,): deletion residuals [rad]
 
 
 def solve(plan: Plan, problem: Problem, start: Array, judge: bool = True) -> Rotated:
