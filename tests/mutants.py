@@ -356,7 +356,7 @@ MUTANTS = (
         "test_allan_edf",
     ),
     Mutant(
-        "dead_time.py",
+        "gaps.py",
         "factor = np.sqrt(interval / averaging)",
         "factor = np.sqrt(averaging / interval)",
         "test_allan_dead_time",

@@ -6,8 +6,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from inertialcal.core.axes import Kind
 from inertialcal.core.estimate import Array, Component, Estimate
+from inertialcal.core.key import Kind
 from inertialcal.sensors.model.equation import Conditions
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
 from inertialcal.sensors.model.terms import values

@@ -37,7 +37,7 @@ from inertialcal.core.results import COLUMNS
 from inertialcal.core.schema import quantities as schema_words
 from inertialcal.core.schema import standards as schema_standards
 from inertialcal.core.settings import settings_of, settings_table
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.files.binary.curves import read_curves
 from inertialcal.procedures import procedure_names, procedure_of
 from inertialcal.procedures.flip import entry as flip

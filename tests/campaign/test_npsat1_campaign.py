@@ -17,7 +17,7 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import Coverage, coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import InertialcalError
-from inertialcal.core.show.names import quantity_name
+from inertialcal.core.show.rows import quantity_name
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.rig import FAULTS

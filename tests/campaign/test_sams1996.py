@@ -11,7 +11,7 @@ import pytest
 
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
-from inertialcal.core.show.names import case_name, reason_text
+from inertialcal.core.show.rows import case_name, reason_text
 
 ROUNDING = 0.005  # ug: Table 3 has two decimals, Tables 4 to 6 three
 LAST = 0.0011  # ug: Tables 20 to 22 have three decimals, half sums one more

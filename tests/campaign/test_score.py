@@ -17,7 +17,7 @@ from inertialcal.campaign.twins.score import Coverage, coverage, score, score_ri
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.influence import Influence
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, Twin
 from inertialcal.rigs.rate_table import rig as rate_table

@@ -20,8 +20,8 @@ from inertialcal.campaign.twins.twin import read_truth
 from inertialcal.core.key import Method
 from inertialcal.core.recording import Channel, Recording, Source
 from inertialcal.core.remarks import Remark
-from inertialcal.core.show.names import case_name
 from inertialcal.core.show.rounding import with_uncertainty
+from inertialcal.core.show.rows import case_name
 from inertialcal.core.show.tables import WIDTH, Table
 from inertialcal.procedures.mass_attraction.reduction import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule

@@ -15,7 +15,7 @@ from inertialcal.campaign.engine.run import check, run
 from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.twin import TRUTH, read_truth, simulate
 from inertialcal.core.errors import DataError, StoreError, UsageError
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.core.units import convert
 from inertialcal.files import read
 from inertialcal.rigs import RIGS

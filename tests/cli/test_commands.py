@@ -13,7 +13,7 @@ from typing import Any, NoReturn
 
 import pytest
 
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from typed_commands import call
 
 Write = Callable[..., Path]

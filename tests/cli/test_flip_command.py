@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from typed_commands import call, call_json
 
 TABLE = """\

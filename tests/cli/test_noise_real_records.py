@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from inertialcal.cli.__main__ import main
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 
 MPU = "data/sunsided_mpu6050_static"
 STILL = "set-2__unmoved-with-x-pointing-forward-10min"

@@ -14,7 +14,7 @@ from inertialcal.core.errors import InertialcalError
 from inertialcal.core.key import Key
 from inertialcal.core.results import Row
 from inertialcal.core.settings import settings_table
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.procedures.mass_attraction.planning.settings import STARTER, Settings
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from typed_commands import call, call_json

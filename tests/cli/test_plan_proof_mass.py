@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import inertialcal as ic
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.procedures.mass_attraction.schedule_csv import read_schedule
 from typed_commands import call, call_json
 

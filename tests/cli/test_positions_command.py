@@ -19,7 +19,7 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.recording import Recording
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.files import read
 from inertialcal.rigs.hand_held.rig import FAULTS, Bench, build
 from positions_truths import protocol

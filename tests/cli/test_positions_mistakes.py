@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from inertialcal.campaign.twins.twin import csv_text
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol
 from typed_commands import call, call_json

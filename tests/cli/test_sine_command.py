@@ -12,7 +12,7 @@ from drift_scenarios import AMPLITUDE, SCENARIOS, STEP, N, drawn
 from inertialcal.campaign.calls.call import Reduced
 from inertialcal.core.errors import UsageError
 from inertialcal.core.results import Row
-from inertialcal.core.show.names import case_name, reason_text
+from inertialcal.core.show.rows import case_name, reason_text
 from inertialcal.physics.motion.schedule import repeated
 from inertialcal.procedures.mass_attraction.schedule_csv import write_schedule
 from inertialcal.report.figures import figures, on_new_figure

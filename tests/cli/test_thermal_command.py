@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from inertialcal.core.show.names import case_name, quantity_name
+from inertialcal.core.show.rows import case_name, quantity_name
 from typed_commands import call, call_json
 
 BIAS = 0.01  # at 20 degC [deg/s]

@@ -7,9 +7,9 @@ from typing import Any
 import pytest
 
 from inertialcal.core.key import Case, Member, Method
-from inertialcal.core.show.alternatives import MOST, columns_of, lines_of, missing_of, names_of
 from inertialcal.core.show.result_tables import figure_beside, not_estimated
 from inertialcal.core.show.rounding import near
+from inertialcal.core.show.rows import MOST, columns_of, lines_of, missing_of, names_of
 from written_rows import fields
 
 

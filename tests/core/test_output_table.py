@@ -4,8 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from inertialcal.core.show.flight_table import note, output_rows
-from inertialcal.core.show.names import quantity_name
+from inertialcal.core.show.rows import note, output_rows, quantity_name
 from written_rows import fields
 
 

@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 
-from inertialcal.core.show.side_by_side import own_rows, pairs_of, verdict_of
+from inertialcal.core.show.rows import own_rows, pairs_of, verdict_of
 from inertialcal.procedures.flip.figures import COMPARED
 from written_rows import fields
 

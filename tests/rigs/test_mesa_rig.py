@@ -13,7 +13,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.physics.motion.schedule import Schedule
 from inertialcal.procedures.mass_attraction.reduction import Result
 from inertialcal.rigs.mesa import rig as mesa

@@ -16,11 +16,11 @@ from numpy.polynomial import Polynomial
 from fitted_results import fit_results
 from inertialcal.campaign.file.cross_checks import cross_checks
 from inertialcal.campaign.file.schema import CampaignFile
-from inertialcal.core.axes import AXES
 from inertialcal.core.constants import EARTH_ROTATION_RATE
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
 from inertialcal.core.influence import Influence
+from inertialcal.core.key import AXES
 from inertialcal.core.recording import Recording
 from inertialcal.rigs.npsat1 import rig as npsat1
 from inertialcal.rigs.npsat1.campaign import AT_DEGC, degrees

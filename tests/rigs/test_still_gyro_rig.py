@@ -13,7 +13,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.twins.score import coverage
 from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.core.errors import DataError, UsageError
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.core.units import factor
 from inertialcal.rigs.protocol import SEAL, SEED, Twin
 from inertialcal.rigs.still_gyro import rig as still_gyro

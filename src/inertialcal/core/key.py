@@ -7,7 +7,7 @@ are never read back.
 from __future__ import annotations
 
 from enum import StrEnum
-from typing import NamedTuple
+from typing import Literal, NamedTuple
 
 FROM_ZERO = ("bias_voltage",)  # polynomials whose power 0 is told, too
 DIGITS = {"temperature": 6, "line": 4}  # significant ones of a place
@@ -170,3 +170,5 @@ class Case(NamedTuple):
 
 
 PLAIN = Case()
+AXES = ("x", "y", "z")  # right-handed; the order of vectors and of matrix columns
+Kind = Literal["gyro", "accelerometer"]

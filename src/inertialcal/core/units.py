@@ -24,8 +24,8 @@ from fractions import Fraction
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
-from .axes import Kind
 from .errors import DataError
+from .key import Kind
 from .unit.atoms import NONE, PREFIXES, Factor, Powers, by_symbol, kind_of, merged, product, quotient, raised
 from .unit.parse import read_quantity, read_unit
 from .unit.spelling import spell

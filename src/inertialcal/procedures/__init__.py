@@ -14,7 +14,7 @@ from typing import Any
 from ..core.errors import UsageError
 from ..core.registry import Registry
 from ..core.results import WrittenRow
-from ..core.show.side_by_side import Compared
+from ..core.show.rows import Compared
 from .protocol import Procedure, Quantity
 
 BUILT_IN = ("rate_table", "flip", "thermal", "static_noise", "sine", "mass_attraction", "positions")

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
-from ..core.axes import AXES, Kind
 from ..core.errors import UsageError
+from ..core.key import AXES, Kind
 from ..core.settings import setting
 from ..core.units import divide, kind, normalise, parse_quantity
 

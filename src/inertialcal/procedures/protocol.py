@@ -11,11 +11,10 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
-from ..core.axes import AXES, Kind
 from ..core.figure import FigureSpec
+from ..core.key import AXES, Kind
 from ..core.results import WrittenRow
-from ..core.show.sentence import Sentence, error_sentence
-from ..core.show.side_by_side import Compared
+from ..core.show.rows import Compared, Sentence, error_sentence
 
 if TYPE_CHECKING:
     from pathlib import Path

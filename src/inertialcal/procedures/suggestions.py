@@ -11,8 +11,8 @@ from enum import IntEnum
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from ..core.axes import AXES
 from ..core.campaign_text import FILL_IN, Noted
+from ..core.key import AXES
 from ..core.remarks import Remark
 
 if TYPE_CHECKING:

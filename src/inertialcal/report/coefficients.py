@@ -8,7 +8,7 @@ from typing import Any
 
 from ..core.key import Key
 from ..core.results import key_of
-from ..core.show.names import reason_text
+from ..core.show.rows import reason_text
 from ..core.units import divide
 from ..files.models.apply_c import c_text
 from ..files.models.apply_python import python_text

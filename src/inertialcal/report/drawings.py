@@ -12,7 +12,7 @@ from typing import Any
 from markupsafe import Markup
 
 from ..core.figure import FigureSpec
-from ..core.show.sentence import Quoted
+from ..core.show.rows import Quoted
 from ..core.show.wording import count, words
 from .figures import Picture, figures, prefix, to_svg
 from .findings import Finding

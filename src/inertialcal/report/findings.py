@@ -12,8 +12,7 @@ from dataclasses import dataclass
 from markupsafe import Markup, escape
 
 from ..core.results import case_of
-from ..core.show.names import quantity_name
-from ..core.show.sentence import Quoted, error_sentence, estimated, largest
+from ..core.show.rows import Quoted, error_sentence, estimated, largest, quantity_name
 from ..core.show.wording import VERDICTS, count, counted, listed, severities
 from ..core.units import factor
 from ..procedures import procedure_of

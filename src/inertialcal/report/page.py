@@ -18,10 +18,9 @@ from typing import Any
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 from markupsafe import Markup
 
-from ..core.show import flight_table as output_table
+from ..core.show import rows as output_table
 from ..core.show import wording
-from ..core.show.names import case_name, quantity_name
-from ..core.show.side_by_side import verdict_of
+from ..core.show.rows import case_name, quantity_name, verdict_of
 from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
 from .drawings import Drawing

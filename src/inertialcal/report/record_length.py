@@ -6,7 +6,7 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 from ..core.results import case_of
-from ..core.show.names import reason_text
+from ..core.show.rows import reason_text
 from ..core.show.wording import count, counted, words
 from .findings import Figure, Finding, Length
 from .numbers import Branch, Number, Text

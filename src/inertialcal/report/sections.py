@@ -9,8 +9,7 @@ from dataclasses import dataclass
 from ..core.key import PLAIN, Case, Key
 from ..core.remarks import is_placed
 from ..core.results import case_of, key_of
-from ..core.show.alternatives import columns_of, lines_of, missing_of
-from ..core.show.side_by_side import own_rows, pairs_of
+from ..core.show.rows import columns_of, lines_of, missing_of, own_rows, pairs_of
 from ..core.show.wording import SEVERITIES
 from ..procedures import compared_in
 from .findings import Finding, of_test

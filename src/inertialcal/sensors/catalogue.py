@@ -25,8 +25,8 @@ from typing import Literal
 import numpy as np
 from numpy.polynomial import Polynomial
 
-from ..core.axes import Kind
 from ..core.constants import REINEL_GRAVITY
+from ..core.key import Kind
 from ..core.units import factor
 from .chain.converter import Chain, Thermometer, pulse_counter
 from .model.sensor_model import Item, Provenance, SensorModel

@@ -17,7 +17,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.outcome.contents import budget_rows
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.influence import Influence
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.core.units import convert, divide, factor, multiply, normalise, same_dimension
 from inertialcal.procedures.display import display_unit, stated_unit
 from inertialcal.procedures.model_terms import ModelTerms

@@ -16,7 +16,7 @@ from inertialcal.campaign.file.load import load
 from inertialcal.campaign.outcome.results_file import find_results
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.curve import Column, Curve
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.procedures.display import displayed_curve, ten_digits
 from inertialcal.procedures.rate_table.readings import BINS
 from inertialcal.rigs import RIGS

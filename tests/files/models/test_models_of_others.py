@@ -14,9 +14,9 @@ import yaml
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertialcal.core.axes import Kind
 from inertialcal.core.errors import DataError, UsageError
 from inertialcal.core.estimate import Array
+from inertialcal.core.key import Kind
 from inertialcal.files.models import imu_tk, imucal, kalibr, realsense
 from inertialcal.files.models.formats import FORMATS as ALL
 from inertialcal.files.models.formats import read_models

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from inertialcal.files.text.cells import Decimal, judge, kind, to_float
+from inertialcal.files.text.layout import Decimal, judge, kind, to_float
 
 
 @pytest.mark.parametrize(

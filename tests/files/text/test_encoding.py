@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from inertialcal.core.errors import DataError
-from inertialcal.files.text.encoding import decode
+from inertialcal.files.text.layout import decode
 
 
 @pytest.mark.parametrize("codec", ["utf-8", "utf-8-sig", "utf-16"])

@@ -14,8 +14,8 @@ from functools import partial
 
 import numpy as np
 
-from inertialcal.core.axes import AXES
 from inertialcal.core.influence import Influence
+from inertialcal.core.key import AXES
 from inertialcal.core.recording import SECOND, Channel, Recording
 from inertialcal.procedures.flip.dwells.quiet import Window
 from inertialcal.procedures.flip.dwells.recordings import FlipRecording, readings_from

@@ -16,7 +16,7 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError, PlanError, UsageError
 from inertialcal.core.results import Row
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.rigs.sams_tsh.campaign import FILE
 from inertialcal.rigs.sams_tsh.rig import build
 from pad_pairs_made import BENCH, flip_records

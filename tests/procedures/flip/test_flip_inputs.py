@@ -17,7 +17,7 @@ from inertialcal.campaign.file.load import load
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
-from inertialcal.core.show.names import case_name, reason_text
+from inertialcal.core.show.rows import case_name, reason_text
 from inertialcal.core.units import convert
 from inertialcal.rigs import RIGS
 from inertialcal.rigs.protocol import Rig, on_bench

@@ -12,7 +12,7 @@ import pytest
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.core.errors import InertialcalError
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 
 Rows = Mapping[tuple[str, str, str], Mapping[str, Any]]
 

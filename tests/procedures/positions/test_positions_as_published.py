@@ -17,7 +17,7 @@ from inertialcal.campaign.twins.twin import csv_text
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.campaign_text import MARK
 from inertialcal.core.recording import Recording
-from inertialcal.core.show.names import case_name
+from inertialcal.core.show.rows import case_name
 from inertialcal.files.models.model_file import load_model_file
 from inertialcal.rigs.hand_held.rig import Bench, build
 from positions_truths import protocol

@@ -16,7 +16,7 @@ from inertialcal.campaign.engine.run import Outcome, check, run
 from inertialcal.campaign.start.starter import start
 from inertialcal.cli.shown.summary import results_text
 from inertialcal.core.errors import DataError, PlanError
-from inertialcal.core.show.names import case_name, reason_text
+from inertialcal.core.show.rows import case_name, reason_text
 from inertialcal.core.units import factor
 from inertialcal.sensors.noise.simulate import simulate
 from inertialcal.sensors.noise.terms import RandomWalk, RateRandomWalk, Sinusoid, Term

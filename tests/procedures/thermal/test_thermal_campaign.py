@@ -21,7 +21,7 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
-from inertialcal.core.show.names import case_name, quantity_name, reason_text
+from inertialcal.core.show.rows import case_name, quantity_name, reason_text
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS

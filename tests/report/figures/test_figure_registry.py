@@ -15,7 +15,7 @@ import inertialcal as ic
 from inertialcal.core.errors import PlanError
 from inertialcal.core.figure import FigureSpec
 from inertialcal.core.results import WrittenRow
-from inertialcal.core.show.sentence import Cited, Quoted, Sentence, estimated
+from inertialcal.core.show.rows import Cited, Quoted, Sentence, estimated
 from inertialcal.procedures import PROCEDURES, procedure_of_result
 from inertialcal.procedures.protocol import Procedure
 from inertialcal.report import drawings, findings

@@ -15,7 +15,7 @@ from scipy import signal, stats
 from inertialcal.core.errors import DataError, PlanError
 from inertialcal.core.estimate import Array
 from inertialcal.signals.allan import allan
-from inertialcal.signals.allan.curve import Allan
+from inertialcal.signals.allan.channel import Allan
 from inertialcal.signals.names import Method
 from inertialcal.signals.spectrum.allan_check import allan_of_spectrum, compare_allan
 from inertialcal.signals.spectrum.lines import background_of, find_lines

@@ -6,8 +6,8 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, cast
 
-from inertialcal.core.axes import AXES
 from inertialcal.core.figure import FigureSpec
+from inertialcal.core.key import AXES
 from inertialcal.procedures.protocol import (
     READING,
     Command,

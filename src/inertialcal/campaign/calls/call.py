@@ -18,9 +18,9 @@ from typing import TYPE_CHECKING, Any, get_args
 import numpy as np
 from pydantic import ValidationError
 
-from ...core.axes import AXES
 from ...core.campaign_text import FILE, toml_text
 from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...core.results import Row

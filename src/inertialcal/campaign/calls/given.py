@@ -9,9 +9,9 @@ from typing import Any, TypeVar
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.units import kind, normalise
 from ...files import read, read_table

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator
 from pathlib import Path
 
-from ...core.axes import AXES
 from ...core.errors import DataError, InertialcalError, Problem
+from ...core.key import AXES
 from ...core.schema.toml import At
 from ...core.units import kind, parse_quantity
 from ...files.pad.pairs import pairs_of

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import convert, convert_as_wide, kind, multiply, parse_quantity, si_unit
 from ...sensors.chain.converter import Chain

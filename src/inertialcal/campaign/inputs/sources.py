@@ -14,10 +14,10 @@ from typing import Any, Literal, Protocol, TypeVar
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.influence import Standards
+from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table

@@ -23,7 +23,7 @@ from typing import Any
 
 from ...core.errors import StoreError
 from ...core.results import SCHEMA
-from ...core.show.names import case_name, quantity_name
+from ...core.show.rows import case_name, quantity_name
 
 OUT = "out"
 ROUNDING = 1e-9  # relative difference that is no change

@@ -7,10 +7,9 @@ from typing import Any
 
 from ...core.remarks import Remark
 from ...core.results import case_of
-from ...core.show.alternatives import names_of
 from ...core.show.result_tables import estimated, figure, folded, not_estimated, remarks_line
 from ...core.show.rounding import number
-from ...core.show.side_by_side import own_rows, pairs_of, verdict_of
+from ...core.show.rows import names_of, own_rows, pairs_of, verdict_of
 from ...core.show.tables import Block, Table
 from ...procedures import compared_in
 

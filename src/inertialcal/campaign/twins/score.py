@@ -14,8 +14,8 @@ from typing import Any
 from ...core.errors import DataError, UsageError
 from ...core.key import PLAIN, At, Case, Key
 from ...core.results import Interval, case_of, key_fields, key_of
-from ...core.show.names import quantity_name
 from ...core.show.rounding import number, with_uncertainty
+from ...core.show.rows import quantity_name
 from ...core.show.tables import Block, Table, html, text
 from ...core.units import convert
 from ...rigs import RIGS

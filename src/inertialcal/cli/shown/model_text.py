@@ -7,9 +7,8 @@ from typing import Any
 
 from ...campaign.compare.compare import HEADS, JUDGED, Comparison, is_beside, is_shown, line, not_compared
 from ...core.results import key_of
-from ...core.show.alternatives import names_of
-from ...core.show.names import reason_text
 from ...core.show.rounding import number
+from ...core.show.rows import names_of, reason_text
 from ...sensors.model.sensor_model import SensorModel, show
 from .output import clean, table, wrapped
 from .summary import remarks_text

@@ -8,11 +8,19 @@ from typing import TYPE_CHECKING, Any
 
 from ...core.key import PLAIN
 from ...core.remarks import Remark
-from ...core.show.alternatives import columns_of, lines_of, names_of
-from ...core.show.names import reason_code, reason_text
 from ...core.show.result_tables import degrees, figure, figure_beside, interval, not_estimated
 from ...core.show.rounding import number
-from ...core.show.side_by_side import Compared, own_rows, pairs_of, verdict_of
+from ...core.show.rows import (
+    Compared,
+    columns_of,
+    lines_of,
+    names_of,
+    own_rows,
+    pairs_of,
+    reason_code,
+    reason_text,
+    verdict_of,
+)
 from ...procedures import compared_in
 from .. import figures
 from .output import clean, json_out, table, wrapped

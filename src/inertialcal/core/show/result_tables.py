@@ -11,9 +11,8 @@ from typing import Any
 from ..key import Method
 from ..remarks import Remark
 from ..results import case_of
-from .alternatives import missing_of
-from .names import full_name, quantity_name
 from .rounding import PLAIN, near, number, with_uncertainty
+from .rows import full_name, missing_of, quantity_name
 from .tables import Block, Details, Table
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many

@@ -12,8 +12,8 @@ from ...core.remarks import Remark
 from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded, as_data_errors, check_size
-from ..text.cells import judge
 from ..text.delimited import arrow_numbers, text_in_numbers
+from ..text.layout import judge
 
 MAGIC = b"PAR1"
 CELL = 8  # bytes of a value in memory

@@ -7,8 +7,8 @@ from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import InertialcalError
+from ...core.key import AXES
 from ...core.recording import Channel, Recording
 from ...core.remarks import Remark
 from ...core.units import kind

@@ -17,9 +17,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import divide
 from ...sensors.model.compensate import check_unique

@@ -18,9 +18,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
+from ...core.key import Kind
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
 from .model_format import ImportedModels, ModelFormat, ModelText

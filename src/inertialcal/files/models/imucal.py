@@ -19,9 +19,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Array
+from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import factor, normalise, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel

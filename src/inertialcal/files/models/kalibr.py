@@ -22,9 +22,9 @@ from typing import Any
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Kind
 from ...core.remarks import Remark
 from ...core.units import factor, same_dimension
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel

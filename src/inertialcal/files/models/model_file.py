@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import get_args
 
-from ...core.axes import Kind
 from ...core.errors import DataError, UsageError
+from ...core.key import Kind
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
 from ..source import load

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING
 
-from ...core.axes import Kind
+from ...core.key import Kind
 from ...core.remarks import Remark
 
 if TYPE_CHECKING:

@@ -19,9 +19,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Kind
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import INPUT_UNIT, SensorModel
 from .model_format import ImportedModels, ModelFormat, ModelText

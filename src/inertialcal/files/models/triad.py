@@ -13,9 +13,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.axes import AXES, Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES, Kind
 from ...core.remarks import Remark
 from ...sensors.model.sensor_model import SensorModel
 

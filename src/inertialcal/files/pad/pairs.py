@@ -3,6 +3,8 @@
 A path is such a pair if its name has the archive's form, if it is a header (by its ending, or by its bytes: XML whose
 root is named after an acceleration system), or if a header lies beside it. In a folder all pairs count; where it
 holds none, the folders of the archive's tree below it (``year2014/month10/day22/sams2_accel_121f03``) are gone through.
+
+Axes are those that the header says the data are in, or those of the sensor itself.
 """
 
 from __future__ import annotations
@@ -10,16 +12,17 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from pathlib import Path
+from typing import Literal
 
 import numpy as np
 
-from ...core.errors import DataError
-from ...core.estimate import Numbers
+from ...core.errors import DataError, UsageError
+from ...core.estimate import Array, Numbers
 from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ...core.times import instant_text, read_instant
-from .header import PadHeader
-from .time import Stamps, median_step, rates_agree
+from ...physics.attitude import between
+from .header import PadHeader, Stamps, median_step, rates_agree, read_header
 
 ROOT = re.compile(rb"\s*(?:<\?xml[^>]*>)?\s*<(?:\w+_accel|iss_rad)[\w.-]*[\s>]")
 START = 512  # bytes of a file in which the root stands
@@ -254,3 +257,91 @@ def _disagrees(what: str, where: str) -> DataError:
         do="Fetch both files of the pair again from the archive",
         code="header_disagrees",
     )
+
+
+Frame = Literal["data", "sensor"]
+FRAMES = ("data", "sensor")
+SAME = 1e-9  # of the elements of a matrix, from which two systems have the same axes
+BLOCK = 2**18  # samples
+
+
+def check_frame(frame: str | None) -> None:
+    """Refuse a word that names no coordinate system.
+
+    Raises
+    ------
+    UsageError
+        ``wrong_frame``.
+    """
+    if frame is not None and frame not in FRAMES:
+        raise UsageError(f"frame {frame!r}", do=f"Say one of: {', '.join(FRAMES)}", code="wrong_frame")
+
+
+def C_sensor_data(header: PadHeader) -> Array | None:
+    """Return the matrix that takes components in data axes to those of the sensor; None where axes are not said."""
+    if header.sensor_system is None or header.data_system is None:
+        return None
+    return between(header.sensor_system.C_station_system, header.data_system.C_station_system)
+
+
+def turned(
+    values: list[Numbers], header: PadHeader, frame: str | None, where: str
+) -> tuple[list[Numbers], tuple[Remark, ...]]:
+    """Return the columns with the first three in the axes asked for, in the type that they had.
+
+    Parameters
+    ----------
+    values : list of ndarray, shape (n,)
+        In data axes; changed in place.
+    header : PadHeader
+        Which says both coordinate systems.
+    frame : {"data", "sensor"} or None
+        None is as the data are.
+    where : str
+        File, for messages.
+
+    Raises
+    ------
+    DataError
+        ``no_frames``, if sensor axes are asked for and the header does not say them.
+    """
+    C = C_sensor_data(header)
+    if C is None and frame == "sensor":
+        raise DataError(
+            "sensor axes requested, but the header gives no coordinate systems",
+            where=where,
+            do="Read it without --frame",
+            code="no_frames",
+        )
+    if C is None or np.abs(C - np.eye(3)).max() < SAME:
+        return values, ()
+    if frame != "sensor":
+        what = f"x, y, z are the axes of {header.data_system}, not those of the sensor {header.sensor_system}"
+        do = "For sensor axes, in which its bias and scale factor are defined, add --frame sensor"
+        return values, (Remark("not_sensor_axes", "info", what, where, do=do),)
+    for first in range(0, len(values[0]), BLOCK):
+        part = slice(first, first + BLOCK)
+        vectors = [column[part].astype(np.float64) for column in values[:3]]
+        for axis in range(3):
+            turned_part = C[axis, 0] * vectors[0]
+            for other in (1, 2):
+                turned_part += C[axis, other] * vectors[other]
+            values[axis][part] = turned_part
+    what = f"x, y, z turned from {header.data_system} to the axes of the sensor {header.sensor_system}"
+    return values, (Remark("turned_to_sensor_axes", "info", what, where),)
+
+
+def sensor_frame(path: str | Path) -> Frame | None:
+    """Return ``"sensor"`` for archive records whose axes are not those of their sensor, by the headers alone.
+
+    None for all others, and where a header does not say both systems.
+
+    Raises
+    ------
+    DataError
+        If a header is missing or damaged.
+    """
+    turns = [C_sensor_data(read_header(pair.header)) for pair in pairs_of(path)]
+    known = [C for C in turns if C is not None]
+    differ = any(np.abs(C - np.eye(3)).max() >= SAME for C in known)
+    return "sensor" if differ and len(known) == len(turns) else None

@@ -31,10 +31,18 @@ from ..columns import Content
 from ..reader import ArchiveReader, Request
 from ..time.window import Window, cut_remark, nothing_left
 from .data import FLOAT, Digest, layout_of, read_numbers
-from .frames import check_frame, turned
-from .header import STEPS, PadHeader, applied, change_remarks, gap_remark, header_remarks, read_header, time_remarks
-from .pairs import Pair, check_byte_order, check_pair, pairs_of
-from .time import regenerate
+from .header import (
+    STEPS,
+    PadHeader,
+    applied,
+    change_remarks,
+    gap_remark,
+    header_remarks,
+    read_header,
+    regenerate,
+    time_remarks,
+)
+from .pairs import Pair, check_byte_order, check_frame, check_pair, pairs_of, turned
 
 NAME = "pad"
 JOINED = 0.5  # in intervals: a file that begins so near to the next sample goes on where the last one ended

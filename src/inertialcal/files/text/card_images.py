@@ -16,7 +16,7 @@ from ...signals.programme1969.cards import MeasuredCase, read_cards, series_with
 from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded
-from .encoding import decode
+from .layout import decode
 
 ENDING = ".cards"
 

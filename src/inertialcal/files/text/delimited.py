@@ -18,9 +18,7 @@ from ...core.remarks import Remark
 from ..columns import Column, Content, Rows
 from ..reader import Reader
 from ..source import Loaded
-from .cells import judge
-from .encoding import decode, looks_like_text
-from .layout import Layout, is_blank, sniff, split
+from .layout import Layout, decode, is_blank, judge, looks_like_text, sniff, split
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message

@@ -5,20 +5,30 @@ the share of lines of equal width times the share of cells that are numbers; at 
 ``CANDIDATES`` wins. The header is the first of these lines if no cell of it is a number and it is as wide as
 the rows; failing that the last comment line, if it is. Lines before a header that are neither (an export's
 preamble) are left out and counted.
+
+Text is UTF-8 with a Latin-1 fallback, or UTF-16 by its byte-order mark; binary data is refused.
+
+A column is numbers if it holds no more text than numbers; that text is then an error, which the caller places. A column
+with more text than numbers is text. Whole numbers stay whole (int64) as long as every cell is one.
 """
 
 from __future__ import annotations
 
+import codecs
 import csv
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
 
 from ...core import units
 from ...core.errors import DataError, InertialcalError
 from ...core.remarks import Remark
-from .cells import BLANKS, Decimal, kind
+from ..columns import Rows
 
 SAMPLE = 200  # lines
 CELLS = 50  # of a line that are looked at
@@ -314,3 +324,145 @@ def _sample_rate(comments: list[str]) -> float | None:
         if match and float(match[1]) > 0.0:
             return float(match[1]) * (1e3 if (match[2] or "").lower() == "khz" else 1.0)
     return None
+
+
+CONTROL = bytes(sorted(set(range(1, 32)) - set(b"\t\n\v\f\r\x1a")))  # Ctrl-Z ends a text of CP/M and DOS
+CONTROL_SHARE = 1e-3  # of the bytes, from which it is no text
+BEGINNING = 2**16  # bytes that tell text
+MARKS = ((codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
+
+
+def decode(data: bytes, where: str) -> tuple[str, tuple[Remark, ...]]:
+    r"""Return the text with ``\n`` line ends, without a trailing Ctrl-Z, and what reading it brought up.
+
+    Raises
+    ------
+    DataError
+        If it holds nul bytes or many control characters.
+    """
+    remarks: tuple[Remark, ...] = ()
+    if data.startswith(tuple(mark for mark, _ in MARKS)):
+        text = _utf16(data, where)
+    else:
+        # Raise where bytes are no text
+        at = data.find(b"\x00")
+        if at >= 0:
+            row = data.count(b"\n", 0, at) + 1
+            raise DataError(
+                f"a nul byte at byte {at}",
+                where=f"{where}:{row}",
+                why="binary data in an unknown format, or a text file truncated while it was written",
+                do="Export it as text or Parquet, or delete the damaged end",
+                code="not_text",
+            )
+        controls = len(data) - len(data.translate(None, CONTROL))
+        if controls > CONTROL_SHARE * len(data):
+            raise DataError(
+                f"{controls} control characters in {len(data)} bytes",
+                where=where,
+                why="binary data in an unknown format",
+                do="Export it as text or Parquet",
+                code="not_text",
+            )
+        try:
+            text = data.decode("utf-8-sig")
+        except UnicodeDecodeError as error:
+            text = data.decode("latin-1")
+            remarks = (_not_utf8(data, error.start, where),)
+    if "\r" in text:
+        text = text.replace("\r\n", "\n").replace("\r", "\n")
+    return text.rstrip("\x1a"), remarks
+
+
+def looks_like_text(data: bytes, path: str) -> bool:
+    """Whether the beginning of a file is text, so that `decode` may be tried."""
+    return data.startswith(tuple(mark for mark, _ in MARKS)) or b"\x00" not in data[:BEGINNING]
+
+
+def _utf16(data: bytes, where: str) -> str:
+    try:
+        return data.decode("utf-16").replace("\x00", "\ufffd")
+    except UnicodeDecodeError as error:
+        raise DataError(f"marked as UTF-16, but invalid at byte {error.start}", where=where, code="not_text") from None
+
+
+def _not_utf8(data: bytes, at: int, where: str) -> Remark:
+    row = data.count(b"\n", 0, at) + 1
+    return Remark("not_utf8", "info", f"byte {data[at]:#04x} is not UTF-8: read as Latin-1", where=f"{where}:{row}")
+
+
+Decimal = Literal[".", ","]
+_NAN = (
+    r"(?P<nan>[-+]?(?:nan(?:\(\w*\))?|inf(?:inity)?|1[.,]\#(?:ind|qnan|snan|inf)\w*)"
+    r"|n/?a|\#n/a|null|none)"
+)
+_CELL = r"(?P<integer>-?[0-9]+)|(?P<number>[-+]?(?:[0-9]+(?:{0}[0-9]*)?|{0}[0-9]+)(?:[ed][-+]?[0-9]+)?)|" + _NAN
+CELL = {point: re.compile(_CELL.replace("{0}", re.escape(point)), re.IGNORECASE | re.ASCII) for point in (".", ",")}
+KINDS = {"integer": "i", "number": "f", "nan": "n"}  # by the group that matched
+BLANKS = " \t"
+INT64_DIGITS = 18  # whole numbers of so many digits fit int64 for certain
+
+
+@dataclass(frozen=True, eq=False)
+class Cells:
+    """One column, judged."""
+
+    values: NDArray[Any]  # shape (n,): int64 or float64 (NaN where there is no number), or objects of type str
+    empty: Rows  # Index of the cells of each kind; ``text`` only where the column is numbers
+    not_a_number: Rows  # Index of the cells of each kind; ``text`` only where the column is numbers
+    text: Rows  # Index of the cells of each kind; ``text`` only where the column is numbers
+
+
+def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
+    """Return a column as numbers or text, by the rule of the module head.
+
+    Parameters
+    ----------
+    cells : sequence of str
+        As they stand in the file, without quotes.
+    decimal : {".", ","}
+        Decimal sign.
+    """
+    stripped = [cell.strip(BLANKS) for cell in cells]
+    match = CELL[decimal].fullmatch
+    groups = [m.lastgroup if m else "" for m in map(match, stripped)]
+    kinds = np.array([KINDS[g] if g else "t" if c else "e" for g, c in zip(groups, stripped, strict=True)], "U1")
+    numbers, text = np.isin(kinds, ["i", "f"]), kinds == "t"
+    none = np.empty(0, dtype=np.int64)
+    empty, nan = np.flatnonzero(kinds == "e"), np.flatnonzero(kinds == "n")
+    if text.sum() > numbers.sum():
+        return Cells(np.array(stripped, dtype=object), empty, none, none)
+    if stripped and np.all(kinds == "i") and max(map(len, stripped)) <= INT64_DIGITS:
+        return Cells(np.array(stripped, dtype="S18").astype(np.int64), empty, nan, none)
+    values = np.full(len(stripped), np.nan)
+    at = np.flatnonzero(numbers)
+    values[at] = list(map(float, _plain(" ".join([stripped[i] for i in at]), decimal).split()))
+    bad = text | np.isinf(values)  # beyond the range of float64 is no number that can be used
+    values[np.isinf(values)] = np.nan
+    return Cells(_whole(values, stripped, kinds), empty, nan, np.flatnonzero(bad))
+
+
+def kind(cell: str, decimal: Decimal = ".") -> str:
+    """``i`` whole number, ``f`` number, ``e`` empty, ``n`` NaN, NA or infinity, ``t`` text."""
+    match = CELL[decimal].fullmatch(cell)
+    return KINDS[match.lastgroup or ""] if match else "t" if cell else "e"
+
+
+def to_float(cell: str, decimal: Decimal = ".") -> float:
+    """Return the number in a cell of kind ``i`` or ``f``; infinite where it is out of range."""
+    return float(_plain(cell, decimal))
+
+
+def _plain(text: str, decimal: Decimal) -> str:
+    """Spelling that Python takes: point, and Fortran's exponent as e."""
+    return text.lower().replace("d", "e").replace(decimal, ".")
+
+
+def _whole(values: NDArray[np.float64], stripped: list[str], kinds: NDArray[Any]) -> NDArray[Any]:
+    """As int64 where every cell is a whole number that fits."""
+    if not len(kinds) or not np.all(kinds == "i"):
+        return values
+    try:
+        return np.array([int(cell) for cell in stripped], dtype=np.int64)
+    except (OverflowError, ValueError):  # ValueError: more digits than int() takes
+        return values

@@ -20,11 +20,9 @@ from ...core.show.tables import Block, ending, html, text
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
-from .cells import BLANKS, Decimal, judge, kind, to_float
 from .delimited import cell_columns, column_names, text_in_numbers
-from .encoding import decode
 from .headers import bare_name, heading
-from .layout import sniff
+from .layout import BLANKS, Decimal, decode, judge, kind, sniff, to_float
 
 SHOWN = 4  # cells of a column
 

@@ -13,10 +13,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
-from ...core.key import Key
+from ...core.key import AXES, Key
 from .plan import Plan
 from .readings import Quiet, Readings
 from .separation.equations import AMBIENT, BIAS, CONTROL, QUADRATURE, READING, Separated, directions, rotation

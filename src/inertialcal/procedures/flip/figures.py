@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from ...core.figure import FigureSpec
-from ...core.show.side_by_side import Compared
+from ...core.show.rows import Compared
 
 DRAWN = "inertialcal.report.figures.flip."
 

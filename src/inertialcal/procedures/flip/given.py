@@ -15,13 +15,13 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
+from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark
 from ...core.times import elapsed_text, instant_text
 from ...core.units import convert_as_wide, factor, kind, normalise, parse_quantity
-from ...files.pad.frames import sensor_frame
+from ...files.pad.pairs import sensor_frame
 from ...files.text.table import Table
 from ...files.time.window import Window as Between
 from ...signals.segmentation.turn_windows import turn_windows

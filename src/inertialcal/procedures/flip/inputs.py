@@ -9,9 +9,9 @@ from typing import Any, cast
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.times import read_elapsed, read_instant

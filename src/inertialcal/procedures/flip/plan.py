@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from ...core.axes import AXES
 from ...core.constants import STANDARD_GRAVITY
 from ...core.influence import Influence, Standards
+from ...core.key import AXES
 from ...core.settings import fact, setting
 
 Axis = Literal["x", "y", "z"]

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Row, WrittenRow
-    from ...core.show.sentence import Sentence
+    from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
@@ -129,7 +129,7 @@ class Flip(Procedure[Plan, "Readings", "Result"]):
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the largest bias, and the error of the control axis."""
-        from ...core.show.sentence import Cited, Quoted, error_sentence, estimated, largest, largest_of
+        from ...core.show.rows import Cited, Quoted, error_sentence, estimated, largest, largest_of
 
         biases = largest_of(("bias", "model_bias_error"), rows)
         control = largest(estimated(rows, "control_error"))

@@ -11,8 +11,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.remarks import Remark
 
 Labels = NDArray[Any]

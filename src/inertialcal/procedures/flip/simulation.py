@@ -11,8 +11,8 @@ from dataclasses import dataclass, field, replace
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND
 from .dwells.quiet import Window, quiet_of, stretches
 from .plan import Plan

@@ -10,9 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.campaign_text import Noted
 from ...core.errors import InertialcalError, UsageError
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.units import factor, kind

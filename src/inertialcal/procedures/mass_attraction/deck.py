@@ -28,7 +28,7 @@ from ...core.show.frames import frame_of_rows
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Table, html, text
 from ...files.source import load
-from ...files.text.encoding import decode
+from ...files.text.layout import decode
 from ...signals.programme1969 import cards, reductions
 from ...signals.programme1969.cards import Case, MeasuredCase, Request, read_cards, series_with_gaps
 from ...signals.programme1969.programme import NG, Analysis, run_case, scale_factor

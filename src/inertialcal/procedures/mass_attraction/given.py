@@ -5,8 +5,8 @@ from __future__ import annotations
 from dataclasses import replace
 from pathlib import PurePath
 
-from ...core.axes import AXES
 from ...core.errors import UsageError
+from ...core.key import AXES
 from ...core.units import same_dimension
 from ..given import Described, GivenFile
 from ..given import described as described_by_unit

@@ -13,7 +13,7 @@ from .plan import INFLUENCES, Plan, SaidMass
 if TYPE_CHECKING:
     from ...core.errors import Problem
     from ...core.results import WrittenRow
-    from ...core.show.sentence import Sentence
+    from ...core.show.rows import Sentence
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
     from ..given import Described, GivenFile
     from .entry import MassEntry
@@ -92,7 +92,7 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the scale factor, its difference from that at high g, and the largest null response as a sentence."""
         from ...core.results import case_of
-        from ...core.show.sentence import Cited, estimated, largest
+        from ...core.show.rows import Cited, estimated, largest
         from ...core.show.wording import counted
 
         runs = {case_of(row): row for row in rows if row["quantity"] == "response_amplitude"}

@@ -19,8 +19,8 @@ from ...core.errors import DataError, InertialcalError, StoreError
 from ...core.estimate import Array
 from ...core.units import convert, parse_quantity, same_dimension
 from ...files.source import load
-from ...files.text.encoding import decode
 from ...files.text.headers import bare_name
+from ...files.text.layout import decode
 from ...files.text.table import Table, read_table
 from ...files.write.atomic import atomic_write
 from ...physics.motion.schedule import MERCURY, UNITS, Schedule

@@ -29,9 +29,9 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array, Component, Estimate
+from ...core.key import AXES
 from ...core.remarks import Remark
 from ...core.show.frames import frame
 from ...core.show.result_tables import remarks_line

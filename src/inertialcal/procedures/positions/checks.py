@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.remarks import Remark
 from .fit.linear_sensor import HIDDEN as JUDGED_BY_NOTHING
 from .fit.linear_sensor import Observability

@@ -20,9 +20,9 @@ from itertools import permutations
 import numpy as np
 from scipy import special
 
-from ...core.axes import AXES, Kind
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
+from ...core.key import AXES, Kind
 from ...statistics.closed_loop import AxisLoop
 from . import reduction as positions
 from .fit.at_rest import earth_in_g

@@ -7,8 +7,8 @@ from typing import Annotated, Protocol, cast
 
 from pydantic import AfterValidator, Field
 
-from ...core.axes import AXES
 from ...core.errors import Problem
+from ...core.key import AXES
 from ...core.schema.quantities import Angle, Axis, Strict, Text, Unit
 from ...core.units import kind
 from ..entries import Entry, EntryKey, SaidSensor

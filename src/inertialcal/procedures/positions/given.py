@@ -13,8 +13,8 @@ from typing import Any
 
 import numpy as np
 
-from ...core.axes import AXES, Kind
 from ...core.errors import UsageError
+from ...core.key import AXES, Kind
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import kind, normalise

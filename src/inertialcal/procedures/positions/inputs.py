@@ -12,9 +12,9 @@ from typing import cast
 
 import numpy as np
 
-from ...core.axes import AXES, Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES, Kind
 from ...core.labelled import LabelledPart
 from ...core.recording import SECOND, Channel, Recording
 from ...core.remarks import Remark

@@ -17,9 +17,9 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.labelled import LabelledPart
 from ...core.remarks import Remark
 from ...core.units import factor, parse_quantity

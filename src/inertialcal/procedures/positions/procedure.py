@@ -22,8 +22,8 @@ from .figures import FIGURES
 from .plan import INFLUENCES, FileSettings, Plan, Wanted
 
 if TYPE_CHECKING:
-    from ...core.axes import Kind
     from ...core.errors import Problem
+    from ...core.key import Kind
     from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Row

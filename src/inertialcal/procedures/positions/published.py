@@ -21,10 +21,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.key import Key, Method, Reason
+from ...core.key import AXES, Key, Method, Reason
 from ...core.results import Row
 from ...core.units import normalise
 from .readings import Readings

@@ -16,10 +16,10 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.constants import STANDARD_GRAVITY
 from ...core.errors import Problem
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import Times
 from ...core.remarks import Remark
 from ...physics.earth import normal_gravity

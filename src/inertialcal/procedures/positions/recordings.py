@@ -14,9 +14,9 @@ from typing import Any
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark, gather
 from ...signals.segmentation.dwells import dwell_of

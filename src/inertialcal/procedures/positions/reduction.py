@@ -24,10 +24,10 @@ from typing import Literal
 
 import numpy as np
 
-from ...core.axes import AXES, Kind
 from ...core.curve import Curve
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
+from ...core.key import AXES, Kind
 from ...core.remarks import Remark, gather
 from ...core.results import Row, by_quantity
 from ...core.show.result_tables import estimate_table, remarks_line

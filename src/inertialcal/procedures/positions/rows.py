@@ -11,10 +11,9 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
-from ...core.axes import AXES, Kind
 from ...core.curve import Column, Curve
 from ...core.estimate import Array, Component, Estimate
-from ...core.key import Key, Reason
+from ...core.key import AXES, Key, Kind, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import normalise
 from ...sensors.model.assemble import model_from

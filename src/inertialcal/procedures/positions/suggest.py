@@ -6,8 +6,8 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.campaign_text import Noted
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.units import factor, kind
 from ...files.info.motion import accelerometers, gyros, is_laid, triad

@@ -11,8 +11,8 @@ from typing import Any
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import UsageError
+from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.units import convert, kind, normalise
 from ...files.info.table_columns import Guess, guess

@@ -17,10 +17,9 @@ from typing import cast
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
-from ...core.key import Origin
+from ...core.key import AXES, Origin
 from ...core.recording import SECOND, Recording, Times
 from ...core.remarks import Remark
 from ...core.times import read_instant

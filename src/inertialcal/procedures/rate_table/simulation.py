@@ -6,8 +6,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from .fit.earth_input import with_earth
 from .plan import Plan
 from .readings import Labels, Readings

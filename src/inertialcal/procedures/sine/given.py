@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import replace
 from typing import Any
 
-from ...core.axes import AXES
 from ...core.errors import UsageError
+from ...core.key import AXES
 from ...core.recording import Channel
 from ...core.units import kind, normalise
 from ...files.text.headers import bare_name

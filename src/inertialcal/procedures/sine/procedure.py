@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, cast
 
-from ...core.axes import AXES
+from ...core.key import AXES
 from ..protocol import Command, Correction, Facts, InputSpec, Procedure, Reduced, Source
 from .figures import FIGURES
 from .plan import INFLUENCES, Drive, Plan
 
 if TYPE_CHECKING:
     from ...core.results import Row, WrittenRow
-    from ...core.show.sentence import Sentence
+    from ...core.show.rows import Sentence
     from ..entries import EntryKey
     from ..given import Described, GivenFile
     from .entry import SineEntry
@@ -89,7 +89,7 @@ class Sine(Procedure[Plan, "Readings", "Result"]):
 
     def finding(self, rows: Sequence[WrittenRow]) -> Sentence:
         """Return the largest amplitude."""
-        from ...core.show.sentence import largest_of
+        from ...core.show.rows import largest_of
 
         return largest_of(("amplitude",), rows) or ("No amplitude could be estimated",)
 

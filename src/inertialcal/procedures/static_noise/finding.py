@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.results import WrittenRow
-from ...core.show.names import reason_text
-from ...core.show.sentence import Cited, Quoted, Sentence, estimated, largest
+from ...core.show.rows import Cited, Quoted, Sentence, estimated, largest, reason_text
 from ...core.show.wording import words
 
 TERMS = ("angle_random_walk", "velocity_random_walk", "bias_instability", "gauss_markov_sigma", "rate_random_walk",

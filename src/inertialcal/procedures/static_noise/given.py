@@ -11,8 +11,8 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-from ...core.axes import AXES
 from ...core.errors import DataError, UsageError
+from ...core.key import AXES
 from ...core.recording import Channel
 from ...core.remarks import Remark
 from ...core.units import divide, kind, normalise, parse_quantity, si_unit

@@ -6,8 +6,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Literal
 
-from ...core.axes import Kind
 from ...core.influence import Influence, Standards
+from ...core.key import Kind
 from ...core.settings import fact, setting
 from ...signals.names import Deviation, Method
 

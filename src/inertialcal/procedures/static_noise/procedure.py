@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
-from ...core.axes import AXES
+from ...core.key import AXES
 from ..protocol import (
     BudgetFigure,
     Command,
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from ...core.recording import Recording
     from ...core.remarks import Remark
     from ...core.results import Interval, Row, WrittenRow
-    from ...core.show.sentence import Sentence
+    from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
     from ..given import Described, GivenFile
     from ..protocol import Reduced

@@ -15,11 +15,10 @@ from typing import TYPE_CHECKING, get_args
 import numpy as np
 from scipy import special
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Component, Estimate
 from ...core.influence import Influence, Standards
-from ...core.key import At, Key, Member, Reason
+from ...core.key import At, Key, Kind, Member, Reason
 from ...core.results import Interval, Row, not_estimated
 from ...core.units import FILE_UNIT, normalise
 from ...sensors.noise.fitting.estimator import fit

@@ -22,9 +22,8 @@ from numpy.polynomial import chebyshev
 from numpy.typing import NDArray
 from scipy import linalg
 
-from ...core.axes import AXES
 from ...core.estimate import Array, Component, Estimate
-from ...core.key import Key, Origin, Reason
+from ...core.key import AXES, Key, Origin, Reason
 from ...core.results import Row, not_estimated
 from ...statistics.clustered import clustered_contrasts
 from ...statistics.intervals import chi_square_interval

@@ -14,11 +14,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate, placed_changes
 from ...core.influence import Influence
-from ...core.key import At, Key, Origin
+from ...core.key import AXES, At, Key, Origin
 from ...core.recording import Recording
 from ...core.remarks import Remark
 from ...core.unknowns import Unknowns

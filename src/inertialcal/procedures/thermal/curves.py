@@ -20,10 +20,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.curve import Column, Curve
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...statistics.intervals import coverage_factor
 from .fit.law import Law
 from .fit.quantities import bias_at, earth_along

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from ...core.results import WrittenRow
-from ...core.show.names import reason_code
-from ...core.show.sentence import Cited, Quoted, Sentence, estimated, largest
+from ...core.show.rows import Cited, Quoted, Sentence, estimated, largest, reason_code
 
 OFFSETS = ("vacuum_offset", "bias_shift")
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from ...core.judging import Asked, Verdict
     from ...core.recording import Recording
     from ...core.results import Row, WrittenRow
-    from ...core.show.sentence import Sentence
+    from ...core.show.rows import Sentence
     from ...files.info.survey import Survey
     from ...sensors.model.sensor_model import SensorModel
     from ..entries import SaidTest

@@ -12,9 +12,9 @@ from itertools import pairwise
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
 

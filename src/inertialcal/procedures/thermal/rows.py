@@ -13,9 +13,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ...core.axes import AXES
 from ...core.estimate import Array, Estimate
-from ...core.key import Key, Member, Method, Reason
+from ...core.key import AXES, Key, Member, Method, Reason
 from ...core.results import Row, not_estimated
 from ...core.units import normalise
 from ...sensors.thermal import in_unit, over_voltage

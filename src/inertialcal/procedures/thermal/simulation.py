@@ -8,9 +8,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.polynomial import polynomial
 
-from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from .fit.quantities import earth_along
 from .plan import Plan
 from .recordings import Readings, Sweep

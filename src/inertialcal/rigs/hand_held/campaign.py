@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from ...core.axes import AXES
 from ...core.campaign_text import toml_text
+from ...core.key import AXES
 from ..parts.campaign import Content, campaign_head, channel_entries, standard_tables
 from .setup import Bench
 

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.constants import EARTH_ROTATION_RATE
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.labelled import LabelledPart
 from ..parts.campaign import drawn_error
 from .setup import Bench

@@ -13,8 +13,8 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.labelled import labelled_csv
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor

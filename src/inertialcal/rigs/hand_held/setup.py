@@ -6,9 +6,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Literal
 
-from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 
 RIG_NAMES = {"tumble": "hand_held", "ferraris": "six_faces"}
 

@@ -10,8 +10,8 @@ from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...physics.earth import earth_rate
 from ...sensors.chain.conversion import to_temperature_counts

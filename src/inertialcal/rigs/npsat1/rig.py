@@ -17,9 +17,8 @@ from collections.abc import Callable, Iterator, Mapping
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.estimate import Array
-from ...core.key import At
+from ...core.key import AXES, At
 from ...core.recording import Recording
 from ..parts.gyro_bench import World, draw_world
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench

@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...sensors.catalogue import SLOPE, T_REFERENCE, V_NOMINAL
 from ...sensors.chain.converter import Chain, Thermometer
 from ..parts.gyro_bench import CODES, INVERTED, STANDARDS, STEP, VALID_VOLTS, VOLTS_PER_RAD_S

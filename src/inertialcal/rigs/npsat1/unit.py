@@ -27,8 +27,8 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...sensors.catalogue import B_CONS_DEG_S, B_IN_RUN, SLOPE, T_REFERENCE, V_NOMINAL
 from ...sensors.model.equation import predict
 from ...sensors.model.sensor_model import SensorModel

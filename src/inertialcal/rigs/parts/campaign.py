@@ -6,9 +6,9 @@ from collections.abc import Mapping
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.campaign_text import SCHEMA, Noted
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...core.schema.standards import STANDARDS
 from ...core.units import factor
 from ..protocol import SEAL, SEED

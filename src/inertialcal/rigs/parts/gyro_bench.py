@@ -17,10 +17,10 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy.spatial.transform import Rotation
 
-from ...core.axes import AXES
 from ...core.campaign_text import Noted
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...physics.earth import earth_rate_in_dwell, level_to_table
 from ...sensors.chain.conversion import to_counts
 from ...sensors.chain.converter import Chain

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from ...core.axes import AXES
 from ...core.campaign_text import Noted, toml_text
+from ...core.key import AXES
 from ..parts.campaign import EACH_ERROR, Content, attitude, campaign_head, channel_entries, standard_tables
 from ..parts.gyro_bench import suite_table
 from .setup import Bench

@@ -19,8 +19,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ..parts.gyro_bench import (
     REFERENCE,

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...sensors.chain.converter import Chain
 from ...sensors.model.sensor_model import SensorModel
 from ..parts.gyro_bench import CODES, INVERTED, STANDARDS, STEP, VALID_VOLTS, VOLTS_PER_RAD_S, Gyro

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.campaign_text import Noted, toml_text
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND
 from ..parts.campaign import Content, by_axis, campaign_head, channel_entries, standard_tables
 from .setup import (

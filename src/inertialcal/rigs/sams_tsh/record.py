@@ -19,9 +19,9 @@ from itertools import pairwise
 import numpy as np
 from scipy import signal
 
-from ...core.axes import AXES
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ..parts.campaign import drawn_error
 from ..parts.head_turn import course, felt, swung
 from ..parts.noise import flicker

@@ -14,8 +14,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from ...core.axes import AXES
 from ...core.estimate import Array
+from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...sensors.chain.conversion import to_counts, to_temperature_counts
 from ..protocol import Drawn, Fault, Rig, TrueValue, Twin, on_bench

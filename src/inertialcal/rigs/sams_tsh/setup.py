@@ -7,10 +7,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.constants import STANDARD_GRAVITY
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...sensors.chain.converter import Chain, Thermometer
 
 G = STANDARD_GRAVITY.value  # [m/s^2]

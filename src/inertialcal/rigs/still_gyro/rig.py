@@ -17,10 +17,10 @@ from typing import TypeAlias
 
 import numpy as np
 
-from ...core.axes import AXES
 from ...core.campaign_text import Noted, toml_text
 from ...core.estimate import Array
 from ...core.influence import Influence
+from ...core.key import AXES
 from ...core.recording import SECOND, Channel, Recording
 from ...core.units import factor
 from ...sensors.noise.simulate import simulate

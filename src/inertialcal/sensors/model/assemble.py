@@ -7,9 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
+from ...core.key import Kind
 from ...core.units import factor
 from .sensor_model import SensorModel
 from .terms import FORCE_AXES, PER_AXIS, orders, parameter_keys, with_values

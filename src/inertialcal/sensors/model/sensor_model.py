@@ -33,9 +33,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
+from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
 from ...core.show.tables import Block, Details, Table, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension

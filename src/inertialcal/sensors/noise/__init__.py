@@ -6,7 +6,7 @@ drawn (``expected_variance``, ``sampled_spectrum``), simulated, planned for (``p
 to a filter (``state_space``, ``to_kalibr``, ...). Values are SI inside; ``shown_units`` are those of data sheets.
 """
 
-from ...core.axes import Kind
+from ...core.key import Kind
 from ...core.units import kind_of_unit
 from .expected import continuous_spectrum, expected_variance, sampled_spectrum
 from .fitting.estimator import fit

@@ -48,11 +48,11 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import special
 
-from ...core.axes import Kind
 from ...core.errors import DataError
 from ...core.estimate import Array
+from ...core.key import Kind
 from ...core.units import factor, multiply, power
-from ...signals.allan.dead_time import check_averaging
+from ...signals.allan.gaps import check_averaging
 
 SHORT = 15.0  # averaging over correlation time from which samples two apart are independent (exp(-15))
 SERIES_FROM = 30  # lag from which the dead-time part of flicker is summed as a series

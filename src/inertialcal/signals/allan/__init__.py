@@ -22,6 +22,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from ..names import Deviation, Quantity
 from .channel import (
+    Allan,
     analyse_channel,
     checked_kind,
     checked_names,
@@ -30,9 +31,7 @@ from .channel import (
     code_remarks,
     joined,
 )
-from .curve import Allan
-from .dead_time import check_averaging
-from .gaps import on_grid
+from .gaps import check_averaging, on_grid
 from .taus import Factors, Taus, factors_of
 
 __all__ = ["Allan", "Deviation", "Quantity", "allan", "code_remarks", "on_grid"]

@@ -18,8 +18,7 @@ from ...core.estimate import Array
 from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ..time.samples import Flags
-from .block_statistics import Blocks
-from .level_scatter import LevelScatter
+from .block_statistics import Blocks, LevelScatter
 from .turns import Turn, TurnPlan, Turns
 
 

@@ -32,8 +32,7 @@ from ...core.recording import SECOND, Times
 from ...core.remarks import Remark, Severity
 from ..spikes import clusters, narrowed, peaks
 from ..time.samples import Flags, Indices
-from .block_statistics import Blocks, Signal, block_statistics
-from .level_scatter import LevelScatter, quiet_level
+from .block_statistics import Blocks, LevelScatter, Signal, block_statistics, quiet_level
 from .segments import Detection, Segmentation, detect
 
 SPIKES = {

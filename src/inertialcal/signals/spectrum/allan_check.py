@@ -30,7 +30,7 @@ from ...core.errors import DataError, PlanError
 from ...core.estimate import Array
 from ...core.remarks import Remark
 from ...core.show.rounding import number
-from ..allan.curve import Allan
+from ..allan.channel import Allan
 from .density import Spectrum
 
 MOST_CONTINUED = 0.1  # of the variance, from below the lowest frequency

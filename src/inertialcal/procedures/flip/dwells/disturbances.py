@@ -16,8 +16,8 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.axes import AXES
 from ....core.errors import DataError
+from ....core.key import AXES
 from ....core.recording import SECOND, Recording, Times
 from ....core.remarks import Remark
 from ....signals.segmentation.block_statistics import block_statistics

@@ -14,9 +14,9 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.axes import AXES
 from ....core.errors import DataError, PlanError
 from ....core.estimate import Array
+from ....core.key import AXES
 from ....core.recording import SECOND, Recording, Times
 from ....core.remarks import Remark, gather
 from ....statistics.intervals import coverage_factor

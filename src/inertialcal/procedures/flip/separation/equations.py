@@ -33,10 +33,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....core.key import Key, Reason
+from ....core.key import AXES, Key, Reason
 from ..plan import Plan
 from ..readings import Readings
 

@@ -46,10 +46,9 @@ from functools import lru_cache
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array, Component
-from ....core.key import Key, Origin, Reason
+from ....core.key import AXES, Key, Origin, Reason
 from ....statistics.slow_noise import Blocks, SlowNoise, blocks_of, slow_noise
 from ..plan import INFLUENCES, Plan
 from ..readings import Quiet, Readings

@@ -27,10 +27,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
-from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....core.key import Reason
+from ....core.key import AXES, Reason
 from ....statistics.two_levels import TwoLevels, fit_two_levels
 from ..plan import Plan
 from ..readings import Triad, local_gravity

@@ -13,10 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import linalg
 
-from ....core.axes import AXES
 from ....core.estimate import Array
 from ....core.influence import Influence
-from ....core.key import Key, Origin, Reason
+from ....core.key import AXES, Key, Origin, Reason
 from ....statistics.two_levels import TwoLevels
 
 PAIRS = tuple(a + b for a in AXES for b in AXES)

@@ -25,11 +25,10 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ....core.axes import AXES
 from ....core.constants import STANDARD_GRAVITY
 from ....core.errors import PlanError
 from ....core.estimate import Array
-from ....core.key import Key
+from ....core.key import AXES, Key
 from ..fit.linear_sensor import observe
 
 MOST = 200  # positions that a person lays

@@ -12,10 +12,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.errors import DataError, UsageError
 from ....core.estimate import Array
-from ....core.key import Key, Reason
+from ....core.key import AXES, Key, Reason
 from ....core.remarks import Remark
 from ....core.results import Row, not_estimated
 from ....core.schema.settings import settings_values

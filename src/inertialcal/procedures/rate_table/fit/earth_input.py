@@ -18,10 +18,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.constants import EARTH_ROTATION_RATE
 from ....core.estimate import Array, Estimate
 from ....core.influence import Influence
+from ....core.key import AXES
 from ....physics.earth import axis_earth_rate
 from ..plan import Attitude, Plan
 from ..readings import Readings

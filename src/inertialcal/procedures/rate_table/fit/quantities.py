@@ -24,9 +24,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.estimate import Array, Component, Estimate
-from ....core.key import Key, Origin
+from ....core.key import AXES, Key, Origin
 from ..plan import Plan
 from .earth_input import earth_influences
 from .regression import Line

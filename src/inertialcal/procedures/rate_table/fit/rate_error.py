@@ -25,9 +25,9 @@ from typing import Literal
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array
+from ....core.key import AXES
 from ..plan import Plan
 from ..readings import Readings
 from .quantities import matrix_entry

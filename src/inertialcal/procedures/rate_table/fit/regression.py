@@ -31,9 +31,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.errors import DataError
 from ....core.estimate import Array
+from ....core.key import AXES
 from ....statistics.clustered import clustered_covariance
 from ....statistics.least_squares import Fit, fit
 from ..plan import Plan

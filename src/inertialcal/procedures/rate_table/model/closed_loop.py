@@ -22,9 +22,9 @@ from dataclasses import dataclass
 import numpy as np
 from scipy import special
 
-from ....core.axes import AXES
 from ....core.curve import Column, Curve
 from ....core.estimate import Array
+from ....core.key import AXES
 from ....statistics.closed_loop import AxisLoop
 from ..fit.regression import Line
 from ..readings import Labels, Readings

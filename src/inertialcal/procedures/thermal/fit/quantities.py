@@ -26,10 +26,9 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.polynomial import chebyshev
 
-from ....core.axes import AXES
 from ....core.estimate import Array, Component, Estimate
 from ....core.influence import Influence
-from ....core.key import At, Key, Origin
+from ....core.key import AXES, At, Key, Origin
 from ....core.units import normalise
 from ....physics.earth import OMEGA, earth_rate, level_to_table
 from ....sensors.thermal import over_voltage, powers_of

@@ -20,11 +20,10 @@ from typing import Any
 
 import numpy as np
 
-from ....core.axes import AXES
 from ....core.curve import Column, Curve
 from ....core.errors import DataError
 from ....core.estimate import Array
-from ....core.key import Key, Reason
+from ....core.key import AXES, Key, Reason
 from ....core.results import Row, not_estimated
 from ....statistics.closed_loop import AxisLoop
 from ....statistics.intervals import t_interval

@@ -13,7 +13,7 @@ from matplotlib.axes import Axes
 
 from ....core.results import finite
 from ....core.show.rounding import with_uncertainty
-from ....core.show.side_by_side import pairs_of, verdict_of
+from ....core.show.rows import pairs_of, verdict_of
 from ....procedures.flip.figures import COMPARED
 from ..drawing.data import distinct
 from ..drawing.picture import Picture

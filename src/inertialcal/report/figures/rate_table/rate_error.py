@@ -17,7 +17,7 @@ from matplotlib.axes import Axes
 
 from ....core.estimate import Array
 from ....core.show.rounding import number
-from ....core.show.sentence import Quoted
+from ....core.show.rows import Quoted
 from ....core.show.wording import tally
 from ..drawing.data import Curve, curves, distinct, finite, numbers, unit
 from ..drawing.picture import Picture

@@ -14,8 +14,8 @@ from matplotlib.axes import Axes
 
 from ....core.estimate import Array
 from ....core.results import case_of
-from ....core.show.names import reason_text
 from ....core.show.rounding import with_uncertainty
+from ....core.show.rows import reason_text
 from ....core.show.wording import words
 from ....sensors.noise.terms import GaussMarkov, quantity_name
 from ..drawing.data import Curve, numbers, unit

@@ -18,10 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from ....core.axes import Kind
 from ....core.errors import DataError, PlanError
 from ....core.estimate import Array, Component, Estimate
-from ....core.key import Key
+from ....core.key import Key, Kind
 from ....core.remarks import Remark
 from ....core.results import Interval
 from ....core.show.rounding import number

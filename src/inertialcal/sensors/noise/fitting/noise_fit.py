@@ -5,9 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Literal
 
-from ....core.axes import Kind
 from ....core.estimate import Array, Estimate
-from ....core.key import Key, Reason
+from ....core.key import Key, Kind, Reason
 from ....core.remarks import Remark
 from ....core.results import Interval, Row
 from ....core.show.frames import frame
