@@ -70,7 +70,7 @@ def test_a_moved_mass_says_its_scale_factor_runs_and_null_runs() -> None:
     lost = [row("scale_factor", "x", None), *rows[2:4]]
     assert (
         plain(findings.of_test("mass_attraction", wrap(lost, ""), []))
-        == "The response of two runs is not told from noise"
+        == "The response of two runs cannot be told from noise"
     )
 
 

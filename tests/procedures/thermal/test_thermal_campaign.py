@@ -21,7 +21,7 @@ from inertialcal.campaign.twins.fitted import fitted_tests
 from inertialcal.campaign.twins.score import coverage, score
 from inertialcal.campaign.twins.twin import simulate
 from inertialcal.core.errors import DataError, InertialcalError, PlanError
-from inertialcal.core.show.rows import case_name, quantity_name, reason_text
+from inertialcal.core.show.rows import case_name, quantity_name
 from inertialcal.procedures import procedure_of
 from inertialcal.procedures.thermal import reduction as thermal
 from inertialcal.rigs import RIGS
@@ -113,12 +113,12 @@ def test_the_sequence_the_standards_and_the_exclusions_tell_of_it(outcome: Outco
 
 
 def test_budgets_add_up_to_the_figures(outcome: Outcome) -> None:
-    sums: dict[tuple[str, str, str], float] = {}
+    sums: dict[tuple[str, str, str, int], float] = {}
     for one in outcome.results["budgets"]:
-        key = (one["test"], one["quantity"], one["axis"])
+        key = (one["test"], one["quantity"], one["axis"], one["power"])
         sums[key] = sums.get(key, 0.0) + one["u"] ** 2
     for key, total in sums.items():
-        (row,) = [r for r in rows_of(outcome, test=key[0], quantity=key[1], axis=key[2])
+        (row,) = [r for r in rows_of(outcome, test=key[0], quantity=key[1], axis=key[2], power=key[3])
                   if case_name(r) in (AIR, VACUUM)]  # fmt: skip
         assert np.sqrt(total) == pytest.approx(row["u"], rel=1e-9), key
 
@@ -282,7 +282,7 @@ def test_a_requirement_wider_than_the_ramps_is_inconclusive(folder: Path, tmp_pa
     assert found.exit_status == 4
     outside = [one for one in found.results["verdicts"] if one["at"] < -31.0]
     assert outside
-    assert all("outside the range of the ramps" in reason_text(one) for one in outside)
+    assert all("outside the range of the ramps" in one["reason"] for one in outside)
 
 
 @pytest.mark.parametrize(("old", "new", "what"), [

@@ -77,7 +77,7 @@ def test_without_time_nothing_is_said_of_lag() -> None:
     blind = replace(found, sweeps=tuple(replace(one, time=None) for one in found.sweeps))
     paths = reduced(blind).paths
     assert paths.word == "unclear"
-    assert "no time is known" in paths.hysteresis.reason
+    assert "no time column" in paths.hysteresis.reason
     assert paths.difference.value == pytest.approx(0.005, abs=5e-4)
     assert paths.rates == ()
 
