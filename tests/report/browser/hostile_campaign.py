@@ -125,6 +125,15 @@ def document() -> dict[str, Any]:
                 "orientations": list(FACES * 2),
                 "sections": "",
             },
+            "rested": {
+                "sensor": "unit",
+                "rests": {
+                    "reading": dict.fromkeys(AXES, ""),
+                    "unit": "m/s2",
+                    "scatter": dict.fromkeys(AXES, ""),
+                    "direction": dict.fromkeys(AXES, ""),
+                },
+            },
         },
         "tests": [
             {"id": "rows", "procedure": "rate_table", "recordings": ["table"], "groups": [0, 1], "plan": plan},
@@ -147,6 +156,7 @@ def document() -> dict[str, Any]:
             },
             {"id": "drive", "procedure": "sine", "recordings": ["driven"], "use": "report_only"},
             {"id": "laid", "procedure": "positions", "recordings": ["laid"], "use": "report_only"},
+            {"id": "rested", "procedure": "positions", "recordings": ["rested"], "use": "report_only"},
         ],
         "requirements": [
             {"id": "R1", "quantity": "rate_error", "limit": "5 %"},
@@ -201,7 +211,7 @@ def filled(give: Give) -> dict[str, Any]:
     made["tests"][0]["groups"] = [one.strip(" \t") for one in made["tests"][0]["groups"]]  # as cells are
     made["requirements"][0]["condition"] = made["tests"][0]["condition"]
     del made["requirements"][2]["condition"]  # R1 is about the first test, R2 about none, R3 about all
-    for name in ("table", "means", "lines"):
+    for name in ("table", "means", "lines", "rested"):
         del made["recordings"][name]["run"]  # a table has a column of runs, or of flips, instead
     for name in made["recordings"].keys() - {"laid"}:
         del made["recordings"][name]["sections"]
@@ -257,6 +267,8 @@ def write(folder: Path, made: dict[str, Any], runs: tuple[str, ...]) -> Path:
     write_schedule(folder / driven["drive"]["schedule"], MOVED)
     laid = made["recordings"]["laid"]
     _save(folder / laid["file"], _laid(laid))
+    rested = made["recordings"]["rested"]
+    _save(folder / rested["file"], _rested(rested["rests"]))
     (folder / laid["sections"]).parent.mkdir(parents=True, exist_ok=True)
     (folder / laid["sections"]).write_text(json.dumps(_sections()), encoding="utf-8")
     return folder
@@ -312,6 +324,17 @@ def _laid(laid: dict[str, Any]) -> dict[str, Any]:
     readings = 9.79 * up + place + rng.normal(0.0, 5e-3, up.shape)
     columns = {laid["channels"][axis]["column"]: readings[:, i] for i, axis in enumerate(AXES)}
     return {laid["clock"]["column"]: np.arange(len(up)) / 50.0, **columns}
+
+
+def _rested(rests: dict[str, Any]) -> dict[str, Any]:
+    rng = np.random.default_rng(8)
+    up = np.vstack([np.eye(3)[AXES.index(face[0])] * float(f"{face[1]}1") for face in FACES * 2])
+    readings = 9.79 * up + rng.normal(0.0, 1e-3, up.shape)
+    columns = {rests["orientation"]: list(FACES * 2), rests["samples"]: np.full(len(up), LAID)}
+    for i, axis in enumerate(AXES):
+        columns |= {rests["reading"][axis]: readings[:, i], rests["scatter"][axis]: np.full(len(up), 5e-3),
+                    rests["direction"][axis]: up[:, i]}  # fmt: skip
+    return columns
 
 
 def _sections() -> dict[str, Any]:

@@ -6,6 +6,7 @@ the procedures declare (`procedures.entries`).
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_type_hints
 
 from pydantic import Field, create_model, field_validator, model_validator
@@ -26,8 +27,8 @@ class Clock(Strict):
     interval: Duration | None = None
     averaging: Duration | None = None
     sample_rate: Frequency | None = None
-    start: Text | None = None
-    stop: Text | None = None
+    start: str | None = None
+    stop: str | None = None
     mission_start: str | None = None
 
     @field_validator("mission_start")
@@ -37,6 +38,21 @@ class Clock(Strict):
             read_instant(given)
         return given
 
+    @field_validator("start", "stop")
+    @classmethod
+    def _bound(cls, given: str | None) -> str | None:
+        """Take an instant, elapsed time of a mission, or seconds on the clock of the file."""
+        if given is not None and not _is_number(given):
+            read_instant(given, mission_start=0)
+        return given
+
+
+def _is_number(text: str) -> bool:
+    try:
+        return math.isfinite(float(text))
+    except ValueError:
+        return False
+
 
 class ChannelEntry(Strict):
     """NAME = { column, unit } in ``channels``; what a sample adds up to, and a scale factor, of a sensor at rest."""
@@ -44,7 +60,7 @@ class ChannelEntry(Strict):
     column: Text
     unit: UnitOrNone = ""
     quantity: Literal["increment", "angle"] | None = None
-    scale_factor: Text | None = None
+    scale_factor: str | None = None
 
     @model_validator(mode="after")
     def _scaled(self) -> ChannelEntry:
