@@ -96,6 +96,8 @@ def test_schedule_gives_the_scale_factor(tmp_path: Path, pulses: str) -> None:
     assert scale.unit == "1/s/(m/s^2)"
     assert scale.value == pytest.approx(amplitude.value / APPLIED)  # type: ignore[operator]
     assert scale.u == pytest.approx(np.hypot(amplitude.u / APPLIED, 0.01 * scale.value))  # type: ignore[operator]
+    own = amplitude.dof * (scale.u / (amplitude.u / APPLIED)) ** 4  # type: ignore[operator]
+    assert scale.dof == pytest.approx(own)  # Welch and Satterthwaite: what was applied is known in size
 
 
 def test_samples_of_a_dwell_are_averaged_and_those_of_a_move_left_out(tmp_path: Path) -> None:

@@ -121,6 +121,16 @@ def test_pairs_and_model_agree_on_white_noise() -> None:
     assert "quiet stretches as long" in pairs.components[0].source
 
 
+def test_the_uncertainty_in_white_noise_is_that_of_two_means() -> None:
+    """Half the difference of two means over a time T has the variance S / (4 T) in white noise of one-sided density."""
+    variances = []
+    for seed in range(1, 61):
+        estimate = reduce(Plan(), simulate(Plan(), TRUTH, np.random.default_rng(seed))).estimate
+        assert estimate is not None
+        variances.append(estimate.u[estimate.names.index("control_error_x")] ** 2)
+    assert np.mean(variances) * 4.0 * TRUTH.dwell / TRUTH.white == pytest.approx(1.0, rel=0.2)
+
+
 def test_a_record_that_shows_no_noise_gives_no_uncertainty() -> None:
     plan = Plan()
     truth = replace(TRUTH, record=700.0, dwell=300.0)

@@ -130,6 +130,31 @@ def test_a_regressed_tilt_finds_its_share_from_the_readings() -> None:
     assert row(result, "scale_factor").value == pytest.approx(S, rel=2e-3)
 
 
+def test_the_coefficient_of_a_regressed_tilt_is_as_uncertain_as_noise_over_tilt_makes_it() -> None:
+    """White readings of scatter s, white tilt of scatter w, n dwells: u(p) = s / (w sqrt(n))."""
+    of, parts = schedule(), []
+    for seed in range(1, 31):
+        rng = np.random.default_rng(seed)
+        tilt = 1e-8 * rng.standard_normal(100) + 3e-8 * shape_of(of)
+        x = 170.0 + S * (of.applied + G * tilt) + 0.1 * rng.standard_normal(100)
+        (response,) = reduce(Plan(nominal=S, tilt="regressed"), Readings((Run("1", of, x, tilt),))).responses
+        assert response.fitted is not None
+        parts.append((response.u**2 - response.fitted.u**2) / response.tilt**2)
+    assert np.sqrt(np.mean(parts)) == pytest.approx(0.1 / (1e-8 * np.sqrt(100.0)), rel=0.2)
+
+
+def test_the_doubt_about_the_high_g_scale_factor_is_in_the_difference_from_it() -> None:
+    """Of ``S / H - 1`` the slope by H is ``-S / H^2``."""
+    readings, high = Readings((run(np.random.default_rng(1)),)), 0.9 * S
+    exact, doubtful = (row(reduce(replace(PLAN, high_g=HighG(high, u)), readings), "high_g_difference")
+                       for u in (0.0, 0.02 * high))  # fmt: skip
+    scale = row(reduce(PLAN, readings), "scale_factor").value
+    assert exact.u is not None
+    assert doubtful.u is not None
+    assert scale is not None
+    assert doubtful.u**2 - exact.u**2 == pytest.approx((0.02 * scale / high) ** 2, rel=1e-9)
+
+
 def test_what_the_noise_of_the_meter_leaves_of_a_regressed_tilt_is_told_and_counted() -> None:
     """Half of the variance of the meter is noise: half of a tilt in phase stays, whatever its sense."""
     of, tau = schedule(u=0.0), 3e-9

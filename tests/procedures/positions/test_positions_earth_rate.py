@@ -64,3 +64,11 @@ def test_it_is_no_scatter_where_the_gyros_are_good(readings: Readings) -> None:
     assert gyro.rest.between is not None
     assert np.all(gyro.rest.between < 0.02 * EARTH_ROTATION_RATE.value)
     assert LEVEL in {one.name for one in gyro.sensor.sources}
+
+
+def test_the_vertical_earth_rate_is_no_g_sensitivity(readings: Readings) -> None:
+    """It goes with gravity through every position, and is far larger than what the g-sensitivity is known to."""
+    gyro = reduce(PLAN, readings).gyro
+    assert gyro is not None
+    vertical = EARTH_ROTATION_RATE.value * np.sin(0.8) / G
+    assert gyro.sensor.g_sensitivity == pytest.approx(QUIET.g_sensitivity, abs=0.05 * vertical)
