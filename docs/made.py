@@ -10,13 +10,19 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+from click import Context
+from typer.main import get_command
+
 import inertialcal
 from inertialcal.campaign.calls.call import settings_by_group
+from inertialcal.cli.app import app
 from inertialcal.core.settings import Setting, settings_of
 from inertialcal.core.units import factor, parse_quantity
 from inertialcal.procedures import BUILT_IN, procedure_of
 
 FILE = Path(inertialcal.__file__).parent / "campaign" / "calls" / "nouns.pyi"
+COMMANDS = get_command(app)
+VALUES = {"output": " FILE", "campaign": " FOLDER", "figure": " NAME", "figure_axis": " AXIS"}
 PAGES = Path(__file__).parent / "procedures"
 OF_PLANNERS = ("positions_planning.md", "mass_attraction.md")  # their settings are of another list
 HEAD = '''"""Made by docs/made.py of the settings of each procedure: do not edit."""
@@ -100,7 +106,7 @@ def table(kind: type[object]) -> list[str]:
     return lines
 
 
-def page(text: str, tables: Mapping[str, type[object]]) -> str:
+def page(text: str, tables: Mapping[str, type[object] | list[str]]) -> str:
     """Return a page whose tables, each the first after its mark at the start of a line, are made anew."""
     lines = text.split("\n")
     for mark, kind in tables.items():
@@ -109,8 +115,27 @@ def page(text: str, tables: Mapping[str, type[object]]) -> str:
             continue
         first = next(i for i in range(at, len(lines)) if lines[i].startswith("|"))
         last = next(i for i in range(first, len(lines)) if not lines[i].startswith("|"))
-        lines[first:last] = table(kind)
+        lines[first:last] = kind if isinstance(kind, list) else table(kind)
     return "\n".join(lines)
+
+
+def options(word: str) -> list[str]:
+    """Return the lines of the table of a noun's options."""
+    lines = ["| option | meaning |", "|---|---|"]
+    for one in COMMANDS.get_command(Context(COMMANDS), word).params:
+        if one.param_type_name == "argument":
+            lines.append(f"| `{str(one.name).upper()}` | {one.help} |")
+            continue
+        names = [*one.opts, *one.secondary_opts]
+        value = "" if one.is_flag or one.secondary_opts or one.name == "help" else VALUES.get(str(one.name), " VALUE")
+        shown = ", ".join(f"`{name}{value}`" for name in names)
+        lines.append(f"| {shown} | {escaped(one.help or '')} |")
+    return [*lines, "| `--help` | Show the options. |"]
+
+
+def escaped(text: str) -> str:
+    """Return text that does not end a cell."""
+    return text.replace("|", "\\|")
 
 
 def made() -> dict[Path, str]:
@@ -122,6 +147,9 @@ def made() -> dict[Path, str]:
         marks |= {f"`{one.name}`:": one.table for one in settings_of(plan) if one.table is not None}
         for path in sorted(PAGES.glob(f"{name}*.md")):
             found[path] = page(path.read_text(encoding="utf-8"), marks)
+        for declared in procedure_of(name).commands:
+            path = PAGES.parent / "commands" / f"{declared.word}.md"
+            found[path] = page(path.read_text(encoding="utf-8"), {"## Options": options(declared.word)})
     return {path: content for path, content in found.items() if path.name not in OF_PLANNERS}
 
 

@@ -63,7 +63,7 @@ def registry(monkeypatch: pytest.MonkeyPatch, folder: Path) -> Registry[Rig]:
 def test_names_and_titles_are_known_without_loading_a_rig() -> None:
     code = (
         "import sys\nfrom inertialcal.rigs import RIGS, titles\n"
-        "from inertialcal.cli.rig_names import rigs_beginning\n"
+        "from inertialcal.cli.options import rigs_beginning\n"
         "print(list(RIGS), titles(), rigs_beginning('s'), 'mesa' in RIGS)\n"
         f"print('LOADED', [name for name in {HEAVY!r} if name in sys.modules],"
         " [name for name in sys.modules if name.endswith('.rig')])\n"
