@@ -124,9 +124,7 @@ def test_what_the_file_says_was_applied_is_not_applied_again() -> None:
     assert done.channel("y").data == pytest.approx([0.0], abs=1e-12)
     assert done.channel("x").data == pytest.approx([1200.0 * 2e-3 * UG])  # predicted: 900 - 2e-3 * 1200 ug
     said = {one.code: one.what for one in done.remarks}
-    assert (
-        said["applied_before"] == "scale factor and misalignment of the ground model not applied: that was done before"
-    )
+    assert said["applied_before"].startswith("scale factor and misalignment of the ground model not applied")
     assert "ground_model" in said
 
 
@@ -216,7 +214,7 @@ def test_a_model_file_gives_what_its_polynomials_give(simulated: Path, edited: E
         (('order = "bias_first"', 'order = "jointly"\nmodel = "a.json"'), "ground and model: give one of them"),
         (("ground.gains.100]", "ground.gains.high]"), "gains.high"),
         (('reference_temperature = "18 degC"', 'reference_temperature = "18 m"'), "chain.ground"),
-        (("misalignment = { xy", "misalignment = { xx"), "xx"),
+        (('\nxy = ["0.0', '\nxx = ["0.0'), "xx"),
         (('procedure = "flip"', 'procedure = "rate_table"'), "has a ground model in its chain"),
     ],
 )
@@ -246,5 +244,5 @@ def test_a_gain_without_polynomials_is_refused_with_those_there_are(edited: Edit
 
 
 def test_without_the_temperature_a_model_in_temperature_is_refused(edited: Edit) -> None:
-    channels = ", ".join(f'temperature_{a} = {{ column = "temperature_{a}", unit = "count" }}' for a in "xyz")
-    assert "no temperature of the head" in refused(lambda: run(edited((", " + channels, "")), write=False))
+    channels = "".join(f'temperature_{a} = {{ column = "temperature_{a}", unit = "count" }}\n' for a in "xyz")
+    assert "no temperature of the head" in refused(lambda: run(edited((channels, "")), write=False))

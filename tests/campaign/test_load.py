@@ -34,7 +34,7 @@ def test_a_good_campaign_is_read_in_si(campaign: Write) -> None:
         ('range = ["-10 deg/s"', 'rnage = ["-10 deg/s"', 12, "Did you mean range?"),
         ('plan = { axis = "x"', 'plan = { axes = "x"', 22, "Did you mean axis?"),
         ('unit = "deg/s"\nrange', 'unit = "furlong/s"\nrange', 11, "furlong"),
-        ('kind = "gyro"', 'kind = "gyroscope"', 9, "'gyro' or 'accelerometer'"),
+        ('kind = "gyro"', 'kind = "gyroscope"', 9, "'gyro', 'accelerometer' or 'other'"),
         ("schema = 2", "schema = 1", 1, "Set schema = 2"),
         ('u = "0.05 %"', 'u = "0.05"', None, ""),
         ('u = "0.05 %"', 'u = "0.05 deg"', 7, "deg"),

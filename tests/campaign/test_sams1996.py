@@ -113,7 +113,7 @@ def test_side_by_side_stands_in_the_report_with_its_figure(folder: Path, results
     }  # fmt: skip
     assert page.count("Two ground models side by side, in the same dwells") == len(against)
     assert page.count("<svg") >= len(against)
-    assert "in the 4 dwells that both have" in reason_text(rows["corrected", "model_bias_error_change", "y", ""])
+    assert "in the 4 common dwells" in reason_text(rows["corrected", "model_bias_error_change", "y", ""])
     assert reason_text(rows["new_model", "model_bias_error_change", "y", ""]) == "less old_model, dwell by dwell"
 
 
