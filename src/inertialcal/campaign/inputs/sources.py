@@ -129,7 +129,7 @@ class Ready:
     """A source: an entry of a store with its sensor, as ``procedures.protocol.Source`` has it."""
 
     store: Store
-    name: str
+    name: str  # In the campaign
     entry: RecordingEntry
     sensor: Sensor
     facts: Facts
@@ -393,9 +393,9 @@ def _thermometers(sensor: Sensor) -> dict[str, tuple[float, float, float]] | Non
 class Origin:
     """One recording of a test."""
 
-    name: str  # In the campaign; path in its folder; hash of the file
-    file: str  # In the campaign; path in its folder; hash of the file
-    sha256: str  # In the campaign; path in its folder; hash of the file
+    name: str  # In the campaign
+    file: str  # Path in its folder
+    sha256: str  # Of the file
     kind: Literal["table", "recording"]  # Rows are dwells, or samples
     rows: int  # In the file
     chosen: int  # Of them, inside the groups and windows of the test

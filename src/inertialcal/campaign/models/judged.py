@@ -24,8 +24,8 @@ NOT_RUN = "not run"
 class ResidualLoop:
     """One axis of a test held out of which no model is made."""
 
-    test: str  # Held out, and fitted
-    against: str  # Held out, and fitted
+    test: str  # Held out
+    against: str  # Fitted
     loop: AxisLoop  # Before, after, verdict
 
 
@@ -63,7 +63,7 @@ class JudgedModel:
 class Residual:
     """What the result of one test leaves of readings that another one of its procedure holds out."""
 
-    against: str  # Test that was fitted
+    against: str  # Fitted
     found: HeldOut  # Rows, curves and loops
 
 

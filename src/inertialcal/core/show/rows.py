@@ -188,8 +188,8 @@ class Compared:
     other: str  # Quantity: error of the other test
     change: str  # Quantity: this error less the other
     reduction: str  # Quantity: how much nearer to zero this one is
-    title: str  # Of a table for a terminal, and for a report
-    caption: str  # Of a table for a terminal, and for a report
+    title: str  # Of a table for a terminal
+    caption: str  # Of a table for a report
 
     @property
     def roles(self) -> dict[str, str]:

@@ -25,11 +25,11 @@ class ChannelSurvey:
     name: str  # As ``core.recording.Channel`` has them; unit None when nobody said
     axis: str  # As ``core.recording.Channel`` has them; unit None when nobody said
     quantity: str  # As ``core.recording.Channel`` has them; unit None when nobody said
-    unit: str | None  # As ``core.recording.Channel`` has them; unit None when nobody said
+    unit: str | None  # As ``core.recording.Channel`` has it; None when nobody said
     unit_from: str  # As ``core.recording.Channel`` has them; unit None when nobody said
     dtype: str  # Type of the stored numbers
-    count: int  # Samples, and how many of them have no number
-    missing: int  # Samples, and how many of them have no number
+    count: int  # Samples
+    missing: int  # Samples that have no number
     minimum: float | None = None  # In the unit of the channel; None where there is no number
     maximum: float | None = None  # In the unit of the channel; None where there is no number
     mean: float | None = None  # In the unit of the channel; None where there is no number
@@ -153,7 +153,7 @@ class Hint:
     """A unit that the numbers suggest."""
 
     target: str  # Group or column, as ``--unit`` takes it
-    unit: str  # Suggested; empty where nothing suggests one
+    unit: str  # As ``core.recording.Channel`` has it; None when nobody said
     reason: str  # Why
 
     def __str__(self) -> str:

@@ -65,14 +65,14 @@ class PadHeader:
     sample_rate: float  # [Hz]
     number_type: str  # ``"<f4"``, ``">f4"``, or ``""`` for text
     data_file: str  # Name that GData gives to the data file; empty where it gives none
-    gain: float | None  # Gain of the chain, and cutoff of its filter [Hz], where they are said
-    cutoff: float | None  # Gain of the chain, and cutoff of its filter [Hz], where they are said
-    bias: tuple[float, ...] | None  # BiasCoeff and ScaleFactor of x, y, z, where they are said
-    scale_factor: tuple[float, ...] | None  # BiasCoeff and ScaleFactor of x, y, z, where they are said
-    sensor_system: CoordinateSystem | None  # Of the head's axes, and of the axes that the data are given in
-    data_system: CoordinateSystem | None  # Of the head's axes, and of the axes that the data are given in
-    quality: str  # DataQualityMeasure (what was applied) and ISSConfiguration
-    configuration: str  # DataQualityMeasure (what was applied) and ISSConfiguration
+    gain: float | None  # Of the chain, where the header says it
+    cutoff: float | None  # Of its filter [Hz], where the header says it
+    bias: tuple[float, ...] | None  # BiasCoeff of x, y, z, where the header says it
+    scale_factor: tuple[float, ...] | None  # ScaleFactor of x, y, z, where the header says it
+    sensor_system: CoordinateSystem | None  # Of the head's axes
+    data_system: CoordinateSystem | None  # Of the axes that the data are given in
+    quality: str  # DataQualityMeasure: what was applied
+    configuration: str  # ISSConfiguration
 
 
 def read_header(path: Path) -> PadHeader:

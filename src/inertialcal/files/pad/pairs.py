@@ -115,8 +115,8 @@ NAME = re.compile(rf"(?P<start>{STAMP})(?P<sign>[+-])(?P<stop>{STAMP})\.(?P<sens
 class PadName:
     """What the name of a data file says."""
 
-    start: int  # First and last sample [ns since 1970 UTC]
-    stop: int  # First and last sample [ns since 1970 UTC]
+    start: int  # First sample [ns since 1970 UTC]
+    stop: int  # Last sample [ns since 1970 UTC]
     contiguous: bool  # Whether the file goes on where the one before it ended
     sensor: str  # Behind the last dot
 

@@ -72,8 +72,8 @@ class Layout:
     width: int  # Cells in a row
     names: tuple[str, ...]  # One a column; empty text where there is none
     units: tuple[str, ...]  # One a column; empty text where there is none
-    start: int  # Offset of the first character of the first data row, and its row in the file
-    row: int  # Offset of the first character of the first data row, and its row in the file
+    start: int  # Offset of the first character of the first data row
+    row: int  # Of the first data row in the file
     comment: tuple[str, ...]  # Starts of a comment line
     across: bool = False  # Whether the only line is a series of numbers
     sample_rate: float | None = None  # As comments say it [Hz]

@@ -31,8 +31,8 @@ class Readings:
     # shape (n,): standard deviation of the samples within the dwell [rad/s]; NaN or absent where not given
     scatters: Mapping[str, Array] = field(default_factory=dict[str, Array])
     samples: Array | None = None  # shape (n,): number of samples of a dwell
-    group: Labels | None = None  # shape (n,): sample set and run; empty where not given
-    run: Labels | None = None  # shape (n,): sample set and run; empty where not given
+    group: Labels | None = None  # shape (n,): sample set; empty where not given
+    run: Labels | None = None  # shape (n,): power-up; empty where not given
     where: tuple[str, ...] = ()  # Place of each row, for messages
     sensors: tuple[str, ...] = ()  # Axes of all sensors of the unit, read or not
     # shape (n, 3): earth rate along the body axes x, y, z, mean over each dwell [rad/s]; to be added to the
@@ -90,8 +90,8 @@ NO_ROW = -1
 class TracedDwells:
     """Dwells cut from a recording, by their start."""
 
-    start: Array  # shape (d,): first and last sample used, since the first sample of the recording [s]
-    stop: Array  # shape (d,): first and last sample used, since the first sample of the recording [s]
+    start: Array  # shape (d,): first sample used, since the first sample of the recording [s]
+    stop: Array  # shape (d,): last sample used, since the first sample of the recording [s]
     level: Array  # shape (d,): mean reading, nothing subtracted [rad/s]; NaN where no sample is valid
     applied: Array  # shape (d,): rate of the table [rad/s]
     # shape (d,): row in the Readings of the test; -1 where the dwell was taken as reference at rest
@@ -106,8 +106,8 @@ class Trace:
     sensor: str  # Whose level the dwells have: of the axis that was turned, or the first there is
     names: tuple[str, ...]  # Channels [rad/s]
     time: Array  # shape (b,): of each bin, since the first sample [s]
-    lo: Array  # shape (b, channels): least and largest value [rad/s]; NaN in a gap
-    hi: Array  # shape (b, channels): least and largest value [rad/s]; NaN in a gap
+    lo: Array  # shape (b, channels): least value [rad/s]; NaN in a gap
+    hi: Array  # shape (b, channels): largest value [rad/s]; NaN in a gap
     dwells: TracedDwells  # What was cut from it
 
     def shifted(self, rows: int) -> Trace:

@@ -24,10 +24,10 @@ class Truth:
     # shape (r,): signed rates of each axis in each run [rad/s]
     rates: Array = field(default_factory=lambda: np.radians([-4.0, -2.0, -0.5, 0.5, 2.0, 4.0]))
     runs: int = 5  # Power-ups; each goes through all axes and rates
-    sample_std: float = 7e-5  # Scatter of a sample within a dwell, and of a dwell within a run [rad/s]
-    dwell_std: float = 2e-5  # Scatter of a sample within a dwell, and of a dwell within a run [rad/s]
-    run_bias_std: float = 3e-5  # Scatter of bias [rad/s] and of scale factor (1) from run to run
-    run_scale_std: float = 1e-4  # Scatter of bias [rad/s] and of scale factor (1) from run to run
+    sample_std: float = 7e-5  # Scatter of a sample within a dwell [rad/s]
+    dwell_std: float = 2e-5  # Scatter of a dwell within a run [rad/s]
+    run_bias_std: float = 3e-5  # Scatter of the bias from run to run [rad/s]
+    run_scale_std: float = 1e-4  # Scatter of the scale factor from run to run (1)
     samples: int = 30  # Of a dwell
     axes: tuple[str, ...] = AXES  # Axes that are turned
 

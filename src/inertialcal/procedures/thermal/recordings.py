@@ -34,7 +34,7 @@ class ThermalRecording:
     # [V], ``pressure`` [Pa] where there are any.
     recording: Recording
     run: str = ""  # Power-up; empty where not given
-    name: str = ""  # Of the recording, for messages and figures
+    name: str = ""  # Of the recording
 
 
 def readings_from(warmed: Sequence[ThermalRecording], unit: str = "rad/s") -> Readings:
@@ -171,9 +171,9 @@ def _name(one: ThermalRecording) -> str:
 class Sweep:
     """One recording of a unit at rest while its temperature changed."""
 
-    name: str  # Of the recording; its power-up, empty where not given; its file, for messages
-    run: str  # Of the recording; its power-up, empty where not given; its file, for messages
-    place: str  # Of the recording; its power-up, empty where not given; its file, for messages
+    name: str  # Of the recording
+    run: str  # Power-up; empty where not given
+    place: str  # File, for messages
     time: Array | None  # shape (n,): since power-up [s]; None where no time is known
     temperature: Mapping[str, Array]  # shape (n,): of each axis' sensor [degC]
     outputs: Mapping[str, Array]  # shape (n,): reading of each axis [rad/s] or [m/s^2]; NaN where missing

@@ -54,10 +54,8 @@ class LinearSensor:
     values: Array  # shape (12,): in the order of the module head
     sources: tuple[Source, ...]  # Their covariances add; in the same order
     reasons: Mapping[int, Reason]  # Number -> why it is not estimated
-    # shape (3,): scale factor [unit of the readings/input unit] and reading for no input [unit of the readings]
-    ideal: Array
-    # shape (3,): scale factor [unit of the readings/input unit] and reading for no input [unit of the readings]
-    zero: Array
+    ideal: Array  # shape (3,): scale factor [unit of the readings/input unit]
+    zero: Array  # shape (3,): reading for no input [unit of the readings]
     named: tuple[Key, ...] = field(default=(*MATRIX, *BIAS))
 
     @property
@@ -193,8 +191,8 @@ def propagated(back: Array, covariance: Array) -> Array:
 class Observability:
     """What readings determine."""
 
-    rank: int  # Combinations that are determined, of how many
-    count: int  # Combinations that are determined, of how many
+    rank: int  # Combinations that are determined
+    count: int  # Combinations in all
     condition: float  # Largest over smallest singular value of these
     determined: NDArray[np.bool_]  # shape (p,): parameters that take no part in a combination that is not
     kept: Array  # shape (p, rank): directions that are determined, in scaled parameters

@@ -35,21 +35,13 @@ class Series:
     """All samples of one sensor, recording after recording."""
 
     axis: str  # Of the sensor
-    temperature: Array  # shape (n,): [degC], [unit of the readings]; NaN where missing
-    reading: Array  # shape (n,): [degC], [unit of the readings]; NaN where missing
+    temperature: Array  # shape (n,) or (c,): [degC], the mean of a cell
+    reading: Array  # shape (n,) or (c,): [unit of the readings], the mean of a cell; NaN where missing
     time: Array  # shape (n,): since power-up [s]; NaN where no time is known
-    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
-    # path
-    run: Indices
-    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
-    # path
-    sweep: Indices
-    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
-    # path
-    ramp: Indices
-    # shape (n,): number of the run, of the recording, and of the ramp among all; 1 warming, -1 cooling, 0 on no
-    # path
-    path: Indices
+    run: Indices  # shape (n,) or (c,): number of the run
+    sweep: Indices  # shape (n,): number of the recording
+    ramp: Indices  # shape (n,) or (c,): number of the ramp among all
+    path: Indices  # shape (n,) or (c,): 1 warming, -1 cooling, 0 on no ramp
     span: tuple[float, float]  # Ends of the temperature over all recordings [degC]
     turn_over: float  # [degC]
 
@@ -62,21 +54,17 @@ class Series:
 class Cells:
     """Means, a row a cell."""
 
-    temperature: Array  # shape (c,): mean [degC] and variance [degC^2]
-    spread: Array  # shape (c,): mean [degC] and variance [degC^2]
-    # shape (c,): mean and standard deviation of the samples about their own line over temperature [unit of the
-    # readings]
-    reading: Array
-    # shape (c,): mean and standard deviation of the samples about their own line over temperature [unit of the
-    # readings]
-    scatter: Array
+    temperature: Array  # shape (n,) or (c,): [degC], the mean of a cell
+    spread: Array  # shape (c,): variance of the temperature [degC^2]
+    reading: Array  # shape (n,) or (c,): [unit of the readings], the mean of a cell; NaN where missing
+    scatter: Array  # shape (c,): standard deviation of the samples about their own line over temperature
     samples: Array  # shape (c,): how many
     rate: Array  # shape (c,): of the temperature [degC/s]; NaN where no time is known
     time: Array  # shape (c,): mean, since power-up [s]
-    path: Indices  # shape (c,): as of the samples; number of the bin, from 0
-    run: Indices  # shape (c,): as of the samples; number of the bin, from 0
-    ramp: Indices  # shape (c,): as of the samples; number of the bin, from 0
-    bin: Indices  # shape (c,): as of the samples; number of the bin, from 0
+    path: Indices  # shape (n,) or (c,): 1 warming, -1 cooling, 0 on no ramp
+    run: Indices  # shape (n,) or (c,): number of the run
+    ramp: Indices  # shape (n,) or (c,): number of the ramp among all
+    bin: Indices  # shape (c,): number of the bin, from 0
     weight: Array  # shape (c,): those of one run, path and bin add up to 1
     range: tuple[float, float]  # Ends of the bins that are used [degC]
     left_out: Mapping[str, int] = field(default_factory=dict[str, int])  # Samples by the rule that leaves them out

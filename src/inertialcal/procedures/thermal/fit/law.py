@@ -52,8 +52,8 @@ class Law:
     """Fit of one sensor."""
 
     cells: Cells  # That it was fitted to
-    order: int  # Of P and D; -1 for D where there is none
-    path_order: int  # Of P and D; -1 for D where there is none
+    order: int  # Of P
+    path_order: int  # Of D; -1 where there is none
     domain: tuple[float, float]  # Temperatures where P holds [degC]
     fit: Fit  # Coefficients of P, then of D [unit of the readings]; of whitened cells
     clusters: Indices  # shape (c,): member of the level that each cell belongs to

@@ -36,15 +36,9 @@ class StartUp:
     reason: str  # Why there is none
     settled: float  # Tolerance [unit of the readings]
     cut: float  # Left out after each power-up [s]
-    # shape (m,): means that it was found in: since power-up [s], less the polynomial [unit of the readings],
-    # number of the run
-    time: Array
-    # shape (m,): means that it was found in: since power-up [s], less the polynomial [unit of the readings],
-    # number of the run
-    residual: Array
-    # shape (m,): means that it was found in: since power-up [s], less the polynomial [unit of the readings],
-    # number of the run
-    run: Indices
+    time: Array  # shape (m,): of the means that it was found in, since power-up [s]
+    residual: Array  # shape (m,): those means less the polynomial [unit of the readings]
+    run: Indices  # shape (m,): number of the run
 
 
 def start_up_of(plan: Plan, series: Series, law: Law) -> StartUp:

@@ -43,13 +43,13 @@ class AxisResidual:
     axis: str  # Of the sensor
     cells: int  # Judged
     runs: int  # Judged
-    raw: float  # Root mean square of the bias before and after [rad/s]
-    compensated: float  # Root mean square of the bias before and after [rad/s]
+    raw: float  # Root mean square of the bias before [unit of the readings]
+    compensated: float  # Root mean square of the bias after [unit of the readings]
     # Mean left, and its standard uncertainty [rad/s]; NaN where the scatter of power-ups was not observed
     residual: float
     u: float  # Mean left, and its standard uncertainty [rad/s]; NaN where the scatter of power-ups was not observed
-    gain: float  # Of the mean square, and its standard uncertainty [(rad/s)^2]
-    u_gain: float  # Of the mean square, and its standard uncertainty [(rad/s)^2]
+    gain: float  # Of the mean square [unit squared]
+    u_gain: float  # Its standard uncertainty [unit squared]
     allowed: float  # Mean square uncertainty of the polynomial [(rad/s)^2]
     dof: float  # Degrees of freedom of both
 

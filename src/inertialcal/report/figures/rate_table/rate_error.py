@@ -47,10 +47,10 @@ class Points:
     """What one panel shows: a row a rate, in the units of the curve."""
 
     requirement: str  # Its identifier; empty where nothing was required
-    rate: Array  # shape (n,): ends of the interval of that rate alone
-    error: Array  # shape (n,): ends of the interval of that rate alone
-    lo: Array  # shape (n,): ends of the interval of that rate alone
-    hi: Array  # shape (n,): ends of the interval of that rate alone
+    rate: Array  # shape (n,)
+    error: Array  # shape (n,)
+    lo: Array  # shape (n,): lower end of the interval of that rate alone
+    hi: Array  # shape (n,): upper end of the interval of that rate alone
     wide_lo: Array  # shape (n,): ends of the interval that it was judged by
     wide_hi: Array  # shape (n,): ends of the interval that it was judged by
     verdict: tuple[str, ...]  # ``"not judged"`` where the condition does not take the rate in
