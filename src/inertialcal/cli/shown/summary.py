@@ -12,6 +12,7 @@ from ...core.show.result_tables import degrees, figure, figure_beside, interval,
 from ...core.show.rounding import number
 from ...core.show.rows import (
     Compared,
+    case_words,
     columns_of,
     lines_of,
     names_of,
@@ -59,7 +60,7 @@ def _estimated(rows: Sequence[Mapping[str, Any]]) -> str:
         if not ways.keys() <= set(left)
     ]  # fmt: skip
     heads = ["  quantity", "axis", "value ± u", "unit", "95 % interval", "dof"]
-    found = table(cells, [*heads, *(str(way).replace("_", " ") for way in shown)])
+    found = table(cells, [*heads, *(case_words(way) for way in shown)])
     if not left:
         return found
     count = sum(way in left for ways in lines.values() for way in ways)

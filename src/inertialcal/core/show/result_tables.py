@@ -12,7 +12,7 @@ from ..key import Method
 from ..remarks import Remark
 from ..results import case_of
 from .rounding import PLAIN, near, number, with_uncertainty
-from .rows import full_name, missing_of, quantity_name
+from .rows import case_words, full_name, missing_of, quantity_name
 from .tables import Block, Details, Table
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
@@ -86,7 +86,7 @@ def _told(row: Mapping[str, Any]) -> str:
     """Return which figure a row is, or for one beside the result of what it is."""
     case = case_of(row)
     if case.beside and (case.method is not Method.TEXTBOOK or case.member is not None):
-        return str(case).replace("_", " ")
+        return case_words(case)
     value = row["value"]
     known = "" if value is None else f" ({number(value, 3 if abs(value) < WHOLE else PLAIN)} {row['unit']})"
     name = quantity_name(row) if case.beside else full_name(row)

@@ -74,9 +74,17 @@ def missing_of(rows: Iterable[R]) -> dict[str, list[R]]:
     return found
 
 
+def case_words(case: Case) -> str:
+    """Return the case in words, for the head of a column."""
+    if case.method is not Method.TEXTBOOK:
+        return str(case).replace("_", " ")
+    rest = str(case._replace(method=Method.RESULT, sensor="", condition=""))
+    return f"textbook formula, {rest}" if rest else "textbook formula"
+
+
 def names_of(cases: Iterable[Case]) -> str:
     """Return the names of cases, the first and the last of many."""
-    names = list(dict.fromkeys(str(case) for case in cases))
+    names = list(dict.fromkeys(case_words(case) for case in cases))
     if len(names) <= MOST:
         return "; ".join(names)
     return "; ".join([*names[:2], "...", names[-1]])
