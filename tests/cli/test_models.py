@@ -168,7 +168,7 @@ BAD_MODELS = [
     ("model", ["--serial", "8"], "wrong_serial", "the model is for serial '7', the data are from serial '8'"),
     ("model", ["--unit", "x=g", "--column", "x=n"], "wrong_column", "no column"),
     ("model", ["--column", "x=acc"], "wrong_unit", "column 'acc [g]': the data are in 'g'"),
-    ("model", ["--column", "x=n"], "no_unit", "nothing says the unit of column 'n'"),
+    ("model", ["--column", "x=n"], "no_unit", "unit of column 'n' not given"),
     ("singular", [], "not_invertible", "the matrix cannot be inverted"),
     ("turning", [], "not_unique", "slope falls to"),
     ("future", [], "schema_version", "schema version 99 is not known"),

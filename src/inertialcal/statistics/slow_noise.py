@@ -73,7 +73,7 @@ def blocks_of(times: Array, length: float, design: Array) -> Blocks:
     left = len(times) - int(np.linalg.matrix_rank(design))
     if left < LEAST:
         what = f"{len(times)} block means, of which {len(times) - left} are fitted: need {LEAST} more than that"
-        why = "white and slow noise cannot be told apart"
+        why = "white and slow noise cannot be separated"
         raise DataError(what, why=why, do="Record longer", code="too_few_blocks")
     rest = np.linalg.qr(design, mode="complete")[0][:, len(times) - left :]
     flicker = flicker_covariance(times, length)
@@ -136,7 +136,7 @@ def slow_noise(means: Array, blocks: Blocks, results: Array | None = None) -> Sl
     """
     squares = (blocks.contrasts @ means) ** 2
     if not np.sum(squares) > (ROUNDING * len(means)) ** 2 * np.sum(means**2):
-        raise DataError("the block means do not differ", why="no noise can be told", code="no_scatter")
+        raise DataError("the block means do not differ", why="no noise can be found", code="no_scatter")
     largest = float(blocks.sizes.max())
     ratio = _ratio(squares, blocks.sizes, largest if results is None else max(largest, _largest(blocks, results)))
     shape = 1.0 + ratio * blocks.sizes

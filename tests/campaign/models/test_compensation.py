@@ -172,13 +172,13 @@ def test_a_model_that_was_not_judged_says_so_and_what_is_not_used() -> None:
 
 def test_bad_input() -> None:
     refused("wrong_serial", "for serial '7', the data are from serial '8'", serial="8")
-    refused("no_unit", "nothing says the unit of column 'gyro_x'", recording=recording(None))
+    refused("no_unit", "unit of column 'gyro_x' not given", recording=recording(None))
     refused("wrong_unit", "column 'gyro_x': the data are in 'g'", recording=recording("g"))
     refused("wrong_column", "no column 'w'", columns={"x": "w"})
     refused("wrong_column", "q=n: the model has no such input", columns={"q": "n"})
     refused("no_temperature", "needs the temperature of the sensor", model=model(in_temperature=True))
     refused("no_temperature", "'hot' is neither a column nor", model=model(in_temperature=True), temperature="hot")
-    refused("no_unit", "nothing says the unit of column 'n'", model=model(in_temperature=True), temperature="n")
+    refused("no_unit", "unit of column 'n' not given", model=model(in_temperature=True), temperature="n")
     assert compensate(model(), recording(), serial="7").names
 
 

@@ -65,7 +65,7 @@ def compensate(
         unit = recording.channel(name).unit
         if unit is None:
             raise DataError(
-                f"nothing says the unit of column {name!r}",
+                f"unit of column {name!r} not given",
                 where=recording.source.path,
                 why=f"the model takes units like {model.unit!r} or {model.output_unit!r}",
                 do=f"Add --unit {shlex.quote(name + '=' + ('deg/s' if model.kind == 'gyro' else 'g'))}",
@@ -155,7 +155,7 @@ def _in_unit(recording: Recording, name: str, unit: str) -> Array:
     channel = recording.channel(name)
     if channel.unit is None:
         raise DataError(
-            f"nothing says the unit of column {name!r}",
+            f"unit of column {name!r} not given",
             where=recording.source.path,
             do=f"Add --unit {shlex.quote(f'{name}={unit}')}",
             code="no_unit",

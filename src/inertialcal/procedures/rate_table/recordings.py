@@ -341,12 +341,12 @@ def _turned(plan: Plan, source: Source) -> RateTableRecording:
     entry, (_, recording) = cast("RateTableEntry", source.entry), source.recordings()[0]
     axis = entry.axis or plan.axis
     if not axis:
-        what = f"recordings.{source.name}: nothing says which axis was turned"
+        what = f"recordings.{source.name}: axis that was turned not given"
         raise DataError(what, do='Give axis = "x" there, or plan = { axis = "x" }', code="no_axis")
     if entry.schedule is None:
         if APPLIED not in recording.names:
             do = "Give channels.applied (the rate of the table), or a schedule"
-            raise DataError(f"recordings.{source.name}: nothing says the rate of the table", do=do, code="no_applied")
+            raise DataError(f"recordings.{source.name}: rate of the table not given", do=do, code="no_applied")
         return RateTableRecording(recording, str(axis), source.run, name=source.name, file=source.file)
     windows, rates = _scheduled(source, entry.schedule, recording)
     if source.windows:

@@ -86,7 +86,7 @@ def _axis(source: _Table) -> NDArray[Any]:
         return found
     axis = source.plan.axis or None
     if not axis:
-        what = f"test {source.source.test!r}: nothing says which axis was turned"
+        what = f"test {source.source.test!r}: axis that was turned not given"
         raise DataError(what, do='Give plan = { axis = "x" }, or rows.axis', code="no_axis")
     return np.full(len(source.table), str(axis))
 
