@@ -64,7 +64,7 @@ def hits_of(plan: Plan, n: int) -> tuple[dict[str, int], dict[str, int]]:
     return hits, counts
 
 
-SHORT_OF = {"hysteresis": 0.92}  # 924 of 1,000 hold it: known to be a little too narrow
+SHORT_OF = {"hysteresis": 0.93}  # 924 of 1,000 hold it: known to be a little too narrow
 
 
 def check(plan: Plan, n: int) -> None:
