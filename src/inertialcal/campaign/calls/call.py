@@ -20,6 +20,7 @@ from pydantic import ValidationError
 
 from ...core.campaign_text import FILE, toml_text
 from ...core.errors import DataError, InertialcalError, Problem, StoreError, UsageError
+from ...core.interruption import interruption
 from ...core.key import AXES
 from ...core.recording import Recording
 from ...core.remarks import Remark, gather
@@ -449,6 +450,7 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
             placed[source] = _placed(source, files, folder, set(placed.values()), write)
         return placed[source]
 
+    interruption.note(folder, complete=False)
     try:
         (folder / "recordings").mkdir(parents=True, exist_ok=True)
         recordings = {name: _with_files(entry, place) for name, entry in document["recordings"].items()}
@@ -457,6 +459,7 @@ def write_campaign(document: Document, files: Files, folder: Path) -> Path:
             if "model" in chain:
                 sensor["chain"] = {**chain, "model": place(chain["model"])}
         path.write_text(toml_text({**document, "sensors": sensors, "recordings": recordings}), encoding="utf-8")
+        interruption.note(folder)
     except OSError as error:
         raise StoreError(f"cannot write {folder}: {error.strerror}", code="not_writable") from None
     return path

@@ -7,6 +7,7 @@ from pathlib import Path
 
 from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
 from ...core.errors import InertialcalError, PlanError, StoreError, UsageError
+from ...core.interruption import interruption
 from ...core.remarks import Remark
 from ...files import read
 from ...files.text.table import read_table
@@ -52,8 +53,9 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
         raise PlanError(what, do=do, code="nothing_found")
     text = starter_text(root.resolve().name, found)
     try:
-        with path.open("x", encoding="utf-8") as handle:
+        with interruption.held(), path.open("x", encoding="utf-8") as handle:
             handle.write(text)
+            interruption.note(path)
     except OSError as error:
         raise StoreError(f"cannot write {path}: {error.strerror}", code="not_writable") from None
     lines = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]

@@ -8,6 +8,7 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from ...core.errors import DataError, StoreError
+from ...core.interruption import interruption
 
 
 @contextmanager
@@ -40,7 +41,9 @@ def atomic_write(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
         if not target.parent.is_dir():
             raise FileNotFoundError(0, f"there is no folder {str(target.parent)!r}")
         yield aside
-        aside.replace(target)
+        with interruption.held():
+            aside.replace(target)
+            interruption.note(target)
     except OSError as error:
         raise StoreError(
             f"cannot be written: {error.strerror or error}", where=str(target), code="not_written"
