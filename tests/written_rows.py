@@ -1,8 +1,12 @@
-"""Rows as ``results.json`` holds them, for tests of tables and sentences."""
+"""Rows as ``results.json`` holds them, for tests of tables and sentences; files with the checksum of their content."""
 
 from __future__ import annotations
 
+import json
+from collections.abc import Mapping
 from typing import Any
+
+from inertialcal.core.checksum import CHECKSUM, checksum
 
 METHODS = ("all_readings", "median", "low_pass", "as_published", "within_runs", "between_runs")
 
@@ -26,3 +30,9 @@ def fields(case: str = "", reason: str = "") -> dict[str, Any]:
     else:
         found["condition"] = part
     return found
+
+
+def sealed_text(content: Mapping[str, Any]) -> str:
+    """Return a JSON file of a content, changed or made by a test, with the checksum that fits."""
+    own = {name: part for name, part in content.items() if name != CHECKSUM}
+    return json.dumps(own | {CHECKSUM: checksum(own)})

@@ -24,6 +24,7 @@ from inertialcal.rigs.rate_table import rig as rate_table
 from inertialcal.rigs.rate_table.setup import Bench, draw_gyro
 from inertialcal.statistics.intervals import covers
 from sized import sized
+from written_rows import sealed_text
 
 # Standards about as uncertain as the scatter lets the estimates be: either kind alone would be seen to fail.
 BALANCED = {
@@ -71,7 +72,7 @@ def test_an_estimate_far_from_the_truth_is_outside_and_none_is_no_hit(scored: Pa
     mine = [row for row in results["results"] if row["test"] == "fit" and row["quantity"] == "bias"]
     mine[0] |= {"interval": {"lo": 7.0, "hi": 8.0, "p": 0.95}}
     mine[1] |= {"interval": None, "value": None, "u": None, "status": "not_estimated", "reason": "gone"}
-    path.write_text(json.dumps(results))
+    path.write_text(sealed_text(results))
     before, after = score(scored), score(copy)
     assert after.estimated == before.estimated - 1
     inside = {row["axis"]: row["inside"] for row in after.rows if (row["test"], row["quantity"]) == ("fit", "bias")}
@@ -92,7 +93,7 @@ def test_score_refuses_what_was_not_run_and_what_is_of_another_campaign(scored: 
     (copy / "out").mkdir()
     results = json.loads((scored / "out/results.json").read_text())
     results["campaign"]["source"] = "another"
-    (copy / "out/results.json").write_text(json.dumps(results))
+    (copy / "out/results.json").write_text(sealed_text(results))
     with pytest.raises(DataError, match="of another campaign"):
         score(copy)
     with pytest.raises(PlanError, match="No campaign here"):

@@ -13,6 +13,7 @@ from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.cli.__main__ import main
 from inertialcal.report.figures import figures
+from written_rows import sealed_text
 
 Call = Callable[..., tuple[int, str, str]]
 TABLE = "rate [deg/s],gyro_x [deg/s],run\n" + "".join(
@@ -139,7 +140,7 @@ def test_an_input_is_not_overwritten(call: Call, campaign: Path) -> None:
     ],
 )  # fmt: skip
 def test_results_that_are_none_are_refused_not_a_fault(call: Call, content: str) -> None:
-    Path("bad.json").write_text(content)
+    Path("bad.json").write_text(sealed_text(json.loads(content) | {"schema": 2}))
     assert call("show", "bad.json", "-o", "a.png")[0] == 3
     assert call("show", "bad.json")[0] in (0, 3)
     assert not Path("a.png").exists()

@@ -12,15 +12,17 @@ import numpy as np
 import pytest
 
 from inertialcal.cli.__main__ import main
+from inertialcal.core.checksum import checksum
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Component, Estimate
 from inertialcal.core.units import factor
 from inertialcal.files import read
 from inertialcal.files.models.formats import FORMATS
-from inertialcal.files.models.model_json import checksum, write_model
+from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
+from written_rows import sealed_text
 
 ENVELOPE = {"command", "version", "inputs", "schema", "results", "remarks", "verdicts", "errors", "exit"}
 ROW = {"quantity", "axis", "sensor", "power", "at", "test", "condition", "method", "member", "value", "u", "unit",
@@ -328,7 +330,7 @@ def test_compare_without_uncertainties_shows_differences_and_why(call: Call, tmp
 
 
 def test_compare_refuses(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "results.json").write_text('{"schema": 2, "results": []}')
+    (tmp_path / "results.json").write_text(sealed_text({"schema": 2, "results": []}))
     content = as_json(call, "compare", "model.json", "results.json")
     assert (content["exit"], content["errors"][0]["code"]) == (3, "different_kinds")
     assert call("compare", "model.json", "model.json", "--allowed", "a lot")[0] == 2

@@ -23,6 +23,8 @@ from .show.rounding import number
 from .show.tables import Block, Table, ending, html, text
 
 Times = NDArray[np.int64]
+COMPENSATED = "compensated_by_"  # starts the name of the column by which a file says so; a model's checksum ends it
+MARK = 12  # characters of that checksum
 SECOND = 1_000_000_000  # [ns]
 
 
@@ -71,6 +73,7 @@ class Recording:
     # Corrections that the source says were made already: ``"bias"``, ``"scale_factor"``, ``"misalignment"``
     applied: tuple[str, ...] = ()
     time_column: str = ""  # Name of the column whose stamps give the sample interval; empty where they do not
+    compensated_by: str = ""  # First 12 digits of the checksum of the model that was applied; empty for readings
 
     def __post_init__(self) -> None:
         names = [channel.name for channel in self.channels]
@@ -169,7 +172,8 @@ class Recording:
         path = ending(self.source.path) or "recording"
         kind = f" ({self.source.format})" if self.source.format else ""
         grid = Table(heads, rows, f"{path}{kind}: {len(self)} samples, {len(rows)} channel(s)", (5, 6, 7))
-        return (grid, _clock(self), *remarks_line(self.remarks))
+        compensated = (f"compensated by model {self.compensated_by}",) if self.compensated_by else ()
+        return (grid, _clock(self), *compensated, *remarks_line(self.remarks))
 
     def __str__(self) -> str:
         """Return a table with a row a channel."""

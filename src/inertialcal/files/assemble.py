@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Literal
@@ -11,13 +12,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ..core.errors import DataError, UsageError
-from ..core.recording import Channel, Recording, Source
+from ..core.recording import COMPENSATED, MARK, Channel, Recording, Source
 from ..core.remarks import Remark, gather
 from ..signals.time.time_axis import analyse
 from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
 from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
 from .time.clock import Clock, find_clock
 
+MARKED = re.compile(rf"(?:^|[./]){COMPENSATED}([0-9a-f]{{{MARK}}})$", re.IGNORECASE)
 SHOWN = 5  # texts of a label column in its remark
 
 
@@ -49,6 +51,7 @@ def assemble(
     path = source.path
     if sample_rate is not None and not (math.isfinite(sample_rate) and sample_rate > 0.0):
         raise UsageError(f"a sample rate of {sample_rate:g} Hz", do="Give one above zero", code="sample_rate")
+    content, compensated_by = _without_mark(content)
     if content.time_ns is None:
         content = without_unfilled_end(content, path)
     described, unit_remarks = describe(content.columns, units or {}, path)
@@ -66,6 +69,7 @@ def assemble(
         *_texts(described, clock, path),
         *clock.remarks,
         *timed.remarks,
+        *_compensated(compensated_by, path),
     )
     return replace(
         timed,
@@ -73,7 +77,20 @@ def assemble(
         source=source,
         remarks=gather(remarks),
         first_row=_first_row(content),
+        compensated_by=compensated_by,
     )
+
+
+def _without_mark(content: Content) -> tuple[Content, str]:
+    """Return the content without the column that says by which model it was compensated, and that model."""
+    marks = {i: found[1] for i, one in enumerate(content.columns) if (found := MARKED.search(one.name.strip()))}
+    kept = tuple(one for i, one in enumerate(content.columns) if i not in marks)
+    return (replace(content, columns=kept), next(iter(marks.values())).lower()) if marks else (content, "")
+
+
+def _compensated(model: str, path: str) -> tuple[Remark, ...]:
+    what = f"compensated by model {model}: true inputs, not readings"
+    return (Remark("compensated", "info", what, where=path),) if model else ()
 
 
 def _first_row(content: Content) -> int:

@@ -20,7 +20,7 @@ from ...sensors.model.serial import FORMAT
 from ..models.compensation import model_rows
 from ..models.find import RESULTS, find_model
 from ..outcome.publish import OUT
-from ..outcome.results_file import check_schema
+from ..outcome.results_file import check_results, own_curves
 
 Kind = Literal["models", "results"]
 CAMPAIGN_FILE = "campaign.toml"
@@ -139,7 +139,8 @@ def _results(given: Path) -> Compared:
         raise DataError("no results here", where=str(given), do=f"Type: inertialcal run {given}", code="no_results")
     content, sha256 = _content(path)
     if "results" in content:
-        check_schema(content, str(path))
+        check_results(content, str(path))
+        own_curves(content, path)
     try:
         rows = tuple(Row.from_dict(row) for row in content["results"])
         budgets = [b for b in content.get("budgets", []) if b["kind"] == "B"]

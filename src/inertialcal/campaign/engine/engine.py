@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -19,6 +19,8 @@ from ..file.schema import CampaignFile, Test
 from ..file.sensors import Sensor
 from ..inputs.channels import chain_of
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
+
+COMPENSATED = "compensated"  # code of the remark of a reader, and of that on the recording of a test
 
 
 @dataclass(frozen=True, eq=False)
@@ -213,10 +215,21 @@ def prepare(
     try:
         corrections = [] if found is None else corrections_for(test, file.tests, found)
         prepared = prepare_test(file, test, campaign.standards, store or Folder(campaign.folder), corrections)
-        inside = tuple(_inside(campaign, remark) for remark in prepared.readings.remarks)
-        return replace(prepared, readings=replace(prepared.readings, remarks=inside))
+        of_files = (remark for remark in prepared.readings.remarks if remark.code != COMPENSATED)
+        remarks = [*(_inside(campaign, remark) for remark in of_files), *_compensated(campaign, prepared)]
+        return replace(prepared, readings=replace(prepared.readings, remarks=tuple(remarks)))
     except InertialcalError as error:
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
+
+
+def _compensated(campaign: Campaign, prepared: Prepared) -> Iterator[Remark]:
+    """Yield a remark a recording that a model was applied to: a warning where a campaign fits to it."""
+    fits = bool(campaign.sha256) and prepared.test.use == "fit"
+    do = 'Name the raw recording, or say use = "report_only"' if fits else ""
+    for one in prepared.origins:
+        if one.compensated_by:
+            what = f"recording {one.name} was compensated by model {one.compensated_by} before"
+            yield Remark(COMPENSATED, "warning" if fits else "info", what, one.file, do=do)
 
 
 def _inside(campaign: Campaign, remark: Remark) -> Remark:

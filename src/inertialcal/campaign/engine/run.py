@@ -22,8 +22,9 @@ from ..inputs.sources import Store
 from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
-from ..outcome.publish import changes, check_writable, csv_text, json_text, previous, provenance, swap_in
+from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, swap_in
 from ..outcome.requirements import worst
+from ..outcome.results_file import previous, sealed
 from ..outcome.tables import outcome_parts
 from .engine import Prepared, ReducedTest, beside_others, order_of, placed, prepare, reduce_test, reduced_tests
 
@@ -182,9 +183,11 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
         check_writable(campaign.folder)
     whole = reduce_campaign(campaign, None, progress)
     before = previous(campaign.folder)
+    curves = curves_bytes(whole.results["curves"])
+    results = sealed(whole.results, curves)
     if write:
-        swap_in(campaign.folder, _files(campaign, whole.results, whole.modelled, whole.inputs, str(folder)))
-    return Outcome(campaign, whole.results, whole.inputs, whole.verdict, changes(before, whole.results))
+        swap_in(campaign.folder, _files(campaign, results, curves, whole.modelled, whole.inputs, str(folder)))
+    return Outcome(campaign, results, whole.inputs, whole.verdict, changes(before, results))
 
 
 @dataclass(frozen=True, eq=False)
@@ -287,7 +290,12 @@ def _with_residuals(one: ReducedTest, residual: Residual | None) -> ReducedTest:
 
 
 def _files(
-    campaign: Campaign, results: dict[str, Any], modelled: JudgedModel | None, inputs: dict[str, str], folder: str
+    campaign: Campaign,
+    results: dict[str, Any],
+    curves: bytes,
+    modelled: JudgedModel | None,
+    inputs: dict[str, str],
+    folder: str,
 ) -> dict[str, str | bytes]:
     from ...report.page import report_html  # noqa: PLC0415 - draws, which starts slowly; a call writes no report
 
@@ -296,7 +304,7 @@ def _files(
     content = json.loads(model["model.json"]) if "model.json" in model else None
     return model | {
         "results.json": json_text({name: part for name, part in results.items() if name != "curves"}),
-        CURVES: curves_bytes(results["curves"]),
+        CURVES: curves,
         "results.csv": csv_text([flat(row) for row in results["results"]], COLUMNS),
         "verdicts.csv": csv_text([row | (row["interval"] or {}) for row in results["verdicts"]], VERDICT_COLUMNS),
         "report.html": report_html(results, content, record),

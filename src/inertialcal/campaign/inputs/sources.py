@@ -294,7 +294,8 @@ class Ready:
             chosen, without = self._chosen or (len(self._table), 0)
             return Origin(self.name, file, self._table.source.sha256, "table", len(self._table), chosen, without)
         chosen = sum(len(one) for one in self._parts)
-        return Origin(self.name, file, self.raw.source.sha256, "recording", len(self.raw), chosen)
+        raw, by = self.raw, self.raw.compensated_by
+        return Origin(self.name, file, raw.source.sha256, "recording", len(raw), chosen, compensated_by=by)
 
 
 def facts_of(sensor: Sensor, standards: Standards, site: Site | None = None) -> Facts:
@@ -401,6 +402,7 @@ class Origin:
     chosen: int  # Of them, inside the groups and windows of the test
     # Rows of a table without an applied rate: no dwells, whatever is chosen; not among ``chosen``
     without_rate: int = 0
+    compensated_by: str = ""  # Model that was applied to it before; empty for readings
 
     @property
     def not_chosen(self) -> int:

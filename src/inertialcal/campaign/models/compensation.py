@@ -14,13 +14,14 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array
 from ...core.key import Reason
-from ...core.recording import Channel, Recording
+from ...core.recording import MARK, Channel, Recording
 from ...core.remarks import Remark
 from ...core.results import Row, finite
 from ...core.units import convert, factor
 from ...sensors.model.equation import Conditions, needed
 from ...sensors.model.on_recordings import compensate_recording, to_input_unit
 from ...sensors.model.sensor_model import SensorModel, check_item, lines
+from ...sensors.model.serial import model_checksum
 from ...sensors.model.terms import values
 from ...sensors.model.uncertainty import compensated_uncertainty, without_uncertainty
 from ...statistics.intervals import t_interval
@@ -54,9 +55,17 @@ def compensate(
     Raises
     ------
     DataError
-        ``wrong_serial``, ``wrong_unit``, ``no_unit``, ``wrong_column``, ``no_temperature``,
+        ``already_compensated``, ``wrong_serial``, ``wrong_unit``, ``no_unit``, ``wrong_column``, ``no_temperature``,
         ``missing_condition``, ``not_unique``, ``not_invertible``, ``no_validity_range``, ``no_covariance``.
     """
+    if recording.compensated_by:
+        raise DataError(
+            f"already compensated by model {recording.compensated_by}",
+            where=recording.source.path,
+            why="a second compensation would subtract the bias and divide by the scale factor again",
+            do="Compensate the raw recording",
+            code="already_compensated",
+        )
     check_item(model, serial=serial)
     chosen = taken(model, recording, columns, temperature)
     axes = {axis: chosen.columns[axis] for axis in model.axes}
@@ -79,7 +88,8 @@ def compensate(
     conditions = _conditions(model, recording, chosen)
     done = compensate_recording(model, recording, axes, **conditions)
     remarks = (*done.remarks, *emptied(recording, done, axes, conditions), *_about(model, chosen))
-    done = replace(done, remarks=remarks)
+    by = model_checksum(model).removeprefix("sha256:")[:MARK]
+    done = replace(done, remarks=remarks, compensated_by=by)
     return _with_uncertainty(model, recording, done, axes, conditions) if uncertainty else done
 
 

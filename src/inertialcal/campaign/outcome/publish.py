@@ -22,7 +22,6 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import StoreError
-from ...core.results import SCHEMA
 from ...core.show.rows import case_name, quantity_name
 
 OUT = "out"
@@ -111,15 +110,6 @@ def _swap(new: Path, target: Path) -> None:
             old.rename(target)
         raise
     shutil.rmtree(old, ignore_errors=True)
-
-
-def previous(folder: Path) -> dict[str, Any] | None:
-    """Return the results of the last run; None where there are none that this version reads."""
-    try:
-        content = json.loads((folder / OUT / "results.json").read_text(encoding="utf-8"))
-    except (OSError, ValueError, RecursionError):
-        return None
-    return content if isinstance(content, dict) and content.get("schema") == SCHEMA else None
 
 
 def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[str]:

@@ -1,15 +1,17 @@
-"""A ``results.json`` read back: by its own name, by the ``out/`` that it lies in, or by the folder of its campaign."""
+"""A ``results.json`` sealed with its checksum, and read back: by its own name, its ``out/``, or its campaign."""
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, cast
 
+from ...core.checksum import CHECKSUM, check_unchanged, checksum
 from ...core.errors import DataError
 from ...core.results import SCHEMA
 from ...files.binary.curves import FILE as CURVES
@@ -54,29 +56,53 @@ def find_results(path: str | os.PathLike[str], of_campaign: bool = False) -> Res
     """
     given = Path(path)
     places = [given / RESULTS, *([given / OUT / RESULTS] if of_campaign else [])] if given.is_dir() else [given]
-    found = next((place for place in places if place.is_file()), None)
-    if found is None:
+    place = next((one for one in places if one.is_file()), None)
+    if place is None:
         return None
-    loaded = load(found)
+    loaded = load(place)
     try:
         content = json.loads(loaded.data)
     except (ValueError, RecursionError):
         return None
     if not isinstance(content, dict) or content.get("format") == FORMAT or "results" not in content:
         return None
-    check_schema(content, str(found))
-    if (curves := found.with_name(CURVES)).is_file():
-        content["curves"] = read_curves(load(curves).data, str(curves))
-    return ResultsFile(str(found), loaded.sha256, content)
+    check_results(content, str(place))
+    if (data := own_curves(content, place)) is not None:
+        content["curves"] = read_curves(data, str(place.with_name(CURVES)))
+    return ResultsFile(str(place), loaded.sha256, content)
 
 
-def check_schema(content: Mapping[str, Any], path: str) -> None:
-    """Refuse results of another schema.
+def previous(folder: Path) -> dict[str, Any] | None:
+    """Return the results of the last run; None where there are none that this version reads, or they were edited."""
+    try:
+        content = json.loads(load(folder / OUT / RESULTS).data)
+        check_results(content, "")
+    except (ValueError, RecursionError, AttributeError, DataError):
+        return None
+    return cast("dict[str, Any]", content)
+
+
+def sealed(results: Mapping[str, Any], curves: bytes) -> dict[str, Any]:
+    """Return results with the SHA-256 of the file of their curves, and the checksum over all but the curves.
+
+    Parameters
+    ----------
+    results : mapping
+        As ``results_content`` gives them.
+    curves : bytes
+        Content of ``curves.parquet``.
+    """
+    named = {**results, "curves_sha256": hashlib.sha256(curves).hexdigest()}
+    return named | {CHECKSUM: checksum({name: part for name, part in named.items() if name != "curves"})}
+
+
+def check_results(content: Mapping[str, Any], path: str) -> None:
+    """Refuse results of another schema, and those that were edited.
 
     Raises
     ------
     DataError
-        ``schema_version``.
+        ``schema_version``, ``checksum``.
     """
     if content.get("schema") != SCHEMA:
         raise DataError(
@@ -85,6 +111,30 @@ def check_schema(content: Mapping[str, Any], path: str) -> None:
             do="Type again: inertialcal run DIR",
             code="schema_version",
         )
+    check_unchanged(content, path)
+
+
+def own_curves(content: Mapping[str, Any], path: Path) -> bytes | None:
+    """Return the bytes of the curves beside results; None where no file lies there.
+
+    Raises
+    ------
+    DataError
+        ``checksum``, if they are not those of the results.
+    """
+    place = path.with_name(CURVES)
+    if not place.is_file():
+        return None
+    loaded = load(place)
+    if loaded.sha256 != content.get("curves_sha256"):
+        raise DataError(
+            f"not the curves of {path.name}: its SHA-256 is another",
+            where=str(place),
+            why="edited by hand, or of another run: figures would be drawn of other data than the results",
+            do="Type again: inertialcal run DIR",
+            code=CHECKSUM,
+        )
+    return loaded.data
 
 
 @contextmanager

@@ -22,7 +22,8 @@ from ...rigs import RIGS
 from ...rigs.protocol import TrueValue, Twin
 from ...statistics.intervals import binomial_interval, contains, covers, t_interval
 from ..engine.engine import ReducedTest
-from ..outcome.publish import OUT, previous
+from ..outcome.publish import OUT
+from ..outcome.results_file import find_results
 from .fitted import fitted_tests
 from .twin import Of, Truth, known_truth, read_truth, truth_by_key
 
@@ -157,13 +158,14 @@ def score(folder: str | Path) -> Score:
         If there is no campaign in the folder.
     DataError
         ``no_results`` if it was not run; ``stale_results`` if the results are of another campaign; and as
-        ``twin.read_truth``.
+        ``results_file.find_results`` and ``twin.read_truth``.
     """
     truth = read_truth(folder)
-    results = previous(Path(folder))
-    if results is None:
+    found = find_results(Path(folder) / OUT)
+    if found is None:
         what = f"no results in {Path(folder) / OUT}"
         raise DataError(what, do=f"Type first: inertialcal run {folder}", code="no_results")
+    results = found.content
     if truth.seal not in str(results.get("campaign", {}).get("source", "")):
         why = "they were made before the campaign was"
         raise DataError(f"{OUT}/results.json is of another campaign", "", why, f"Type: inertialcal run {folder}",

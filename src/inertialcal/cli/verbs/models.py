@@ -111,15 +111,16 @@ def compensate(
     columns, units = pairs(column, "--column", "x=wx"), pairs(unit, "--unit", "gyro=deg/s")
     found = find_model(model)
     raw = read(data, units=units, sample_rate=sample_rate, time_column=time_column)
-    chosen = taken(found.model, raw, columns, temperature)
     done = apply(found.model, raw, columns, temperature=temperature, serial=serial, uncertainty=uncertainty)
+    chosen = taken(found.model, raw, columns, temperature)
     remarks = [*done.remarks, *write(output, done)]
     used = dict(chosen.columns) | (
         {} if chosen.temperature is None else {"temperature": f"{chosen.temperature:g} degC"}
     )
     if as_json:
         inputs = [_input(found), {"path": raw.source.path, "sha256": raw.source.sha256}]
-        _written("compensate", inputs, output, len(done), remarks, {"columns": used})
+        more = {"columns": used, "compensated_by": done.compensated_by}
+        _written("compensate", inputs, output, len(done), remarks, more)
     elif not quiet:
         print(wrapped("columns: " + ", ".join(f"{what} = {clean(name)}" for what, name in used.items())))
         _print_written(output, len(done), remarks)

@@ -285,6 +285,10 @@ class Results(Part):
     closed_loop: ClosedLoop
     verification: list[Verified]
     verdict: Words | None
+    curves_sha256: str = Field(description="SHA-256 of the curves.parquet that belongs to these results.")
+    checksum: str = Field(
+        description="SHA-256 over this content without the checksum: keys sorted, no blanks, UTF-8; sha256:..."
+    )
 
 
 class Side(Part):

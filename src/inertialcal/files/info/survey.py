@@ -98,6 +98,8 @@ class Survey:
         Of reading, and of the survey.
     next : str or None
         Command to type next; the survey itself knows none.
+    compensated_by : str
+        Of the recording.
     """
 
     source: Source
@@ -107,6 +109,7 @@ class Survey:
     hints: tuple[Hint, ...]
     remarks: tuple[Remark, ...]
     next: str | None = None
+    compensated_by: str = ""
 
     @property
     def path(self) -> str:
@@ -150,6 +153,7 @@ class Survey:
             "sha256": self.source.sha256,
             "format": self.source.format,
             "rows": self.rows,
+            "compensated_by": self.compensated_by,
             "channels": [channel.to_dict() for channel in self.channels],
             "time": self.time.to_dict(),
             "hints": [str(hint) for hint in self.hints],
@@ -189,6 +193,7 @@ def survey_recording(recording: Recording) -> Survey:
         time=_time(recording),
         hints=hints,
         remarks=remarks,
+        compensated_by=recording.compensated_by,
     )
 
 

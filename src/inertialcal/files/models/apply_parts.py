@@ -26,6 +26,7 @@ from ...sensors.model.compensate import check_unique
 from ...sensors.model.equation import Columns, curve, needed
 from ...sensors.model.nonlinearity import endless_slope, rising_branch
 from ...sensors.model.sensor_model import APPLY_ORDER, MATRIX_ORDER, SensorModel, equation
+from ...sensors.model.serial import model_checksum
 
 LONGEST = 200  # characters of a text from the model
 WIDTH = 96  # of a comment
@@ -82,6 +83,7 @@ def head(model: SensorModel) -> list[str]:
     parts = (("maker", item.maker), ("part", item.part), ("serial", item.serial))
     named = [f"{word} {plain(text)}" for word, text in parts if text]
     lines = [f"Sensor: {', '.join(named) or 'unnamed'} ({model.kind}, axes in this order: {order(model)})"]
+    lines.append(f"Checksum of model.json: {model_checksum(model)}")
     if model.source:
         lines.append(f"Source: {plain(model.source)}")
     if not model.judged:

@@ -1,25 +1,18 @@
-"""``model.json``: a sensor model on disk, with a checksum over what it says.
-
-The checksum is the SHA-256 of the content in canonical form (keys sorted, no blanks, UTF-8), without the checksum
-itself: a file that was laid out anew still reads, one in which a number was changed by hand does not.
-"""
+"""``model.json``: a sensor model on disk, with a checksum over what it says."""
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
-from collections.abc import Mapping
 from pathlib import Path
 from typing import NoReturn
 
+from ...core.checksum import CHECKSUM, check_unchanged, checksum
 from ...core.errors import DataError, InertialcalError
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.serial import SCHEMA_VERSION, from_dict, to_dict
 from ..write.atomic import atomic_write
 from .model_format import ImportedModels, ModelFormat, ModelText, of_one
-
-CHECKSUM = "checksum"
 
 
 def write_model(path: str | os.PathLike[str], model: SensorModel) -> None:
@@ -67,25 +60,13 @@ def parse_model(text: str, where: str = "") -> SensorModel:
         raise DataError(f"no JSON: {error}", where=where, code="not_json") from None
     if not isinstance(content, dict):
         raise DataError("no model: the file does not hold a JSON object", where=where, code="schema")
-    given = content.pop(CHECKSUM, None)
     try:
-        if content.get("schema_version") == SCHEMA_VERSION and given != checksum(content):
-            raise DataError(
-                "the checksum does not match the content",
-                why="the file was edited after it was written: its figures cannot be traced",
-                do="Use the model as written by `run`, or run the campaign again",
-                code=CHECKSUM,
-            )
+        if content.get("schema_version") == SCHEMA_VERSION:
+            check_unchanged(content, do="Use the model as written by `run`, or run the campaign again")
         return from_dict(content)
     except InertialcalError as error:
         problem = error.problems[0]
         raise DataError(problem.what, where=where, why=problem.why, do=problem.do, code=problem.code) from None
-
-
-def checksum(content: Mapping[str, object]) -> str:
-    """SHA-256 over the canonical form of a content, as ``sha256:...``."""
-    canonical = json.dumps(content, sort_keys=True, separators=(",", ":"), ensure_ascii=False, allow_nan=False)
-    return "sha256:" + hashlib.sha256(canonical.encode("utf-8", "surrogatepass")).hexdigest()
 
 
 def _refuse_constant(name: str) -> NoReturn:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from ...core import units
 from ...core.errors import DataError, InertialcalError
 from ...core.estimate import Numbers
-from ...core.recording import SECOND, Channel, Recording, Times
+from ...core.recording import COMPENSATED, SECOND, Channel, Recording, Times
 from ...core.remarks import Remark
 from ..columns import Column, Content
 from ..info.describe import Described, describe
@@ -48,6 +48,9 @@ def file_columns(
         Column(title.name, plain_numbers(channel.data), title.unit)
         for title, channel in zip(titles, recording.channels, strict=True)
     ]
+    if recording.compensated_by:
+        mark = np.ones(len(recording), dtype=np.uint8)
+        columns.append(Column(f"{COMPENSATED}{recording.compensated_by}", mark))
     time = time_column(recording, in_names, instants)
     found = (*([] if time is None else [time]), *columns)
     if len(recording):

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from ...core.checksum import checksum
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import finite
@@ -60,6 +61,11 @@ def to_dict(model: SensorModel) -> dict[str, Any]:
             for name, one in model.provenance.items()
         },
     }
+
+
+def model_checksum(model: SensorModel) -> str:
+    """Return the checksum that ``model.json`` carries of a model, as ``sha256:...``."""
+    return checksum(to_dict(model))
 
 
 def from_dict(content: Mapping[str, Any]) -> SensorModel:
