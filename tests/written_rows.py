@@ -6,7 +6,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from inertialcal.core.checksum import CHECKSUM, checksum
+from inertialcal.core.schema.checksum import CHECKSUM, checksum
 
 METHODS = ("all_readings", "median", "low_pass", "as_published", "within_runs", "between_runs")
 

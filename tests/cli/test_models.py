@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 from inertialcal.cli.__main__ import main
-from inertialcal.core.checksum import checksum
 from inertialcal.core.errors import UsageError
 from inertialcal.core.estimate import Component, Estimate
+from inertialcal.core.schema.checksum import checksum
 from inertialcal.core.units import factor
 from inertialcal.files import read
 from inertialcal.files.models.formats import FORMATS

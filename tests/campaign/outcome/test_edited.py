@@ -14,8 +14,8 @@ from inertialcal.campaign.compare.compare import compare
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
 from inertialcal.campaign.outcome.results_file import find_results, previous
-from inertialcal.core.checksum import checksum, is_unchanged
 from inertialcal.core.errors import DataError
+from inertialcal.core.schema.checksum import checksum, is_unchanged
 
 PLACED = ("provenance.json", "report.html")  # say in which folder the campaign lies
 

@@ -11,9 +11,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from inertialcal.core.checksum import checksum
 from inertialcal.core.errors import DataError, StoreError
 from inertialcal.core.estimate import Component, Estimate
+from inertialcal.core.schema.checksum import checksum
 from inertialcal.files.models.model_json import dump_model, parse_model, read_model, write_model
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from

@@ -11,9 +11,9 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, cast
 
-from ...core.checksum import CHECKSUM, check_unchanged, checksum
 from ...core.errors import DataError
 from ...core.results import SCHEMA
+from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import read_curves
 from ...files.source import load

@@ -7,8 +7,8 @@ import os
 from pathlib import Path
 from typing import NoReturn
 
-from ...core.checksum import CHECKSUM, check_unchanged, checksum
 from ...core.errors import DataError, InertialcalError
+from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
 from ...sensors.model.sensor_model import SensorModel
 from ...sensors.model.serial import SCHEMA_VERSION, from_dict, to_dict
 from ..write.atomic import atomic_write

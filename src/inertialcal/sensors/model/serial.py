@@ -14,10 +14,10 @@ from typing import Any
 
 import numpy as np
 
-from ...core.checksum import checksum
 from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import finite
+from ...core.schema.checksum import checksum
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
 from .terms import SHAPES, parameter_keys
 

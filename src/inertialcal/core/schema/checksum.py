@@ -11,7 +11,7 @@ import json
 from collections.abc import Mapping
 from typing import Any
 
-from .errors import DataError
+from ..errors import DataError
 
 CHECKSUM = "checksum"
 EDITED = "edited by hand after it was written: its figures cannot be traced"
