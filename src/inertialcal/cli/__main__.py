@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import gc
-import os
 import sys
-import tempfile
-import traceback
 from collections.abc import Sequence
 from typing import NoReturn
 
-from ..core.errors import InertialcalError, Problem, UsageError
-from .shown.output import FOUND, errors_out
+from ..core.interruption import interruption
+from .process import INTERRUPTED, OutputError, interrupted, leave, on_disk, own
 
 SELDOM = 200_000, 20, 20  # new objects to a search for garbage: libraries make many at the start, and keep them all
 
@@ -19,62 +16,81 @@ SELDOM = 200_000, 20, 20  # new objects to a search for garbage: libraries make 
 def main(arguments: Sequence[str] | None = None) -> None:
     """Run the command line and leave with its exit status.
 
-    0 done; 1 a requirement FAILs; 2 wrong usage; 3 input refused; 4 INCONCLUSIVE; 70 internal error; 130
-    interrupted. No input ends in a traceback.
+    0 done; 1 a requirement FAILs; 2 wrong usage; 3 input refused, or output that cannot be written; 4 INCONCLUSIVE; 70
+    internal error; 130 interrupted. No input ends in a traceback.
     """
     given = list(sys.argv[1:] if arguments is None else arguments)
-    status = _run(given)
-    try:
-        sys.stdout.flush()
-    except BrokenPipeError:  # the reader has seen enough
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-    sys.exit(status)
+    sys.exit(_status(given))
 
 
 def entry() -> NoReturn:
-    """Run the command line as a process of its own, and end it.
-
-    Once the work is done and told, nothing may change the exit status: the threads that a library keeps can abort the
-    interpreter while it is taken down, so it is not.
-    """
+    """Run the command line as a process of its own, and end it."""
+    given = sys.argv[1:]
     status = 70
-    gc.set_threshold(*SELDOM)
     try:
-        main()
-    except SystemExit as left:
-        status = int(left.code or 0)
-    sys.stderr.flush()
-    if "pyarrow" in sys.modules:
-        os._exit(status)
-    sys.exit(status)
-
-
-def _run(given: list[str]) -> int:
-    as_json = "--json" in given
-    try:
-        from typer.main import get_command
-
-        from .app import app
-
-        status = get_command(app).main(args=given, prog_name="inertialcal", standalone_mode=False)
-        return int(status or 0)
-    except SystemExit as left:  # the parser's own way out of a pipe that the reader has closed
-        return FOUND[0] if left.code == 1 else int(left.code or 0)
-    except InertialcalError as error:
-        return errors_out(given, list(error.problems), error.exit_status, as_json, error.inputs)
-    except BrokenPipeError:
-        return FOUND[0]
+        own(given)
+        gc.set_threshold(*SELDOM)
+        main(given)
+    except SystemExit as end:
+        status = int(end.code or 0)
     except KeyboardInterrupt:
-        return _interrupted(given, as_json)
-    except Exception as error:
-        return _other(given, error, as_json)
+        status = _interrupted(given)
+    leave(status)
 
 
-def _other(given: list[str], error: Exception, as_json: bool) -> int:
-    """Wrong usage as the parser tells it, interruption, or a fault of ours."""
+def _status(given: list[str]) -> int:
+    """Run a command, print what is wrong, and return the exit status."""
+    from ..core.errors import Problem, UsageError
+    from .shown.output import ENDING, errors_out
+
+    ENDING.status, ENDING.printed = 0, False
+    try:
+        try:
+            status = _command(given)
+        except (OutputError, KeyboardInterrupt):
+            raise
+        except Exception as error:
+            if interruption.requested:  # a library has made something else of it
+                raise KeyboardInterrupt from None
+            status = _refused(given, error)
+        if interruption.requested or status == INTERRUPTED:
+            raise KeyboardInterrupt
+        sys.stdout.flush()
+    except OutputError as error:
+        if error.reader_gone:  # has read enough
+            return ENDING.status
+        status = ENDING.status if ENDING.status in {UsageError.exit_status, 70} else 3
+        return errors_out(given, [Problem(error.what, why=on_disk(), code="not_written")], status, False)
+    except BrokenPipeError:
+        return ENDING.status
+    except KeyboardInterrupt:
+        return _interrupted(given)
+    return status
+
+
+def _command(given: list[str]) -> int:
+    from typer.main import get_command
+
+    from .app import app
+    from .shown.output import ENDING
+
+    try:
+        return int(get_command(app).main(args=given, prog_name="inertialcal", standalone_mode=False) or 0)
+    except SystemExit as end:  # the parser's own way out of a pipe that the reader has closed
+        return ENDING.status if end.code == 1 else int(end.code or 0)
+
+
+def _refused(given: list[str], error: Exception) -> int:
+    """Print a refusal, wrong usage in the parser's words, or a fault of ours; return the exit status."""
+    from ..core.errors import InertialcalError, Problem, UsageError
+    from .shown.output import errors_out
+
+    as_json = "--json" in given
     name = type(error).__name__
+    if isinstance(error, InertialcalError):
+        return errors_out(given, list(error.problems), error.exit_status, as_json, error.inputs)
     if name == "Abort":
-        return _interrupted(given, as_json)
+        return INTERRUPTED
     if name == "NoArgsIsHelpError" and not as_json:
         print(str(error))
         return UsageError.exit_status
@@ -82,14 +98,37 @@ def _other(given: list[str], error: Exception, as_json: bool) -> int:
         return errors_out(given, [Problem(error.format_message(), do=_help(error))], UsageError.exit_status, as_json)
     if isinstance(error, MemoryError):
         return errors_out(given, [Problem("not enough memory for this input", code="too_large")], 3, as_json)
-    with tempfile.NamedTemporaryFile("w", prefix="inertialcal-", suffix=".log", delete=False) as log:
-        traceback.print_exc(file=log)
     what = f"internal error ({name}): this is a fault of inertialcal, not of your input"
-    return errors_out(given, [Problem(what, do=f"Please report it with {log.name}", code="internal")], 70, as_json)
+    return errors_out(given, [Problem(what, do=_logged(error), code="internal")], 70, as_json)
 
 
-def _interrupted(given: list[str], as_json: bool) -> int:
-    return errors_out(given, [Problem("interrupted: nothing was written", code="interrupted")], 130, as_json)
+def _logged(error: Exception) -> str:
+    """Write the traceback into a log; return how to report it."""
+    import tempfile
+    import traceback
+
+    try:
+        with tempfile.NamedTemporaryFile(
+            "w", prefix="inertialcal-", suffix=".log", delete=False, encoding="utf-8", errors="backslashreplace"
+        ) as log:
+            traceback.print_exception(error, file=log)
+    except OSError as unwritable:
+        last = traceback.extract_tb(error.__traceback__)[-1]
+        place = f"{last.filename}:{last.lineno}"
+        return f"Please report it: {place}, {error} (no log: {unwritable.strerror or unwritable})".replace("\n", " ")
+    return f"Please report it with {log.name}"
+
+
+def _interrupted(given: list[str]) -> int:
+    from ..core.errors import Problem
+    from .shown.output import errors_out
+
+    try:
+        errors_out(given, [Problem(interrupted(), code="interrupted")], INTERRUPTED, "--json" in given)
+        sys.stdout.flush()
+    except OutputError:
+        pass
+    return INTERRUPTED
 
 
 def _help(error: Exception) -> str:

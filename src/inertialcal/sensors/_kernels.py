@@ -9,14 +9,13 @@ without a branch in it becomes vector instructions.
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from ..core.estimate import Array
+from ..statistics._kernels import compiled
 from .model.nonlinearity import DIGITS, HALLEY_STEPS, ROUNDING, STEEP, STEPS, UNDONE
 
 BLOCK = 512  # rows
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
 
 @compiled

@@ -4,13 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ..core.estimate import Array
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+from ..statistics._kernels import compiled
 
 
 @compiled

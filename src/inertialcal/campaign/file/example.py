@@ -8,6 +8,7 @@ from pathlib import Path
 
 from ...core.campaign_text import FILE
 from ...core.errors import StoreError, UsageError
+from ...core.interruption import interruption
 from ...rigs import DEMONSTRATED, RIGS
 from ..outcome.publish import OUT
 from ..twins.twin import TRUTH, simulate
@@ -85,9 +86,11 @@ def copy_example(name: str, target: Path) -> Path:
         return target
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo -o FOLDER")
+    interruption.note(target, complete=False)
     try:
         with as_file(files("inertialcal") / "examples" / name) as source:
             shutil.copytree(source, target, ignore=shutil.ignore_patterns(OUT, ".out*"), dirs_exist_ok=True)
     except OSError as error:
         raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
+    interruption.note(target)
     return target

@@ -22,6 +22,7 @@ from pathlib import Path
 from typing import Any
 
 from ...core.errors import StoreError
+from ...core.interruption import interruption
 from ...core.show.rows import case_name, quantity_name
 
 OUT = "out"
@@ -92,7 +93,9 @@ def swap_in(folder: Path, files: Mapping[str, str | bytes]) -> None:
             with path.open("rb") as handle:
                 os.fsync(handle.fileno())
         aside.chmod(0o755)
-        _swap(aside, folder / OUT)
+        with interruption.held():  # the exchange is whole, and its end is told
+            _swap(aside, folder / OUT)
+            interruption.note(folder / OUT)
     except OSError as error:
         raise StoreError(f"cannot write {folder / OUT}: {error.strerror}", code="not_writable") from None
     finally:

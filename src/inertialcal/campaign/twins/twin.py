@@ -17,6 +17,7 @@ from pathlib import Path
 
 from ...core.campaign_text import FILE
 from ...core.errors import DataError, StoreError, UsageError
+from ...core.interruption import interruption
 from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Block, Table, html, text
@@ -201,9 +202,11 @@ def _write(target: Path, texts: Mapping[str, str]) -> None:
             path.parent.mkdir(parents=True, exist_ok=True)
             path.write_text(text, encoding="utf-8")
         aside.chmod(0o755)
-        if target.is_dir():
-            target.rmdir()
-        aside.rename(target)
+        with interruption.held():
+            if target.is_dir():
+                target.rmdir()
+            aside.rename(target)
+            interruption.note(target)
     except OSError as error:
         raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
     finally:

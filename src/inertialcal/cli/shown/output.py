@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import json
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from typing import Any
 
@@ -13,11 +13,23 @@ from ...core.errors import Problem
 from ...core.results import SCHEMA
 from ...core.show.tables import aligned as table
 from ...core.show.tables import clean, terminal_width
+from ..encoding import json_text
 
-__all__ = ["clean", "errors_out", "found", "json_out", "package_version", "problem_text", "table", "width", "wrapped"]
+__all__ = [
+    "ENDING", "clean", "errors_out", "errors_text", "found", "json_out", "package_version", "problem_text", "table",
+    "width", "wrapped",
+]  # fmt: skip
 
-# Exit status that the command has found, for a reader that closes the pipe before all is printed.
-FOUND = [0]
+
+@dataclass
+class Ending:
+    """How the command ends, for an output that ends before it."""
+
+    status: int = 0  # Exit status that the command has found
+    printed: bool = False  # Whether the object of --json is
+
+
+ENDING = Ending()
 PARTS = ("results", "remarks", "verdicts", "errors")
 WIDTH = 110  # of wrapped text where there is no terminal
 
@@ -42,15 +54,20 @@ def json_out(command: str, content: Mapping[str, Any], status: int = 0) -> None:
     status : int
         Exit status.
     """
+    ENDING.printed = True
+    print(_object(command, content, status))
+
+
+def _object(command: str, content: Mapping[str, Any], status: int) -> str:
     whole: dict[str, Any] = {"command": command, "version": package_version(), "schema": SCHEMA, "inputs": []}
     whole |= {name: [] for name in PARTS} | {name: part for name, part in content.items() if name != "curves"}
     whole["exit"] = status
-    print(json.dumps(whole, ensure_ascii=False, allow_nan=False))
+    return json_text(whole, sys.stdout.encoding or "utf-8")
 
 
 def found(status: int) -> int:
     """Keep the exit status of the command, before anything is printed; return it."""
-    FOUND[0] = status
+    ENDING.status = status
     return status
 
 
@@ -62,17 +79,29 @@ def errors_out(
     inputs: Sequence[tuple[str, str]] = (),
 ) -> int:
     """Print what is wrong, as text or as the JSON object; return the exit status."""
-    words = [word for word in given if not word.startswith("-")]
-    command = " ".join(words[:2] if words[:1] == ["plan"] else words[:1])
-    if as_json:
-        listed = [{"path": path, "sha256": digest} for path, digest in inputs]
-        json_out(command, {"inputs": listed, "errors": [problem.to_dict() for problem in problems]}, status)
-        return status
-    for problem in problems:
-        print(problem_text(problem), file=sys.stderr)
-    if len(problems) > 1:
-        print(f"{len(problems)} problems", file=sys.stderr)
+    found(status)
+    as_json = as_json and not ENDING.printed
+    text = errors_text(given, problems, status, as_json, inputs)
+    ENDING.printed |= as_json
+    print(text, file=sys.stdout if as_json else sys.stderr)
     return status
+
+
+def errors_text(
+    given: Sequence[str],
+    problems: Sequence[Problem],
+    status: int,
+    as_json: bool,
+    inputs: Sequence[tuple[str, str]] = (),
+) -> str:
+    """Return what is wrong, as text or as the JSON object."""
+    if as_json:
+        words = [word for word in given if not word.startswith("-")]
+        command = " ".join(words[:2] if words[:1] == ["plan"] else words[:1])
+        listed = [{"path": path, "sha256": digest} for path, digest in inputs]
+        return _object(command, {"inputs": listed, "errors": [problem.to_dict() for problem in problems]}, status)
+    count = [f"{len(problems)} problems"] if len(problems) > 1 else []
+    return "\n".join([*map(problem_text, problems), *count])
 
 
 def problem_text(problem: Problem) -> str:

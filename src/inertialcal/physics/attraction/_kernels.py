@@ -10,11 +10,10 @@ from __future__ import annotations
 import math
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+from ...statistics._kernels import compiled
 
 TINY = 1e-300  # squares of offsets below it may have lost their digits, and what they weigh is below 1e-147
 NEAR = 8.0  # longest edges from the centre within which the closed form is taken

@@ -13,11 +13,11 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...statistics._kernels import compiled, reordered
 
 Whole = NDArray[np.int64]
 BLOCK = 256  # vertices: all buffers of one take 50 kB
@@ -27,9 +27,6 @@ MANTISSA, ONE, BIAS, BITS = 0x000FFFFFFFFFFFFF, 0x3FF0000000000000, 1023, 52
 ROOT_2 = math.sqrt(2.0)
 TAN_67, TAN_22 = 1.0 + ROOT_2, ROOT_2 - 1.0  # of three eighths and one eighth of pi
 HALF_PI_REST = 6.123233995736766e-17  # of pi / 2, beyond its double
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
-reordered = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @compiled

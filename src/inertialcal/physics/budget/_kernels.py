@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import math
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
+from ...statistics._kernels import reordered
 
 
-@compiled
+@reordered
 def amplitudes(
     centres: NDArray[np.float64],
     mass: NDArray[np.float64],
@@ -52,7 +51,7 @@ def amplitudes(
         found[k, 1] = math.sqrt(squares)
 
 
-@compiled
+@reordered
 def squares(
     centres: NDArray[np.float64],
     mass: NDArray[np.float64],

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 
 from ...core.estimate import Array
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
+from ...statistics._kernels import compiled
 
 MOST_STEPS, MOST_PIVOTS = 60, 100  # of Fisher scoring, of its equations
 SHORTEST_STEP = 1e-3  # of Fisher scoring, below which it ends

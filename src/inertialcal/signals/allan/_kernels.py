@@ -13,11 +13,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...statistics._kernels import compiled, reordered
 
 Whole = NDArray[np.int64]
 BLOCK = 4096  # starting points: six streams of them lie in the nearest cache but one
@@ -25,8 +25,6 @@ NEAR = 32_768  # largest factor of blocks side by side: twice as many points lie
 SHORT = (32, 512)  # largest averaging factors whose modified deviations are summed from block to block anew ...
 LOCAL = 16  # ... each so many times as long
 
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
-summing = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 # The integrated signal
 
@@ -79,7 +77,7 @@ def integrate_again(phase: NDArray[Any]) -> Any:
 # Sums of squares
 
 
-@summing
+@reordered
 def _one_second(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any]) -> float:
     """Return the sum of squares of (c - b) - (b - a), of three streams of P that start m apart."""
     total = 0.0
@@ -89,7 +87,7 @@ def _one_second(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any]) -> float:
     return total
 
 
-@summing
+@reordered
 def _two_seconds(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any]) -> tuple[float, float]:
     """Return the same for m and 2 m, of streams that start 0, 1, 2 and 4 m apart."""
     one, two = 0.0, 0.0
@@ -101,7 +99,7 @@ def _two_seconds(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[A
     return one, two
 
 
-@summing
+@reordered
 def _four_seconds(
     a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any], g: NDArray[Any], h: NDArray[Any]
 ) -> tuple[float, float, float, float]:
@@ -119,7 +117,7 @@ def _four_seconds(
     return one, two, three, four
 
 
-@summing
+@reordered
 def _one_third(a: NDArray[Any], b: NDArray[Any], c: NDArray[Any], e: NDArray[Any]) -> float:
     """Return the sum of squares of third differences, of four streams that start m apart."""
     total = 0.0

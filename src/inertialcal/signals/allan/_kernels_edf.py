@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 
-import numba
-
 from ...core.estimate import Array
+from ...statistics._kernels import compiled
 
 LAGS = 32  # lags a window, of the autocorrelation behind the degrees of freedom ...
 GRADE = 0.1  # ... and how much farther each from a whole window where it has logarithms there
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
 
 @compiled

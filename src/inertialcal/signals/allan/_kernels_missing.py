@@ -8,16 +8,14 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...statistics._kernels import compiled
 
 Whole = NDArray[np.int64]
 FILL = 2  # windows are used from 1 / FILL of their samples
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
 
 
 @compiled

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import Any
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ...core.estimate import Array
+from ...statistics._kernels import compiled, reordered
 from ._kernels_edf import covariance_of_terms
 from ._kernels_missing import mean_of
 
@@ -19,9 +19,6 @@ STARTS = 4  # starting points that averages are taken from where there are few
 LINE = 2.0  # by how much over their number a line lowers the lag-1 autocorrelation of white averages
 SMALL_ENOUGH = 0.2  # lag-1 autocorrelation below which averages need no (further) difference
 FEWEST = 30  # averages that identify a noise type (Riley and Greenhall)
-
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy")
-summing = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 
 
 @compiled
@@ -96,7 +93,7 @@ def _take_averages(
     return found
 
 
-@summing
+@reordered
 def _remove_line(y: Array, kept: Array, at: Array) -> None:
     """Take mean and slope over time off the averages."""
     n, sum_t, sum_y = 0.0, 0.0, 0.0
@@ -114,7 +111,7 @@ def _remove_line(y: Array, kept: Array, at: Array) -> None:
         y[i] -= kept[i] * (mean_y + slope * (at[i] - mean_t))
 
 
-@summing
+@reordered
 def _autocorrelation(y: Array, kept: Array, most: int, lost: float) -> tuple[int, float]:
     """Return how often averages were differenced until their lag-1 autocorrelation was small, and that, or NaN.
 

@@ -11,13 +11,12 @@ M is lower triangular: its row i has ``1 + s_i`` times (m_i0, ..., 1). With ``y 
 
 from __future__ import annotations
 
-import numba
 import numpy as np
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
+from ....statistics._kernels import reordered
 
-compiled = numba.njit(cache=True, nogil=True, error_model="numpy", fastmath={"reassoc", "contract", "nsz"})
 SIZE = 9  # parameters: s_0 s_1 s_2, m_10 m_20 m_21, b_0 b_1 b_2
 STEPS = 60
 SETTLED = 1e-11  # change of the parameters, relative to 1, that is taken without a look at what it changes
@@ -26,7 +25,7 @@ LIGHT = 1e-9  # least damping, relative to the diagonal
 DAMPED = 1e12  # damping at which no step is left to try
 
 
-@compiled
+@reordered
 def fit_norms(
     readings: Array,
     used: NDArray[np.bool_],
@@ -97,7 +96,7 @@ def fit_norms(
         condition[unit] = _inverted(normal, factor, inverse[unit])
 
 
-@compiled
+@reordered
 def _determined(readings: Array, used: NDArray[np.bool_], r: Array) -> int:
     """Fill ``r``, (3, positions), with the readings of the positions that are used; return their number."""
     count = 0
@@ -109,7 +108,7 @@ def _determined(readings: Array, used: NDArray[np.bool_], r: Array) -> int:
     return count
 
 
-@compiled
+@reordered
 def _sums(r: Array, count: int, p: Array, j: Array, normal: Array) -> float:
     """Fill the normal matrix at p, as its lower half, with J'e as row 9; return the sum of e^2.
 
@@ -142,7 +141,7 @@ def _sums(r: Array, count: int, p: Array, j: Array, normal: Array) -> float:
     return float(normal[SIZE, SIZE])
 
 
-@compiled
+@reordered
 def _step(normal: Array, damping: float, factor: Array, step: Array) -> bool:
     """Fill the step -(N + damping D) ^-1 J'e, D the diagonal of N; return False where N is not positive."""
     if not _cholesky(normal, damping, factor):
@@ -160,7 +159,7 @@ def _step(normal: Array, damping: float, factor: Array, step: Array) -> bool:
     return True
 
 
-@compiled
+@reordered
 def _cholesky(normal: Array, damping: float, factor: Array) -> bool:
     """Fill the lower factor of N + damping D; return False where a pivot is lost in rounding."""
     for i in range(SIZE):
@@ -179,7 +178,7 @@ def _cholesky(normal: Array, damping: float, factor: Array) -> bool:
     return True
 
 
-@compiled
+@reordered
 def _inverted(normal: Array, factor: Array, inverse: Array) -> float:
     """Fill the inverse of N; return the condition of J: infinite, and an inverse of NaN, where there is none."""
     if not _cholesky(normal, 0.0, factor):
@@ -210,7 +209,7 @@ def _inverted(normal: Array, factor: Array, inverse: Array) -> float:
     return float(np.sqrt(highest * highest_inverse))
 
 
-@compiled
+@reordered
 def apply_known(hat: Array, design: Array, readings: Array, found: Array, squares: Array) -> None:
     """Fill the straight lines of each sensor and unit through known inputs, and their squared residuals.
 

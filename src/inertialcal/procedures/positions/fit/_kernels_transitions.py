@@ -10,15 +10,15 @@ for a rate that is linear in time (Magnus expansion, fourth order).
 from __future__ import annotations
 
 import numpy as np
-from numba import njit
 from numpy.typing import NDArray
 
 from ....core.estimate import Array
+from ....statistics._kernels import compiled
 
 SERIES = 0.02  # square of the angle [rad^2] below which five terms of a series are exact to rounding
 
 
-@njit(cache=True)
+@compiled
 def through(w: Array, h: Array, first: NDArray[np.int64], weighted: Array, end: Array) -> None:
     """Integrate rotations k = 0 .. len(first) - 2, samples first[k] to first[k + 1] - 1.
 
@@ -43,7 +43,7 @@ def through(w: Array, h: Array, first: NDArray[np.int64], weighted: Array, end: 
                 _turn_back(w[n], w[n + 1], step, U)
 
 
-@njit(cache=True)
+@compiled
 def _turn_back(w0: Array, w1: Array, h: float, U: Array) -> None:
     """Multiply U by the matrix exponential of minus the cross product with phi."""
     c = h * h / 12.0

@@ -1,0 +1,49 @@
+"""How loops are compiled: from the cache of numba where there is one, and without it elsewhere.
+
+Numba refuses to load a function where no folder for its cache can be written (a package that somebody else installed,
+no home), and to call one whose cache is damaged or cannot be written. Neither is a reason to stop: the function is
+compiled again, which takes seconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from contextlib import suppress
+from typing import Any
+
+import numba
+from numba.core.caching import FunctionCache
+from numba.core.dispatcher import Dispatcher
+
+
+class _Cache(FunctionCache):
+    """Compiled code of a function on disk, where it can be read and written."""
+
+    def load_overload(self, sig: Any, target_context: Any) -> Any:
+        """Return the compiled code for a signature; None where the file is damaged, which empties the index."""
+        try:
+            return super().load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        except Exception:  # of unpickling: anything
+            with suppress(OSError):
+                self.flush()  # type: ignore[no-untyped-call]
+            return None
+
+    def save_overload(self, sig: Any, data: Any) -> None:
+        """Keep the compiled code for a signature, where the folder takes it."""
+        with suppress(OSError):
+            super().save_overload(sig, data)  # type: ignore[no-untyped-call]
+
+
+def _compiler(**options: Any) -> Callable[[Callable[..., Any]], Any]:
+    def decorate(function: Callable[..., Any]) -> Any:
+        found = numba.njit(nogil=True, error_model="numpy", **options)(function)
+        if isinstance(found, Dispatcher):  # which it is not under NUMBA_DISABLE_JIT
+            with suppress(RuntimeError, OSError):  # no folder can be written
+                found._cache = _Cache(function)  # type: ignore[attr-defined, no-untyped-call]
+        return found
+
+    return decorate
+
+
+compiled = _compiler()
+reordered = _compiler(fastmath={"reassoc", "contract", "nsz"})  # sums may be reordered; nan and infinity are kept
