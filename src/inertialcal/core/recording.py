@@ -21,6 +21,7 @@ from .remarks import Remark
 from .show.result_tables import remarks_line
 from .show.rounding import number
 from .show.tables import Block, Table, ending, html, text
+from .unit.magnitudes import check_sample_rate
 
 Times = NDArray[np.int64]
 COMPENSATED = "compensated_by_"  # starts the name of the column by which a file says so; a model's checksum ends it
@@ -80,6 +81,8 @@ class Recording:
         if len(set(names)) != len(names):
             twice = sorted({name for name in names if names.count(name) > 1})
             raise DataError(f"channel {', '.join(twice)} appears twice", where=self.source.path)
+        if self.sample_interval and (wrong := check_sample_rate(1.0 / self.sample_interval)):
+            raise DataError(wrong, self.source.path, do="Correct the rate or the time stamps", code="sample_rate")
         lengths = {channel.data.shape for channel in self.channels}
         if self.time_ns is not None:
             lengths.add(self.time_ns.shape)
@@ -105,6 +108,13 @@ class Recording:
     def names(self) -> tuple[str, ...]:
         """Names of the channels, in order."""
         return tuple(channel.name for channel in self.channels)
+
+    def place(self, index: int) -> str:
+        """``file:row`` of a sample, or its number where rows have no meaning."""
+        path = self.source.path
+        if path and self.first_row:
+            return f"{path}:{self.first_row + index}"
+        return f"{path}: sample {index + 1}" if path else f"sample {index + 1}"
 
     def channel(self, name: str) -> Channel:
         """One channel by name.

@@ -27,6 +27,7 @@ from typing import TYPE_CHECKING, Any
 from .errors import DataError
 from .key import Kind
 from .unit.atoms import NONE, PREFIXES, Factor, Powers, by_symbol, kind_of, merged, product, quotient, raised
+from .unit.magnitudes import CODE, LARGEST, SMALLEST, is_possible
 from .unit.parse import read_quantity, read_unit
 from .unit.spelling import spell
 
@@ -128,9 +129,17 @@ def parse_quantity(text: str) -> Quantity:
     Raises
     ------
     DataError
-        With code ``unknown_quantity``, if it cannot be read or is not finite.
+        With code ``unknown_quantity``, if it cannot be read or is not finite; ``impossible_value``, if nothing that
+        is measured is so large or so small.
     """
     value, unit = read_quantity(text)
+    if not (is_possible(value) and is_possible(value * _in_base_units(unit)[0])):
+        raise DataError(
+            f"{text!r} cannot be meant",
+            why=f"in SI, a quantity is 0 or from {SMALLEST:g} to {LARGEST:g}",
+            do="Correct the exponent or the unit",
+            code=CODE,
+        )
     return Quantity(value, spell(unit))
 
 

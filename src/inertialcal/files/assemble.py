@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
@@ -14,6 +13,7 @@ from numpy.typing import NDArray
 from ..core.errors import DataError, UsageError
 from ..core.recording import COMPENSATED, MARK, Channel, Recording, Source
 from ..core.remarks import Remark, gather
+from ..core.unit.magnitudes import check_sample_rate
 from ..signals.time.time_axis import analyse
 from .columns import Content, missing_remarks, nan_in_required, without_unfilled_end
 from .info.describe import Described, axis_remarks, describe, find_column, rate_remark
@@ -49,8 +49,8 @@ def assemble(
         As ``files.read`` says.
     """
     path = source.path
-    if sample_rate is not None and not (math.isfinite(sample_rate) and sample_rate > 0.0):
-        raise UsageError(f"a sample rate of {sample_rate:g} Hz", do="Give one above zero", code="sample_rate")
+    if sample_rate is not None and (wrong := check_sample_rate(sample_rate)):
+        raise UsageError(wrong, code="sample_rate")
     content, compensated_by = _without_mark(content)
     if content.time_ns is None:
         content = without_unfilled_end(content, path)

@@ -132,6 +132,8 @@ def _satterthwaite(gram: Array, adjust: Array, to_contrast: Array) -> Array:
     Under the working model the variance is a quadratic form in independent errors, with the matrix
     ``B_gh = z_g' (I - H)_gh z_h`` between clusters, ``z_g = A_g X_g M c``; dof = (tr B)² / tr(B²).
     """
+    size = np.max(np.abs(to_contrast), axis=1, initial=0.0, keepdims=True)
+    to_contrast = np.ldexp(to_contrast, -np.frexp(size)[1])  # no size of a contrast changes its dof, or underflows
     z = np.einsum("gij,mj->mgi", adjust, to_contrast)  # z_g = Q_g z
     shared = np.einsum("gij,mgj->mgi", gram, z)  # Q_g' Q_g z
     own = np.einsum("mgi,mgi->mg", z, shared)

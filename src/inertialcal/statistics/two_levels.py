@@ -97,7 +97,8 @@ def fit_two_levels(
     Raises
     ------
     DataError
-        ``no_dof`` where n is p and the scatter between readings is not given; or if nothing scatters at all.
+        ``no_dof`` where n is p and the scatter between readings is not given; ``no_scatter`` if nothing scatters at
+        all, or some readings would be exact.
     """
     n, p = design.shape
     if n < p or (n == p and between is None):
@@ -111,9 +112,14 @@ def fit_two_levels(
     for part in sources.values():
         fixed = fixed + part
     if between is not None:
-        return _solved(design, readings, sources, fixed, between**2, (between, between), found=False)
-    square, limits = _restricted(design, readings, fixed)
-    return _solved(design, readings, sources, fixed, square, limits, found=True)
+        square, limits = between**2, (between, between)
+    else:
+        square, limits = _restricted(design, readings, fixed)
+    exact = int(np.count_nonzero(np.diag(fixed) <= 0.0))
+    if exact and not square:
+        what = f"{exact} of {n} readings have no scatter of their own, and they do not scatter about the fit"
+        raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
+    return _solved(design, readings, sources, fixed, square, limits, found=between is None)
 
 
 def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tuple[float, float]]:
@@ -144,9 +150,10 @@ def _restricted(design: Array, readings: Array, fixed: Array) -> tuple[float, tu
 
 def _interval(known: Array, pull: Array, largest: float) -> tuple[float, float]:
     """Interval of tau: at the true one the weighted sum of squares is a chi-square, and it falls with tau [4]_."""
+    nothing = 1e-300 * max(1.0, float(np.max(pull)))
 
     def beyond(square: float, quantile: float) -> float:
-        return float(np.sum(pull / np.maximum(known + square, 1e-300))) - quantile
+        return float(np.sum(pull / np.maximum(known + square, nothing))) - quantile
 
     found = []
     for quantile in stats.chi2.ppf([0.975, 0.025], len(pull)):

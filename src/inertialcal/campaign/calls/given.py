@@ -13,6 +13,7 @@ from ...core.errors import DataError, UsageError
 from ...core.estimate import Array
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
+from ...core.unit.magnitudes import check_sample_rate
 from ...core.units import kind, normalise
 from ...files import read, read_table
 from ...files.source import load as load_file
@@ -137,6 +138,8 @@ def _of_array(values: Array, said: Said) -> Recording:
     names = AXES[:count] if count <= len(AXES) else [f"column_{i + 1}" for i in range(count)]
     if said.sample_rate is None:
         raise DataError("an array has no time", do="Add sample_rate=... [Hz]", code="no_time")
+    if wrong := check_sample_rate(said.sample_rate):
+        raise UsageError(wrong, code="sample_rate")
     unit = next(iter(said.units.values()), None)
     spoken = None if unit is None else normalise(unit)
     channels = tuple(

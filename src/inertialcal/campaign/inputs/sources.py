@@ -19,6 +19,7 @@ from ...core.estimate import Array
 from ...core.influence import Standards
 from ...core.key import AXES
 from ...core.recording import Channel, Recording
+from ...core.unit.magnitudes import check_readings
 from ...core.units import convert, factor, kind, parse_quantity, si_unit
 from ...files import read, read_table
 from ...files.source import load as load_file
@@ -206,10 +207,13 @@ class Ready:
                 what = f"recordings.{self.name}: counts, and the reference voltage is a channel that the table lacks"
                 raise DataError(what, self._table.source.path, do="Give readings in volts", code="missing_reference")
             made = convert_counts(build_chain(self.sensor, (axis,)), values[:, None], place=self._table.where)
-            return np.asarray(made.readings)[:, 0]
-        if kind(unit) == "voltage":
-            return values * self.factor(unit, axis)
-        return convert(values, unit, si_unit(unit))
+            found = np.asarray(made.readings)[:, 0]
+        elif kind(unit) == "voltage":
+            found = values * self.factor(unit, axis)
+        else:
+            found = convert(values, unit, si_unit(unit))
+        check_readings(axis, found, si_unit(unit), self._table.where)
+        return found
 
     def factor(self, unit: str, axis: str) -> float:
         """Return SI units a unit of the table, for differences."""
@@ -246,7 +250,12 @@ class Ready:
             raise DataError(what, entry.file, why, 'Say frame = "sensor"', "not_sensor_axes")
         chain = self.chain if self.chain is not None else chain_of(entry, sensor)
         kept = spec.ground_model == "bias_kept"
+        for channel in {one.column for one in (entry.channels or {}).values()} & {*self.raw.names}:
+            given = self.raw.channel(channel)
+            check_readings(given.name, given.data, given.unit, self.raw.place)
         body = in_body_axes(self.raw, self.name, entry, sensor, chain, self.model, kept, spec.as_wide)
+        for channel in (one for one in body.channels if one.name in AXES):
+            check_readings(channel.name, channel.data, channel.unit, body.place)
         if spec.voltages:
             body = replace(body, channels=(*body.channels, *_reference_voltages(self.raw, entry, chain)))
         return in_body_names(body, entry, sensor) if spec.by_body else body

@@ -120,14 +120,8 @@ def emptied(raw: Recording, done: Recording, axes: Mapping[str, str], conditions
         ("condition_missing", "a condition is missing that the model needs: left empty", lost.any(axis=1) & unknown),
     ):
         if rows.any():
-            found.append(Remark(code, "warning", text, _place(raw, int(np.argmax(rows))), int(np.count_nonzero(rows))))
+            found.append(Remark(code, "warning", text, raw.place(int(np.argmax(rows))), int(np.count_nonzero(rows))))
     return tuple(found)
-
-
-def _place(recording: Recording, index: int) -> str:
-    path, first = recording.source.path, recording.first_row
-    sample = f"{path}: sample {index + 1}" if path else f"sample {index + 1}"
-    return f"{path}:{first + index}" if path and first else sample
 
 
 def _conditions(model: SensorModel, recording: Recording, chosen: Taken) -> Conditions:

@@ -25,6 +25,7 @@ from ...core.errors import DataError, UsageError
 from ...core.recording import SECOND, Recording, Source, Times
 from ...core.remarks import Remark, condensed
 from ...core.times import instant_text
+from ...core.unit.magnitudes import check_sample_rate
 from ..assemble import assemble
 from ..binary.arrays import number_column
 from ..columns import Content
@@ -142,8 +143,8 @@ def read_pad(
         ``wrong_time``, ``wrong_frame``, ``sample_rate``.
     """
     check_frame(frame)
-    if sample_rate is not None and not 0.0 < sample_rate < np.inf:
-        raise UsageError(f"a sample rate of {sample_rate:g} Hz", do="Give one above zero", code="sample_rate")
+    if sample_rate is not None and (wrong := check_sample_rate(sample_rate)):
+        raise UsageError(wrong, code="sample_rate")
     files = sorted((_File(pair, read_header(pair.header)) for pair in pairs), key=lambda f: f.header.time_zero)
     _one_sensor(files, path)
     bounds = window.bounds("utc")

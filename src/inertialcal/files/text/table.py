@@ -17,6 +17,7 @@ from ...core.remarks import Remark
 from ...core.show import tables as shown
 from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, ending, html, text
+from ...core.unit.magnitudes import check_readings
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
@@ -111,7 +112,8 @@ class Table:
         Raises
         ------
         DataError
-            If there is no such column, it holds text, or, where required, a literal NaN.
+            If there is no such column, it holds text, a number that nothing has (``impossible_value``), or, where
+            required, a literal NaN.
         """
         at = self.index(name)
         cells = self.cells[at]
@@ -124,6 +126,7 @@ class Table:
         nan = np.flatnonzero([k == "n" for k in kinds])
         if required and len(nan):
             raise nan_in_required(self.names[at], cells[nan[0]], len(nan), self.where(int(nan[0])))
+        check_readings(self.names[at], values, self.unit(name), self.where)
         return values
 
     def missing(self, name: str) -> tuple[Remark, ...]:

@@ -61,7 +61,7 @@ def apply_chain(
     """
     counts = _counts(recording, [_column(columns, axis) for axis in chain.axes])
     conditions = {kind: _condition(chain, recording, columns, kind) for kind in CONDITIONS}
-    converted = convert(chain, counts, **conditions, gain=gain, place=lambda index: _place(recording, index))
+    converted = convert(chain, counts, **conditions, gain=gain, place=recording.place)
     values, unit = (converted.output, chain.output_unit)
     if converted.readings is not None:
         values, unit = converted.readings, chain.unit
@@ -116,7 +116,7 @@ def compensate_recording(
             channel, data=to_unit(x[:, i], model.unit, unit).copy(), unit=unit, quantity=QUANTITY[model.unit]
         )
     remarks = [
-        replace(remark, where=_place(recording, remark.index)) for remark in outside(model, x, readings, **conditions)
+        replace(remark, where=recording.place(remark.index)) for remark in outside(model, x, readings, **conditions)
     ]
     return replace(
         recording,
@@ -187,10 +187,3 @@ def _column(columns: Mapping[str, str], axis: str) -> str:
         raise DataError(
             f"no column named for axis {axis}", do=f"Given: {', '.join(columns)}", code="wrong_column"
         ) from None
-
-
-def _place(recording: Recording, index: int) -> str:
-    path = recording.source.path
-    if path and recording.first_row:
-        return f"{path}:{recording.first_row + index}"
-    return f"{path}: sample {index}" if path else f"sample {index}"

@@ -226,6 +226,8 @@ def disturbed_inside(values: Array, placements: Sequence[Placement]) -> Flags:
     rows = [np.arange(one.start, one.stop) for one in placements]
     rows = [own[np.isfinite(values[own]).all(axis=1)] for own in rows]
     few = np.array([len(own) < FEW for own in rows])
+    if few.all():
+        return np.zeros(len(placements), dtype=bool)
     half = np.array([max(len(own) // 2, 1) for own in rows])
     x = values[
         np.concatenate([own[: 2 * n] if len(own) > 1 else own[[0, 0]] for own, n in zip(rows, half, strict=True)])

@@ -320,7 +320,8 @@ def low_passed(seconds: Array, samples: Array, cutoff: float, interval: float) -
     Raises
     ------
     DataError
-        ``shorter_than_settling`` if the window is not longer than the settling at both ends.
+        ``shorter_than_settling`` if the window is not longer than the settling at both ends; ``sampled_too_slowly``
+        if the cut-off is not below half the sample rate.
     """
     from scipy import signal  # noqa: PLC0415 - heavy import, which commands on tables need not wait for
 
@@ -331,6 +332,11 @@ def low_passed(seconds: Array, samples: Array, cutoff: float, interval: float) -
         do = "Make the dwells longer, or give a higher plan.low_pass"
         raise DataError(what, why="no sample would remain", do=do, code="shorter_than_settling")
     step = max(settling / PER_PERIOD, interval)
+    if not 2.0 * step < settling:
+        what = (
+            f"a low-pass at {cutoff:.6g} Hz needs samples less than {0.5 * settling:.6g} s apart, not {interval:.6g} s"
+        )
+        raise DataError(what, do="Give a lower plan.low_pass", code="sampled_too_slowly")
     at = ((seconds - seconds[0]) / step + 1e-6).astype(np.intp)
     count = max(int(length / step + 1e-6), 1)
     inside = np.isfinite(samples) & (at < count)

@@ -88,7 +88,8 @@ def at_rest(plan: Plan, triad: Triad, force: Array, ideal: Array, zero: Array, n
         found = np.column_stack([one.coefficients for one in fits])
     residuals = r - design @ found
     centred = r[kept] - r[kept].mean(axis=0)
-    share = 1.0 - float(np.sum(residuals[kept] ** 2) / np.sum(centred**2)) if with_g else float("nan")
+    total = float(np.sum(centred**2))
+    share = 1.0 - float(np.sum(residuals[kept] ** 2)) / total if with_g and total else float("nan")
     G = np.asarray(found[1:].T, dtype=np.float64) if with_g else None
     return AtRest(np.asarray(found[0]), G, fits, residuals, outliers, reason, share)
 

@@ -28,6 +28,7 @@ Mask = NDArray[np.bool_]
 
 SPARSE = 0.2  # of the samples of the median cell: a cell with fewer is left out
 FEWEST = 3  # samples of a cell
+NARROW = 1e-3  # of the range of all samples: cells inside it are at one temperature
 
 
 @dataclass(frozen=True, eq=False)
@@ -139,7 +140,8 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
     Raises
     ------
     DataError
-        ``no_valid_sample`` if none is left, ``no_ramp`` if none is on a path.
+        ``no_valid_sample`` if none is left, ``no_ramp`` if none is on a path, ``few_samples`` if no bin holds enough of
+        them, ``no_temperature_change`` if those that do lie at one temperature.
     """
     invalid = ~(np.isfinite(series.reading) & np.isfinite(series.temperature))
     early = ~invalid & (np.nan_to_num(series.time, nan=np.inf) < cut)
@@ -153,7 +155,16 @@ def cells_of(plan: Plan, series: Series, cut: float = 0.0) -> Cells:
         raise DataError(what, do="Ramp the chamber further, or give a smaller turn_over", code="no_ramp")
     cells = _gathered(plan, series, used)
     full = cells.samples >= max(FEWEST, SPARSE * float(np.median(cells.samples)))
+    if not full.any():
+        what = f"{series.axis} sensor: no bin of temperature holds {FEWEST} samples of one ramp"
+        do = "Give a recording with more samples, or fewer bins"
+        raise DataError(what, why="a mean of fewer has no scatter", do=do, code="few_samples")
     kept, beyond = _on_both_paths(cells, full, series)
+    lowest, highest = kept.range
+    if not highest - lowest > NARROW * (series.span[1] - series.span[0]):
+        what = f"{series.axis} sensor: the bins with {FEWEST} samples or more all lie at {lowest:.4g} degC"
+        do = "Ramp the chamber more slowly; check the channel of the temperature"
+        raise DataError(what, why="a polynomial needs a range", do=do, code="no_temperature_change")
     left_out = {
         "invalid": int(invalid.sum()),
         "warm_up": int(early.sum()),
