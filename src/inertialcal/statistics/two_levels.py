@@ -115,9 +115,9 @@ def fit_two_levels(
         square, limits = between**2, (between, between)
     else:
         square, limits = _restricted(design, readings, fixed)
-    exact = int(np.count_nonzero(np.diag(fixed) <= 0.0))
-    if exact and not square:
-        what = f"{exact} of {n} readings have no scatter of their own, and they do not scatter about the fit"
+    size = np.linalg.eigvalsh(fixed + square * np.eye(n))
+    if not size[0] > n * np.finfo(float).eps * size[-1]:
+        what = f"some of the {n} readings have no scatter of their own, and they do not scatter about the fit"
         raise DataError(what, do="Check for copied or rounded readings", code="no_scatter")
     return _solved(design, readings, sources, fixed, square, limits, found=between is None)
 
