@@ -6,7 +6,7 @@ READY := $(VENV)/ready
 # Compiled modules are kept: the next process, and every command that a test starts, need not compile them again.
 export PYTHONDONTWRITEBYTECODE :=
 
-.PHONY: demo test slow coverage mutants check bench docs pins clean
+.PHONY: demo test slow coverage mutants torture check bench docs pins clean
 
 demo: $(READY)  ## a simulated suite of rate sensors: built, run, scored
 	$(BIN)/inertialcal demo
@@ -26,6 +26,11 @@ coverage: $(READY)  ## do the 95 % intervals hold the truth, n = 1,000: RIGS="np
 
 mutants: $(READY)  ## wrong changes to the numerics, each of which a test must catch
 	$(BIN)/python tests/mutants.py --jobs 2
+
+torture: export OMP_NUM_THREADS := 1
+torture: $(READY)  ## 5,000 commands on mutated inputs, kills at every file-system call: RESUME=--resume goes on
+	$(BIN)/python tests/torture/torture.py $(RESUME)
+	INERTIALCAL_TORTURE=full $(BIN)/python -m pytest tests/torture --durations=20
 
 check: $(READY)  ## format, lint, types, manual
 	$(BIN)/ruff format --check src tests docs

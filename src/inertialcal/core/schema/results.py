@@ -328,6 +328,20 @@ class Covered(Key):
     verdict: Words
 
 
+class Surveyed(Part):
+    """What is in a file, as ``info`` prints it."""
+
+    path: str
+    sha256: str
+    format: str
+    rows: int
+    channels: list[dict[str, Any]]
+    time: dict[str, Any]
+    hints: list[str]
+    remarks: list[Remark]
+    next: str | None
+
+
 class Printed(BaseModel):
     """What a command prints with --json: the same rows; a command adds members of its own."""
 
@@ -337,7 +351,7 @@ class Printed(BaseModel):
     version: str
     schema_version: Literal[2] = Field(alias="schema")
     inputs: list[dict[str, Any]]
-    results: list[Figure | Compared | Scored | Covered]
+    results: list[Figure | Compared | Scored | Covered | Surveyed]
     remarks: list[Remark]
     verdicts: list[dict[str, Any]]
     errors: list[dict[str, Any]]
