@@ -632,7 +632,7 @@ class TestQuantities:
                 inside = value if unit == "1" else value * factor(unit, si_unit(unit), difference=True)
                 assert not (1e-29 < abs(value) < 1e29 and 1e-29 < abs(inside) < 1e29)
 
-    @pytest.mark.parametrize("text", ["1e206 m", "1e31", "-1e31 s", "1e-31 rad", "1e25 Gm", "1e-25 nm", "1e29 d"])
+    @pytest.mark.parametrize("text", ["1e206 m", "1e31", "-1e31 s", "1e-31 rad", "1e28 km", "1e-28 um", "1e29 d"])
     def test_quantities_that_nothing_has(self, text: str) -> None:
         with pytest.raises(DataError, match="cannot be meant") as caught:
             parse_quantity(text)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import sys
+import warnings
 from collections.abc import Sequence
 from typing import NoReturn
 
@@ -29,6 +30,8 @@ def entry() -> NoReturn:
     status = 70
     try:
         own(given)
+        if not sys.warnoptions:
+            warnings.simplefilter("ignore")  # of numpy and scipy: no message for users, who get remarks and refusals
         gc.set_threshold(*SELDOM)
         main(given)
     except SystemExit as end:
