@@ -638,7 +638,9 @@ class TestQuantities:
             parse_quantity(text)
         assert caught.value.problems[0].code == "impossible_value"
 
-    @pytest.mark.parametrize("text", ["0 m", "0", "-0.0 V", "9223372036854775807 count", "6.674e-11 m^3/kg/s^2", "1 ng"])
+    @pytest.mark.parametrize(
+        "text", ["0 m", "0", "-0.0 V", "9223372036854775807 count", "6.674e-11 m^3/kg/s^2", "1 ng"]
+    )
     def test_quantities_that_something_has(self, text: str) -> None:
         parse_quantity(text)
 

@@ -19,7 +19,7 @@ import yaml
 from pyarrow import parquet
 from seed_files import Table, csv_text, numbers, read_csv
 
-from inertialcal.files.models.model_json import CHECKSUM, checksum
+from inertialcal.core.schema.checksum import CHECKSUM, checksum
 
 Level: TypeAlias = Literal["bytes", "numbers", "structure"]
 NUMBERS = (

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import random
 import re
 import shlex
 import shutil
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from itertools import pairwise
 from pathlib import Path
@@ -15,7 +17,7 @@ from typing import Any
 
 import numpy as np
 from forked import Process, Ran
-from mutations import NAMES, NUMBERS, UNITS, Level, mutated_bytes, mutated_file, mutated_table, mutated_text
+from mutations import NAMES, NUMBERS, UNITS, Level, mutated_bytes, mutated_file, mutated_table, mutated_text, sealed
 from seed_files import BINARY, TEXT, numbers, read_csv
 from special_inputs import Check, no_more, specials
 
@@ -293,7 +295,9 @@ def _mutate_files(folder: Path, already: set[str], kind: Kind, level: Level, rng
         else:
             path.write_bytes(mutated_file(path.read_bytes(), name, level, rng))
         if name.endswith(TRUTH) and level != "bytes":
-            _reseal(folder / name.removesuffix(f"/{TRUTH}"), path)
+            _reseal(folder / name.removesuffix(f"/{TRUTH}") / "campaign.toml", path, r"[0-9a-f]{64}")
+        elif name.endswith("curves.parquet") and level != "bytes":
+            _reseal(path.with_name("results.json"), path, r'(?<="curves_sha256": ")[0-9a-f]{64}')
 
 
 def _mutated_floats(content: bytes, level: Level, rng: random.Random) -> bytes:
@@ -306,12 +310,13 @@ def _mutated_floats(content: bytes, level: Level, rng: random.Random) -> bytes:
         return np.column_stack(columns).astype("<f4").tobytes()
 
 
-def _reseal(campaign: Path, truth: Path) -> None:
-    """Put the hash of a changed truth into the campaign, as `simulate` does."""
-    path = campaign / "campaign.toml"
-    text = path.read_text(encoding="utf-8")
-    seal = hashlib.sha256(truth.read_bytes()).hexdigest()
-    path.write_text(re.sub(r"[0-9a-f]{64}", seal, text), encoding="utf-8")
+def _reseal(names: Path, changed: Path, form: str) -> None:
+    """Put the hash of a changed file into the one that names it, as if it had been written so."""
+    text = names.read_text(encoding="utf-8", errors="surrogateescape")
+    new = re.sub(form, hashlib.sha256(changed.read_bytes()).hexdigest(), text)
+    with suppress(ValueError):  # it may be changed too, and no longer be JSON
+        new = json.dumps(sealed(json.loads(new)), indent=1)
+    names.write_text(new, encoding="utf-8", errors="surrogateescape")
 
 
 def _mutated_options(words: list[str], level: Level, rng: random.Random) -> list[str]:

@@ -257,18 +257,16 @@ def chain_said(given: GivenFile) -> dict[str, Any]:
         If the text is no TOML table, or the file cannot be read.
     """
     import tomllib  # noqa: PLC0415
-    from pathlib import Path  # noqa: PLC0415
+
+    from ..files.source import load  # noqa: PLC0415
 
     text = given.said.chain
     chain: dict[str, Any] = {}
     if text is not None:
         try:
-            path = Path(text)
             inline = text.lstrip().startswith("{")
-            chain = tomllib.loads(f"chain = {text}" if inline else path.read_text(encoding="utf-8"))
+            chain = tomllib.loads(f"chain = {text}" if inline else load(text).data.decode())
             chain = chain.get("chain", chain)
-        except OSError as error:
-            raise UsageError(f"chain: cannot read {text}: {error.strerror}", code="missing_file") from None
         except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
             raise UsageError(f"chain: not TOML: {error}", where="" if inline else text, code="not_toml") from None
     if given.said.scale_factor is not None:

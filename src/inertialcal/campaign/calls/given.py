@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
@@ -115,7 +116,7 @@ def files_of(given: Given | Sequence[Given], said: Said) -> tuple[list[str], Fil
     known: set[str] = set()
     for number, one in enumerate(several, 1):
         if isinstance(one, str | Path):
-            name, identity = str(one), str(Path(one).resolve())
+            name, identity = str(one), os.path.realpath(one)
         elif isinstance(one, Recording):
             name, identity = one.source.path or f"recording_{number}", str(id(one))
             files.held[name] = _with_unit(_with_named_units(one, said.units), bare(said.units))

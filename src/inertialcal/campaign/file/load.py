@@ -56,7 +56,10 @@ def load(folder: str | Path) -> Campaign:
     if not root.is_dir() or not path.is_file():
         what = f"No campaign here: {path} does not exist"
         raise PlanError(what, do="Try: inertialcal demo", code="no_campaign")
-    raw = path.read_bytes()
+    try:
+        raw = path.read_bytes()
+    except OSError as error:
+        raise PlanError(f"cannot be read: {error.strerror}", FILE, code="missing_file") from None
     text, document = parse_toml(raw, FILE)
     lines = key_lines(text)
     marked = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]

@@ -21,6 +21,7 @@ from ...core.interruption import interruption
 from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Block, Table, html, text
+from ...files.source import load as read_file
 from ...rigs import RIGS
 from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
 from ..file.load import load
@@ -170,19 +171,18 @@ def read_truth(folder: str | Path) -> Truth:
         ``seal_broken`` if it is not the one that the campaign was written with.
     """
     source, path = load(folder).file.campaign.source, Path(folder) / TRUTH
-    try:
-        raw = path.read_bytes()
-    except OSError:
+    if not path.exists():
         what, why = f"no truth: {path} does not exist", "only a simulated campaign can be scored"
         do = f"Try: inertialcal simulate {next(iter(RIGS))} -o DIR"
-        raise DataError(what, why=why, do=do, code="no_truth") from None
-    seal = hashlib.sha256(raw).hexdigest()
+        raise DataError(what, why=why, do=do, code="no_truth")
+    loaded = read_file(path)
+    seal = loaded.sha256
     if seal not in source:
         what = f"the truth has SHA-256 {seal[:12]}..., campaign.source names another"
         why = "it was changed, or belongs to another campaign"
         raise DataError(what, TRUTH, why, "Simulate the campaign again from its seed", "seal_broken")
     try:
-        content = json.loads(raw)
+        content = json.loads(loaded.data)
         values = [TrueValue(**one | {"at": one["at"] and At(**one["at"])}) for one in content["values"]]
         return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
     except (ValueError, KeyError, TypeError) as error:

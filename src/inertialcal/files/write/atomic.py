@@ -38,6 +38,8 @@ def atomic_write(path: str | os.PathLike[str], inputs: Iterable[str | os.PathLik
             raise OSError(0, "a nul in the name")
         if target.is_dir():
             raise IsADirectoryError(0, "this is a folder")
+        if target.exists() and not target.is_file():
+            raise OSError(0, "this is a device or a pipe, not a file")
         if not target.parent.is_dir():
             raise FileNotFoundError(0, f"there is no folder {str(target.parent)!r}")
         yield aside

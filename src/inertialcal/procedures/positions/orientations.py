@@ -23,6 +23,7 @@ from ...core.key import AXES
 from ...core.labelled import LabelledPart
 from ...core.remarks import Remark
 from ...core.units import factor, parse_quantity
+from ...files.source import load
 from ...files.text.table import Table, read_table
 from .readings import Readings, turn_problems
 
@@ -158,9 +159,7 @@ def _named(table: Table, names: Sequence[str]) -> str:
 
 def _read_json(path: Path) -> tuple[LabelledPart, ...]:
     try:
-        content = json.loads(path.read_text(encoding="utf-8"), object_pairs_hook=tuple)  # a label may stand twice
-    except OSError as error:
-        raise DataError(f"cannot read the sections: {error.strerror}", str(path), code="missing_file") from None
+        content = json.loads(load(path).data, object_pairs_hook=tuple)  # a label may stand twice
     except (ValueError, RecursionError) as error:
         do = f"Write it like {LIKE_JSON}"
         raise DataError(f"no JSON: {error}", str(path), do=do, code="not_json") from None
