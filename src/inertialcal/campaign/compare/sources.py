@@ -18,8 +18,8 @@ from ...procedures.display import displayed
 from ...sensors.model.sensor_model import FIELD_UNIT
 from ...sensors.model.serial import FORMAT
 from ..models.compensation import model_rows
-from ..models.find import RESULTS, find_model
-from ..outcome.publish import OUT
+from ..models.find import find_model
+from ..outcome.publish import OUT, RESULTS, restore
 from ..outcome.results_file import check_results, own_curves
 
 Kind = Literal["models", "results"]
@@ -134,6 +134,8 @@ def _model(path: Path) -> Compared:
 
 
 def _results(given: Path) -> Compared:
+    if given.is_dir():
+        restore(given)
     path = given / OUT / RESULTS if given.is_dir() else given
     if given.is_dir() and not path.is_file():
         raise DataError("no results here", where=str(given), do=f"Type: inertialcal run {given}", code="no_results")

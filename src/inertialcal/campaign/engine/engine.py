@@ -17,6 +17,7 @@ from ..file.load import Campaign
 from ..file.plans import plan_values
 from ..file.schema import CampaignFile, Test
 from ..file.sensors import Sensor
+from ..inputs.changed import one_digest
 from ..inputs.channels import chain_of
 from ..inputs.sources import Folder, Origin, Ready, Store, facts_of
 
@@ -87,7 +88,7 @@ def prepare_test(
     more = procedure.remarks(first)
     if more:
         readings = replace(readings, remarks=(*readings.remarks, *more))
-    inputs = {path: digest for one in sources for path, digest in one.inputs.items()}
+    inputs = one_digest(pair for one in sources for pair in one.inputs.items())
     return Prepared(test, first, plan, readings, inputs, tuple(one.origin for one in sources))
 
 

@@ -18,11 +18,12 @@ from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import curves_bytes
 from ...procedures import procedure_of
 from ..file.load import Campaign, load
+from ..inputs.changed import check_unchanged, one_digest, stamps
 from ..inputs.sources import Store
 from ..models.build import build_models, model_files
 from ..models.judged import NOT_RUN, JudgedModel, Residual, hold_out_residuals
 from ..outcome.contents import results_content
-from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, swap_in
+from ..outcome.publish import changes, check_writable, csv_text, json_text, provenance, publish, restore
 from ..outcome.requirements import worst
 from ..outcome.results_file import previous, sealed
 from ..outcome.tables import outcome_parts
@@ -56,6 +57,8 @@ class Outcome:
         Over all requirements; empty where none is stated.
     changed : list of str
         What differs from the last run.
+    notes : tuple of Remark
+        Files that were kept in ``out/``.
     """
 
     campaign: Campaign
@@ -63,11 +66,12 @@ class Outcome:
     inputs: dict[str, str]
     verdict: str
     changed: list[str]
+    notes: tuple[Remark, ...] = ()
 
     @property
     def remarks(self) -> tuple[Remark, ...]:
-        """What the campaign brought up."""
-        return tuple(Remark(**one) for one in self.results["remarks"])
+        """What the campaign brought up, and the files that were kept in ``out/``."""
+        return (*(Remark(**one) for one in self.results["remarks"]), *self.notes)
 
     def to_frame(self) -> DataFrame:
         """Return a pandas DataFrame, a row a figure, as ``results.csv`` has them."""
@@ -152,7 +156,7 @@ def check(folder: str | Path) -> Checked:
         except InertialcalError as error:
             problems += error.problems
             continue
-        inputs |= prepared.inputs
+        inputs = one_digest([*inputs.items(), *prepared.inputs.items()])
         remarks += prepared.readings.remarks
     if problems:
         raise DataError(list(dict.fromkeys(problems)))
@@ -174,20 +178,25 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     Raises
     ------
     PlanError, DataError
-        If the campaign or a recording is refused; ``out/`` stays as it was.
+        If the campaign or a recording is refused, or changes meanwhile (``input_changed``); ``out/`` stays as it was.
     StoreError
         If ``out/`` cannot be written.
     """
     campaign = load(folder)
+    notes: tuple[Remark, ...] = ()
     if write:
         check_writable(campaign.folder)
+        notes = restore(campaign.folder)
+    before = stamps(campaign)
     whole = reduce_campaign(campaign, None, progress)
-    before = previous(campaign.folder)
     curves = curves_bytes(whole.results["curves"])
     results = sealed(whole.results, curves)
+    files = _files(campaign, results, curves, whole.modelled, whole.inputs, str(folder)) if write else {}
+    check_unchanged(campaign.folder, whole.inputs, before)
+    changed = changes(previous(campaign.folder), results)
     if write:
-        swap_in(campaign.folder, _files(campaign, results, curves, whole.modelled, whole.inputs, str(folder)))
-    return Outcome(campaign, results, whole.inputs, whole.verdict, changes(before, results))
+        notes += publish(campaign.folder, files)
+    return Outcome(campaign, results, whole.inputs, whole.verdict, changed, notes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -231,7 +240,7 @@ def reduce_campaign(campaign: Campaign, store: Store | None = None, progress: Pr
     tell = progress or (lambda done, total, what: None)
     prepared, tested, remarks = reduce_tests(campaign, store, tell)
     own = {"campaign.toml": campaign.sha256} if campaign.sha256 else {}
-    inputs = own | {p: h for one in prepared for p, h in one.inputs.items()}
+    inputs = own | one_digest(pair for one in prepared for pair in one.inputs.items())
     tell(len(tested), len(tested), "model and requirements")
     reduced = {one.test.id: one.tested for one in tested}
     residuals = hold_out_residuals(campaign, reduced)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import shutil
 from importlib.resources import as_file, files
 from pathlib import Path
 
 from ...core.campaign_text import FILE
-from ...core.errors import StoreError, UsageError
-from ...core.interruption import interruption
+from ...core.errors import UsageError
+from ...files.write.atomic import write_folder
 from ...rigs import DEMONSTRATED, RIGS
 from ..outcome.publish import OUT
 from ..twins.twin import TRUTH, simulate
@@ -86,11 +85,8 @@ def copy_example(name: str, target: Path) -> Path:
         return target
     if target.exists() and (not target.is_dir() or any(target.iterdir())):
         raise UsageError(f"{target} exists and is no campaign", do="Name another folder: inertialcal demo -o FOLDER")
-    interruption.note(target, complete=False)
-    try:
-        with as_file(files("inertialcal") / "examples" / name) as source:
-            shutil.copytree(source, target, ignore=shutil.ignore_patterns(OUT, ".out*"), dirs_exist_ok=True)
-    except OSError as error:
-        raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
-    interruption.note(target)
+    with as_file(files("inertialcal") / "examples" / name) as source:
+        named = {path.relative_to(source): path for path in source.rglob("*") if path.is_file()}
+        own = {one: path for one, path in named.items() if one.parts[0] != OUT and not one.name.startswith(".")}
+        write_folder(target, {one.as_posix(): path.read_bytes() for one, path in own.items()})
     return target

@@ -94,7 +94,8 @@ class Folder:
     def read_file(self, file: str, read_it: Callable[[Any], T]) -> tuple[T, str]:
         """Return what another file says, and its SHA-256."""
         path = self.folder / file
-        return read_it(path), load_file(path).sha256
+        digest = load_file(path).sha256  # before it is read: a change in between shows in the end
+        return read_it(path), digest
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,10 +8,9 @@ from pathlib import Path
 from ...core.errors import DataError
 from ...files.models.model_file import ModelFile, load_model_file
 from ...sensors.model.sensor_model import SensorModel
-from ..outcome.publish import OUT
+from ..outcome.publish import OUT, RESULTS, restore
 
 MODEL = "model.json"
-RESULTS = "results.json"
 
 
 def load_model(path: str | os.PathLike[str]) -> SensorModel:
@@ -38,6 +37,7 @@ def find_model(path: str | os.PathLike[str]) -> ModelFile:
 
 
 def _in_folder(folder: Path) -> Path:
+    restore(folder)
     for model in (folder / OUT / MODEL, folder / MODEL):
         if model.is_file():
             return model

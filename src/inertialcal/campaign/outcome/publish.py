@@ -1,4 +1,6 @@
-"""Write ``out/``: built aside, then swapped in, so that a reader never sees half a result.
+"""Write ``out/``: built aside, then put in place whole, so that a reader never sees half a result.
+
+What a run has not written, or what was edited since, is kept (``files.write.exchange``).
 
 ``results.json`` holds no clock time and no path outside the campaign: the same inputs give the same bytes.
 ``provenance.json`` alone knows when and where.
@@ -12,20 +14,26 @@ import json
 import math
 import os
 import platform
+import re
 import shlex
-import shutil
-import tempfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from datetime import UTC, datetime
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
 from ...core.errors import StoreError
-from ...core.interruption import interruption
+from ...core.remarks import Remark
 from ...core.show.rows import case_name, quantity_name
+from ...files.write.exchange import Kept, recover, replace_folder
 
 OUT = "out"
+RESULTS = "results.json"
+# Names in out/ that are this tool's alone, also where a run writes no such file: an earlier model would mislead.
+RESERVED = re.compile(
+    r"(results|provenance|model|model_\w+)\.json|(results|verdicts)\.csv|report\.html|curves\.parquet|SHA256SUMS"
+)
+FEW = 5  # names in a remark
 ROUNDING = 1e-9  # relative difference that is no change
 
 
@@ -63,12 +71,20 @@ def check_writable(folder: Path) -> None:
     target = folder / OUT
     if target.is_symlink() or (target.exists() and not target.is_dir()):
         raise StoreError(f"{target} is not a folder of ours", do="Move it away", code="not_writable")
-    if not os.access(folder, os.W_OK):
+    if not os.access(folder, os.W_OK | os.X_OK):
         raise StoreError(f"cannot write into {folder}", do="Make the folder writable, or copy it", code="not_writable")
+    if not target.is_dir():
+        return
+    if not os.access(target, os.R_OK | os.W_OK | os.X_OK):
+        raise StoreError(f"cannot write into {target}", do="Make it writable, or move it away", code="not_writable")
+    for one in sorted(target.iterdir()):  # a folder must be writable to be moved
+        if one.is_dir() and not one.is_symlink() and not os.access(one, os.W_OK | os.X_OK):
+            what, why = f"cannot move {one}: it is read-only", f"a run replaces {target} and keeps what is not its own"
+            raise StoreError(what, why=why, do=f"Make it writable, or move it out of {target}", code="not_writable")
 
 
-def swap_in(folder: Path, files: Mapping[str, str | bytes]) -> None:
-    """Replace ``folder/out`` by the files, all or nothing.
+def publish(folder: Path, files: Mapping[str, str | bytes]) -> tuple[Remark, ...]:
+    """Replace what the last run wrote into ``folder/out`` by the files, all or nothing; say what was kept.
 
     Parameters
     ----------
@@ -82,37 +98,34 @@ def swap_in(folder: Path, files: Mapping[str, str | bytes]) -> None:
     StoreError
         If the folder cannot be written; the old ``out/`` stays as it was.
     """
-    try:
-        aside = Path(tempfile.mkdtemp(prefix=".out-", dir=folder))
-    except OSError as error:
-        raise StoreError(f"cannot write into {folder}: {error.strerror}", code="not_writable") from None
-    try:
-        for name, content in files.items():
-            path = aside / name
-            path.write_bytes(content if isinstance(content, bytes) else content.encode())
-            with path.open("rb") as handle:
-                os.fsync(handle.fileno())
-        aside.chmod(0o755)
-        with interruption.held():  # the exchange is whole, and its end is told
-            _swap(aside, folder / OUT)
-            interruption.note(folder / OUT)
-    except OSError as error:
-        raise StoreError(f"cannot write {folder / OUT}: {error.strerror}", code="not_writable") from None
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)
+    content = {name: one if isinstance(one, bytes) else one.encode() for name, one in files.items()}
+    return tuple(_remarks(replace_folder(folder / OUT, content, RESERVED)))
 
 
-def _swap(new: Path, target: Path) -> None:
-    old = target.with_name(f".{target.name}-old-{os.getpid()}")
-    if target.exists():
-        target.rename(old)
-    try:
-        new.rename(target)
-    except OSError:
-        if old.exists():
-            old.rename(target)
-        raise
-    shutil.rmtree(old, ignore_errors=True)
+def restore(folder: Path) -> tuple[Remark, ...]:
+    """Finish or undo what a killed run began, where the folder can be written and no run is at work."""
+    return tuple(_remarks(recover(folder / OUT, RESERVED)))
+
+
+def _remarks(kept: Kept) -> Iterator[Remark]:
+    if kept.moved:
+        rooms = sorted({place.rpartition("/")[0] for place in kept.moved.values()})
+        where = " and ".join(f"{OUT}/{room}/" for room in rooms)
+        what = f"moved to {where}: {_names(kept.moved)} (edited since the last run, or not written by one)"
+        yield Remark("file_moved", "warning", what)
+    if stayed := [name for name in kept.stayed if not re.fullmatch(r"kept-\d+", name)]:
+        what = f"kept in {OUT}/: {_names(stayed)} (not written by inertialcal)"
+        yield Remark("file_kept", "info", what)
+    if kept.stuck:
+        what, do = f"could not be moved back into {OUT}/: {_names(kept.stuck)}", "Move by hand what you need of it"
+        yield Remark("file_stuck", "warning", what, do=do)
+
+
+def _names(names: Iterable[str]) -> str:
+    """Return the first names of a list, as text that can be printed, and how many more there are."""
+    every = sorted(os.fsencode(name).decode("utf-8", "backslashreplace") for name in names)
+    more = f" and {len(every) - FEW} more" if len(every) > FEW else ""
+    return ", ".join(every[:FEW]) + more
 
 
 def changes(before: Mapping[str, Any] | None, after: Mapping[str, Any]) -> list[str]:

@@ -18,8 +18,7 @@ from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import read_curves
 from ...files.source import load
 from ...sensors.model.serial import FORMAT
-from ..models.find import RESULTS
-from .publish import OUT
+from .publish import OUT, RESULTS, restore
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,6 +54,8 @@ def find_results(path: str | os.PathLike[str], of_campaign: bool = False) -> Res
         If the file cannot be read.
     """
     given = Path(path)
+    if of_campaign or given.name == OUT:
+        restore(given.parent if given.name == OUT else given)
     places = [given / RESULTS, *([given / OUT / RESULTS] if of_campaign else [])] if given.is_dir() else [given]
     place = next((one for one in places if one.is_file()), None)
     if place is None:

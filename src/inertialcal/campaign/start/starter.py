@@ -6,11 +6,11 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ...core.campaign_text import FILE, MARK, SCHEMA, Noted, toml_text
-from ...core.errors import InertialcalError, PlanError, StoreError, UsageError
-from ...core.interruption import interruption
+from ...core.errors import InertialcalError, PlanError, UsageError
 from ...core.remarks import Remark
 from ...files import read
 from ...files.text.table import read_table
+from ...files.write.atomic import atomic_write
 from ...procedures import procedure_names, procedure_of
 from ...procedures.suggestions import RELATIVE, Claim, FolderFile, fill_in
 
@@ -52,12 +52,8 @@ def start(folder: str | Path) -> tuple[Path, list[int], tuple[Remark, ...]]:
         what = f"No recording or table in {root} that a test can use"
         raise PlanError(what, do=do, code="nothing_found")
     text = starter_text(root.resolve().name, found)
-    try:
-        with interruption.held(), path.open("x", encoding="utf-8") as handle:
-            handle.write(text)
-            interruption.note(path)
-    except OSError as error:
-        raise StoreError(f"cannot write {path}: {error.strerror}", code="not_writable") from None
+    with atomic_write(path, new=True) as aside:
+        aside.write_text(text, encoding="utf-8")
     lines = [number for number, line in enumerate(text.splitlines(), 1) if line.rstrip().endswith(MARK)]
     return path, lines, tuple(remarks)
 

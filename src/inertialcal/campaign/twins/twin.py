@@ -8,20 +8,21 @@ from __future__ import annotations
 
 import hashlib
 import json
-import shutil
-import tempfile
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 
 from ...core.campaign_text import FILE
-from ...core.errors import DataError, StoreError, UsageError
-from ...core.interruption import interruption
+from ...core.errors import DataError, UsageError
 from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Block, Table, html, text
+<<<<<<< HEAD
 from ...files.source import load as read_file
+=======
+from ...files.write.atomic import write_folder
+>>>>>>> dd06eb0 (out/ is exchanged whole and keeps what inertialcal did not write: manifest, lock, recovery after any kill; inputs that change while run reads them are refused)
 from ...rigs import RIGS
 from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
 from ..file.load import load
@@ -123,7 +124,7 @@ def simulate(rig: str, folder: str | Path, seed: int, fault: str = "") -> Writte
         **{file: csv_text(recording, file) for file, recording in twin.recordings.items()},
         **{file: extra.text for file, extra in twin.extras.items()},
     }
-    _write(target, texts)
+    write_folder(target, {name: text.encode() for name, text in texts.items()})
     return Written(target, tuple(twin.recordings), seal, fault)
 
 
@@ -187,27 +188,3 @@ def read_truth(folder: str | Path) -> Truth:
         return Truth(tuple(values), str(content["rig"]), int(content["seed"]), str(content["fault"]), seal)
     except (ValueError, KeyError, TypeError) as error:
         raise DataError(f"not a truth: {error}", TRUTH, code="damaged_truth") from None
-
-
-def _write(target: Path, texts: Mapping[str, str]) -> None:
-    """Write the files into a folder aside, then move it to its place."""
-    try:
-        target.parent.mkdir(parents=True, exist_ok=True)
-        aside = Path(tempfile.mkdtemp(prefix=f".{target.name}-", dir=target.parent))
-    except OSError as error:
-        raise StoreError(f"cannot write into {target.parent}: {error.strerror}", code="not_writable") from None
-    try:
-        for name, text in texts.items():
-            path = aside / name
-            path.parent.mkdir(parents=True, exist_ok=True)
-            path.write_text(text, encoding="utf-8")
-        aside.chmod(0o755)
-        with interruption.held():
-            if target.is_dir():
-                target.rmdir()
-            aside.rename(target)
-            interruption.note(target)
-    except OSError as error:
-        raise StoreError(f"cannot write {target}: {error.strerror}", code="not_writable") from None
-    finally:
-        shutil.rmtree(aside, ignore_errors=True)

@@ -51,7 +51,8 @@ def report_path(outcome: Outcome) -> Path:
 def outcome_content(outcome: Outcome) -> dict[str, Any]:
     """Return what ``--json`` says of a run."""
     inputs = [{"path": path, "sha256": digest} for path, digest in sorted(outcome.inputs.items())]
-    return {"inputs": inputs, **outcome.results, "changed": outcome.changed}
+    remarks = outcome.results["remarks"] + [one.to_dict() for one in outcome.notes]
+    return {"inputs": inputs, **outcome.results, "remarks": remarks, "changed": outcome.changed}
 
 
 def print_outcome(outcome: Outcome) -> None:
@@ -73,6 +74,10 @@ def print_outcome(outcome: Outcome) -> None:
         print(f"\nchanged since the last run: {len(outcome.changed)}")
         for line in outcome.changed[:20]:
             print(f"  {clean(line)}")
+    if outcome.notes:
+        print()
+    for note in outcome.notes:
+        print(wrapped(str(note)))
     print(f"\n{where_text(outcome)}")
 
 
