@@ -18,11 +18,8 @@ from ...core.errors import DataError, UsageError
 from ...core.key import At, Key
 from ...core.recording import SECOND, Recording
 from ...core.show.tables import Block, Table, html, text
-<<<<<<< HEAD
 from ...files.source import load as read_file
-=======
 from ...files.write.atomic import write_folder
->>>>>>> dd06eb0 (out/ is exchanged whole and keeps what inertialcal did not write: manifest, lock, recovery after any kill; inputs that change while run reads them are refused)
 from ...rigs import RIGS
 from ...rigs.protocol import SEAL, SEED, TrueValue, Twin
 from ..file.load import load

@@ -56,20 +56,6 @@ def atomic_write(
     for given in inputs:
         _refuse_same(target, Path(given))
     try:
-<<<<<<< HEAD
-        if "\0" in str(target):
-            raise OSError(0, "a nul in the name")
-        if target.is_dir():
-            raise IsADirectoryError(0, "this is a folder")
-        if target.exists() and not target.is_file():
-            raise OSError(0, "this is a device or a pipe, not a file")
-        if not target.parent.is_dir():
-            raise FileNotFoundError(0, f"there is no folder {str(target.parent)!r}")
-        yield aside
-        with interruption.held():
-            aside.replace(target)
-            interruption.note(target)
-=======
         mode = _mode(target)
         with work_folder(target.parent) as work:
             aside = work / target.name
@@ -84,7 +70,6 @@ def atomic_write(
                     aside.replace(target)
                 interruption.note(target)
                 sync(target.parent)
->>>>>>> dd06eb0 (out/ is exchanged whole and keeps what inertialcal did not write: manifest, lock, recovery after any kill; inputs that change while run reads them are refused)
     except OSError as error:
         raise StoreError(
             f"cannot be written: {error.strerror or error}", where=str(target), code="not_written"
