@@ -29,7 +29,7 @@ from pathlib import Path
 sys.path[:0] = [str(Path(__file__).parent), str(Path(__file__).parents[1])]
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
-from forked import ANSWERED, LONGEST, Judged, changes, failures, past_parser, ran, snapshot, warm  # noqa: E402
+from forked import ANSWERED, Judged, changes, failures, past_parser, ran, snapshot, warm  # noqa: E402
 from seed_files import write_seeds  # noqa: E402
 from trials import FIXED, fixed, trial  # noqa: E402
 
@@ -136,15 +136,7 @@ def _work(numbers: list[int], seeds: Path, results: Path) -> None:
 
 
 def judged_trial(number: int, seeds: Path, folder: Path, keep: bool = False) -> Judged:
-    """Run one trial; one that took too long is run again, and the faster run counts: others may use the machine."""
-    found = _one_trial(number, seeds, folder, keep)
-    if found.seconds > LONGEST and not keep:
-        again = _one_trial(number, seeds, folder, keep)
-        return min(found, again, key=lambda one: one.seconds)
-    return found
-
-
-def _one_trial(number: int, seeds: Path, folder: Path, keep: bool) -> Judged:
+    """Run one trial in a folder that is emptied before, and after unless it is kept and all is printed."""
     shutil.rmtree(folder, ignore_errors=True)
     case, aside = folder / "case", folder / "aside"
     case.mkdir(parents=True)

@@ -90,6 +90,18 @@ def test_results_laid_out_anew_are_read(folder: Path) -> None:
     assert previous(folder) == content
 
 
+@pytest.mark.parametrize("wrong", [[1.0], {"x": 1}, True])
+@pytest.mark.parametrize("key", ["value", "u", "axis", "condition", "interval", "status"])
+def test_what_has_not_the_form_of_results_is_refused(folder: Path, key: str, wrong: object) -> None:
+    def change(content: dict[str, Any]) -> None:
+        content["results"][0][key] = wrong
+        content["checksum"] = checksum({name: part for name, part in content.items() if name != "checksum"})
+
+    path = edited(folder, change)
+    assert refused(lambda: find_results(path))[:2] == ("schema", str(path))
+    assert previous(folder) is None
+
+
 def test_curves_of_another_run_are_refused(folder: Path, ran: Path) -> None:
     curves = folder / "out/curves.parquet"
     curves.write_bytes(curves.read_bytes() + b"\n")

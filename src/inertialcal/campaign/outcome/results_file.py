@@ -98,13 +98,17 @@ def sealed(results: Mapping[str, Any], curves: bytes) -> dict[str, Any]:
 
 
 def check_results(content: Mapping[str, Any], path: str) -> None:
-    """Refuse results of another schema, and those that were edited.
+    """Refuse results of another schema, those that were edited, and what has not the form of results.
 
     Raises
     ------
     DataError
-        ``schema_version``, ``checksum``.
+        ``schema_version``, ``checksum``, ``schema``.
     """
+    from pydantic import ValidationError  # noqa: PLC0415 - starts slowly
+
+    from ...core.schema.results import Results  # noqa: PLC0415
+
     if content.get("schema") != SCHEMA:
         raise DataError(
             f"results of schema {content.get('schema')!r}: this version reads schema {SCHEMA}",
@@ -113,6 +117,13 @@ def check_results(content: Mapping[str, Any], path: str) -> None:
             code="schema_version",
         )
     check_unchanged(content, path)
+    try:
+        Results.model_validate(content)
+    except ValidationError as error:
+        first = error.errors()[0]
+        key = ".".join(map(str, first["loc"]))
+        what, do = f"not the content of a {RESULTS}: {key}: {first['msg']}", "Type again: inertialcal run DIR"
+        raise DataError(what, where=path, do=do, code="schema") from None
 
 
 def own_curves(content: Mapping[str, Any], path: Path) -> bytes | None:

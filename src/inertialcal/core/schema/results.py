@@ -20,9 +20,9 @@ Words = Literal["PASS", "FAIL", "INCONCLUSIVE", "OPEN"]
 
 
 class Part(BaseModel):
-    """A JSON object of which every member is known."""
+    """A JSON object of which every member is known, and every number finite."""
 
-    model_config = ConfigDict(extra="forbid", strict=True)
+    model_config = ConfigDict(extra="forbid", strict=True, allow_inf_nan=False)
 
 
 class At(Part):
