@@ -27,6 +27,7 @@ from .drawings import Drawing
 from .figures import variables
 from .findings import highlights
 from .numbers import Text
+from .page_file import about_text, sealed_page
 
 FOLDER = Path(__file__).parent / "templates"
 LARGEST = 1_900_000  # bytes of the page
@@ -65,7 +66,7 @@ def report_html(results: Mapping[str, Any], model: Mapping[str, Any] | None, pro
         if size <= room.left:
             room.blocks[name] = block
             room.left -= size
-    return whole.render(page, blocks=room.blocks)
+    return sealed_page(whole.render(page, blocks=room.blocks))
 
 
 @dataclass
@@ -87,6 +88,7 @@ def _content(
     modelled = None if model is None else numbers.wrap(model, "model:")
     return {
         "r": r,
+        "about": about_text(results, model),
         "model": modelled,
         "provenance": numbers.wrap(provenance, "provenance:"),
         "delivered": None if model is None or modelled is None else delivered(model, modelled, lists["results"]),

@@ -35,7 +35,7 @@ def run_noun(
     written = {} if output is None else _write(form, output, found, procedure, chosen)
     if campaign is not None:
         path = str(found.write_campaign(campaign))
-        written[path] = f"written: {path}"
+        written[path] = clean(f"written: {path}")
     if as_json:
         content = {
             "inputs": [{"path": path, "sha256": digest} for path, digest in found.inputs.items()],
@@ -53,7 +53,7 @@ def run_noun(
             if held_out:
                 print(closed_loop_text(found.results))
         else:
-            print("\n".join([clean(own), "", *remarks_text(remarks)]).rstrip())
+            print("\n".join([own, "", *remarks_text(remarks)]).rstrip())
         for line in written.values():
             print(line)
     return 0
@@ -76,7 +76,7 @@ def _write(
         paths = [str(path) for path in found.write_models(output)]
     else:
         paths = write_folder(output, found, procedure.files(found), chosen["figure"] or "")
-    return {path: f"written: {path}" for path in paths}
+    return {path: clean(f"written: {path}") for path in paths}
 
 
 def check_folder(folder: Path, figure: str | None) -> None:

@@ -16,14 +16,14 @@ if TYPE_CHECKING:
 def survey_text(one: Survey) -> str:
     """Return what a file holds: head, channels, time, hints, remarks, and what to type next."""
     parts = [
-        f"{clean(one.path)}: {one.source.format}, {one.rows} rows",
+        clean(f"{one.path}: {one.source.format}, {one.rows} rows"),
         _channels(one),
         wrapped(str(one.time), "    "),
     ]
     parts += [wrapped(f"hint: {hint}", "    ") for hint in one.hints]
     parts += [wrapped(str(remark), "    ") for remark in one.remarks]
     if one.next:
-        parts.append(f"next: {one.next}")
+        parts.append(clean(f"next: {one.next}"))
     return "\n".join(part for part in parts if part)
 
 

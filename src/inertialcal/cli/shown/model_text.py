@@ -36,8 +36,7 @@ def model_text(model: SensorModel, rows: Sequence[Mapping[str, Any]]) -> str:
         ]
         for row in rows
     ]
-    words = "\n".join(clean(line) for line in show(model).split("\n"))
-    return f"{words}\n\nCoefficients, all digits\n{table(cells, heads, right=(1, 2))}"
+    return f"{show(model)}\n\nCoefficients, all digits\n{table(cells, heads, right=(1, 2))}"
 
 
 def comparison_text(found: Comparison) -> str:
@@ -59,11 +58,12 @@ def _figures(found: Comparison) -> str:
         lines = [line(one, judged) for one in compared if test is None or one.row.test == test]
         lines = [[f"  {name}", *cells] for name, *cells in lines]
         heads = [f"  {HEADS[0]}", *HEADS[1:], *(JUDGED if judged else ())]
-        blocks.append((f"{test}\n" if test else "") + table(lines, heads))
+        blocks.append((f"{clean(test)}\n" if test else "") + table(lines, heads))
     return "\n\n".join(blocks) or "nothing could be compared"
 
 
 def _beside(found: Comparison) -> list[str]:
     left_out = [one.row.case for one in found.differences if is_beside(one) and not is_shown(one)]
     names = names_of(list(dict.fromkeys(left_out)))
-    return [f"  left out: {len(left_out)} figures beside the result ({names}); --json has them"] if left_out else []
+    said = f"  left out: {len(left_out)} figures beside the result ({names}); --json has them"
+    return [clean(said)] if left_out else []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 import textwrap
 from collections.abc import Mapping, Sequence
@@ -12,12 +13,12 @@ from typing import Any
 from ...core.errors import Problem
 from ...core.results import SCHEMA
 from ...core.show.tables import aligned as table
-from ...core.show.tables import clean, terminal_width
+from ...core.show.tables import clean, cleaned, terminal_width
 from ..encoding import json_text
 
 __all__ = [
-    "ENDING", "clean", "errors_out", "errors_text", "found", "json_out", "package_version", "problem_text", "table",
-    "width", "wrapped",
+    "ENDING", "clean", "cleaned", "errors_out", "errors_text", "found", "json_out", "package_version", "problem_text",
+    "table", "width", "wrapped",
 ]  # fmt: skip
 
 
@@ -31,6 +32,7 @@ class Ending:
 
 ENDING = Ending()
 PARTS = ("results", "remarks", "verdicts", "errors")
+LINE_END = re.compile(r"\s*\n\s*")  # the parser of options lists choices on lines of their own
 WIDTH = 110  # of wrapped text where there is no terminal
 
 
@@ -107,8 +109,8 @@ def errors_text(
 def problem_text(problem: Problem) -> str:
     """Return a problem for people: what and where first, why and the way out indented below."""
     head = f"{problem.where}: {problem.what}" if problem.where else problem.what
-    below = [part for part in (problem.why, problem.do) if part]
-    return "\n".join([f"error: {clean(head)}", *(f"       {clean(part)}" for part in below)])
+    head, *below = (clean(LINE_END.sub(" ", part.strip())) for part in (head, problem.why, problem.do) if part)
+    return "\n".join([f"error: {head}", *(f"       {part}" for part in below)])
 
 
 def width() -> int:

@@ -6,6 +6,8 @@ import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
+from .output import clean
+
 Tell = Callable[[int, int, str], None]
 
 
@@ -15,11 +17,14 @@ def progress(quiet: bool) -> Iterator[Tell]:
     if quiet:
         yield lambda done, total, what: None
     elif not sys.stderr.isatty():
-        yield lambda done, total, what: print(f"{done}/{total} {what}", file=sys.stderr)
+        yield lambda done, total, what: print(f"{done}/{total} {clean(what)}", file=sys.stderr)
     else:
         from rich.console import Console
+        from rich.markup import escape
         from rich.progress import Progress
 
         with Progress(console=Console(stderr=True), transient=True) as bar:
             task = bar.add_task("")
-            yield lambda done, total, what: bar.update(task, completed=done, total=total, description=what)
+            yield lambda done, total, what: bar.update(
+                task, completed=done, total=total, description=escape(clean(what))
+            )

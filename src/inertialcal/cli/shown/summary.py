@@ -24,7 +24,7 @@ from ...core.show.rows import (
 )
 from ...procedures import compared_in
 from .. import figures
-from .output import clean, json_out, table, wrapped
+from .output import clean, cleaned, json_out, table, wrapped
 
 if TYPE_CHECKING:
     from ...campaign.outcome.results_file import ResultsFile
@@ -32,9 +32,9 @@ if TYPE_CHECKING:
 
 def results_text(results: Mapping[str, Any]) -> str:
     """Return the figures of a campaign, test by test, each result with what stands beside it."""
-    blocks = []
+    results, blocks = cleaned({name: results.get(name, []) for name in ("results", "sequence")}), []
     tests = list(dict.fromkeys(row["test"] for row in results["results"]))
-    against = {step["test"]: step.get("against") for step in results.get("sequence", [])}
+    against = {step["test"]: step.get("against") for step in results["sequence"]}
     for test in tests:
         rows = [row for row in results["results"] if row["test"] == test]
         compared = compared_in(rows)
@@ -97,7 +97,7 @@ def verdicts_text(results: Mapping[str, Any]) -> str:
     """Return one line a requirement, test and axis: where it holds and where not."""
     lines = []
     groups: dict[tuple[str, str, str], list[Mapping[str, Any]]] = {}
-    for verdict in results["verdicts"]:
+    for verdict in cleaned(results["verdicts"]):
         axis = f"{verdict['sensor']} {verdict['axis']}".strip()
         groups.setdefault((verdict["requirement"], verdict["test"], axis), []).append(verdict)
     for (requirement, test, axis), verdicts in groups.items():
@@ -130,7 +130,7 @@ def _rates(verdicts: Sequence[Mapping[str, Any]]) -> str:
 
 def closed_loop_text(results: Mapping[str, Any]) -> str:
     """Return one line an axis: error before and after compensation, on readings held out."""
-    loop = results["closed_loop"]
+    loop = cleaned(results["closed_loop"])
     over = list(_over_temperature_text(loop.get("over_temperature", ())))
     if not loop["axes"]:
         reason = f" ({loop['reason']})" if loop["reason"] else ""
@@ -218,5 +218,5 @@ def _text(found: ResultsFile) -> str:
     if content.get("closed_loop"):
         parts.append(closed_loop_text(content))
     if content.get("verdicts"):
-        parts.append(f"requirements ({content['decision_rule']})\n{verdicts_text(content)}")
+        parts.append(f"requirements ({clean(str(content['decision_rule']))})\n{verdicts_text(content)}")
     return "\n\n".join(parts)

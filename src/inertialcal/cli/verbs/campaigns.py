@@ -67,7 +67,7 @@ def print_outcome(outcome: Outcome) -> None:
             print(f"  {text}")
     print(f"\n{closed_loop_text(results)}")
     if results["verdicts"]:
-        print(f"\nrequirements ({results['decision_rule']})")
+        print(f"\nrequirements ({clean(results['decision_rule'])})")
         print(verdicts_text(results))
         print(f"overall: {outcome.verdict}")
     if outcome.changed:
@@ -94,7 +94,7 @@ def check(folder: Folder, as_json: Json = False, quiet: Quiet = False) -> int:
             print(wrapped(str(remark), "    "))
         tests, recordings = len(campaign.file.tests), len(campaign.file.recordings)
         said = f"{tests} test{'s' * (tests != 1)}, {recordings} recording{'s' * (recordings != 1)}"
-        print(f"ok: {said}. Next: inertialcal run {shlex.quote(str(folder))}")
+        print(clean(f"ok: {said}. Next: inertialcal run {shlex.quote(str(folder))}"))
     return 0
 
 
@@ -114,6 +114,7 @@ def init(
     elif not quiet:
         for remark in remarks:
             print(wrapped(str(remark), "    "))
-        print(f"written: {path}")
-        print(f"fill in the {len(marked)} lines marked FILL IN, then: inertialcal check {shlex.quote(str(folder))}")
+        print(clean(f"written: {path}"))
+        next_step = f"inertialcal check {shlex.quote(str(folder))}"
+        print(clean(f"fill in the {len(marked)} lines marked FILL IN, then: {next_step}"))
     return 0

@@ -8,6 +8,7 @@ from typing import Annotated, Any
 
 import typer
 
+from ...core.errors import UsageError
 from ...files.models.formats import BUILT_IN
 from .. import figures
 from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
@@ -26,7 +27,8 @@ TimeColumn = Annotated[
 
 def show(
     model: Annotated[
-        Path, typer.Argument(help="model.json, results.json, or the folder of a campaign.", show_default=False)
+        Path,
+        typer.Argument(help="model.json, results.json, report.html, or the folder of a campaign.", show_default=False),
     ],
     output: figures.FigureFile = None,
     figure: figures.FigureName = None,
@@ -35,16 +37,34 @@ def show(
     as_json: Json = False,
     quiet: Quiet = False,
 ) -> int:
-    """Show a model in words, or results as a table; with -o, a figure of either."""
+    """Show a model in words, results as a table, what a report is; with -o, a figure of a model or results."""
     from ...campaign.outcome.results_file import find_results
+    from ...report.page_file import find_page
     from ..shown.summary import show_results
 
     figures.check_figure(output, {"--figure": figure, "--test": test, "--axis": axis})
     chosen = {"figure": figure, "test": test, "axis": axis}
+    if (page := find_page(model)) is not None:
+        if output is not None:
+            raise UsageError(f"-o {output}: a report gives no figure", do="Name results.json, or the folder")
+        return _show_page(page, as_json, quiet)
     results = find_results(model, of_campaign=any(chosen.values()))
     if results is not None:
         return show_results(results, output, chosen, as_json, quiet)
     return _show_model(model, output, chosen, as_json, quiet)
+
+
+def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
+    if as_json:
+        remarks = [remark.to_dict() for remark in page.remarks]
+        json_out("show", {"inputs": [_input(page)], "remarks": remarks, "report": page.to_dict(), "unchanged": True})
+    elif not quiet:
+        _print_remarks(page.remarks)
+        print(clean(f"{page.path}: report of campaign {page.campaign}, unchanged since it was written"))
+        print(f"verdict: {clean(page.verdict or 'no requirement stated')}")
+        print(f"of results.json with {clean(page.results or 'no checksum')}")
+        print(f"of model.json with {clean(page.model)}" if page.model else "no model delivered")
+    return 0
 
 
 def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 import typer
 
 from ..options import Json, Quiet
-from ..shown.output import json_out
+from ..shown.output import clean, json_out
 
 if TYPE_CHECKING:
     from ...procedures.mass_attraction.deck import Deck1969
@@ -36,7 +36,7 @@ def programme_1969(
     if as_json:
         json_out("programme-1969", found.content() | ({"written": written} if written else {}))
     elif not quiet:
-        print("\n".join([str(found), *(f"written: {one}" for one in written)]))
+        print("\n".join([str(found), *(clean(f"written: {one}") for one in written)]))
     return 0
 
 

@@ -11,7 +11,7 @@ import typer
 
 from ...rigs import RIGS
 from ..options import Json, Quiet, faults_beginning, rigs_beginning
-from ..shown.output import json_out, table
+from ..shown.output import clean, json_out, table
 from ..shown.progress import progress
 
 if TYPE_CHECKING:
@@ -44,10 +44,10 @@ def simulate(
         content = {"written": str(written.folder), "recordings": list(written.recordings), "truth_sha256": written.seal}
         json_out("simulate", content | {"rig": rig, "seed": seed, "fault": fault})
     elif not quiet:
-        print(f"written: {written.folder} ({len(written.recordings)} recordings)")
-        print(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}")
+        print(clean(f"written: {written.folder} ({len(written.recordings)} recordings)"))
+        print(clean(f"truth sealed in {written.folder / '.truth'}, SHA-256 {written.seal}"))
         folder = shlex.quote(str(written.folder))
-        print(f"Next: inertialcal run {folder}, then inertialcal score {folder}")
+        print(clean(f"Next: inertialcal run {folder}, then inertialcal score {folder}"))
     return 0
 
 

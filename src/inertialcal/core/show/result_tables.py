@@ -13,7 +13,7 @@ from ..remarks import Remark
 from ..results import case_of
 from .rounding import PLAIN, near, number, with_uncertainty
 from .rows import case_words, full_name, missing_of, quantity_name
-from .tables import Block, Details, Table
+from .tables import Block, Details, Table, clean
 
 MANY = 1e5  # degrees of freedom that make no difference to infinitely many
 FEW = 3  # digits of an upper limit
@@ -79,7 +79,7 @@ def folded(summary: str, lines: Sequence[str]) -> tuple[Block, ...]:
 def not_estimated(rows: Sequence[Mapping[str, Any]]) -> tuple[str, ...]:
     """Return a line a reason why figures were not estimated, with what is known of each."""
     reasons = {reason: dict.fromkeys(map(_told, found)) for reason, found in missing_of(rows).items()}
-    return tuple(f"not estimated: {', '.join(names)}: {reason}" for reason, names in reasons.items())
+    return tuple(clean(f"not estimated: {', '.join(names)}: {reason}") for reason, names in reasons.items())
 
 
 def _told(row: Mapping[str, Any]) -> str:

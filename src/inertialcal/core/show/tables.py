@@ -1,8 +1,8 @@
 """Tables for people: one description of what is shown, as plain text for a terminal and as HTML for a notebook.
 
 What is shown is a sequence of parts: a Grid, a line of text, or lines folded under a summary. Names come from files
-and are anybody's: control characters never reach a terminal, and everything is escaped in HTML, which has no colours,
-so that it reads on light and dark, no script, and loads nothing.
+and are anybody's: control characters never reach a terminal, no name begins a line of its own, and HTML is escaped. It
+has no colours, so that it reads on light and dark, no script, and loads nothing.
 """
 
 from __future__ import annotations
@@ -10,9 +10,10 @@ from __future__ import annotations
 import os
 import sys
 import textwrap
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
+from typing import Any
 
 WIDTH = 100  # columns, at most; fewer in a narrower terminal
 NARROWEST = 12  # to which a column of words is cut, to meet it
@@ -43,13 +44,17 @@ Block = Table | Details | str
 
 
 def clean(text: str) -> str:
-    """Return text without control characters: names from files must not steer a terminal."""
-    return "".join(c if c.isprintable() or c == "\n" else "\N{REPLACEMENT CHARACTER}" for c in text)
+    """Return text as one line that steers nothing: each control character, line end and override is replaced."""
+    return text if text.isprintable() else "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
 
 
-def one_line(text: str) -> str:
-    """Return text without control characters and line ends."""
-    return clean(text).replace("\n", "\N{REPLACEMENT CHARACTER}")
+def cleaned(content: Any) -> Any:
+    """Return the content of a file, lists and objects too, with every text of it clean."""
+    if isinstance(content, str):
+        return clean(content)
+    if isinstance(content, Mapping):
+        return {clean(key) if isinstance(key, str) else key: cleaned(part) for key, part in content.items()}
+    return [cleaned(part) for part in content] if isinstance(content, list | tuple) else content
 
 
 def short(text: str, longest: int = LONGEST) -> str:
@@ -89,7 +94,7 @@ def aligned(
     width : int, optional
         To meet; columns of words are cut, those set to the right never. Without it, nothing is cut.
     """
-    cells = [[one_line(cell) for cell in row] for row in ([heads] if heads else []) + list(rows)]
+    cells = [[clean(cell) for cell in row] for row in ([heads] if heads else []) + list(rows)]
     if not cells:
         return ""
     widths = [max(len(row[i]) for row in cells) for i in range(len(cells[0]))]
@@ -129,14 +134,14 @@ def text(parts: Iterable[Block]) -> str:
     columns = min(terminal_width() or WIDTH, WIDTH)
 
     def folded(line: str) -> str:
-        return textwrap.fill(one_line(line), columns, subsequent_indent="    ", break_on_hyphens=False)
+        return textwrap.fill(clean(line), columns, subsequent_indent="    ", break_on_hyphens=False)
 
     lines = []
     for part in parts:
         if isinstance(part, Details):
             lines.append(folded(part.summary))
         elif isinstance(part, str):
-            lines += [folded(line) for line in part.split("\n")]
+            lines.append(folded(part))
         else:
             lines += [folded(part.caption)] if part.caption else []
             lines.append(textwrap.indent(aligned(part.rows, part.heads, part.right, columns - 2), "  "))
@@ -150,10 +155,7 @@ def html(parts: Iterable[Block]) -> str:
 
 def _html(part: Block) -> str:
     if isinstance(part, str):
-        return "".join(
-            f'<div style="{_LEFT};white-space:pre-wrap;overflow-wrap:anywhere">{_safe(line)}</div>\n'
-            for line in part.split("\n")
-        )
+        return f'<div style="{_LEFT};white-space:pre-wrap;overflow-wrap:anywhere">{_safe(part)}</div>\n'
     if isinstance(part, Details):
         items = "".join(f"<li>{_safe(line)}</li>" for line in part.lines)
         return f'<details style="{_LEFT}"><summary>{_safe(part.summary)}</summary><ul>{items}</ul></details>\n'
@@ -171,4 +173,4 @@ def _cell(content: str, right: bool, tag: str = "td") -> str:
 
 
 def _safe(content: str) -> str:
-    return escape(one_line(content))
+    return escape(clean(content))

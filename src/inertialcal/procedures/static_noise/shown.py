@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...core.results import Row, finite
 from ...core.show.result_tables import figure, interval, not_estimated
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import aligned, ending, short
+from ...core.show.tables import aligned, clean, ending, short
 from ...core.units import FILE_UNIT, factor
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import sample_unit
@@ -131,7 +131,7 @@ def _density(row: Row) -> str:
 
 
 def _wrapped(text: str, indent: str = "  ") -> str:
-    return textwrap.fill(text, WIDTH, subsequent_indent=indent)
+    return textwrap.fill(clean(text), WIDTH, subsequent_indent=indent)
 
 
 def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
@@ -173,10 +173,10 @@ def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
     for axis, one in records:
         agreement = one.agreement
         if agreement is None or not agreement.compared:
-            yield f"{axis}: Allan deviation and spectrum could not be compared"
+            yield clean(f"{axis}: Allan deviation and spectrum could not be compared")
         else:
             word = "agree" if agreement.agree.all() else "DISAGREE"
-            yield f"{axis}: Allan deviation and spectrum {word} at {agreement.compared} averaging times"
+            yield clean(f"{axis}: Allan deviation and spectrum {word} at {agreement.compared} averaging times")
 
 
 def _curves_text(found: Reduced) -> str:

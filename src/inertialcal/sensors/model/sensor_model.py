@@ -37,7 +37,7 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.key import Kind
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import Block, Details, Table, html, text
+from ...core.show.tables import Block, Details, Table, clean, html, text
 from ...core.units import convert, divide, factor, normalise, same_dimension
 from .terms import (
     SHAPES,
@@ -270,11 +270,11 @@ def lines(model: SensorModel) -> tuple[Line, ...]:
 
 def show(model: SensorModel) -> str:
     """Return a model as text: what it belongs to, its equation, its parameters in words, where it holds."""
-    parts = [_head(model), "", "Equation (forward)", *(f"  {row}" for row in equation(model)), ""]
+    parts = [*_head(model), "", "Equation (forward)", *(f"  {row}" for row in equation(model)), ""]
     parts += [f"Matrix M ({MATRIX_ORDER})", *_matrix(model), ""]
     parts += _table(lines(model)) + _run_to_run(model)
     parts += ["", "Compensation: " + "; ".join(APPLY_ORDER)]
-    return "\n".join([*parts, *_validity(model)])
+    return "\n".join(clean(part) for part in [*parts, *_validity(model)])
 
 
 def _parts(model: SensorModel) -> tuple[Block, ...]:
@@ -287,9 +287,9 @@ def _parts(model: SensorModel) -> tuple[Block, ...]:
     words = Details("In words: inertialcal show", tuple(f"{row.name}: {row.words}" for row in lines(model)))
     bare = sum(row.u is None for row in lines(model))
     missing = (f"{bare} of {len(rows)} parameters have no uncertainty",) if bare else ()
-    said = [_head(model), *(f"  {row}" for row in equation(model))]
+    said = [*_head(model), *(f"  {row}" for row in equation(model))]
     ends = [*missing, *(row.strip() for row in _run_to_run(model)), *_validity(model)]
-    return ("\n".join(said), matrix, table, words, *ends)
+    return (*said, matrix, table, words, *ends)
 
 
 def _table(rows: tuple[Line, ...]) -> list[str]:
@@ -352,12 +352,12 @@ def _per_axis(model: SensorModel, figures: Array) -> str:
     return ", ".join(f"{axis} {text}" for axis, text in zip(model.axes, texts, strict=True))
 
 
-def _head(model: SensorModel) -> str:
+def _head(model: SensorModel) -> list[str]:
     item = " ".join(text for text in (model.item.maker, model.item.part) if text) or "unnamed sensor"
     serial = f", serial {model.item.serial}" if model.item.serial else ""
     judged = "judged on held-out recordings" if model.judged else "not judged on held-out recordings"
-    source = f"\nSource: {model.source}" if model.source else ""
-    return f"{item}{serial}: {model.kind}, axes {', '.join(model.axes)}; {judged}{source}"
+    source = [f"Source: {model.source}"] if model.source else []
+    return [f"{item}{serial}: {model.kind}, axes {', '.join(model.axes)}; {judged}", *source]
 
 
 def _matrix(model: SensorModel) -> list[str]:
