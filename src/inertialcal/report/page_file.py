@@ -95,7 +95,7 @@ def find_page(path: str | os.PathLike[str]) -> PageFile | None:
     if seal[1] != text_checksum(emptied):
         raise DataError("the checksum does not match the content", str(place), EDITED, AGAIN, CHECKSUM)
     try:
-        said = {name: one and str(one) for name, one in json.loads(html.unescape(about[1])).items()}
+        said: dict[str, Any] = {name: one and str(one) for name, one in json.loads(html.unescape(about[1])).items()}
         found = PageFile(str(place), loaded.sha256, **said)
     except (ValueError, RecursionError, TypeError, AttributeError):
         raise DataError("not the head of a report", str(place), do=AGAIN, code="schema") from None

@@ -17,7 +17,7 @@ from inertialcal.campaign.outcome.results_file import find_results, previous
 from inertialcal.core.errors import DataError
 from inertialcal.core.schema.checksum import checksum, is_unchanged
 
-PLACED = ("provenance.json", "report.html")  # say in which folder the campaign lies
+PLACED = ("provenance.json", "report.html", "SHA256SUMS")  # say when, or where the campaign lies
 
 
 @pytest.fixture(scope="module")
