@@ -2,16 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import gc
 import sys
 import warnings
 from collections.abc import Sequence
-from typing import NoReturn
+from typing import TYPE_CHECKING, NoReturn
 
 from ..core.interruption import interruption
 from .process import INTERRUPTED, OutputError, interrupted, leave, on_disk, own
 
+if TYPE_CHECKING:
+    from ..core.errors import Problem
+
 SELDOM = 200_000, 20, 20  # new objects to a search for garbage: libraries make many at the start, and keep them all
+
+# What the system refuses, wherever it is met: a name too long, a folder closed, a device full or broken.
+OUTSIDE = {
+    getattr(errno, name, None)
+    for name in ("ENAMETOOLONG", "ELOOP", "EACCES", "EPERM", "EROFS", "ENOSPC", "EDQUOT", "EFBIG", "EIO", "ESTALE",
+                 "EMFILE", "ENFILE")
+} - {None}  # fmt: skip
 
 
 def main(arguments: Sequence[str] | None = None) -> None:
@@ -101,8 +112,22 @@ def _refused(given: list[str], error: Exception) -> int:
         return errors_out(given, [Problem(error.format_message(), do=_help(error))], UsageError.exit_status, as_json)
     if isinstance(error, MemoryError):
         return errors_out(given, [Problem("not enough memory for this input", code="too_large")], 3, as_json)
+    if isinstance(error, OSError) and (said := _outside(error)) is not None:
+        return errors_out(given, [said], 3, as_json)
     what = f"internal error ({name}): this is a fault of inertialcal, not of your input"
     return errors_out(given, [Problem(what, do=_logged(error), code="internal")], 70, as_json)
+
+
+def _outside(error: OSError) -> Problem | None:
+    """Return what the system refuses; None for a fault of ours."""
+    from ..core.errors import Problem
+
+    if error.errno in OUTSIDE:
+        return Problem(str(error.strerror), where=str(error.filename or ""), code="not_accessible")
+    if "MPLCONFIGDIR" in str(error):  # of matplotlib, which needs a folder
+        do = "Set TMPDIR or MPLCONFIGDIR to a folder that can be written"
+        return Problem("no folder for temporary files", do=do, code="not_writable")
+    return None
 
 
 def _logged(error: Exception) -> str:

@@ -13,6 +13,7 @@ module is the first that the command imports, and imports nothing that starts sl
 from __future__ import annotations
 
 import _thread
+import atexit
 import codecs
 import contextlib
 import errno
@@ -210,6 +211,7 @@ def leave(status: int) -> NoReturn:
     """
     for number in SIGNALS:
         signal.signal(number, signal.SIG_IGN)
+    atexit._run_exitfuncs()  # folders for the time of the process
     sys.stderr.flush()
     if status == INTERRUPTED or "pyarrow" in sys.modules:
         os._exit(status)

@@ -117,6 +117,8 @@ def files_of(given: Given | Sequence[Given], said: Said) -> tuple[list[str], Fil
     for number, one in enumerate(several, 1):
         if isinstance(one, str | Path):
             name, identity = str(one), os.path.realpath(one)
+            if name != os.fsencode(name).decode("utf-8", "replace"):
+                raise UsageError("file name is not UTF-8", name, "results name their inputs", "Rename it", "file_name")
         elif isinstance(one, Recording):
             name, identity = one.source.path or f"recording_{number}", str(id(one))
             files.held[name] = _with_unit(_with_named_units(one, said.units), bare(said.units))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -191,7 +192,8 @@ def run(folder: str | Path, progress: Progress | None = None, write: bool = True
     whole = reduce_campaign(campaign, None, progress)
     curves = curves_bytes(whole.results["curves"])
     results = sealed(whole.results, curves)
-    files = _files(campaign, results, curves, whole.modelled, whole.inputs, str(folder)) if write else {}
+    given = os.fsencode(folder).decode("utf-8", "replace")
+    files = _files(campaign, results, curves, whole.modelled, whole.inputs, given) if write else {}
     check_unchanged(campaign.folder, whole.inputs, before)
     changed = changes(previous(campaign.folder), results)
     if write:
