@@ -1,0 +1,114 @@
+"""``out/`` after kills: at every system call of an exchange, at random in a real run; images of a disk after a crash.
+
+The default suite takes a few of each; ``make torture`` all (INERTIALCAL_TORTURE=full), with a table of what was tried.
+"""
+
+from __future__ import annotations
+
+import os
+import random
+import shutil
+import signal
+import time
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+from exchanges import STATES, Expected, Tally, check, kills, kills_of_recovery, plant, replays
+from forked import program, warm
+
+from inertialcal.campaign.file.example import copy_example
+from inertialcal.campaign.outcome.publish import restore
+from inertialcal.files.write.exchange import Manifest
+
+FULL = os.environ.get("INERTIALCAL_TORTURE") == "full"
+TALLIES: list[tuple[str, Tally]] = []
+BOTH = pytest.mark.parametrize("exchanging", [True, False], ids=["renameat2", "two renames"])
+STATE = pytest.mark.parametrize("state", STATES)
+STEP = 1 if FULL else 9  # system calls
+AGAIN = 150 if FULL else 3
+DRAWS, EVERY = (30, 1) if FULL else (1, 3)  # images a system call; of which one in
+RUNS = 500 if FULL else 10
+FRESH = 50 if FULL else 1  # of them in a process that starts anew
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _table() -> Iterator[None]:
+    yield
+    if FULL:
+        print(f"\n{'state':52}{'tried':>7}{'old':>7}{'new':>7}{'failed':>8}")
+        for name, one in TALLIES:
+            old, new = one.came_to.get("old", 0), one.came_to.get("new", 0)
+            print(f"{name:52}{one.tried:7}{old:7}{new:7}{one.tried - old - new:8}")
+
+
+@BOTH
+@STATE
+def test_a_kill_at_a_system_call_leaves_the_old_or_the_new(tmp_path: Path, state: str, exchanging: bool) -> None:
+    first = 1 + (list(STATES).index(state) + exchanging) % STEP
+    tally = kills(tmp_path / "campaign", state, exchanging, STEP, first)
+    TALLIES.append((f"killed: {state}, {'renameat2' if exchanging else 'two renames'}", tally))
+
+
+@BOTH
+@STATE
+def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, exchanging: bool) -> None:
+    tally = kills_of_recovery(tmp_path / "campaign", state, exchanging, random.Random(5), AGAIN)
+    TALLIES.append((f"killed 3 times: {state}, {'renameat2' if exchanging else 'two renames'}", tally))
+
+
+@BOTH
+@STATE
+def test_a_disk_after_a_crash_holds_the_old_or_the_new(tmp_path: Path, state: str, exchanging: bool) -> None:
+    tally = replays(tmp_path / "campaign", state, exchanging, random.Random(7), DRAWS, EVERY)
+    TALLIES.append((f"image: {state}, {'renameat2' if exchanging else 'two renames'}", tally))
+
+
+def _run(folder: Path, fresh: bool) -> int:
+    """Start `inertialcal run` as a process, anew or a fork of this one; return its number."""
+    process = os.fork()
+    if not process:
+        try:
+            os.setsid()
+            nothing = os.open(os.devnull, os.O_RDWR)
+            for number in range(3):
+                os.dup2(nothing, number)
+            if fresh:
+                line = program(["run", str(folder), "-q"])
+                os.execv(line[0], line)
+            from inertialcal.cli.__main__ import main
+
+            main(["run", str(folder), "-q"])
+        finally:
+            os._exit(0)
+    return process
+
+
+def test_a_run_killed_at_any_time_leaves_the_old_or_the_new(tmp_path: Path) -> None:
+    warm()
+    rng, tally, original = random.Random(11), Tally(), tmp_path / "original"
+    copy_example("reinel1969", original)
+    lasted = []
+    for fresh in (False, True):
+        begin = time.monotonic()
+        os.waitpid(_run(original, fresh), 0)
+        lasted.append(time.monotonic() - begin)
+    plant(original / "out", {"mynotes.txt": b"mine", "plots": {"a": b"a"}, "pipe": None})
+    expected = Expected.of(original / "out")
+    for number in range(RUNS):
+        folder, fresh = tmp_path / "campaign", number % (RUNS // FRESH) == 0
+        shutil.rmtree(folder, ignore_errors=True)
+        shutil.copytree(original, folder, ignore=shutil.ignore_patterns("pipe"))
+        os.mkfifo(folder / "out" / "pipe")
+        process = _run(folder, fresh)
+        share = rng.uniform(0.0, 1.05) if number % 2 else rng.uniform(0.8, 1.05)  # many while out/ is written
+        time.sleep(lasted[fresh] * share)
+        os.kill(process, signal.SIGKILL)
+        os.waitpid(process, 0)
+        restore(folder)
+        manifest = Manifest.read(folder / "out")
+        assert manifest is not None
+        assert all(manifest.lists(folder / "out" / name) for name in manifest.files)  # whole: as one run wrote it
+        new = {name: (folder / "out" / name).read_bytes() for name in manifest.files}
+        tally.add(check(folder / "out", expected, *([] if new == expected.own else [new])))
+    TALLIES.append(("a real run, killed at a random time", tally))
