@@ -55,7 +55,7 @@ def main() -> int:
         for old in folder.glob("trials-*.jsonl"):
             old.unlink()
     begin = time.monotonic()
-    numbers = [*range(-len(FIXED), 0), *range(1, given.trials + 1)]
+    numbers = [*range(1, given.trials + 1), *range(-len(FIXED), 0)]
     judged = tortured(numbers, seeds, folder, given.jobs)
     print(table(one for one in judged if one.number > 0))
     print(f"\n{table(one for one in judged if one.number < 0)}")
@@ -144,7 +144,7 @@ def judged_trial(number: int, seeds: Path, folder: Path, keep: bool = False) -> 
     before = snapshot(case)
     size = sum(one.lstat().st_size for one in case.rglob("*") if one.is_file())
     end = ran(made.words, case, aside, made.process)
-    left = [str(one.relative_to(aside)) for one in (aside / "tmp").rglob("*")]
+    left = [_told(one, aside) for one in (aside / "tmp").rglob("*")]
     found = failures(made.words, end, size, left, made.process) + changes(before, snapshot(case), made.outputs)
     found += made.check(case, end)
     if keep:
@@ -155,6 +155,12 @@ def judged_trial(number: int, seeds: Path, folder: Path, keep: bool = False) -> 
         shutil.rmtree(folder)
     seconds, mib = round(end.seconds, 3), round(end.mib, 1)
     return Judged(number, made.label, made.words, end.status, seconds, mib, past_parser(end), tuple(found))
+
+
+def _told(path: Path, aside: Path) -> str:
+    """Return the name of a temporary file that was left, with the end of a log."""
+    lines = path.read_text(errors="replace").splitlines() if path.suffix == ".log" else []
+    return " ".join([str(path.relative_to(aside)), *(line.strip() for line in lines[-4:])])
 
 
 def replayed(number: int, seeds: Path, folder: Path) -> int:
