@@ -13,6 +13,7 @@ from markupsafe import Markup
 
 from ..core.figure import FigureSpec
 from ..core.show.rows import Quoted
+from ..core.show.tables import csv_cell
 from ..core.show.wording import count, words
 from .figures import Picture, figures, prefix, to_svg
 from .findings import Finding
@@ -20,7 +21,6 @@ from .numbers import Text, clean
 
 Results = Mapping[str, Any]
 FILLED = re.compile(r"(\{axis\}|\{note\})")
-FORMULA = ("=", "+", "-", "@", "\t", "\n")  # a spreadsheet would run a text that begins so
 
 
 @dataclass(frozen=True, eq=False)
@@ -125,6 +125,5 @@ def _cell(value: Any) -> str:
     if isinstance(value, bool):
         return "true" if value else "false"
     if isinstance(value, str):
-        text = clean(value).replace("\r", "\n")  # csv quotes the latter alone
-        return f"'{text}" if text.startswith(FORMULA) else text
+        return csv_cell(clean(value))
     return repr(value)

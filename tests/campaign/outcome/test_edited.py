@@ -13,7 +13,8 @@ import pytest
 from inertialcal.campaign.compare.compare import compare
 from inertialcal.campaign.engine.run import run
 from inertialcal.campaign.file.example import copy_example
-from inertialcal.campaign.outcome.results_file import find_results, previous
+from inertialcal.campaign.outcome.results_file import edited_since, find_results, previous
+from inertialcal.cli.__main__ import main
 from inertialcal.core.errors import DataError
 from inertialcal.core.schema.checksum import checksum, is_unchanged
 
@@ -124,3 +125,25 @@ def test_the_same_inputs_give_the_same_bytes(folder: Path) -> None:
 def test_a_run_over_edited_results_lists_no_changes(folder: Path) -> None:
     edited(folder, values)
     assert run(folder, write=False).changed == []
+
+
+def test_show_of_a_folder_names_what_was_edited_in_it(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert edited_since(folder) == ()
+    for name in ("report.html", "verdicts.csv"):
+        path = folder / "out" / name
+        path.write_bytes(path.read_bytes() + b" ")
+    for place in (folder, folder / "out"):
+        with pytest.raises(SystemExit) as left:
+            main(["show", str(place), "--json"])
+        content = json.loads(capsys.readouterr().out)
+        remarks = [one for one in content["remarks"] if one["code"] == "edited_by_hand"]
+        assert left.value.code == 0
+        assert [Path(one["where"]).name for one in remarks] == ["report.html", "verdicts.csv"]
+        with pytest.raises(SystemExit):
+            main(["show", str(place)])
+        said = capsys.readouterr().out.split("\n")
+        assert sum(line.startswith("warning: ") and "edited by hand" in " ".join(said) for line in said) >= 2
+    (folder / "out/verdicts.csv").unlink()
+    assert [Path(one.where).name for one in edited_since(folder)] == ["report.html"]
+    (folder / "out/SHA256SUMS").unlink()
+    assert edited_since(folder) == ()

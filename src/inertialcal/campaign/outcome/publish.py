@@ -25,6 +25,7 @@ from typing import Any
 from ...core.errors import StoreError
 from ...core.remarks import Remark
 from ...core.show.rows import case_name, quantity_name
+from ...core.show.tables import csv_cell
 from ...files.write.exchange import Kept, recover, replace_folder
 
 OUT = "out"
@@ -55,9 +56,7 @@ def csv_text(rows: Sequence[Mapping[str, Any]], columns: Sequence[str]) -> str:
 def _cell(value: Any) -> Any:
     if value is None:
         return ""
-    text = repr(value) if isinstance(value, float) else str(value).replace("\r", "\n")  # csv quotes the latter alone
-    # A spreadsheet would run a text cell that starts like a formula.
-    return f"'{text}" if isinstance(value, str) and text[:1] in "=+-@\t\n" and text[1:2] != "" else text
+    return csv_cell(value) if isinstance(value, str) else repr(value) if isinstance(value, float) else str(value)
 
 
 def check_writable(folder: Path) -> None:

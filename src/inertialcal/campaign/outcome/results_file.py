@@ -12,11 +12,13 @@ from pathlib import Path
 from typing import Any, cast
 
 from ...core.errors import DataError
+from ...core.remarks import Remark
 from ...core.results import SCHEMA
 from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import read_curves
 from ...files.source import load
+from ...files.write.exchange import Manifest
 from ...sensors.model.serial import FORMAT
 from .publish import OUT, RESULTS, restore
 
@@ -81,6 +83,19 @@ def previous(folder: Path) -> dict[str, Any] | None:
     except (ValueError, RecursionError, AttributeError, DataError):
         return None
     return cast("dict[str, Any]", content)
+
+
+def edited_since(folder: Path) -> tuple[Remark, ...]:
+    """Return a remark on each file of a run, in a folder or its ``out/``, that was edited since."""
+    place = folder / OUT if (folder / OUT).is_dir() else folder
+    manifest = Manifest.read(place)
+    names = () if manifest is None else sorted(manifest.files)
+    changed = (place / name for name in names if manifest and not manifest.lists(place / name))
+    what, do = (
+        "edited by hand since the run wrote it",
+        "Type again: inertialcal run DIR; it keeps the edited file apart",
+    )
+    return tuple(Remark("edited_by_hand", "warning", what, str(path), do=do) for path in changed if path.is_file())
 
 
 def sealed(results: Mapping[str, Any], curves: bytes) -> dict[str, Any]:

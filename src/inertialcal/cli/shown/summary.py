@@ -187,9 +187,14 @@ def print_reduced(
 
 
 def show_results(
-    found: ResultsFile, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool
+    found: ResultsFile,
+    edited: Sequence[Remark],
+    output: Path | None,
+    chosen: dict[str, str | None],
+    as_json: bool,
+    quiet: bool,
 ) -> int:
-    """Print the results, or draw one figure of them.
+    """Print the results, and which files beside them were edited, or draw one figure of them.
 
     Raises
     ------
@@ -201,15 +206,15 @@ def show_results(
     with as_results(found.path):
         line = "" if output is None else figures.write(output, found.content, [found.path], chosen)
         if as_json:
-            _json(found, output)
+            remarks = [*(remark.to_dict() for remark in edited), *found.content.get("remarks", [])]
+            more = {"remarks": remarks} | ({} if output is None else {"written": str(output)})
+            inputs = [{"path": found.path, "sha256": found.sha256}]
+            json_out("show", {"inputs": inputs} | found.content | more)
         elif not quiet:
+            for text in remarks_text([remark.to_dict() for remark in edited]):
+                print(text)
             print(line or _text(found))
     return 0
-
-
-def _json(found: ResultsFile, output: Path | None) -> None:
-    content = {"inputs": [{"path": found.path, "sha256": found.sha256}]} | found.content
-    json_out("show", content if output is None else content | {"written": str(output)})
 
 
 def _text(found: ResultsFile) -> str:

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
 from ...core.errors import UsageError
+from ...core.remarks import Remark
 from ...files.models.formats import BUILT_IN
 from .. import figures
 from ..options import Frame, Json, MissionStart, Quiet, Start, Stop, Units, pairs
@@ -38,7 +39,7 @@ def show(
     quiet: Quiet = False,
 ) -> int:
     """Show a model in words, results as a table, what a report is; with -o, a figure of a model or results."""
-    from ...campaign.outcome.results_file import find_results
+    from ...campaign.outcome.results_file import edited_since, find_results
     from ...report.page_file import find_page
     from ..shown.summary import show_results
 
@@ -48,10 +49,11 @@ def show(
         if output is not None:
             raise UsageError(f"-o {output}: a report gives no figure", do="Name results.json, or the folder")
         return _show_page(page, as_json, quiet)
+    edited = edited_since(model) if model.is_dir() else ()
     results = find_results(model, of_campaign=any(chosen.values()))
     if results is not None:
-        return show_results(results, output, chosen, as_json, quiet)
-    return _show_model(model, output, chosen, as_json, quiet)
+        return show_results(results, edited, output, chosen, as_json, quiet)
+    return _show_model(model, edited, output, chosen, as_json, quiet)
 
 
 def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
@@ -67,7 +69,14 @@ def _show_page(page: Any, as_json: bool, quiet: bool) -> int:
     return 0
 
 
-def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], as_json: bool, quiet: bool) -> int:
+def _show_model(
+    path: Path,
+    edited: Sequence[Remark],
+    output: Path | None,
+    chosen: dict[str, str | None],
+    as_json: bool,
+    quiet: bool,
+) -> int:
     from ...campaign.models.compensation import model_rows
     from ...campaign.models.find import find_model
     from ...sensors.model.sensor_model import equation, lines
@@ -75,13 +84,14 @@ def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], 
     from ..shown.model_text import model_text
 
     found = find_model(path)
+    remarks = (*edited, *found.remarks)
     rows = [row.to_dict() for row in model_rows(found.model)]
     line = "" if output is None else figures.write(output, found.model, [found.path], chosen)
     if as_json:
         words = [{"name": line.name, "words": line.words, "origin": line.origin} for line in lines(found.model)]
         content = {
             "inputs": [_input(found)],
-            "remarks": [remark.to_dict() for remark in found.remarks],
+            "remarks": [remark.to_dict() for remark in remarks],
             "results": rows,
             "equation": equation(found.model),
             "words": words,
@@ -90,7 +100,7 @@ def _show_model(path: Path, output: Path | None, chosen: dict[str, str | None], 
         } | ({} if output is None else {"written": str(output)})
         json_out("show", content)
     elif not quiet:
-        _print_remarks(found.remarks)
+        _print_remarks(remarks)
         print(line or model_text(found.model, rows))
     return 0
 

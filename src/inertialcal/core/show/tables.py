@@ -17,6 +17,7 @@ from typing import Any
 
 WIDTH = 100  # columns, at most; fewer in a narrower terminal
 NARROWEST = 12  # to which a column of words is cut, to meet it
+FORMULA = ("=", "+", "-", "@", "\t", "\n")
 LONGEST = 40  # characters of a name in a caption
 _LEFT = "text-align:left"
 _RIGHT = "text-align:right"
@@ -46,6 +47,12 @@ Block = Table | Details | str
 def clean(text: str) -> str:
     """Return text as one line that steers nothing: each control character, line end and override is replaced."""
     return text if text.isprintable() else "".join(c if c.isprintable() else "\N{REPLACEMENT CHARACTER}" for c in text)
+
+
+def csv_cell(text: str) -> str:
+    """Return text as a cell of CSV that no spreadsheet runs: one that starts like a formula gets an apostrophe."""
+    plain = text.replace("\r", "\n")  # csv quotes the latter alone
+    return f"'{plain}" if plain.startswith(FORMULA) and len(plain) > 1 else plain
 
 
 def cleaned(content: Any) -> Any:

@@ -11,6 +11,7 @@ import csv
 import io
 import zipfile
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,7 @@ from numpy.lib import format as npy_format
 from ...core.errors import DataError, InertialcalError
 from ...core.recording import SECOND, Recording
 from ...core.remarks import Remark
+from ...core.show.tables import csv_cell
 from ..binary.parquet import RATE_KEYS, UNIT_KEYS
 from ..columns import Column
 from ..text.delimited import parse
@@ -37,14 +39,21 @@ def write_csv(path: Path, recording: Recording) -> tuple[Remark, ...]:
     DataError
         ``names_not_writable``, if the names would not be read as a header.
     """
-    columns, remarks = file_columns(recording, in_names=True, instants=False)
+    named, remarks = file_columns(recording, in_names=True, instants=False)
+    columns = tuple(replace(one, name=csv_cell(one.name)) for one in named)
+    changed = tuple(
+        Remark("column_renamed", "warning", f"column {old.name!r} is written as {new.name!r}: a spreadsheet would "
+               "run it as a formula", do="Write Parquet, which keeps the name", subject=old.name)
+        for old, new in zip(named, columns, strict=True)
+        if old.name != new.name
+    )  # fmt: skip
     cells = [_cells(column, alone=len(columns) == 1) for column in columns]
     head = _head(columns, stated_rate(recording))
     _check_header(head, cells, columns, recording)
     with path.open("wb") as stream:
         stream.write(head.encode())
         _write_rows(cells, stream)
-    return remarks
+    return remarks + changed
 
 
 def _head(columns: Sequence[Column], rate: float | None) -> str:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 from ...core.results import Row, finite
 from ...core.show.result_tables import figure, interval, not_estimated
 from ...core.show.rounding import number, with_uncertainty
-from ...core.show.tables import aligned, clean, ending, short
+from ...core.show.tables import aligned, clean, csv_cell, ending, short
 from ...core.units import FILE_UNIT, factor
 from ...sensors.noise.fitting.noise_fit import duration
 from ...sensors.noise.terms import sample_unit
@@ -193,7 +193,8 @@ def _curves_text(found: Reduced) -> str:
 
 def _points(curve: Mapping[str, Any]) -> Iterator[Sequence[Any]]:
     (name, at), *others = curve["columns"].items()
-    head = [curve["name"], curve["test"], curve["axis"], curve.get("recording", ""), curve.get("of", "")]
+    said = (curve["name"], curve["test"], curve["axis"], curve.get("recording", ""), curve.get("of", ""))
+    head = [csv_cell(text) for text in said]
     for column, values in others:
         for place, value in zip(at["values"], values["values"], strict=True):
             shown = "" if value is None else value if isinstance(value, str) else repr(value)
