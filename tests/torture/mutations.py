@@ -59,6 +59,15 @@ def mutated_bytes(content: bytes, rng: random.Random) -> bytes:
 
 # Text
 
+MILD = 0.5  # of the numbers stay numbers that something has
+FACTORS = (-1.0, 0.0, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 1000.0)
+
+
+def mild(number: str, rng: random.Random) -> str:
+    """Return a number of the same order as a text, a whole one for a whole one."""
+    new = float(number) * rng.choice(FACTORS)
+    return str(round(new)) if number.lstrip("+-").isdigit() and abs(new) < 1e15 else repr(new)  # noqa: PLR2004
+
 
 def mutated_text(text: str, rng: random.Random) -> str:
     """Replace numbers and units, and move, repeat or drop lines."""
@@ -67,7 +76,8 @@ def mutated_text(text: str, rng: random.Random) -> str:
         kind = rng.random()
         if kind < 0.7 and numbers_at:
             begin, end = rng.choice(numbers_at)
-            text = text[:begin] + rng.choice(NUMBERS) + text[end:]
+            new = mild(text[begin:end], rng) if rng.random() < MILD else rng.choice(NUMBERS)
+            text = text[:begin] + new.rjust(end - begin) + text[end:]  # a card has its fields at fixed columns
         elif kind < 0.8 and units_at:
             begin, end = rng.choice(units_at)
             text = text[:begin] + rng.choice(UNITS) + text[end:]
@@ -121,7 +131,7 @@ def _put(parent: Any, key: Any, rng: random.Random) -> None:
 
 def _scale(parent: Any, key: Any, rng: random.Random) -> None:
     if isinstance(parent[key], int | float) and not isinstance(parent[key], bool):
-        parent[key] = parent[key] * rng.choice((0, -1, 1e-160, 1e3, 1e20, 1e160))
+        parent[key] = parent[key] * rng.choice((*FACTORS, 1e-160, 1e20, 1e160))
     else:
         _put(parent, key, rng)
 
@@ -202,7 +212,7 @@ def _cells(table: Table, rng: random.Random) -> None:
 
 def _scaled_columns(table: Table, rng: random.Random) -> None:
     """Multiply columns by a factor or add an offset, however large."""
-    factor = rng.choice((0.0, -1.0, 1e-160, 1e-9, 1e9, 1e100, 1e160, 1e290))
+    factor = rng.choice((*FACTORS, 1e-160, 1e-9, 1e9, 1e100, 1e160, 1e290))
     offset = rng.choice((0.0, 0.0, 1e6, 1e16, 1e300))
     for name in _some(table, rng):
         column = numbers({name: table[name]})[name]

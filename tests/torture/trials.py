@@ -58,7 +58,7 @@ allan {still} --unit x=deg/s --column x -o made.svg
 CAMPAIGNS = ("rate_table", "still_gyro", "mesa", "hand_held", "six_faces", "sams_tsh", "sams_tsh_model", "npsat1")
 CAMPAIGN = """
 check rig_{rig}
-check rig_{rig}
+run rig_{rig}
 check example_npsat2011
 check example_reinel1969
 check example_sams1996
@@ -288,7 +288,7 @@ def _mutate_files(folder: Path, already: set[str], kind: Kind, level: Level, rng
     if already and (rng.random() < 0.8 or not open_to):
         return
     for _ in range(rng.randint(1, 2) if open_to else 0):
-        name = rng.choice(first if first and rng.random() < 0.6 else open_to)
+        name = rng.choice(first if first and rng.random() < 0.4 else open_to)
         path = folder / name
         if name.endswith("121f03") and level != "bytes":
             path.write_bytes(_mutated_floats(path.read_bytes(), level, rng))
