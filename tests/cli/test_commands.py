@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 
 import pytest
 
+from inertialcal.core.schema.results import Printed, Surveyed
 from inertialcal.core.show.rows import case_name
 from typed_commands import call
 
@@ -334,3 +335,8 @@ def test_one_sense_of_rotation_is_no_pass_for_both(capsys: pytest.CaptureFixture
     assert content["exit"] == 4
     assert any(one["reason"] == "negative rates were not turned" for one in content["verdicts"])
     assert any(one["code"] == "one_sense" for one in content["remarks"])
+
+
+def test_info_prints_rows_of_the_published_schema(campaign: Write, capsys: pytest.CaptureFixture[str]) -> None:
+    printed = Printed.model_validate_json(call(capsys, "info", str(campaign() / "one.csv"), "--json")[1])
+    assert isinstance(printed.results[0], Surveyed)

@@ -125,3 +125,7 @@ def test_coarse_steps_are_told_with_what_they_do_to_white_noise(scatter: float, 
         read = np.nanstd(np.rint(x)) / scatter
         assert float(remarks[0].what.split("about ")[1].split()[0]) == pytest.approx(100.0 * (read - 1.0), abs=3.0)
     assert coarse_steps(x, "x") == coarse_steps(np.ones(9), "x") == ()
+
+
+def test_the_largest_numbers_have_no_step() -> None:
+    assert _step(np.repeat([-1.7e308, 0.0, 1.7976931348623157e308], 40)) is None

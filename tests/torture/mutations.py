@@ -66,7 +66,7 @@ FACTORS = (-1.0, 0.0, 0.1, 0.5, 0.9, 1.1, 2.0, 10.0, 1000.0)
 def mild(number: str, rng: random.Random) -> str:
     """Return a number of the same order as a text, a whole one for a whole one."""
     new = float(number) * rng.choice(FACTORS)
-    return str(round(new)) if number.lstrip("+-").isdigit() and abs(new) < 1e15 else repr(new)  # noqa: PLR2004
+    return str(round(new)) if number.lstrip("+-").isdigit() and abs(new) < 1e15 else repr(new)
 
 
 def mutated_text(text: str, rng: random.Random) -> str:
@@ -230,16 +230,17 @@ def _times(table: Table, rng: random.Random) -> None:
         return
     at = rng.randrange(len(column))
     later = np.arange(len(column)) >= at
-    new = rng.choice(
-        (
-            column[::-1],
-            np.full(len(column), column[0]),
-            column + later * rng.choice((1e3, 1e6, 1e9, -1e3, -1e9, 1e17)),
-            np.repeat(column[::2], 2)[: len(column)],
-            column * rng.choice((1e-9, 1e3, 1e9)),
-            column[0] + np.cumsum(np.abs(np.sin(np.arange(len(column))))),
+    with np.errstate(all="ignore"):
+        new = rng.choice(
+            (
+                column[::-1],
+                np.full(len(column), column[0]),
+                column + later * rng.choice((1e3, 1e6, 1e9, -1e3, -1e9, 1e17)),
+                np.repeat(column[::2], 2)[: len(column)],
+                column * rng.choice((1e-9, 1e3, 1e9)),
+                column[0] + np.cumsum(np.abs(np.sin(np.arange(len(column))))),
+            )
         )
-    )
     table[name] = new if table[name].dtype != object else np.array([repr(float(x)) for x in new], dtype=object)
 
 

@@ -80,8 +80,8 @@ def resolution(found: Levels) -> float | None:
     levels = found.values
     if len(levels) < 2 or found.counts.sum() < REPEATS * len(levels):
         return None
-    apart = np.diff(levels)
-    rounding = 4.0 * np.spacing(np.abs(levels).max())
+    with np.errstate(over="ignore"):  # of the largest numbers, which have no step
+        apart, rounding = np.diff(levels), 4.0 * np.spacing(np.abs(levels).max())
     apart = apart[apart > rounding]
     if not len(apart):
         return None

@@ -98,3 +98,7 @@ def test_stamps_that_do_not_fit() -> None:
 def test_utc_is_2001_to_2099() -> None:
     assert is_utc(np.array([NOW * 10**9]))
     assert not is_utc(np.array([NOW]))
+
+
+def test_stamps_that_are_no_numbers_have_no_nanoseconds() -> None:
+    assert to_ns(np.array([1.0, np.nan]), "s") is None

@@ -335,6 +335,7 @@ class Surveyed(Part):
     sha256: str
     format: str
     rows: int
+    compensated_by: str
     channels: list[dict[str, Any]]
     time: dict[str, Any]
     hints: list[str]

@@ -65,7 +65,7 @@ def to_ns(values: Numbers, unit: str) -> Times | None:
         Of time.
     """
     per_unit = units.factor(unit, "s") * SECOND
-    if len(values) and float(np.abs(values.astype(np.float64)).max()) * per_unit >= WIDEST:
+    if len(values) and not float(np.abs(values.astype(np.float64)).max()) * per_unit < WIDEST:
         return None
     if values.dtype.kind in "iu" and per_unit == round(per_unit):
         return values.astype(np.int64) * int(per_unit)
