@@ -326,7 +326,10 @@ def test_exit_status_of_an_allowed_change(tmp_path: Path, allowed: str, verdict:
 
 
 def test_what_both_share_is_remarked(tmp_path: Path) -> None:
-    budgets = [{"source": "table rate", "kind": "B"}, {"source": "scatter", "kind": "A"}]
+    blank = {"quantity": "bias", "axis": "x", "sensor": "", "power": 0, "at": None, "test": "rate_x", "influence": "",
+             "distribution": "normal", "stated_u": None, "stated_unit": "", "sensitivity": None,
+             "sensitivity_unit": "", "u": 0.1, "unit": "deg/s", "dof": None, "share": 0.5}  # fmt: skip
+    budgets = [{**blank, "source": "table rate", "kind": "B"}, {**blank, "source": "scatter", "kind": "A"}]
     one = results(tmp_path / "a", row(1.0), inputs={"x.csv": "1"}, budgets=budgets)
     other = results(tmp_path / "b", row(1.0), inputs={"y.csv": "1"}, budgets=budgets, item={"serial": "8"})
     found = {remark.code: remark for remark in compare(one, other).remarks}
@@ -368,7 +371,7 @@ REFUSED = [
     ("results.json", "text.json", "not_json", "no JSON"),
     ("results.json", "list.json", "schema", "no object"),
     ("results.json", "other.json", "schema", "neither a model nor results"),
-    ("results.json", "rows.json", "schema", "neither a model nor results"),
+    ("results.json", "rows.json", "schema", r"results.0.axis: Field required"),
     ("results.json", "apart.json", "no_shared_quantity", "no figure stands in both"),
     ("model.json", "edited.json", "checksum", "the checksum does not match the content"),
 ]

@@ -71,7 +71,13 @@ def test_an_estimate_far_from_the_truth_is_outside_and_none_is_no_hit(scored: Pa
     results = json.loads(path.read_text())
     mine = [row for row in results["results"] if row["test"] == "fit" and row["quantity"] == "bias"]
     mine[0] |= {"interval": {"lo": 7.0, "hi": 8.0, "p": 0.95}}
-    mine[1] |= {"interval": None, "value": None, "u": None, "status": "not_estimated", "reason": "gone"}
+    mine[1] |= {
+        "interval": None,
+        "value": None,
+        "u": None,
+        "status": "not_estimated",
+        "reason": {"code": "gone", "text": "gone"},
+    }
     path.write_text(sealed_text(results))
     before, after = score(scored), score(copy)
     assert after.estimated == before.estimated - 1

@@ -628,7 +628,7 @@ class TestQuantities:
             try:
                 assert parse_quantity(str(quantity)) == quantity
             except DataError as error:
-                assert error.problems[0].code == "impossible_value"
+                assert error.problems[0].code == "impossible_value"  # noqa: PT017
                 inside = value if unit == "1" else value * factor(unit, si_unit(unit), difference=True)
                 assert not (1e-29 < abs(value) < 1e29 and 1e-29 < abs(inside) < 1e29)
 

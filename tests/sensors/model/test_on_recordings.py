@@ -72,7 +72,7 @@ def test_place_names_the_row_of_the_file() -> None:
 def test_place_without_a_file_is_the_sample() -> None:
     raw = Recording((counts("a", 2100, 4095), counts("r", 2048, 2048), counts("bit", 3000, 3000)))
     done = apply_chain(CHAIN, raw, {"x": "a", "reference": "r", "validity": "bit"})
-    assert done.remarks[0].where == "sample 1"
+    assert done.remarks[0].where == "sample 2"
 
 
 def test_column_in_volts_is_refused() -> None:

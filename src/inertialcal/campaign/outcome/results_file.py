@@ -15,6 +15,8 @@ from ...core.errors import DataError
 from ...core.remarks import Remark
 from ...core.results import SCHEMA
 from ...core.schema.checksum import CHECKSUM, check_unchanged, checksum
+from ...core.schema.content import check_content
+from ...core.schema.results import Results
 from ...files.binary.curves import FILE as CURVES
 from ...files.binary.curves import read_curves
 from ...files.source import load
@@ -120,10 +122,6 @@ def check_results(content: Mapping[str, Any], path: str) -> None:
     DataError
         ``schema_version``, ``checksum``, ``schema``.
     """
-    from pydantic import ValidationError  # noqa: PLC0415 - starts slowly
-
-    from ...core.schema.results import Results  # noqa: PLC0415
-
     if content.get("schema") != SCHEMA:
         raise DataError(
             f"results of schema {content.get('schema')!r}: this version reads schema {SCHEMA}",
@@ -132,13 +130,7 @@ def check_results(content: Mapping[str, Any], path: str) -> None:
             code="schema_version",
         )
     check_unchanged(content, path)
-    try:
-        Results.model_validate(content)
-    except ValidationError as error:
-        first = error.errors()[0]
-        key = ".".join(map(str, first["loc"]))
-        what, do = f"not the content of a {RESULTS}: {key}: {first['msg']}", "Type again: inertialcal run DIR"
-        raise DataError(what, where=path, do=do, code="schema") from None
+    check_content(Results, content, path, "Type again: inertialcal run DIR")
 
 
 def own_curves(content: Mapping[str, Any], path: Path) -> bytes | None:

@@ -13,6 +13,7 @@ from pydantic import BaseModel, ConfigDict, Field
 
 from ..key import Method
 from ..results import Status
+from .content import Number
 
 FILE = Path(__file__).with_name("results.schema.json")
 DRAFT = "https://json-schema.org/draft/2020-12/schema"
@@ -29,7 +30,7 @@ class At(Part):
     """Where a figure holds: temperature, -20, degC."""
 
     what: str
-    value: float
+    value: Number
     unit: str
 
 
@@ -50,9 +51,9 @@ class Reason(Part):
 class Interval(Part):
     """Two-sided interval with probability p; an open side is null."""
 
-    lo: float | None
-    hi: float | None
-    p: float
+    lo: Number | None
+    hi: Number | None
+    p: Number
 
 
 class Key(Part):
@@ -72,14 +73,14 @@ class Figure(Key):
     condition: str
     method: Method = Field(strict=False)
     member: Member | None
-    value: float | None
-    u: float | None
+    value: Number | None
+    u: Number | None
     unit: str
-    dof: float | None = Field(description="Degrees of freedom of u; null is infinite.")
+    dof: Number | None = Field(description="Degrees of freedom of u; null is infinite.")
     interval: Interval | None
     status: Status
     reason: Reason | None
-    shared: dict[str, float] = Field(
+    shared: dict[str, Number] = Field(
         description="Signed change of the value, in its unit, for one standard uncertainty of an influence that "
         "outlives the test; several unknowns of one influence are numbered: site.latitude[0]."
     )
@@ -90,7 +91,7 @@ class Influence(Part):
 
     standard: str
     quantity: str
-    u: float
+    u: Number
     unit: str
     certificate: str
     valid: str
@@ -103,9 +104,9 @@ class Standard(Part):
     standard: str
     influence: str
     effect: str
-    u: float | None
+    u: Number | None
     unit: str
-    dof: float | None
+    dof: Number | None
     distribution: str
     certificate: str
     stated: bool
@@ -145,7 +146,7 @@ class Excluded(Part):
     test: str
     axis: str
     place: str
-    applied: float | None
+    applied: Number | None
     unit: str
     rule: str
     decided_by: str
@@ -160,7 +161,7 @@ class Covariance(Part):
     test: str
     keys: list[Key]
     units: list[str]
-    matrix: list[list[float]]
+    matrix: list[list[Number]]
 
 
 class Budget(Key):
@@ -171,14 +172,14 @@ class Budget(Key):
     influence: str = Field(description="Name under [standards]; empty for other sources.")
     kind: Literal["A", "B"]
     distribution: str
-    stated_u: float | None
+    stated_u: Number | None
     stated_unit: str
-    sensitivity: float | None
+    sensitivity: Number | None
     sensitivity_unit: str
-    u: float
+    u: Number
     unit: str
-    dof: float | None
-    share: float
+    dof: Number | None
+    share: Number
 
 
 class Remark(Part):
@@ -199,16 +200,16 @@ class Verdict(Part):
     test: str
     axis: str
     sensor: str
-    at: float | None
+    at: Number | None
     at_unit: str
     of: str
-    value: float | None
-    u: float | None
+    value: Number | None
+    u: Number | None
     unit: str
     interval: Interval | None
-    lower: float | None
-    upper: float | None
-    margin: float | None
+    lower: Number | None
+    upper: Number | None
+    margin: Number | None
     verdict: Words
     reason: str
 
@@ -220,12 +221,12 @@ class LoopAxis(Part):
     dwells: int
     runs: int
     unit: str
-    raw_rms: float
-    compensated_rms: float
-    mean_square_gain: float
-    u: float
-    dof: float | None
-    allowed: float
+    raw_rms: Number
+    compensated_rms: Number
+    mean_square_gain: Number
+    u: Number
+    dof: Number | None
+    allowed: Number
     verdict: str
     reason: str
 
@@ -239,8 +240,8 @@ class LoopOverTemperature(Part):
     cells: int
     runs: int
     unit: str
-    raw_rms: float
-    compensated_rms: float
+    raw_rms: Number
+    compensated_rms: Number
     verdict: str
     reason: str
 
@@ -294,9 +295,9 @@ class Results(Part):
 class Side(Part):
     """A figure that was compared."""
 
-    value: float | None
-    u: float | None
-    dof: float | None
+    value: Number | None
+    u: Number | None
+    dof: Number | None
     test: str
 
 
@@ -305,14 +306,14 @@ class Compared(Figure):
 
     first: Side
     second: Side
-    p_value: float | None
+    p_value: Number | None
     verdict: str
 
 
 class Scored(Figure):
     """A figure of a simulated campaign, as ``score`` prints it."""
 
-    truth: float
+    truth: Number
     inside: bool | None
 
 
@@ -323,7 +324,7 @@ class Covered(Key):
     hits: int
     n: int
     missing: int
-    rate: float | None
+    rate: Number | None
     interval: Interval | None
     verdict: Words
 

@@ -18,6 +18,8 @@ from ...core.errors import DataError
 from ...core.estimate import Array, Component, Estimate
 from ...core.results import finite
 from ...core.schema.checksum import checksum
+from ...core.schema.content import check_content
+from ...core.schema.model import Model as ModelContent
 from .sensor_model import APPLY_ORDER, MATRIX_ORDER, Item, Provenance, SensorModel
 from .terms import SHAPES, parameter_keys
 
@@ -87,6 +89,7 @@ def from_dict(content: Mapping[str, Any]) -> SensorModel:
     for key, words in WORDS.items():
         if content.get(key) != words:
             raise DataError(f"{key} reads {content.get(key)!r}, need {words!r}", code="schema")
+    check_content(ModelContent, content, do="Take the file as it was written")
     try:
         return _model(content)
     except (KeyError, TypeError, ValueError, AttributeError) as error:

@@ -15,6 +15,7 @@ import numpy as np
 from ...core.errors import DataError
 from ...core.estimate import Array, Estimate
 from ...core.key import Key
+from ...core.unit.magnitudes import CODE, LARGEST, is_possible
 from ...core.units import normalise
 
 FORCE_AXES = ("x", "y", "z")
@@ -218,6 +219,8 @@ def read_only_term(name: str, value: object, sensors: int) -> Array:
         raise DataError(f"{name}: shape {array.shape}, need ({need})")
     if not np.all(np.isfinite(array)):
         raise DataError(f"{name}: not finite", do="Leave out a term that is not known")
+    if not np.all(np.abs(array) <= LARGEST):
+        raise DataError(f"{name}: larger than {LARGEST:g}", do="Correct the unit or the exponent", code=CODE)
     array.setflags(write=False)
     return array
 
@@ -230,7 +233,7 @@ def check_needs(terms: Mapping[str, Array], reference_pressure: float | None) ->
     DataError
         As said.
     """
-    if np.any(terms["scale_factor"] == 0.0):
+    if not all(one and is_possible(one) for one in terms["scale_factor"].tolist()):
         raise DataError(f"scale_factor {terms['scale_factor'].tolist()}: zero", do="Give the ideal scale factor")
     in_temperature = "bias_temperature" in terms or terms["matrix"].shape[0] > 1
     if in_temperature and "reference_temperature" not in terms:

@@ -1,0 +1,77 @@
+"""What ``model.json`` holds: the kind of value of each key. What the numbers mean, `sensors.model` checks."""
+
+from __future__ import annotations
+
+from pydantic import BaseModel, ConfigDict
+
+from .content import Number, Numbers, Pair
+
+
+class Part(BaseModel):
+    """A JSON object; keys that a later version adds are let be."""
+
+    model_config = ConfigDict(strict=True)
+
+
+class Item(Part):
+    """Which unit it is."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    maker: str = ""
+    part: str = ""
+    serial: str = ""
+
+
+class Stated(Part):
+    """Uncertainty of a standard, as its certificate has it."""
+
+    u: Number
+    unit: str
+
+
+class Component(Part):
+    """One source of the uncertainty."""
+
+    source: str
+    kind: str
+    covariance: Numbers
+    dof: Number | list[Number | None] | None
+    distribution: str
+    stated: Stated | None = None
+
+
+class Estimate(Part):
+    """Values with their covariance."""
+
+    names: list[str]
+    values: list[Number]
+    units: list[str]
+    components: list[Component]
+
+
+class Provenance(Part):
+    """Where a parameter comes from."""
+
+    test: str
+    recordings: list[str]
+    source: str
+
+
+class Model(Part):
+    """Content of model.json."""
+
+    kind: str
+    axes: list[str]
+    unit: str
+    item: Item
+    output_unit: str
+    reference_pressure: Number | None
+    judged: bool
+    source: str
+    terms: dict[str, Numbers | None]
+    temperature_range: Pair | None
+    pressure_range: Pair | None
+    estimate: Estimate | None
+    not_estimated: dict[str, str]
+    provenance: dict[str, Provenance]
