@@ -32,6 +32,16 @@ def fields(case: str = "", reason: str = "") -> dict[str, Any]:
     return found
 
 
+def results_text(**members: Any) -> str:
+    """Return a ``results.json`` with some members, the others without anything."""
+    blank = dict.fromkeys(("campaign", "item", "site", "sensors", "influences"), {})
+    blank |= dict.fromkeys(("standards", "sequence", "exclusions", "results", "covariances", "budgets"), [])
+    blank |= dict.fromkeys(("remarks", "verdicts", "verification"), [])
+    loop = {"verdict": "not run", "reason": "", "axes": [], "over_temperature": []}
+    rest = {"schema": 2, "decision_rule": "", "closed_loop": loop, "verdict": None, "curves_sha256": ""}
+    return sealed_text(blank | rest | members)
+
+
 def sealed_text(content: Mapping[str, Any]) -> str:
     """Return a JSON file of a content, changed or made by a test, with the checksum that fits."""
     own = {name: part for name, part in content.items() if name != CHECKSUM}

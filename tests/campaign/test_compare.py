@@ -26,7 +26,7 @@ from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import Item, SensorModel
 from inertialcal.statistics.intervals import binomial_interval, covers
-from written_rows import sealed_text
+from written_rows import results_text
 
 
 def row(value: float | None, u: float | None = 0.1, dof: float | None = None, **rest: Any) -> Row:
@@ -284,8 +284,8 @@ def results(folder: Path, *rows: Row, inputs: dict[str, str] | None = None, **re
     """A campaign that was run: results and provenance."""
     out = folder / "out"
     out.mkdir(parents=True)
-    content = {"schema": 2, "item": {"serial": "7"}, "results": [one.to_dict() for one in rows], "budgets": []} | rest
-    (out / "results.json").write_text(sealed_text(content))
+    members: dict[str, Any] = {"item": {"serial": "7"}, "results": [one.to_dict() for one in rows]}
+    (out / "results.json").write_text(results_text(**members | rest))
     listed = [{"path": path, "sha256": digest} for path, digest in (inputs or {}).items()]
     (out / "provenance.json").write_text(json.dumps({"inputs": listed}))
     return folder
@@ -383,12 +383,12 @@ def test_what_cannot_be_compared_is_refused(tmp_path: Path, first: str, second: 
     write_model(tmp_path / "model.json", model())
     (tmp_path / "edited.json").write_text((tmp_path / "model.json").read_text().replace("-0.005", "-0.006"))
     texts = {
-        "results.json": sealed_text({"schema": 2, "results": [row(1.0).to_dict()]}),
-        "apart.json": sealed_text({"schema": 2, "results": [row(1.0, axis="y").to_dict()]}),
+        "results.json": results_text(results=[row(1.0).to_dict()]),
+        "apart.json": results_text(results=[row(1.0, axis="y").to_dict()]),
         "text.json": "not { json",
         "list.json": "[1]",
         "other.json": '{"a": 1}',
-        "rows.json": sealed_text({"schema": 2, "results": [{"quantity": "bias"}, 3]}),
+        "rows.json": results_text(results=[{"quantity": "bias"}, 3]),
     }
     for name, text in texts.items():
         (tmp_path / name).write_text(text)

@@ -22,7 +22,7 @@ from inertialcal.files.models.model_json import write_model
 from inertialcal.sensors.catalogue import flight_unit
 from inertialcal.sensors.model.assemble import model_from
 from inertialcal.sensors.model.sensor_model import Item, Provenance, SensorModel
-from written_rows import sealed_text
+from written_rows import results_text
 
 ENVELOPE = {"command", "version", "inputs", "schema", "results", "remarks", "verdicts", "errors", "exit"}
 ROW = {"quantity", "axis", "sensor", "power", "at", "test", "condition", "method", "member", "value", "u", "unit",
@@ -330,7 +330,7 @@ def test_compare_without_uncertainties_shows_differences_and_why(call: Call, tmp
 
 
 def test_compare_refuses(call: Call, tmp_path: Path) -> None:
-    (tmp_path / "results.json").write_text(sealed_text({"schema": 2, "results": []}))
+    (tmp_path / "results.json").write_text(results_text())
     content = as_json(call, "compare", "model.json", "results.json")
     assert (content["exit"], content["errors"][0]["code"]) == (3, "different_kinds")
     assert call("compare", "model.json", "model.json", "--allowed", "a lot")[0] == 2
