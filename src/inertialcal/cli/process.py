@@ -124,11 +124,11 @@ def _stream(given: TextIO | None, descriptor: int, errors: str) -> TextIO:
     output = descriptor == 1
     if given is None:
         found = os.open(os.devnull, os.O_RDONLY if output else os.O_WRONLY)
-        return io.TextIOWrapper(io.BufferedWriter(_Stream(found, output)), "utf-8", errors)
+        return io.TextIOWrapper(io.BufferedWriter(_Stream(found, output)), encoding="utf-8", errors=errors)
     return io.TextIOWrapper(
         io.BufferedWriter(_Stream(descriptor, output)),
-        given.encoding,
-        errors,
+        encoding=given.encoding,
+        errors=errors,
         line_buffering=not output or given.isatty(),
         write_through=output and bool(getattr(given, "write_through", False)),
     )

@@ -16,6 +16,7 @@ from html import escape
 from typing import Any
 
 WIDTH = 100  # columns, at most; fewer in a narrower terminal
+LEAST_WIDTH = 20  # columns to which text is folded
 NARROWEST = 12  # to which a column of words is cut, to meet it
 FORMULA = ("=", "+", "-", "@", "\t", "\n")
 LONGEST = 40  # characters of a name in a caption
@@ -75,11 +76,12 @@ def ending(path: str, longest: int = LONGEST) -> str:
 
 
 def terminal_width() -> int:
-    """Return the columns of the terminal; 0 where there is none, or it does not say."""
+    """Return the columns of the terminal, 20 of a narrower one; 0 where there is none, or it does not say."""
     try:
-        return os.get_terminal_size(sys.stdout.fileno()).columns
+        columns = os.get_terminal_size(sys.stdout.fileno()).columns
     except (OSError, ValueError):
         return 0
+    return max(columns, LEAST_WIDTH) if columns else 0
 
 
 def aligned(
