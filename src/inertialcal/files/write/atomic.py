@@ -38,7 +38,7 @@ def atomic_write(
     Parameters
     ----------
     path : path
-        Where the file shall be; one that is there is replaced, and its permissions are kept.
+        Where the file shall be; one that is there, also by a link, is replaced, and its permissions are kept.
     inputs : iterable of path
         Files that it may not replace, because they were read for it.
     new : bool
@@ -57,6 +57,7 @@ def atomic_write(
         _refuse_same(target, Path(given))
     try:
         mode = _mode(target)
+        target = Path(os.path.realpath(target)) if target.is_symlink() else target
         with work_folder(target.parent) as work:
             aside = work / target.name
             yield aside
@@ -68,12 +69,10 @@ def atomic_write(
                     os.link(aside, target)
                 else:
                     aside.replace(target)
-                interruption.note(target)
+                interruption.note(path)
                 sync(target.parent)
     except OSError as error:
-        raise StoreError(
-            f"cannot be written: {error.strerror or error}", where=str(target), code="not_written"
-        ) from None
+        raise StoreError(f"cannot be written: {error.strerror or error}", where=str(path), code="not_written") from None
 
 
 def _mode(target: Path) -> int | None:
@@ -92,7 +91,7 @@ def _mode(target: Path) -> int | None:
         raise OSError(0, "this is a device or a pipe, not a file")
     if not os.access(target, os.W_OK):
         raise PermissionError(0, "the file is read-only")
-    return None if target.is_symlink() else stat.S_IMODE(found.st_mode)
+    return stat.S_IMODE(found.st_mode)
 
 
 def _refuse_same(target: Path, given: Path) -> None:
