@@ -7,7 +7,7 @@ import zipfile
 
 from ..core.errors import DataError
 
-ZIP = b"PK\x03\x04"
+ZIP, ZIP_MEMBER = b"PK\x03\x04", b"PK\x01\x02"
 UNREAD = (
     (b"LabVIEW Measurement", "a LabVIEW measurement file (.lvm)"),
     (b"\x1a\x45\xdf\xa3", "an EBML recorder file (enDAQ .IDE)"),

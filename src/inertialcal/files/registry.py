@@ -18,8 +18,9 @@ from ..core.recording import Recording, Source
 from ..core.registry import Registry
 from ..core.remarks import Remark
 from .assemble import assemble
+from .budget import COLUMNS, PARTS, check_count
 from .columns import Column, Content
-from .formats import refusal
+from .formats import ZIP, ZIP_MEMBER, refusal
 from .pad import reader as pad
 from .reader import ArchiveReader, Reader, Request
 from .source import Loaded, as_data_errors, load
@@ -59,10 +60,13 @@ def read_recording(path: str | Path, request: Request) -> Recording:
     loaded = load(path)
     reader = find_reader(loaded)
     content = reader.read(loaded, request.variables)
+    check_count(len(content.columns), COLUMNS, "columns", loaded.path)
     packed = ", gzip" if loaded.packed else ""
+    source = Source(loaded.path, loaded.sha256, content.format + packed, reader.name)
+    del loaded  # its bytes are as many as all numbers
     recording = assemble(
         content,
-        Source(loaded.path, loaded.sha256, content.format + packed, reader.name),
+        source,
         units=request.units,
         sample_rate=request.sample_rate,
         time_column=request.time_column,
@@ -80,6 +84,8 @@ def find_reader(loaded: Loaded) -> Reader:
         If the file is of a known format that nobody reads; broken readers of packages are named.
     """
     data, path = loaded.data, loaded.path
+    if data.startswith(ZIP):
+        check_count(data.count(ZIP_MEMBER), PARTS, "members of an archive", path)
     for name in BUILT_IN:
         if name != TEXT and READERS[name].recognises(data, path):
             return READERS[name]

@@ -1,11 +1,14 @@
-"""Bytes of a file: read once, hashed, and unpacked if gzip, within stated limits."""
+"""Bytes of a file: read once, hashed, and unpacked if gzip, within the limits of ``budget``.
+
+Every file of a user is read by `load` or `read_bytes`: only an ordinary file, and no more of it than its size.
+"""
 
 from __future__ import annotations
 
-import gzip
 import hashlib
-import io
+import os
 import shlex
+import stat
 import warnings
 import zlib
 from collections.abc import Iterator
@@ -14,11 +17,12 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ..core.errors import DataError, InertialcalError
+from .budget import DOCUMENT, check_count, claim
 
-LARGEST = 4 * 2**30  # bytes of a file, packed or not
-RATIO_FROM = 64 * 2**20  # unpacked bytes from which the ratio is looked at
-LARGEST_RATIO = 400  # a recording packs 3:1 to 20:1; the format's own end is 1032:1
-CHUNK = 2**22
+CHUNK = 2**22  # bytes that are unpacked at once
+FIRST, STEP = 2**10, 2**16  # bytes of a gzip member that are unpacked first, as members can be tiny, and then
+MEMBERS = 200_000  # of a gzip file; bgzip makes one of each 64 KiB
+NO_WAIT = getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0) | getattr(os, "O_NOCTTY", 0)
 CAMPAIGN = "campaign.toml"
 FEW = 3  # names of files told
 GZIP = b"\x1f\x8b"
@@ -32,43 +36,72 @@ class Loaded:
     data: bytes  # Unpacked
     sha256: str  # Of the bytes of the file as it lies there, packed or not
     packed: bool = False  # Whether it was gzip
+    size: int = 0  # Bytes of the file as it lies there
+
+    @property
+    def on_disk(self) -> int:
+        """Bytes of the file as it lies there; of its content where nobody said."""
+        return self.size or len(self.data)
 
 
-def load(path: str | Path) -> Loaded:
-    """Return the content of a file.
+def load(path: str | Path, *, document: bool = False) -> Loaded:
+    """Return the content of a file; ``document``: of one that is parsed whole, as JSON is.
 
     Raises
     ------
     DataError
-        If there is no such file, it is no ordinary file, cannot be read, is empty, is larger than 4 GiB
-        (also when unpacked), or is a damaged gzip file.
+        ``missing_file`` (also a folder, a pipe, a device), ``empty_file``, ``damaged_file`` (gzip),
+        ``too_large``.
     """
     name = str(path)
-    raw = _bytes(Path(path), name)
+    raw = read_bytes(path)
     sha256 = hashlib.sha256(raw).hexdigest()
     packed = raw.startswith(GZIP)
     data = _unpack(raw, name) if packed else raw
     if not data:
         raise DataError("the file is empty", where=name, do="Record again, or name another", code="empty_file")
-    return Loaded(name, data, sha256, packed)
+    if document:
+        claim(name, len(raw), DOCUMENT * len(data), f"{len(data):,} bytes of structured text")
+    return Loaded(name, data, sha256, packed, len(raw))
 
 
-def _bytes(path: Path, name: str) -> bytes:
-    """Content of an ordinary file."""
+def read_bytes(path: str | Path, most: int | None = None) -> bytes:
+    """Return the bytes of an ordinary file as it lies there; of ``most`` at most where that is given.
+
+    Raises
+    ------
+    DataError
+        ``missing_file``, ``too_large``.
+    """
+    name = str(path)
     try:
-        if path.is_dir():
+        if os.path.isdir(path):
             raise _folder(Path(path), name)
-        if path.exists() and not path.is_file():
-            raise DataError("not a regular file", where=name, code="missing_file")
-        size = path.stat().st_size
-        if size > LARGEST:
-            raise too_large(name, size)
-        return path.read_bytes()
+        with open(os.open(path, os.O_RDONLY | NO_WAIT), "rb") as stream:
+            about = os.fstat(stream.fileno())
+            if not stat.S_ISREG(about.st_mode):
+                raise _special(about.st_mode, name)
+            size = about.st_size if most is None else min(about.st_size, most)
+            claim(name, size, size, "the content")
+            return stream.read(size)  # a file that says it is empty and is not (/proc) counts as empty
     except FileNotFoundError:
         raise DataError("no such file", where=name, do="Check the name and the folder", code="missing_file") from None
     except (OSError, ValueError) as error:  # ValueError: a nul in the name
+        try:  # a socket cannot be opened
+            mode = os.stat(path).st_mode
+        except (OSError, ValueError):
+            mode = stat.S_IFREG
+        if not stat.S_ISREG(mode):
+            raise _special(mode, name) from None
         reason = getattr(error, "strerror", None) or error
         raise DataError(f"cannot be read: {reason}", where=name, code="missing_file") from None
+
+
+def _special(mode: int, name: str) -> DataError:
+    """Return the error for a pipe, a socket or a device."""
+    what = "a pipe" if stat.S_ISFIFO(mode) else "a socket" if stat.S_ISSOCK(mode) else "a device"
+    do = "Save what it gives as a file, and name that"
+    return DataError(f"this is {what}, not a file", where=name, do=do, code="missing_file")
 
 
 def _folder(path: Path, name: str) -> DataError:
@@ -86,51 +119,36 @@ def _folder(path: Path, name: str) -> DataError:
 
 def _unpack(raw: bytes, name: str) -> bytes:
     """Content of gzip data, of one or several members."""
-    out = io.BytesIO()
-    try:
-        with gzip.GzipFile(fileobj=io.BytesIO(raw)) as packed:
-            while chunk := packed.read(CHUNK):
-                out.write(chunk)
-                check_size(name, out.tell(), len(raw))
-    except (OSError, EOFError, zlib.error) as error:
+    out, at, members, why = bytearray(), 0, 0, ""
+    while at < len(raw) and not why:
+        start = raw[at : at + FIRST]
+        if not start[0]:  # a file may be filled up with nuls
+            at += len(start) - len(start.lstrip(b"\x00"))
+            continue
+        members += 1
+        check_count(members, MEMBERS, "gzip members", name)
+        member, fed = zlib.decompressobj(wbits=31), start
+        try:
+            while not member.eof and not why:
+                at += len(fed)
+                got = member.decompress(member.unconsumed_tail or fed, CHUNK)
+                out += got
+                claim(name, len(raw), len(raw) + 2 * len(out), f"{len(out):,} bytes unpacked", least=True)
+                fed = b"" if member.unconsumed_tail else raw[at : at + STEP]
+                if not (got or fed or member.unconsumed_tail or member.eof):
+                    why = "it ends too early"
+            at -= len(member.unused_data)
+        except zlib.error as error:
+            why = str(error)
+    if why:
         raise DataError(
-            f"damaged gzip file: {error}",
+            f"damaged gzip file: {why}",
             where=name,
-            why=f"{out.tell()} bytes could be decompressed",
+            why=f"{len(out)} bytes could be decompressed",
             do="Copy it again from its source",
             code="damaged_file",
-        ) from None
-    return out.getvalue()
-
-
-def check_size(name: str, unpacked: int, packed: int) -> None:
-    """Refuse content that is larger than memory should take.
-
-    Raises
-    ------
-    DataError
-        If it is larger than 4 GiB, or unpacks more than 400 to 1.
-    """
-    if unpacked > LARGEST:
-        raise too_large(name, unpacked)
-    if unpacked > RATIO_FROM and unpacked > LARGEST_RATIO * packed:
-        raise DataError(
-            f"unpacks to more than {LARGEST_RATIO} times its size",
-            where=name,
-            why="no recording compresses that well; it would fill the memory",
-            do="Unpack it and check by hand",
-            code="too_large",
         )
-
-
-def too_large(name: str, size: int) -> DataError:
-    """Return the error for content beyond the limit."""
-    return DataError(
-        f"holds {size / 2**30:.3g} GiB or more, the limit is {LARGEST / 2**30:.3g} GiB",
-        where=name,
-        do="Cut it into parts",
-        code="too_large",
-    )
+    return bytes(out)
 
 
 LONGEST = 160  # characters of their message

@@ -14,8 +14,10 @@ from scipy import io as scipy_io
 from scipy import sparse
 
 from inertialcal.core.errors import DataError
-from inertialcal.files import read, source
+from inertialcal.files import read
 from inertialcal.files.binary.matlab import check_elements
+from inertialcal.files.budget import max_memory
+from inertialcal.files.source import Loaded
 
 HEADER = b"MATLAB 5.0 MAT-file".ljust(124) + b"\x00\x01IM"
 
@@ -39,7 +41,7 @@ THREE = struct.pack("<3d", 1.0, 2.0, 3.0)
 
 def refused(data: bytes) -> str:
     with pytest.raises(DataError) as caught:
-        check_elements(data, "a.mat")
+        check_elements(Loaded("a.mat", data, ""))
     (problem,) = caught.value.problems
     assert (problem.where, problem.code) == ("a.mat", "damaged_file")
     return problem.what.removeprefix("cannot be read as a MATLAB file: it holds ")
@@ -54,20 +56,20 @@ def test_what_scipy_writes(compression: bool) -> None:
     }  # fmt: skip
     stream = io.BytesIO()
     scipy_io.savemat(stream, content, do_compression=compression)
-    check_elements(stream.getvalue(), "a.mat")
+    check_elements(Loaded("a.mat", stream.getvalue(), ""))
 
 
 def test_both_byte_orders() -> None:
-    check_elements(HEADER + matrix(THREE, 3), "a.mat")
+    check_elements(Loaded("a.mat", HEADER + matrix(THREE, 3), ""))
     values = struct.pack(">3d", 1.0, 2.0, 3.0)
     big = HEADER[:-4] + b"\x01\x00MI" + matrix(values, 3, order=">")
-    check_elements(big, "a.mat")
+    check_elements(Loaded("a.mat", big, ""))
     assert scipy_io.loadmat(io.BytesIO(big))["x"].tolist() == [[1.0, 2.0, 3.0]]
 
 
 def test_an_empty_file_and_an_empty_cell() -> None:
-    check_elements(HEADER, "a.mat")
-    check_elements(HEADER + element(14, b""), "a.mat")
+    check_elements(Loaded("a.mat", HEADER, ""))
+    check_elements(Loaded("a.mat", HEADER + element(14, b""), ""))
 
 
 def test_a_type_that_there_is_not() -> None:
@@ -89,7 +91,7 @@ def test_more_or_fewer_numbers_than_announced() -> None:
 
 def test_compressed_elements() -> None:
     packed = zlib.compress(matrix(THREE, 3))
-    check_elements(HEADER + element(15, packed)[: 8 + len(packed)], "a.mat")
+    check_elements(Loaded("a.mat", HEADER + element(15, packed)[: 8 + len(packed)], ""))
     assert refused(HEADER + element(15, packed[:-6])) == "a truncated compressed element"
     assert refused(HEADER + element(15, b"nonsense")).startswith("a compressed element that cannot be decompressed")
     assert refused(HEADER + element(15, zlib.compress(matrix(THREE, 4)))).startswith("24 bytes of numbers for 4")
@@ -103,12 +105,11 @@ def test_matrices_without_end() -> None:
     assert refused(HEADER + nested) == "more than 32 nested matrices"
 
 
-def test_compressed_zeros_stop_early(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("inertialcal.files.binary.matlab.LARGEST", 10**6)
-    with pytest.raises(DataError, match=r"holds .* GiB or more") as caught:
-        check_elements(HEADER + element(15, zlib.compress(bytes(10**7))), "a.mat")
+def test_compressed_zeros_stop_early() -> None:
+    data = HEADER + element(15, zlib.compress(bytes(10**7)))
+    with max_memory("265 MiB"), pytest.raises(DataError, match="needs more than 265 MiB of memory") as caught:
+        check_elements(Loaded("a.mat", data, ""))
     assert caught.value.problems[0].code == "too_large"
-    assert source.LARGEST > 10**9
 
 
 def test_a_sparse_matrix_is_refused_and_says_what_to_do(tmp_path: Path) -> None:

@@ -22,10 +22,11 @@ from typing import Any, Literal
 import numpy as np
 
 from ...core.errors import DataError
+from ..budget import check_count, claim, claim_values
 from ..columns import Content
 from ..formats import ZIP
 from ..reader import Reader
-from ..source import LARGEST, Loaded, as_data_errors, check_size, too_large
+from ..source import Loaded, as_data_errors
 from .arrays import NamedArray, columns_of
 
 MAGIC = b"MATLAB 5.0 MAT-file"
@@ -38,6 +39,8 @@ FLAGS, DIMENSIONS, NAME = (5, 6), (5, 6), (1, 2, 16)  # types of the first three
 CELL, STRUCTURE, OBJECT, TEXT, SPARSE, NUMBERS = 1, 2, 3, 4, 5, range(6, 16)  # classes of matrices, table 1-3
 OPAQUE = 17  # the last class: objects, whose elements are others
 MATRICES_DEEPEST = 32  # matrices within matrices
+MATRICES = 100_000  # in all, cells and fields among them
+CHUNK = 2**20  # bytes that are unpacked at once
 
 
 def read_matlab4(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
@@ -51,7 +54,7 @@ def read_matlab5(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     Raises
     ------
     DataError
-        If it is damaged, or larger than the limits of ``files.source``.
+        If it is damaged, or goes beyond the limits of ``files.budget``.
     """
     return _read(loaded, NEWER, variables)
 
@@ -61,7 +64,9 @@ def _read(loaded: Loaded, version: str, variables: Sequence[str] | None) -> Cont
 
     with as_data_errors(loaded.path, f"a MATLAB file of version {version}"):
         if version == NEWER:
-            check_elements(loaded.data, loaded.path)
+            check_elements(loaded)
+        else:
+            claim(loaded.path, loaded.on_disk, 4 * len(loaded.data), "matrices")
         # mat_dtype: doubles that MATLAB packed as bytes come back as doubles; counts stay whole numbers. It
         # also drops imaginary parts, with no more than a warning: then the types as stored tell which.
         with warnings.catch_warnings(record=True) as caught:
@@ -91,27 +96,29 @@ def _flat(name: str, value: Any, depth: int = 0) -> Iterator[tuple[str, Any]]:
         yield name, value if value.dtype.kind in "biuf" else None
 
 
-def check_elements(data: bytes, path: str) -> None:
+def check_elements(loaded: Loaded) -> None:
     """Refuse a file whose elements do not fit into each other.
 
     Raises
     ------
     DataError
-        If a type is none (``damaged_file``), an element is longer than what holds it, or unpacked elements
-        are larger than the limits of ``files.source`` (``too_large``).
+        If a type is none (``damaged_file``), an element is longer than what holds it, or elements go beyond the
+        limits of ``files.budget`` (``too_large``, ``too_many``).
     """
-    order: Literal["little", "big"] = "little" if data[126:128] == b"IM" else "big"
-    _Checker(order, path, len(data)).walk(data, HEADER, len(data), 0)
+    order: Literal["little", "big"] = "little" if loaded.data[126:128] == b"IM" else "big"
+    _Checker(order, loaded).walk(loaded.data, HEADER, len(loaded.data), 0)
 
 
 class _Checker:
     """One walk through a file; keeps count of what was unpacked."""
 
-    def __init__(self, order: Literal["little", "big"], path: str, packed: int):
+    def __init__(self, order: Literal["little", "big"], loaded: Loaded):
         self.order = order
-        self.path = path
-        self.packed = packed
+        self.loaded = loaded
+        self.path = loaded.path
         self.unpacked = 0
+        self.matrices = 0
+        self.values = 0
 
     def walk(self, data: bytes, at: int, end: int, depth: int) -> None:
         """Check the elements between two offsets."""
@@ -145,6 +152,8 @@ class _Checker:
         """Check the elements of a matrix."""
         if depth > MATRICES_DEEPEST:
             raise self.damaged(f"more than {MATRICES_DEEPEST} nested matrices")
+        self.matrices += 1
+        check_count(self.matrices, MATRICES, "matrices", self.path)
         if at == end:
             return  # an empty cell
         _, start, size, following = self.expected(data, at, end, FLAGS)
@@ -172,7 +181,7 @@ class _Checker:
         for offset in range(start, start + size, 4):
             values *= int.from_bytes(data[offset : offset + 4], self.order, signed=True)
         *_, following = self.expected(data, following, end, NAME)
-        if not 0 <= values <= LARGEST:
+        if values < 0:
             raise self.damaged(f"a matrix of {values} values at byte {at}")
         least = {CELL: 8, STRUCTURE: 8, OBJECT: 8, TEXT: 1}.get(flags & 0xFF, 0)  # bytes that a value takes
         if least * (values - 1) > end - following:  # scipy would make them all first
@@ -180,6 +189,9 @@ class _Checker:
         if flags & 0xFF == TEXT:
             self.expected(data, following, end, tuple(SIZES))
         parts = 2 if flags & 0x0800 else 1  # real and imaginary
+        if flags & 0xFF in (*NUMBERS, CELL, STRUCTURE, OBJECT, TEXT):
+            self.values += values
+            claim_values(self.path, self.loaded.on_disk, len(self.loaded.data) + 2 * self.unpacked, self.values, 1)
         if flags & 0xFF in NUMBERS:
             for _ in range(parts):
                 at = following
@@ -197,18 +209,26 @@ class _Checker:
 
     def unpack(self, packed: bytes) -> bytes:
         """Content of a compressed element."""
-        unpacker = zlib.decompressobj()
+        unpacker, content, tail, got = zlib.decompressobj(), bytearray(), packed, b"more"
         try:
-            content = unpacker.decompress(packed, LARGEST + 1 - self.unpacked)
+            while not unpacker.eof and (tail or got):
+                got = unpacker.decompress(tail, CHUNK)
+                content += got
+                tail = unpacker.unconsumed_tail
+                whole = self.unpacked + len(content)
+                claim(
+                    self.path,
+                    self.loaded.on_disk,
+                    len(self.loaded.data) + 3 * whole,
+                    f"{whole:,} bytes unpacked",
+                    least=True,
+                )
         except zlib.error as error:
             raise self.damaged(f"a compressed element that cannot be decompressed ({error})") from None
-        if not unpacker.eof and len(content) + self.unpacked <= LARGEST:
+        if not unpacker.eof:
             raise self.damaged("a truncated compressed element")
         self.unpacked += len(content)
-        if self.unpacked > LARGEST:
-            raise too_large(self.path, self.unpacked)
-        check_size(self.path, self.unpacked, self.packed)
-        return content
+        return bytes(content)
 
     def damaged(self, what: str) -> DataError:
         """Return the error for a file that is not what it says."""

@@ -10,19 +10,21 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.lib import format as npy_format
 
+from ..budget import PARTS, VALUE, check_count, claim_values
 from ..columns import Content
 from ..formats import members
 from ..reader import Reader
-from ..source import Loaded, as_data_errors, check_size
+from ..source import Loaded, as_data_errors
 from .arrays import NamedArray, columns_of
 
 MAGIC = b"\x93NUMPY"
+HEADER = 1_000_000  # characters: numpy evaluates them
 
 
 def read_npy(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     """Return the columns of an array; Raises as `read_npz`."""
     with as_data_errors(loaded.path, "a NumPy npy file"):
-        arrays = _npy("", loaded.data, loaded.path)
+        arrays = _npy("", loaded.data, loaded)
     return columns_of(arrays, "NumPy npy", loaded.path, variables=variables)
 
 
@@ -32,7 +34,7 @@ def read_npz(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     Raises
     ------
     DataError
-        If it is damaged, holds Python objects, or unpacks beyond the limits of ``files.source``.
+        If it is damaged, holds Python objects, or goes beyond the limits of ``files.budget``.
     """
     with as_data_errors(loaded.path, "a NumPy npz file"):
         arrays = _npz(loaded)
@@ -40,28 +42,39 @@ def read_npz(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
 
 
 def _npz(loaded: Loaded) -> list[NamedArray]:
-    """All arrays of an archive; sizes are looked at before anything is unpacked."""
-    arrays = []
+    """All arrays of an archive; sizes are looked at before anything is unpacked, and hold for what is."""
+    arrays: list[NamedArray] = []
     with zipfile.ZipFile(io.BytesIO(loaded.data)) as archive:
         members = [info for info in archive.infolist() if info.filename.endswith(".npy")]
-        check_size(loaded.path, sum(info.file_size for info in members), len(loaded.data))
+        check_count(len(members), PARTS, "arrays", loaded.path)
+        whole = sum(info.file_size for info in members)
+        claim_values(loaded.path, loaded.on_disk, len(loaded.data) + whole, -(-whole // VALUE), 1)
         for info in members:
             with archive.open(info) as member:
                 data = member.read(info.file_size)
-            arrays += _npy(info.filename.removesuffix(".npy"), data, loaded.path)
+            arrays += _npy(info.filename.removesuffix(".npy"), data, loaded)
+            check_count(len(arrays), PARTS, "arrays and fields", loaded.path)
     return arrays
 
 
-def _npy(name: str, data: bytes, path: str) -> list[NamedArray]:
+def _npy(name: str, data: bytes, loaded: Loaded) -> list[NamedArray]:
     """One array, or one for each field of a structured array."""
     stream = io.BytesIO(data)
     version = npy_format.read_magic(stream)
-    header = {(1, 0): npy_format.read_array_header_1_0}.get(version, npy_format.read_array_header_2_0)
+    size = 2 if version == (1, 0) else 4  # bytes of the length of the header
+    length = int.from_bytes(data[stream.tell() : stream.tell() + size], "little")
+    check_count(length, HEADER, "characters of header", loaded.path)
+    header = npy_format.read_array_header_1_0 if version == (1, 0) else npy_format.read_array_header_2_0
     if version in ((1, 0), (2, 0)):
-        shape, _, dtype = header(stream)
-        check_size(path, math.prod(shape) * dtype.itemsize, max(len(data), 1))
+        shape, _, dtype = header(stream, max_header_size=HEADER)
+        needed = math.prod(shape) * dtype.itemsize
+        if needed > len(data) - stream.tell() or (shape and not dtype.itemsize):
+            what = f"the header says {needed:,} bytes of values, {len(data) - stream.tell():,} are there"
+            raise ValueError(what)
+        check_count(len(dtype.names or ()), PARTS, "fields", loaded.path)
+        claim_values(loaded.path, loaded.on_disk, 2 * len(loaded.data), math.prod(shape), 1)
     stream.seek(0)
-    array = np.asarray(np.load(stream, allow_pickle=False))
+    array = np.asarray(np.load(stream, allow_pickle=False, max_header_size=HEADER))
     if array.dtype.names is None:
         return [NamedArray(name, array)]
     prefix = f"{name}." if name else ""

@@ -1,22 +1,38 @@
-"""Parquet files: units in the metadata of a field (``unit`` or ``units``) or in its name."""
+"""Parquet files: units in the metadata of a field (``unit`` or ``units``) or in its name.
+
+The size of what a column unpacks to stands in the header of each page [1]_; that in the footer may be wrong. So all
+page headers are read first. Lists, maps and binary columns are left out, and not unpacked.
+
+References
+----------
+.. [1] Apache Parquet, parquet-format 2.11, src/main/thrift/parquet.thrift: PageHeader, FileMetaData; Apache Thrift,
+   doc/specs/thrift-compact-protocol.md.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from ...core.errors import DataError
 from ...core.remarks import Remark
+from ..budget import COLUMNS, PARTS, READ, VALUE, check_count, claim
 from ..columns import Column, Content
 from ..reader import Reader
-from ..source import Loaded, as_data_errors, check_size
+from ..source import Loaded, as_data_errors
 from ..text.delimited import arrow_numbers, text_in_numbers
-from ..text.layout import judge
+from ..text.layout import BLANKS, judge
 
 MAGIC = b"PAR1"
-CELL = 8  # bytes of a value in memory
+DEEPEST = 8  # structures within structures in the header of a page
+FOOTER = 20 * COLUMNS  # entries of a list in the footer: each takes a kilobyte
+TEXT_CELL = 128  # bytes of a cell of text while it is judged
+FRONT_CODED = 7  # DELTA_BYTE_ARRAY: each text takes over the beginning of the one before
+AT_ONCE = 2**27  # bytes of such texts that are unpacked at once
 UNIT_KEYS = (b"unit", b"units")
 RATE_KEYS = (b"sample_rate", b"sample_rate_hz", b"fs")
 
@@ -28,27 +44,163 @@ def read_parquet(loaded: Loaded, variables: Sequence[str] | None = None) -> Cont
     ------
     DataError
         If it is damaged, a name appears twice, text stands among numbers, or it is larger than the limits
-        of ``files.source``.
+        of ``files.budget``.
     """
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import parquet  # noqa: PLC0415 - heavy import
 
     with as_data_errors(loaded.path, "a Parquet file"):
-        file = parquet.ParquetFile(pa.BufferReader(loaded.data))
-        check_size(loaded.path, CELL * file.metadata.num_rows * file.metadata.num_columns, len(loaded.data))
-        table = file.read()
+        file = parquet.ParquetFile(pa.BufferReader(loaded.data), thrift_container_size_limit=FOOTER)
+        about = file.metadata
+        check_count(about.num_columns, COLUMNS, "columns", loaded.path)
+        check_count(about.num_row_groups * about.num_columns, 100 * PARTS, "pieces of columns", loaded.path)
+        leaves = [about.schema.column(i) for i in range(about.num_columns)]
+        read = [i for i, leaf in enumerate(leaves) if _is_readable(leaf)]
+        slow = _claim(loaded, about, leaves, read)
+        names = Counter(file.schema_arrow.names)
+        twice = [name for name, count in names.items() if count > 1]
+        if twice:
+            raise DataError(f"column name {min(twice)!r} appears twice", where=loaded.path, code="duplicate_column")
+        quick = [leaves[i].path for i in read if i not in slow]
+        texts = [leaf.path for leaf in leaves if leaf.physical_type == "BYTE_ARRAY" and leaf.path in quick]
+        file = parquet.ParquetFile(pa.BufferReader(loaded.data), read_dictionary=texts)
+        table = file.read(columns=quick)
         while any(pa.types.is_struct(kind) for kind in table.schema.types):
             table = table.flatten()
-        twice = sorted({name for name in table.column_names if table.column_names.count(name) > 1})
-        if twice:
-            raise DataError(f"column name {twice[0]!r} appears twice", where=loaded.path, code="duplicate_column")
         columns = [_column(table.column(i), table.schema.field(i), loaded.path) for i in range(table.num_columns)]
+        columns += [_front_coded(file, leaves[i].path, batch, loaded) for i, batch in slow.items()]
+        order = {leaf.path: i for i, leaf in enumerate(leaves)}
+        columns.sort(key=lambda one: order.get(one.name if isinstance(one, Column) else one, 0))
         rate = _sample_rate(table.schema.metadata or {})
+    unread = (leaf.path for i, leaf in enumerate(leaves) if i not in read)
+    columns += dict.fromkeys(path.split(".list.")[0].split(".key_value.")[0] for path in unread)
     kept = tuple(column for column in columns if isinstance(column, Column))
     left_out = [name for name in columns if isinstance(name, str)]
     what = f"neither numbers, dates nor text, left out: {', '.join(left_out)[:120]}"
     remark = Remark("variables_left_out", "info", what, where=loaded.path, count=len(left_out))
     return Content(kept, "Parquet", None, rate, (remark,) if left_out else ())
+
+
+def _is_readable(leaf: Any) -> bool:
+    """Whether a column can hold numbers, times or text: no list, no bytes."""
+    if leaf.max_repetition_level:
+        return False
+    return leaf.physical_type not in ("BYTE_ARRAY", "FIXED_LEN_BYTE_ARRAY") or leaf.logical_type.type not in (
+        "NONE", "UUID", "INTERVAL",
+    )  # fmt: skip
+
+
+def _claim(loaded: Loaded, about: Any, leaves: Sequence[Any], read: Sequence[int]) -> dict[int, int]:
+    """Claim the memory for columns by their page headers; return those of front-coded text, with rows at once."""
+    per_column, other = READ
+    need = len(loaded.data) + VALUE * other * about.num_rows
+    pages = 0
+    slow: dict[int, int] = {}
+    for i in read:
+        is_text = leaves[i].physical_type == "BYTE_ARRAY"
+        for group in range(about.num_row_groups):
+            largest = 0
+            for page in _pages(loaded.data, about.row_group(group).column(i)):
+                pages += 1
+                check_count(pages, 100 * PARTS, "pages", loaded.path)
+                largest = max(largest, page.size)
+                need += (TEXT_CELL if is_text else per_column * VALUE) * page.values + (page.size if is_text else 0)
+                if is_text and page.encoding == FRONT_CODED:
+                    slow[i] = min(slow.get(i, AT_ONCE), max(AT_ONCE // max(page.size, 1), 1))
+            what = f"{about.num_rows:,} rows, {len(read)} column(s), a page of {largest:,} bytes"
+            claim(loaded.path, loaded.on_disk, need + 2 * largest, what)
+    return slow
+
+
+def _front_coded(file: Any, path: str, batch: int, loaded: Loaded) -> Column | str:
+    """One column of front-coded text, whose size shows only when it is unpacked: a few rows at a time."""
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    chunks, held = [], 0
+    for part in file.iter_batches(batch_size=batch, columns=[path]):
+        values = part.column(0)
+        while pa.types.is_struct(values.type):
+            values = values.flatten()[0]
+        held += values.nbytes
+        claim(loaded.path, loaded.on_disk, len(loaded.data) + 3 * held + AT_ONCE, f"the texts of {path!r}", least=True)
+        chunks.append(values)
+    kind = chunks[0].type if chunks else pa.string()
+    return _column(pa.chunked_array(chunks, kind), pa.field(path, kind), loaded.path)
+
+
+@dataclass(frozen=True)
+class _Page:
+    """Header of a page."""
+
+    size: int  # Unpacked [byte]
+    values: int
+    encoding: int
+
+
+def _pages(data: bytes, chunk: Any) -> Iterator[_Page]:
+    """Headers of the pages of a column in a group of rows."""
+    offsets = [chunk.data_page_offset]
+    if chunk.has_dictionary_page:
+        offsets.append(chunk.dictionary_page_offset)
+    at = min(one for one in offsets if one is not None)
+    end = at + chunk.total_compressed_size
+    found = 0
+    while at < end and found < chunk.num_values:
+        fields, at = _struct(data, at)
+        about = fields.get(5) or fields.get(7) or fields.get(8) or {}
+        size, packed, values = fields.get(2, -1), fields.get(3, -1), about.get(1, 0)
+        if min(size, packed, values) < 0 or at + packed > len(data):
+            raise ValueError("a page that does not fit into the file")
+        is_dictionary = 7 in fields
+        found += 0 if is_dictionary else values
+        yield _Page(size, 0 if is_dictionary else values, about.get(4 if 8 in fields else 2, 0))
+        at += packed
+
+
+def _struct(data: bytes, at: int, depth: int = 0) -> tuple[dict[int, Any], int]:
+    """Return the fields of a structure of Thrift's compact protocol (numbers, structures), and the place behind it."""
+    fields: dict[int, Any] = {}
+    number = 0
+    while data[at]:
+        kind, delta = data[at] & 15, data[at] >> 4
+        at += 1
+        if delta:
+            number += delta
+        else:
+            number, at = _varint(data, at)
+            number >>= 1
+        fields[number], at = _value(data, at, kind, depth)
+    return fields, at + 1
+
+
+def _value(data: bytes, at: int, kind: int, depth: int) -> tuple[Any, int]:
+    """Return a value of a type of the compact protocol, and the place behind it; of a text only its length."""
+    if depth > DEEPEST:
+        raise ValueError("structures that are nested too deeply")
+    if kind in (1, 2):  # in the field's own head
+        return kind == 1, at
+    if kind in (4, 5, 6):
+        value, at = _varint(data, at)
+        return (value >> 1) ^ -(value & 1), at
+    if kind == 12:
+        return _struct(data, at, depth + 1)
+    if kind in (3, 7):
+        return 0, at + (1 if kind == 3 else 8)
+    if kind == 8:
+        size, at = _varint(data, at)
+        return size, at + size
+    raise ValueError(f"type {kind} in the header of a page")
+
+
+def _varint(data: bytes, at: int) -> tuple[int, int]:
+    """Return a whole number of seven bits a byte, and the place behind it."""
+    value = shift = 0
+    while data[at] & 0x80:
+        value |= (data[at] & 0x7F) << shift
+        at, shift = at + 1, shift + 7
+        if shift > 63:
+            raise ValueError("a number of more than 64 bits")
+    return value | data[at] << shift, at + 1
 
 
 def _column(values: Any, field: Any, path: str) -> Column | str:
@@ -57,7 +209,7 @@ def _column(values: Any, field: Any, path: str) -> Column | str:
 
     kind, metadata = values.type, field.metadata or {}
     unit = next((metadata[key].decode("utf-8", "replace") for key in UNIT_KEYS if key in metadata), None)
-    if pa.types.is_dictionary(kind):
+    if pa.types.is_dictionary(kind) and not pa.types.is_string(kind.value_type):
         values, kind = values.cast(kind.value_type), kind.value_type
     if pa.types.is_timestamp(kind):
         stamps, empty = arrow_numbers(values.cast(pa.timestamp("ns")))
@@ -68,7 +220,7 @@ def _column(values: Any, field: Any, path: str) -> Column | str:
         values = values.cast(pa.uint8())
     elif pa.types.is_decimal(kind) or pa.types.is_null(kind):
         values = values.cast(pa.float64(), safe=False)
-    elif pa.types.is_string(kind) or pa.types.is_large_string(kind):
+    elif pa.types.is_string(kind) or pa.types.is_large_string(kind) or pa.types.is_dictionary(kind):
         return _text_column(values, field.name, unit, path)
     elif not (pa.types.is_integer(kind) or pa.types.is_floating(kind)):
         return str(field.name)
@@ -84,7 +236,15 @@ def _column(values: Any, field: Any, path: str) -> Column | str:
 
 def _text_column(values: Any, name: str, unit: str | None, path: str) -> Column:
     """Text, or numbers that were stored as text."""
-    cells = ["" if cell is None else cell for cell in values.to_pylist()]
+    import pyarrow as pa  # noqa: PLC0415 - heavy import
+
+    if pa.types.is_dictionary(values.type):  # each text once, however often it stands in the column
+        cells = []
+        for chunk in values.chunks:
+            texts = [(text or "").strip(BLANKS) for text in chunk.dictionary.to_pylist()]
+            cells += ["" if i is None else texts[i] for i in chunk.indices.to_pylist()]
+    else:
+        cells = ["" if cell is None else cell for cell in values.to_pylist()]
     judged = judge(cells)
     if len(judged.text):
         rows = np.arange(1, len(cells) + 1)

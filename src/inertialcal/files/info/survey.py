@@ -14,6 +14,7 @@ from ...core.show.result_tables import remarks_line
 from ...core.show.rounding import number
 from ...core.show.tables import Block, Table, ending, html, text
 from ...signals.time.time_axis import TimeAxis, analyse
+from ..budget import SURVEY, claim_recording
 from ..time.stamps import time_remarks
 from .channel_survey import ChannelSurvey, Hint, channel_remarks, survey_channel, unit_hints
 from .motion import motion_remarks
@@ -170,6 +171,7 @@ def survey_recording(recording: Recording) -> Survey:
     recording : Recording
         As read.
     """
+    claim_recording(recording, SURVEY)
     channels = tuple(survey_channel(channel) for channel in recording.channels)
     path, first = recording.source.path, recording.first_row
 

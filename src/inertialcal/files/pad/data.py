@@ -12,11 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...core.errors import DataError
-from ..source import LARGEST, too_large
+from ..budget import READ, VALUE, claim
+from ..source import read_bytes
 from .header import PadHeader
 
 BLOCK = 2**18  # records
 FLOAT = 4  # bytes
+TEXT = 12  # bytes that a byte of text takes at most while it is read
 Numbers = NDArray[Any]
 
 
@@ -69,12 +71,12 @@ def read_numbers(path: Path, header: PadHeader, digest: Digest) -> tuple[Numbers
         size = path.stat().st_size
         if not size:
             raise DataError("the file is empty", where=str(path), do="Fetch it again", code="empty_file")
-        if size > LARGEST:
-            raise too_large(str(path), size)
         if not header.number_type:
+            claim(str(path), size, TEXT * size, f"{size:,} bytes of text")
             return _from_text(path, columns, digest)
         _whole_records(path, size, columns)
         n = size // (FLOAT * columns)
+        claim(str(path), size, size + VALUE * READ[1] * n, f"{n:,} records")
         found = [np.empty(n, dtype=np.float32) for _ in range(columns)]
         buffer = np.empty((min(BLOCK, n), columns), dtype=np.dtype(header.number_type))
         with path.open("rb") as stream:
@@ -105,7 +107,7 @@ def _whole_records(path: Path, size: int, columns: int) -> None:
 
 
 def _from_text(path: Path, columns: int, digest: Digest) -> tuple[Numbers, list[Numbers]]:
-    data = path.read_bytes()
+    data = read_bytes(path)
     digest.update(data)
     try:
         text = data.decode("ascii").replace(",", " ")

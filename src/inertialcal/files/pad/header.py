@@ -25,6 +25,7 @@ from ...core.recording import SECOND, Times
 from ...core.remarks import Remark
 from ...core.times import instant_text, read_instant
 from ...physics.attitude import from_roll_pitch_yaw
+from ..source import read_bytes
 
 FORMATS = {  # as the archive writes them -> type of a number; "" is text
     "binary 32 bit ieee float little endian": "<f4",
@@ -183,11 +184,7 @@ def read_xml(path: Path) -> ET.Element:
         ``missing_file``, if it cannot be read.
     """
     where = str(path)
-    try:
-        with path.open("rb") as stream:
-            data = stream.read(LARGEST + 1)
-    except OSError as error:
-        raise DataError(f"cannot be read: {error.strerror or error}", where=where, code="missing_file") from None
+    data = read_bytes(path, LARGEST + 1)
     if len(data) > LARGEST:
         raise bad_header(where, f"the header has more than {LARGEST} bytes; headers of the archive have about 1000")
     try:

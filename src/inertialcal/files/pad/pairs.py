@@ -22,6 +22,7 @@ from ...core.recording import SECOND
 from ...core.remarks import Remark
 from ...core.times import instant_text, read_instant
 from ...physics.attitude import between
+from ..source import read_bytes
 from .header import PadHeader, Stamps, median_step, rates_agree, read_header
 
 ROOT = re.compile(rb"\s*(?:<\?xml[^>]*>)?\s*<(?:\w+_accel|iss_rad)[\w.-]*[\s>]")
@@ -75,13 +76,12 @@ def _pair(path: Path) -> Pair | None:
         return Pair(path, path.with_name(path.name + HEADER))
     if not path.is_file() or not _has_root(path):
         return None
-    named = NAMED.search(path.read_bytes()[: 2**16])  # a header by another name says where its data lie
+    named = NAMED.search(read_bytes(path, 2**16))  # a header by another name says where its data lie
     return Pair(path.with_name(named[1].decode("ascii", "replace")), path) if named else None
 
 
 def _has_root(path: Path) -> bool:
-    with path.open("rb") as stream:
-        return ROOT.match(stream.read(START)) is not None
+    return ROOT.match(read_bytes(path, START)) is not None
 
 
 def _whole(pair: Pair, given: str) -> Pair:

@@ -30,6 +30,7 @@ from ..assemble import assemble
 from ..binary.arrays import number_column
 from ..columns import Content
 from ..reader import ArchiveReader, Request
+from ..source import read_bytes
 from ..time.window import Window, cut_remark, nothing_left
 from .data import FLOAT, Digest, layout_of, read_numbers
 from .header import (
@@ -208,7 +209,7 @@ def _part(
 ) -> _Part:
     header, where = file.header, str(file.pair.data)
     time, values = read_numbers(file.pair.data, header, digest)
-    digest.update(file.pair.header.read_bytes())
+    digest.update(read_bytes(file.pair.header))
     check_byte_order(time, header, where)
     rate = said_rate or header.sample_rate
     stamps = regenerate(time, header.time_zero, rate, where)

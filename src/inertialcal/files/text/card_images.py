@@ -16,7 +16,7 @@ from ...signals.programme1969.cards import MeasuredCase, read_cards, series_with
 from ..columns import Column, Content
 from ..reader import Reader
 from ..source import Loaded
-from .layout import decode
+from .layout import text_of
 
 ENDING = ".cards"
 
@@ -29,7 +29,7 @@ def read_card_images(loaded: Loaded, variables: Sequence[str] | None = None) -> 
     DataError
         ``bad_card`` as ``read_cards``; ``several_cases``.
     """
-    text, remarks = decode(loaded.data, loaded.path)
+    text, remarks = text_of(loaded)
     deck = read_cards(text, loaded.path)
     if len(deck) != 1:
         what, do = f"{len(deck)} cases in one deck", "Split it, or use: inertialcal programme-1969 FILE"

@@ -6,6 +6,7 @@ which is slower and knows the row of each problem. Both give the same columns.
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any
@@ -15,17 +16,19 @@ from numpy.typing import NDArray
 
 from ...core.errors import DataError, Problem
 from ...core.remarks import Remark
+from ..budget import VALUE, claim
 from ..columns import Column, Content, Rows
 from ..reader import Reader
 from ..source import Loaded
-from .layout import Layout, decode, is_blank, judge, looks_like_text, sniff, split
+from .layout import CELL_BYTES, Layout, is_blank, judge, looks_like_text, sniff, split, text_of
 
 ENDINGS = ("", ".asc", ".csv", ".dat", ".log", ".mat", ".prn", ".tab", ".tsv", ".txt")  # that text usually has
 SHOWN = 60  # characters of a cell in a message
+BLOCK = 2**22  # bytes that are looked at together
 
 
-def parse(text: str, where: str) -> Content:
-    r"""Return the columns of a text with ``\n`` line ends.
+def parse(text: str, where: str, loaded: Loaded | None = None) -> Content:
+    r"""Return the columns of a text with ``\n`` line ends; ``loaded``: the file that it is the content of.
 
     Raises
     ------
@@ -37,8 +40,18 @@ def parse(text: str, where: str) -> Content:
     if layout.across:
         return _across(text, layout, where)
     names = column_names(layout, where)
+    raw = b"" if loaded is None else loaded.data
+    same = raw.isascii() and b"\r" not in raw and len(raw) >= len(text)  # then the text needs no copy for Arrow
     text, cut = _whole_rows(text, layout, where)
-    found = fast(text, layout, names) or exact(text, layout, names, where)
+    rows = 1 + text.count("\n", layout.start)
+    held, cells = len(raw) + len(text) * (1 if same else 2), rows * layout.width
+    on_disk = len(text) if loaded is None else loaded.on_disk
+    need = max(held + 1.25 * VALUE * cells + VALUE * rows, VALUE * (cells + 8 * rows))  # then units and clock are found
+    claim(where, on_disk, need, f"{cells:,} cells")
+    found = fast(text, layout, names, raw if same else None)
+    if found is None:
+        claim(where, on_disk, held + CELL_BYTES * (cells + rows), f"{cells:,} cells, read one by one")
+        found = exact(text, layout, names, where)
     return replace(found, remarks=(*found.remarks, *cut))
 
 
@@ -68,7 +81,7 @@ def column_names(layout: Layout, where: str) -> tuple[str, ...]:
         If a name appears twice.
     """
     names = tuple(name or f"column_{i}" for i, name in enumerate(layout.names, start=1))
-    twice = sorted({name for name in names if names.count(name) > 1}) if len(set(names)) < len(names) else []
+    twice = sorted(name for name, count in Counter(names).items() if count > 1)
     if twice:
         raise DataError(
             f"column name {', '.join(map(repr, twice))} appears twice",
@@ -80,20 +93,26 @@ def column_names(layout: Layout, where: str) -> tuple[str, ...]:
     return names
 
 
-def fast(text: str, layout: Layout, names: tuple[str, ...]) -> Content | None:
-    """Columns of a regular file by Arrow, or None where the file is not regular."""
-    body = _regular_body(text, layout)
+def fast(text: str, layout: Layout, names: tuple[str, ...], raw: bytes | None = None) -> Content | None:
+    """Columns of a regular file by Arrow, or None where the file is not regular; ``raw``: the text as ASCII."""
+    body = _regular_body(text, layout, raw)
     table = None if body is None else _arrow(body, layout, names)
-    if table is None or body is None or len(table) != body.count("\n") + 1:
+    if table is None or body is None or len(table) != _line_ends(body) + 1:
         return None
-    columns = []
+    length, columns = len(table), []
+    del body
     for i, name in enumerate(names):
-        column = _from_arrow(table.column(i), layout, name, i)
+        column = _from_arrow(table.column(0), layout, name, i)
         if column is None:
             return None
         columns.append(column)
-    rows = np.arange(layout.row, layout.row + len(table), dtype=np.int64)
+        table = table.remove_column(0)  # frees its memory
+    rows = np.arange(layout.row, layout.row + length, dtype=np.int64)
     return _content(columns, rows, layout)
+
+
+def _line_ends(body: memoryview) -> int:
+    return sum(bytes(body[at : at + BLOCK]).count(b"\n") for at in range(0, len(body), BLOCK))
 
 
 def exact(text: str, layout: Layout, names: tuple[str, ...], where: str) -> Content:
@@ -130,7 +149,7 @@ def cell_columns(text: str, layout: Layout, where: str) -> tuple[Rows, list[list
     body = text[layout.start :]
     plain = layout.separator if '"' not in body else None
     for row, line in enumerate(body.split("\n"), start=layout.row):
-        if is_blank(line, layout.separator) or line.lstrip().startswith(layout.comment):
+        if not line or is_blank(line, layout.separator) or line.lstrip().startswith(layout.comment):
             continue
         parts = line.split(plain) if plain else split(line, layout.separator)
         if len(parts) != layout.width:
@@ -163,34 +182,39 @@ def text_in_numbers(name: str, cells: Sequence[str], at: Rows, rows: Rows, where
     )
 
 
-def _regular_body(text: str, layout: Layout) -> str | None:
+def _regular_body(text: str, layout: Layout, raw: bytes | None) -> memoryview | None:
     """Rows of data without quotes, comments and blank lines; None where there are some."""
-    body = text[layout.start :].rstrip("\n ")
+    start, end = layout.start, len(text)
+    while end > start and text[end - 1] in "\n ":
+        end -= 1
     # One letter is found much faster than two. x: Arrow reads 0x1F as a number.
-    if any(sign in body for sign in '"xX') or "\n\n" in body:
+    if any(text.find(sign, start, end) >= 0 for sign in ('"', "x", "X")) or text.find("\n\n", start, end) >= 0:
         return None
-    if any(mark[0] in body and f"\n{mark}" in body for mark in layout.comment):
-        return None
+    for mark in layout.comment:
+        if text.find(mark[0], start, end) >= 0 and text.find(f"\n{mark}", start, end) >= 0:
+            return None
+    if layout.separator is not None and raw is not None:
+        return memoryview(raw)[start:end]
+    body = text[start:end]
     if layout.separator is not None:
-        return body
+        return memoryview(body.encode())
     body = body.replace("\t", " ")
     while "  " in body:
         body = body.replace("  ", " ")
-    return body.replace("\n ", "\n").replace(" \n", "\n").strip(" ")
+    return memoryview(body.replace("\n ", "\n").replace(" \n", "\n").strip(" ").encode())
 
 
-def _arrow(body: str, layout: Layout, names: tuple[str, ...]) -> Any:
+def _arrow(body: memoryview, layout: Layout, names: tuple[str, ...]) -> Any:
     """Arrow table of the rows, whose columns are whole numbers, numbers, text or null; None if ragged."""
     import pyarrow as pa  # noqa: PLC0415 - heavy import
     from pyarrow import csv  # noqa: PLC0415 - heavy import
 
-    data = body.encode()
     keys = [str(i) for i in range(len(names))]
     as_text: dict[str, Any] = {}
     for _ in range(2):
         try:
             table = csv.read_csv(
-                pa.BufferReader(data),
+                pa.BufferReader(pa.py_buffer(body)),
                 read_options=csv.ReadOptions(column_names=keys),
                 parse_options=csv.ParseOptions(
                     delimiter=layout.separator or " ", quote_char=False, ignore_empty_lines=False
@@ -290,8 +314,8 @@ def _across(text: str, layout: Layout, where: str) -> Content:
 
 def read_text(loaded: Loaded, variables: Sequence[str] | None = None) -> Content:
     """Return the columns of a text file, whatever variables are named; Raises as `parse` and ``encoding.decode``."""
-    text, remarks = decode(loaded.data, loaded.path)
-    content = parse(text, loaded.path)
+    text, remarks = text_of(loaded)
+    content = parse(text, loaded.path, loaded)
     return replace(content, remarks=remarks + content.remarks)
 
 

@@ -28,9 +28,15 @@ from numpy.typing import NDArray
 from ...core import units
 from ...core.errors import DataError, InertialcalError
 from ...core.remarks import Remark
+from ..budget import COLUMNS, LINE, check_count, claim
 from ..columns import Rows
+from ..source import Loaded
 
 SAMPLE = 200  # lines
+MOST_BEFORE = 1_000_000  # comments and blank lines before the table
+CELL_BYTES = 88  # that a cell takes as text
+LONGEST_COMMENT = 10_000  # characters of it that are looked at
+LONGEST_CELL = 400  # characters: no number is longer
 CELLS = 50  # of a line that are looked at
 ACROSS = 16  # numbers in a lone line from which it is a series
 CANDIDATES: tuple[tuple[str | None, Decimal], ...] = (
@@ -126,9 +132,13 @@ def _lines(text: str) -> Iterator[Line]:
 
 
 def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
-    comments, lines = _head(text, comment)
+    comments, lines = _head(text, comment, where)
     if not lines:
         raise DataError("no rows of data", where=where, do="Record again", code="empty_file")
+    for line in lines if len(lines) > 1 else ():
+        check_count(len(line.text), LINE, "characters in a line", f"{where}:{line.row}")
+        cells = max(len(line.text.split()), *(1 + line.text.count(sign) for sign in ",;\t"))
+        check_count(cells, COLUMNS, "columns", f"{where}:{line.row}")
     separator, decimal, table = _separator(lines)
     width = _width(table)
     header, first = _first_data(table, decimal, width)
@@ -157,7 +167,7 @@ def _sniff(text: str, where: str, comment: tuple[str, ...]) -> Layout:
     )
 
 
-def _head(text: str, comment: tuple[str, ...]) -> tuple[list[str], list[Line]]:
+def _head(text: str, comment: tuple[str, ...], where: str) -> tuple[list[str], list[Line]]:
     """Comment lines before the first line that holds something, and the first of these lines."""
     comments: list[str] = []
     lines: list[Line] = []
@@ -165,20 +175,23 @@ def _head(text: str, comment: tuple[str, ...]) -> tuple[list[str], list[Line]]:
         stripped = line.text.strip()
         if stripped.startswith(comment):
             if not lines:
-                comments.append(stripped)
+                comments.append(stripped[:LONGEST_COMMENT])
         elif stripped:
             lines.append(line)
         if len(lines) == SAMPLE:
             break
+        check_count(line.row - len(lines), MOST_BEFORE, "comments and blank lines before the table", where)
     return comments, lines
 
 
 def _separator(lines: list[Line]) -> tuple[str | None, Decimal, Table]:
     """Separator and decimal sign with the best score, and the lines cut by it."""
-    tables = {separator: [split(line.text, separator) for line in lines] for separator in WORDS}
+    starts = [line.text[:LINE] for line in lines]
+    tables = {separator: [split(start, separator) for start in starts] for separator in WORDS}
     scores = [_score(tables[separator], decimal) for separator, decimal in CANDIDATES]
     separator, decimal = CANDIDATES[scores.index(max(scores))]
-    return separator, decimal, tables[separator]
+    table = tables[separator]
+    return separator, decimal, table if len(lines) > 1 else [split(lines[0].text, separator)]
 
 
 def _score(table: Table, decimal: Decimal) -> tuple[float, bool, float]:
@@ -329,6 +342,7 @@ def _sample_rate(comments: list[str]) -> float | None:
 CONTROL = bytes(sorted(set(range(1, 32)) - set(b"\t\n\v\f\r\x1a")))  # Ctrl-Z ends a text of CP/M and DOS
 CONTROL_SHARE = 1e-3  # of the bytes, from which it is no text
 BEGINNING = 2**16  # bytes that tell text
+WIDE = re.compile(rb"[\xf0-\xff]")  # starts of what takes four bytes a letter; of UTF-16 too
 MARKS = ((codecs.BOM_UTF16_LE, "utf-16"), (codecs.BOM_UTF16_BE, "utf-16"))
 
 
@@ -372,6 +386,24 @@ def decode(data: bytes, where: str) -> tuple[str, tuple[Remark, ...]]:
     if "\r" in text:
         text = text.replace("\r\n", "\n").replace("\r", "\n")
     return text.rstrip("\x1a"), remarks
+
+
+def text_of(loaded: Loaded) -> tuple[str, tuple[Remark, ...]]:
+    """Return the text of a loaded file as `decode` does.
+
+    Raises
+    ------
+    DataError
+        As `decode`; ``too_large``.
+    """
+    data = loaded.data
+    letter = 1 if data.isascii() else 4 if WIDE.search(data) else 2  # bytes of a letter in memory
+    need = len(data) * (1 + letter * (2 if b"\r" in data else 1))
+    lines = 1 + data.count(b"\n")
+    if lines == 1:  # a series across: each number is cut out
+        need += CELL_BYTES * max(data.count(sign) for sign in (b",", b";", b"\t", b" "))
+    claim(loaded.path, loaded.on_disk, need, f"{len(data):,} bytes of text in {lines:,} line(s)")
+    return decode(data, loaded.path)
 
 
 def looks_like_text(data: bytes, path: str) -> bool:
@@ -425,7 +457,10 @@ def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
     """
     stripped = [cell.strip(BLANKS) for cell in cells]
     match = CELL[decimal].fullmatch
-    groups = [m.lastgroup if m else "" for m in map(match, stripped)]
+    if max(map(len, stripped), default=0) > LONGEST_CELL:
+        groups = [m.lastgroup if len(c) <= LONGEST_CELL and (m := match(c)) else "" for c in stripped]
+    else:
+        groups = [m.lastgroup if m else "" for m in map(match, stripped)]
     kinds = np.array([KINDS[g] if g else "t" if c else "e" for g, c in zip(groups, stripped, strict=True)], "U1")
     numbers, text = np.isin(kinds, ["i", "f"]), kinds == "t"
     none = np.empty(0, dtype=np.int64)
@@ -444,7 +479,7 @@ def judge(cells: Sequence[str], decimal: Decimal = ".") -> Cells:
 
 def kind(cell: str, decimal: Decimal = ".") -> str:
     """``i`` whole number, ``f`` number, ``e`` empty, ``n`` NaN, NA or infinity, ``t`` text."""
-    match = CELL[decimal].fullmatch(cell)
+    match = CELL[decimal].fullmatch(cell) if len(cell) <= LONGEST_CELL else None
     return KINDS[match.lastgroup or ""] if match else "t" if cell else "e"
 
 

@@ -18,12 +18,13 @@ from ...core.show import tables as shown
 from ...core.show.result_tables import remarks_line
 from ...core.show.tables import Block, ending, html, text
 from ...core.unit.magnitudes import check_readings
+from ..budget import claim
 from ..columns import Content, Rows, missing_remarks, nan_in_required
 from ..registry import TEXT, find_reader
 from ..source import Loaded, load
 from .delimited import cell_columns, column_names, text_in_numbers
 from .headers import bare_name, heading
-from .layout import BLANKS, Decimal, decode, judge, kind, sniff, to_float
+from .layout import BLANKS, CELL_BYTES, Decimal, judge, kind, sniff, text_of, to_float
 
 SHOWN = 4  # cells of a column
 
@@ -148,9 +149,11 @@ def read_table(path: str | Path) -> Table:
     reader = find_reader(loaded)
     if reader.name != TEXT:
         return _from_content(reader.read(loaded, None), loaded, reader.name)
-    text, remarks = decode(loaded.data, loaded.path)
+    text, remarks = text_of(loaded)
     layout = sniff(text, loaded.path)
     names = column_names(layout, loaded.path)
+    number = layout.width * (1 + text.count("\n"))
+    claim(loaded.path, loaded.on_disk, 2 * len(text) + CELL_BYTES * number, f"{number:,} cells")
     rows, cells = cell_columns(text, layout, loaded.path)
     units = tuple(heading(name, given or None).unit for name, given in zip(layout.names, layout.units, strict=True))
     return Table(
