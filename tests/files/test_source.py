@@ -96,7 +96,7 @@ def test_a_pipe_a_socket_a_device_are_no_files(tmp_path: Path) -> None:
     with socket.socket(socket.AF_UNIX) as end:
         end.bind(str(tmp_path / "socket"))
         for path, what in ((tmp_path / "pipe", "pipe"), (tmp_path / "socket", "socket"), ("/dev/zero", "device")):
-            assert refused(path) == (f"this is a {what}, not a file", "missing_file")
+            assert refused(path) == (f"not a regular file but a {what}", "missing_file")
     (tmp_path / "loop").symlink_to(tmp_path / "loop")
     assert refused(tmp_path / "loop")[1] == "missing_file"
 

@@ -99,9 +99,17 @@ def read_bytes(path: str | Path, most: int | None = None) -> bytes:
 
 def _special(mode: int, name: str) -> DataError:
     """Return the error for a pipe, a socket or a device."""
-    what = "a pipe" if stat.S_ISFIFO(mode) else "a socket" if stat.S_ISSOCK(mode) else "a device"
+    what = (
+        "a pipe"
+        if stat.S_ISFIFO(mode)
+        else "a socket"
+        if stat.S_ISSOCK(mode)
+        else "a folder"
+        if stat.S_ISDIR(mode)
+        else "a device"
+    )
     do = "Save what it gives as a file, and name that"
-    return DataError(f"this is {what}, not a file", where=name, do=do, code="missing_file")
+    return DataError(f"not a regular file but {what}", where=name, do=do, code="missing_file")
 
 
 def _folder(path: Path, name: str) -> DataError:
