@@ -328,7 +328,8 @@ def printed(out: Path, words: str, status: int) -> Iterator[str]:
 def written(out: Path, name: str, after: str) -> Iterator[str]:
     """Return the lines of a file, or of all files in a folder, that a command wrote."""
     place = out / name
-    files = sorted(one for one in place.rglob("*") if one.is_file()) if place.is_dir() else [place]
+    named = sorted(one for one in place.rglob("*") if one.is_file()) if place.is_dir() else [place]
+    files = [one for one in named if one.name != "SHA256SUMS"]  # of these files, one of which says when
     suffix = f" < {after}" if after else ""
     for file in files:
         yield line_of(file, f"{file.relative_to(out)}{suffix}", "-")
