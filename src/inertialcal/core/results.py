@@ -40,9 +40,12 @@ class Interval:
     p: float = 0.95
 
 
+NOT_COMPUTABLE = Reason("not_computable", "the readings give no finite value, or no finite uncertainty")
+
+
 @dataclass(frozen=True)
 class Row:
-    """One published figure."""
+    """One published figure; one that is not a finite number, or whose uncertainty is none, is not estimated."""
 
     key: Key  # What it is of: quantity, axis, sensor, power, place
     value: float | None  # In ``unit``
@@ -59,6 +62,17 @@ class Row:
     # Influence that outlives the test (``"rate_table.rate"``) -> change of the value for one standard uncertainty
     # of it, in ``unit``, with its sign
     shared: Mapping[str, float] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        if self.status == "not_estimated" or all(number is None or math.isfinite(number) for number in self._numbers):
+            return
+        for name, value in {"value": None, "u": None, "interval": None, "status": "not_estimated"}.items():
+            object.__setattr__(self, name, value)
+        object.__setattr__(self, "reason", self.reason or NOT_COMPUTABLE)
+
+    @property
+    def _numbers(self) -> tuple[float | None, float | None]:
+        return self.value, None if self.reason else self.u  # a reason says why there is no uncertainty
 
     @property
     def quantity(self) -> str:

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from typing import Any
 
 from ...core.curve import Curve
-from ...core.errors import InertialcalError, PlanError, Problem
+from ...core.errors import DataError, InertialcalError, PlanError, Problem
 from ...core.influence import Standards
 from ...core.remarks import Remark
 from ...core.results import Row
@@ -34,6 +35,26 @@ class Prepared:
     readings: Any
     inputs: Mapping[str, str]
     origins: tuple[Origin, ...] = ()
+
+
+@contextmanager
+def computable(test: str) -> Iterator[None]:
+    """Refuse readings on which the arithmetic of a test breaks down: the last resort, where no check has named them.
+
+    Raises
+    ------
+    DataError
+        ``not_computable``, with what failed.
+    """
+    try:
+        yield
+    except (ArithmeticError, ValueError) as error:
+        kind = type(error).__name__
+        if isinstance(error, ValueError) and kind != "LinAlgError":  # which is one, too
+            raise
+        what = f"test {test!r}: its figures cannot be computed from these readings ({kind}: {error})"
+        do = "Look for readings that do not vary, or vary beyond all measure: inertialcal info FILE"
+        raise DataError(what, do=do, code="not_computable") from error
 
 
 def plan_of(procedure: Procedure[P, R, S], given: Mapping[str, Any], facts: Facts) -> P:
@@ -84,7 +105,8 @@ def prepare_test(
         Ready(store, name, one, sensors[name], facts[one.sensor], spec, test, chain_of(one, sensors[name]))
         for name, one in entries.items()
     ]
-    readings = procedure.readings(plan, sources, corrections)
+    with computable(test.id):
+        readings = procedure.readings(plan, sources, corrections)
     more = procedure.remarks(first)
     if more:
         readings = replace(readings, remarks=(*readings.remarks, *more))
@@ -118,7 +140,8 @@ def reduce_test(prepared: Prepared) -> Result:
         As the procedure says.
     """
     procedure = procedure_of(prepared.test.procedure)
-    found: Result = procedure.reduce(prepared.plan, prepared.readings)
+    with computable(prepared.test.id):
+        found: Result = procedure.reduce(prepared.plan, prepared.readings)
     return found
 
 
@@ -191,7 +214,8 @@ def reduced_tests(prepared: Sequence[Prepared], results: Mapping[str, Result]) -
     found = []
     for one in prepared:
         tested = replace(plain[one.test.id], against=plain.get(one.test.against or ""))
-        rows = procedure_of(one.test.procedure).rows(tested.result)
+        with computable(one.test.id):
+            rows = procedure_of(one.test.procedure).rows(tested.result)
         found.append(ReducedTest(one.test, tested, [replace(row, test=one.test.id) for row in rows]))
     return found
 
@@ -276,7 +300,8 @@ def beside_others(campaign: Campaign, tested: Sequence[ReducedTest]) -> list[Red
 
 def _beside(campaign: Campaign, one: ReducedTest, other: Tested[Any, Any, Any]) -> ReducedTest:
     try:
-        rows = one.procedure.against(one.result, other, one.test.condition) or ()
+        with computable(one.test.id):
+            rows = one.procedure.against(one.result, other, one.test.condition) or ()
     except InertialcalError as error:
         number = campaign.file.tests.index(one.test)
         raise type(error)([placed(problem, campaign, number) for problem in error.problems]) from None
