@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -335,3 +335,55 @@ def test_compare_refuses(call: Call, tmp_path: Path) -> None:
     assert (content["exit"], content["errors"][0]["code"]) == (3, "different_kinds")
     assert call("compare", "model.json", "model.json", "--allowed", "a lot")[0] == 2
     assert as_json(call, "compare", "results.json", "results.json")["errors"][0]["code"] == "no_shared_quantity"
+
+
+def _changed(value: Any) -> Any:
+    """Return another value of the same kind."""
+    if isinstance(value, bool):
+        return not value
+    if isinstance(value, int | float):
+        return value + 1
+    return "edited" if value is None or isinstance(value, str) else value
+
+
+def _places(content: Any, at: tuple[str | int, ...] = ()) -> Iterator[tuple[str | int, ...]]:
+    """Yield where each value of a model stands."""
+    if isinstance(content, dict | list):
+        for name, part in content.items() if isinstance(content, dict) else enumerate(content):
+            yield from _places(part, (*at, name))
+    else:
+        yield at
+
+
+def test_a_model_edited_in_any_field_is_refused_by_all(call: Call, tmp_path: Path) -> None:
+    """Also one whose number was changed in its last digit, and one that got or lost a field."""
+    original = (tmp_path / "model.json").read_text()
+    places = list(_places(json.loads(original)))
+    versions = [json.dumps(json.loads(original) | {"more": 1})]
+    for at in [*places, *((name,) for name in json.loads(original))]:
+        content = json.loads(original)
+        inner = content
+        for step in at[:-1]:
+            inner = inner[step]
+        if len(at) == 1 and isinstance(inner[at[0]], dict | list):
+            del inner[at[0]]
+        else:
+            inner[at[-1]] = _changed(inner[at[-1]])
+        versions.append(json.dumps(content))
+    assert len(versions) > 60
+    commands = (("show",), ("compare", "model.json"), ("compensate",), ("export",))
+    more = {"compensate": ("data.csv", "-o", "out.csv"), "export": ("--to", "c", "--unjudged", "-o", "m.c")}
+    for number, text in enumerate(versions):
+        (tmp_path / "edited.json").write_text(text)
+        word, *first = commands[number % len(commands)]
+        content = as_json(call, word, *first, "edited.json", *more.get(word, ()))
+        assert content["exit"] == 3, text
+    assert not (tmp_path / "out.csv").exists()
+    assert not (tmp_path / "m.c").exists()
+
+
+def test_exported_code_says_of_which_model(call: Call, tmp_path: Path) -> None:
+    checksum_there = json.loads((tmp_path / "model.json").read_text())["checksum"]
+    for to in ("c", "python"):
+        assert call("export", "model.json", "--to", to, "--unjudged", "-o", f"m.{to}")[0] == 0
+        assert f"Checksum of model.json: {checksum_there}" in (tmp_path / f"m.{to}").read_text()
