@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import contextlib
+import errno
 import os
 import random
 import shutil
@@ -157,18 +158,21 @@ def check(out: Path, expected: Expected, *news: Mapping[str, bytes]) -> str:
 
 # ---- system calls counted: a kill at each --------------------------------------------------------------------------
 
+MODES = "renameat2", "two renames", "no links"  # what the file system can do
 COUNTED = ("open", "write", "fsync", "link", "rename", "replace", "unlink", "mkdir", "rmdir", "chmod")
 KILLED = 99
 
 
 @contextmanager
-def calls(noted: Callable[[str, tuple[Any, ...], dict[str, Any]], None], exchanging: bool = True) -> Iterator[None]:
-    """Note each system call that changes something, before it is made; ``exchanging``: there is renameat2."""
+def calls(noted: Callable[[str, tuple[Any, ...], dict[str, Any]], None], mode: str = MODES[0]) -> Iterator[None]:
+    """Note each system call that changes something, before it is made, on a file system of a mode."""
     real = {name: getattr(os, name) for name in COUNTED}
     system = exchange._system_call
 
     def made(name: str) -> Callable[..., Any]:
         def call(*given: Any, **named: Any) -> Any:
+            if name == "link" and mode == "no links":
+                raise OSError(errno.EPERM, os.strerror(errno.EPERM))
             noted(name, given, named)
             return None if name == "fsync" else real[name](*given, **named)
 
@@ -176,7 +180,7 @@ def calls(noted: Callable[[str, tuple[Any, ...], dict[str, Any]], None], exchang
 
     def renameat2() -> Any:
         own = system()
-        if not exchanging or own is None:
+        if mode != MODES[0] or own is None:
             return None
 
         def call(source: bytes, target: bytes, flag: int) -> int:
@@ -196,7 +200,7 @@ def calls(noted: Callable[[str, tuple[Any, ...], dict[str, Any]], None], exchang
         exchange._system_call = system
 
 
-def killed_at(number: int, work: Callable[[], object], exchanging: bool = True) -> bool:
+def killed_at(number: int, work: Callable[[], object], mode: str = MODES[0]) -> bool:
     """Do the work in a process that ends at its n-th system call; return whether it got that far.
 
     A write that it ends in is half done.
@@ -215,7 +219,7 @@ def killed_at(number: int, work: Callable[[], object], exchanging: bool = True) 
                         write(given[0], bytes(given[1])[: len(given[1]) // 2])
                     os._exit(KILLED)
 
-            with calls(noted, exchanging):
+            with calls(noted, mode):
                 work()
             status = 0
         finally:
@@ -237,9 +241,9 @@ class Tally:
         self.came_to[what] = self.came_to.get(what, 0) + 1
 
 
-def unflushed(exchanging: bool = True) -> contextlib.AbstractContextManager[None]:
+def unflushed(mode: str = MODES[0]) -> contextlib.AbstractContextManager[None]:
     """Do without flushing: quicker, and after a kill the same."""
-    return calls(lambda name, given, named: None, exchanging)
+    return calls(lambda name, given, named: None, mode)
 
 
 def start(folder: Path, state: str) -> tuple[Path, Expected]:
@@ -252,16 +256,16 @@ def start(folder: Path, state: str) -> tuple[Path, Expected]:
     return out, Expected.of(out)
 
 
-def kills(folder: Path, state: str, exchanging: bool, step: int = 1, first: int = 1) -> Tally:
+def kills(folder: Path, state: str, mode: str, step: int = 1, first: int = 1) -> Tally:
     """Kill an exchange at every (or every n-th) system call, recover, check; then do a whole exchange, check."""
     tally, number = Tally(), first
     while True:
         out, expected = start(folder, state)
-        killed = killed_at(number, lambda out=out: replace_folder(out, NEW, RESERVED), exchanging)  # type: ignore[misc]
+        killed = killed_at(number, lambda out=out: replace_folder(out, NEW, RESERVED), mode)  # type: ignore[misc]
         if not killed:
             assert check(out, expected, NEW) == "new"
             return tally
-        with unflushed(exchanging):
+        with unflushed(mode):
             if number % 2:
                 recover(out, RESERVED)
                 tally.add(check(out, expected, NEW))
@@ -273,7 +277,7 @@ def kills(folder: Path, state: str, exchanging: bool, step: int = 1, first: int 
         number += step
 
 
-def kills_of_recovery(folder: Path, state: str, exchanging: bool, rng: random.Random, number: int) -> Tally:
+def kills_of_recovery(folder: Path, state: str, mode: str, rng: random.Random, number: int) -> Tally:
     """Kill an exchange at a random call, its recovery at another, and again; recover, check."""
     tally = Tally()
     for _ in range(number):
@@ -282,8 +286,8 @@ def kills_of_recovery(folder: Path, state: str, exchanging: bool, rng: random.Ra
             run = rng.random() < 0.5
             work = (lambda out=out, new=new: replace_folder(out, new, RESERVED)) if run else (  # type: ignore[misc]
                 lambda out=out: recover(out, RESERVED))  # type: ignore[misc]  # fmt: skip
-            killed_at(rng.randint(1, 70 if run else 25), work, exchanging)
-        with unflushed(exchanging):
+            killed_at(rng.randint(1, 70 if run else 25), work, mode)
+        with unflushed(mode):
             recover(out, RESERVED)
         tally.add(check(out, expected, NEW, NEXT))
     return tally
@@ -485,7 +489,7 @@ class Log:
                 yield disk
 
 
-def logged(folder: Path, work: Callable[[], object], exchanging: bool) -> Log:
+def logged(folder: Path, work: Callable[[], object], mode: str) -> Log:
     """Do the work and log its calls."""
     log = Log(folder)
     real = os.open
@@ -497,18 +501,18 @@ def logged(folder: Path, work: Callable[[], object], exchanging: bool) -> Log:
 
     os.open = opening
     try:
-        with calls(log.noted, exchanging):
+        with calls(log.noted, mode):
             work()
     finally:
         os.open = real
     return log
 
 
-def replays(folder: Path, state: str, exchanging: bool, rng: random.Random, each: int, every: int = 1) -> Tally:
+def replays(folder: Path, state: str, mode: str, rng: random.Random, each: int, every: int = 1) -> Tally:
     """Log an exchange, write images of the disk after a crash, recover each, check."""
     tally = Tally()
     out, expected = start(folder, state)
-    log = logged(folder, lambda: replace_folder(out, NEW, RESERVED), exchanging)
+    log = logged(folder, lambda: replace_folder(out, NEW, RESERVED), mode)
     assert log.disk.find("out/results.csv") is not None
     for number, disk in enumerate(log.images(rng, each)):
         if number % every:
@@ -516,7 +520,7 @@ def replays(folder: Path, state: str, exchanging: bool, rng: random.Random, each
         shutil.rmtree(folder)
         folder.mkdir()
         disk.write(folder)
-        with unflushed(exchanging):
+        with unflushed(mode):
             recover(out, RESERVED)
         tally.add(check(out, expected, NEW))
     return tally

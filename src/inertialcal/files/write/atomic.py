@@ -6,6 +6,7 @@ kill the lock is free, and the next write into the same place removes what is le
 
 from __future__ import annotations
 
+import errno
 import os
 import re
 import secrets
@@ -26,7 +27,7 @@ except ImportError:  # no locks: folders of other processes are left alone
 
 PART = re.compile(r"\.inertialcal-[0-9a-f]{16}\.part")
 POLL = 0.02  # [s] between two looks at a lock
-NO_FOLDER_SYNC = 22, 95  # EINVAL, EOPNOTSUPP: file systems that cannot flush a folder
+NO_FOLDER_SYNC = errno.EINVAL, errno.EOPNOTSUPP, errno.ENOTSUP  # file systems that cannot flush a folder
 
 
 @contextmanager
@@ -65,14 +66,23 @@ def atomic_write(
             if mode is not None:
                 aside.chmod(mode)
             with interruption.held():
-                if new:
-                    os.link(aside, target)
-                else:
-                    aside.replace(target)
+                _put_new(aside, target) if new else aside.replace(target)
                 interruption.note(path)
                 sync(target.parent)
     except OSError as error:
         raise StoreError(f"cannot be written: {error.strerror or error}", where=str(path), code="not_written") from None
+
+
+def _put_new(aside: Path, target: Path) -> None:
+    """Give a file its name, unless that is taken."""
+    try:
+        os.link(aside, target)
+    except FileExistsError:
+        raise
+    except OSError:  # no links here
+        if os.path.lexists(target):
+            raise FileExistsError(errno.EEXIST, os.strerror(errno.EEXIST)) from None
+        aside.rename(target)
 
 
 def _mode(target: Path) -> int | None:

@@ -165,7 +165,6 @@ def replace_folder(target: Path, files: Mapping[str, bytes], reserved: re.Patter
             with interruption.held():
                 os.rename(new, ready)
                 try:
-                    sync(parent)
                     old = _put_in_place(ready, target)
                 except BaseException:
                     if Manifest.read(ready) == manifest:  # not in place

@@ -14,7 +14,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from exchanges import STATES, Expected, Tally, check, kills, kills_of_recovery, plant, replays
+from exchanges import MODES, STATES, Expected, Tally, check, kills, kills_of_recovery, plant, replays
 from forked import program, warm
 
 from inertialcal.campaign.file.example import copy_example
@@ -23,7 +23,7 @@ from inertialcal.files.write.exchange import Manifest
 
 FULL = os.environ.get("INERTIALCAL_TORTURE") == "full"
 TALLIES: list[tuple[str, Tally]] = []
-BOTH = pytest.mark.parametrize("exchanging", [True, False], ids=["renameat2", "two renames"])
+EACH = pytest.mark.parametrize("mode", MODES)
 STATE = pytest.mark.parametrize("state", STATES)
 STEP = 1 if FULL else 9  # system calls
 AGAIN = 150 if FULL else 3
@@ -42,26 +42,26 @@ def _table() -> Iterator[None]:
             print(f"{name:52}{one.tried:7}{old:7}{new:7}{one.tried - old - new:8}")
 
 
-@BOTH
+@EACH
 @STATE
-def test_a_kill_at_a_system_call_leaves_the_old_or_the_new(tmp_path: Path, state: str, exchanging: bool) -> None:
-    first = 1 + (list(STATES).index(state) + exchanging) % STEP
-    tally = kills(tmp_path / "campaign", state, exchanging, STEP, first)
-    TALLIES.append((f"killed: {state}, {'renameat2' if exchanging else 'two renames'}", tally))
+def test_a_kill_at_a_system_call_leaves_the_old_or_the_new(tmp_path: Path, state: str, mode: str) -> None:
+    first = 1 + (list(STATES).index(state) + MODES.index(mode)) % STEP
+    tally = kills(tmp_path / "campaign", state, mode, STEP, first)
+    TALLIES.append((f"killed: {state}, {mode}", tally))
 
 
-@BOTH
+@EACH
 @STATE
-def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, exchanging: bool) -> None:
-    tally = kills_of_recovery(tmp_path / "campaign", state, exchanging, random.Random(5), AGAIN)
-    TALLIES.append((f"killed 3 times: {state}, {'renameat2' if exchanging else 'two renames'}", tally))
+def test_a_kill_of_the_recovery_does_no_more(tmp_path: Path, state: str, mode: str) -> None:
+    tally = kills_of_recovery(tmp_path / "campaign", state, mode, random.Random(5), AGAIN)
+    TALLIES.append((f"killed 3 times: {state}, {mode}", tally))
 
 
-@BOTH
+@EACH
 @STATE
-def test_a_disk_after_a_crash_holds_the_old_or_the_new(tmp_path: Path, state: str, exchanging: bool) -> None:
-    tally = replays(tmp_path / "campaign", state, exchanging, random.Random(7), DRAWS, EVERY)
-    TALLIES.append((f"image: {state}, {'renameat2' if exchanging else 'two renames'}", tally))
+def test_a_disk_after_a_crash_holds_the_old_or_the_new(tmp_path: Path, state: str, mode: str) -> None:
+    tally = replays(tmp_path / "campaign", state, mode, random.Random(7), DRAWS, EVERY)
+    TALLIES.append((f"image: {state}, {mode}", tally))
 
 
 def _run(folder: Path, fresh: bool) -> int:
