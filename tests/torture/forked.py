@@ -38,11 +38,9 @@ ANSWERED = frozenset({0, 1, 4})
 # Codes of refusals that say: the bytes or the syntax are not those of the format. All others come after the parser.
 PARSER = frozenset(
     {
-        "absurd_density", "absurd_length", "bad_argument", "bad_card", "bad_header", "checksum", "damaged_file",
-        "different_length", "edited", "empty_file", "header_disagrees", "missing_file", "missing_header",
-        "newer_schema", "no_recordings", "not_json", "not_numbers", "not_text", "not_toml", "not_unique", "not_yaml",
-        "old_schema", "ragged_row", "refused", "schema", "schema_version", "text_in_numbers", "too_large",
-        "truncated", "unknown_format", "unsupported_format", "wrong_shape",
+        "bad_card", "bad_header", "checksum", "damaged_file", "empty_file", "header_disagrees", "missing_file",
+        "missing_header", "not_json", "not_text", "not_toml", "not_yaml", "old_schema", "ragged_row", "refused",
+        "schema", "schema_version", "text_in_numbers", "too_large", "too_many", "truncated", "unsupported_format",
     }
 )  # fmt: skip
 WARNED = re.compile(r"Traceback \(most recent|\b\w*Warning: |Exception ignored")
