@@ -512,7 +512,8 @@ def _special_files() -> Iterator[Special]:
                 def check(
                     folder: Path, _: Ran, kind: str = kind, path: str = path, outputs: tuple[str, ...] = outputs
                 ) -> list[str]:
-                    kept = kind == "folder" or path in outputs or _is_special(folder / path)
+                    place = folder / path  # `run` may move it aside, into out/kept-1
+                    kept = kind == "folder" or path in outputs or any(map(_is_special, place.parent.rglob(place.name)))
                     return [] if kept else [f"{path} is lost"]
 
                 yield Special(f"special file, {what}: {kind}", command, prepare, outputs=outputs, check=check)
