@@ -90,5 +90,5 @@ def test_the_demonstrations_run(capsys: pytest.CaptureFixture[str], tmp_path: Pa
     assert "INCONCLUSIVE" in out
     status, out, _ = call(capsys, "demo", "sams_tsh", "-o", str(tmp_path / "demo"))
     assert status == 0
-    assert "what was found beside the truth that was simulated" in out
+    assert "the results and the simulated truth" in out
     assert "stated 95 % intervals hold the truth" in out

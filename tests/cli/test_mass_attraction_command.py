@@ -65,6 +65,17 @@ def test_like_the_campaign_of_a_rig_it_gives_the_rows_of_the_campaign(folder: Pa
     assert json.loads(json.dumps(named)) == [{**row, "test": ""} for row in json.loads(json.dumps(own))]
 
 
+def test_options_of_the_mass_hold_with_like_too(folder: Path) -> None:
+    paths = [folder / f"recordings/{run.name}.csv" for run in RUNS]
+    found = ic.mass_attraction(paths, like=str(folder), null=[paths[0].name])
+    assert {one.name: one.moved for one in found.result.responses} == {run.name: run is not RUNS[0] for run in RUNS}
+    one = folder / "recordings/run1.csv"
+    with pytest.raises(InertialcalError, match="before its schedule"):
+        ic.mass_attraction(one, like=str(folder), begin="2010-04-28T23:00:00Z")
+    with pytest.raises(InertialcalError, match="the campaign states the gate"):
+        ic.mass_attraction(one, like=str(folder), gate="100 s")
+
+
 def test_python_draws_it(folder: Path) -> None:
     paths = [folder / f"recordings/run{i}.csv" for i in range(1, 4)]
     found = ic.mass_attraction(paths, schedule=str(folder / "schedule.csv"), **SAID)

@@ -110,19 +110,19 @@ def _refused(given: list[str], error: Exception) -> int:
         return UsageError.exit_status
     if hasattr(error, "format_message"):
         return errors_out(given, [Problem(error.format_message(), do=_help(error))], UsageError.exit_status, as_json)
-    if isinstance(error, MemoryError):
-        return errors_out(given, [Problem("not enough memory for this input", code="too_large")], 3, as_json)
-    if isinstance(error, OSError) and (said := _outside(error)) is not None:
-        return errors_out(given, [said], 3, as_json)
+    if (refusal := _outside(error)) is not None:
+        return errors_out(given, [refusal], 3, as_json)
     what = f"internal error ({name}): this is a fault of inertialcal, not of your input"
     return errors_out(given, [Problem(what, do=_logged(error), code="internal")], 70, as_json)
 
 
-def _outside(error: OSError) -> Problem | None:
+def _outside(error: Exception) -> Problem | None:
     """Return what the system refuses; None for a fault of ours."""
     from ..core.errors import Problem
 
-    if error.errno in OUTSIDE:
+    if isinstance(error, MemoryError):
+        return Problem("not enough memory for this input", code="too_large")
+    if isinstance(error, OSError) and error.errno in OUTSIDE:
         return Problem(str(error.strerror), where=str(error.filename or ""), code="not_accessible")
     if "MPLCONFIGDIR" in str(error):  # of matplotlib, which needs a folder
         do = "Set TMPDIR or MPLCONFIGDIR to a folder that can be written"

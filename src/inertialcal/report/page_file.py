@@ -100,7 +100,7 @@ def find_page(path: str | os.PathLike[str]) -> PageFile | None:
     except (ValueError, RecursionError, TypeError, AttributeError):
         raise DataError("not the head of a report", str(place), do=AGAIN, code="schema") from None
     remarks = tuple(
-        Remark("other_run", "warning", f"{file} beside it is not the one that the report shows", str(place), do=AGAIN)
+        Remark("other_run", "warning", f"{file} next to it belongs to another run", str(place), do=AGAIN)
         for name, file in FILES.items()
         if (there := _checksum_of(place.with_name(file))) is not None and there != said[name]
     )

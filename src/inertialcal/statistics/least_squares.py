@@ -236,7 +236,7 @@ def _cholesky(covariance: Array, n: int) -> Array:
         raise DataError(
             f"covariance of the {n} readings is not positive definite",
             why="some combination of them would be known exactly",
-            do="Add the part of the uncertainty that each reading has of its own",
+            do="Add the independent part of the uncertainty of each reading",
         ) from None
 
 

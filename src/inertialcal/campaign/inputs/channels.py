@@ -140,7 +140,7 @@ def _timed(recording: Recording, clock: Clock) -> Recording:
     seen = recording.sample_interval
     if clock.interval and seen and abs(clock.interval / seen - 1.0) > SAME_INTERVAL:
         what = f"clock.interval is {clock.interval:g} s, but the stamps are {seen:g} s apart"
-        raise DataError(what, recording.source.path, do="Mend the one that is wrong", code="clock_disagrees")
+        raise DataError(what, recording.source.path, do="Correct clock.interval, or the stamps", code="clock_disagrees")
     interval = clock.interval or seen
     averaging = clock.averaging if clock.averaging is not None else recording.averaging_time
     recording = replace(recording, sample_interval=interval, averaging_time=averaging)

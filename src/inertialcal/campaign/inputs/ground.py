@@ -117,8 +117,8 @@ def _polynomials(
         )
     if scales and ideal is None:
         what = f"gains.{gain}.scale_factor needs scale_factor in the chain"
-        why = "readings were made with that one, and are corrected by the ratio of both"
-        raise DataError(what, why=why, do="Give the one that the readings were made with", code="missing_key")
+        why = "the ratio of both corrects the readings"
+        raise DataError(what, why=why, do="State the scale factor that made the readings", code="missing_key")
     found: dict[str, Polynomials] = {}
     for axis, texts in given.bias.items():
         scale = np.ones(1)
@@ -191,7 +191,7 @@ def _of_one_gain(recording: Recording, axes: Sequence[str], name: str) -> Record
         one = changes[axis]
         when = f"{name}: {(one.time_ns - blocks.start_ns) / SECOND:.0f} s after the start"
         what = f"level and scatter of {axis} change by a factor of {one.level:.3g}: {axis} is not read"
-        do = "Cut the record there (--from, --to), or record the gain beside it"
+        do = "Cut the record there (--from, --to), or record the gain as a channel"
         remarks.append(Remark("gain_changed", "warning", what, when, do=do, axis=axis))
         empty = replace(recording.channel(axis), data=np.full(len(recording), np.nan))
         channels = tuple(empty if c.name == axis else c for c in recording.channels)
@@ -208,5 +208,7 @@ def _applied(recording: Recording, entry: RecordingEntry, name: str) -> tuple[Co
             f"recordings.{name}.applied says {', '.join(entry.applied) or 'nothing'}, the file says "
             f"{', '.join(recording.applied)}: the campaign was followed"
         )
-        return entry.applied, [Remark("applied_disagrees", "warning", what, name, do="Mend the one that is wrong")]
+        return entry.applied, [
+            Remark("applied_disagrees", "warning", what, name, do="Correct the campaign or the file")
+        ]
     return entry.applied, []

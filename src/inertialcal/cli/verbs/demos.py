@@ -76,8 +76,8 @@ def _print_scored(outcome: Any, found: Any) -> None:
 
     model = [row for row in found.rows if row["test"] == "model" or _of_others(row)]
     model = model if any(row["test"] == "model" for row in model) else []
-    what = "the model that was found" if model else "what was found"
-    print(f"\n{outcome.results['campaign']['title']}: {what} beside the truth that was simulated")
+    what = "the model" if model else "the results"
+    print(f"\n{outcome.results['campaign']['title']}: {what} and the simulated truth")
     print(truth_table(model or found.rows))
     print(f"\n{held_text(found)}")
     print(f"\n{closed_loop_text(outcome.results)}")

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import PurePath
+from typing import Any
 
 from ...core.errors import UsageError
 from ...core.key import AXES
@@ -40,20 +42,45 @@ def described(given: GivenFile, spec: InputSpec) -> Described:
     found = described_by_unit(replace(given, said=replace(said, columns=columns, chain=chain)), spec)
     if not found.sensor["chain"].get("scale_factor"):
         found.sensor["unit"] = UNIT
-    mass: dict[str, object] = {"schedule": own["schedule"]}
-    if own.get("begin") is not None:
-        mass["begin"] = own["begin"]
-    at_rest = set(own.get("null") or ())
-    if at_rest & _called(given.name):
+    mass: dict[str, object] = {name: own[name] for name in ("schedule", "begin") if own.get(name) is not None}
+    if _at_rest(given):
         mass["moved"] = False
-    if unknown := at_rest.difference(*map(_called, given.names)):
-        do = "Name files that are given; the order does not matter"
-        raise UsageError(f"{given.add('null', unknown.pop())}: no such file among those given", do=do, code="no_file")
     entry = found.entry | {"mass": mass}
     if own.get("stamp") is not None:
         gate = {} if own.get("gate") is None else {"averaging": own["gate"]}
         entry["clock"] = {"stamp": own["stamp"]} | gate
     return replace(found, entry=entry)
+
+
+def like(given: GivenFile, entry: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the entry of another campaign, with the schedule, its start, the stamps and the runs at rest of this file.
+
+    Raises
+    ------
+    UsageError
+        If a gate is given: it belongs to the chain of the sensor, which the campaign states.
+    """
+    own, found = given.own, dict(entry)
+    if own.get("gate") is not None:
+        what = f"{given.add('gate', own['gate'])}: the campaign states the gate"
+        raise UsageError(what, do="Leave it out, or change the chain of its sensor", code="option_without_effect")
+    mass = {name: own[name] for name in ("schedule", "begin") if own.get(name) is not None}
+    if own.get("null"):
+        mass["moved"] = not _at_rest(given)
+    if mass:
+        found["mass"] = {**entry.get("mass", {}), **mass}
+    if own.get("stamp") is not None:
+        found["clock"] = {**entry.get("clock", {}), "stamp": own["stamp"]}
+    return found
+
+
+def _at_rest(given: GivenFile) -> bool:
+    """Return whether the mass was at rest in a file."""
+    at_rest = set(given.own.get("null") or ())
+    if unknown := at_rest.difference(*map(_called, given.names)):
+        do = "Name files that are given; the order does not matter"
+        raise UsageError(f"{given.add('null', unknown.pop())}: no such file among those given", do=do, code="no_file")
+    return bool(at_rest & _called(given.name))
 
 
 def _columns(given: GivenFile, spec: InputSpec) -> dict[str, str]:

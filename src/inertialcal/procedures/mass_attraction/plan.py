@@ -62,7 +62,7 @@ class Plan:
         None, example="8",
     )  # fmt: skip
     floor: float = setting(
-        "Smallest response, in standard uncertainties, that can be told from noise.", 3.0, above=0.0, example="3"
+        "Smallest response that counts as a signal, in standard uncertainties.", 3.0, above=0.0, example="3"
     )
     scatter: Scatter = setting(
         "Source of the uncertainty of several runs: their scatter, or the noise next to the line of each.",

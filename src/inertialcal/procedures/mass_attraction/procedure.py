@@ -12,6 +12,7 @@ from .plan import INFLUENCES, Plan, SaidMass
 
 if TYPE_CHECKING:
     from ...core.errors import Problem
+    from ...core.remarks import Remark
     from ...core.results import WrittenRow
     from ...core.show.rows import Sentence
     from ..entries import Entry, EntryKey, SaidSensor, SaidTest
@@ -58,6 +59,12 @@ class MassAttraction(Procedure[Plan, "Readings", "Result"]):
         from .given import described
 
         return [described(given, self.inputs)]
+
+    def like(self, given: GivenFile, entry: Mapping[str, Any]) -> tuple[dict[str, Any], Sequence[Remark]]:
+        """Return an entry of another campaign, with what is given of this file."""
+        from .given import like
+
+        return like(given, entry), ()
 
     def plan_fields(self, facts: Facts) -> dict[str, Any]:
         """Return the input axis and the scale factor of the data sheet, with the standards."""

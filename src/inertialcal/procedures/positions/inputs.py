@@ -297,6 +297,6 @@ def _oriented(readings: Readings, pairs: Sequence[Sequence[Part]]) -> Readings:
     if len(found) != len(readings):
         listed = ", ".join(readings.where[:12]) + (", ..." if len(readings) > 12 else "")
         what = f"{len(found)} orientations for {len(readings)} positions"
-        do = 'Give one for each, "?" for one that is not known; or plan = { shortest = ... } for other rests'
+        do = 'Give one for each position, "?" where it is unknown; or plan = { shortest = ... } for other rests'
         raise DataError(what, where, f"they were found at: {listed}", do, "wrong_value")
     return replace(readings, direction=found if np.isfinite(found).any() else None)

@@ -141,7 +141,7 @@ def _relative(plan: Plan) -> list[Remark]:
     if plan.kind is None or SCALE in plan.standards:
         return []
     what = "scale factor without a stated uncertainty: noise terms are relative to it"
-    return [Remark("relative_to_fixture", "info", what, do="Add its uncertainty: standard sensor.scale_factor")]
+    return [Remark("relative_to_fixture", "info", what, do='Add its uncertainty: --standard sensor.scale_factor="..."')]
 
 
 def _of_axis(one: AxisNoise) -> Estimate | None:

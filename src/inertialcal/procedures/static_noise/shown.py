@@ -63,6 +63,11 @@ def blocks(found: Reduced) -> dict[str, FilterBlock]:
     return {one: filter_block(found, one, found.shown.horizon) for one in wanted}
 
 
+def _heading(test: Test) -> str:
+    """Return the sensor of a test; "noise" for one whose kind nothing states."""
+    return "noise" if test.id == "static_noise" else test.id
+
+
 def _rows(found: Reduced, test: Test) -> list[Row]:
     return [row for row in found.rows if row.test == test.id]
 
@@ -71,7 +76,7 @@ def _terms(found: Reduced, test: Test) -> Iterator[str]:
     """Yield what there is to say of the terms of a sensor."""
     readings, result = test.readings, test.result
     several = f" in {len(readings)} records" if len(readings) > 1 else ""
-    yield f"{test.id}: {duration(readings.length)} at {number(1.0 / readings.records[0].interval)} Hz{several}"
+    yield f"{_heading(test)}: {duration(readings.length)} at {number(1.0 / readings.records[0].interval)} Hz{several}"
     every = _rows(found, test)
     rows = [row for row in every if row.case.plain]
     inside = {row.key: row for row in result.rows() if row.case.plain}
@@ -141,11 +146,11 @@ def _spectrum(found: Reduced, test: Test) -> Iterator[str]:
     records = [(one.axis, record.spectral) for one in test.result.axes for record in one.records]
     spectra = [(axis, one.spectrum) for axis, one in records if one.spectrum is not None]
     if not spectra:
-        yield f"{test.id}: no spectrum"
+        yield f"{_heading(test)}: no spectrum"
     else:
         first = spectra[0][1]
         yield _wrapped(
-            f"{test.id}: spectrum ({first.method}), {first.segments} segment(s) of "
+            f"{_heading(test)}: spectrum ({first.method}), {first.segments} segment(s) of "
             f"{number(first.segment * first.interval, 4)} s, {number(first.edf, 3)} degrees of freedom a value; "
             f"means over bands [{density_unit(unit)}]"
         )

@@ -119,7 +119,7 @@ def _remarks(plan: Plan, readings: Readings, axis: str, law: Law, start_up: Star
     if not law.midway:
         way = {1: "warming", -1: "cooling"}[cells.ways[0]]
         what = f"{axis} sensor: only {way} was seen: midway between warming and cooling is not known"
-        do = f"Ramp the other way too, or state sensor.hysteresis; what holds while {way} stands beside"
+        do = f"Ramp the other way too, or state sensor.hysteresis; results while {way} are listed apart"
         found.append(Remark("one_path", "warning", what, readings.where, do=do))
     elif cells.left_out.get("one_path"):
         low, high = cells.range
